@@ -1,0 +1,2 @@
+//! The command `splatvol`.
+fn main() {}

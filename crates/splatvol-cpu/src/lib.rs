@@ -1,0 +1,1 @@
+//! The CPU engine: tiles, sheets, SIMD splatting, shading and compositing.

@@ -1,0 +1,1 @@
+//! Readers and writers: volumes, transfer functions and images.

@@ -1,0 +1,43 @@
+//! The one error type of this crate.
+
+/// Why a scene part cannot be built. The text names the field and the value that is wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// A field holds a value outside its domain.
+    #[error("{field}: {value} is not allowed ({expected})")]
+    InvalidField {
+        /// Name of the field, as users know it.
+        field: &'static str,
+        /// The offending value.
+        value: String,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// The number of samples does not fit the dimensions.
+    #[error("dims {dims:?} need {expected} samples, found {found}")]
+    SampleCount {
+        /// Dimensions x y z.
+        dims: [usize; 3],
+        /// Product of the dimensions.
+        expected: usize,
+        /// Samples present.
+        found: usize,
+    },
+    /// No sample of the volume is a finite number.
+    #[error("the volume has no finite sample (all of its {count} samples are NaN or infinite)")]
+    NoFiniteSample {
+        /// Samples present.
+        count: usize,
+    },
+}
+
+impl SceneError {
+    pub(crate) fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Self {
+        Self::InvalidField {
+            field,
+            value: format!("{value:?}"),
+            expected,
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Everything that describes a picture before it is made: validated inputs, plain settings, and the images
+//! that come out.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`grid`] | where samples lie: dimensions and `world_from_voxel` |
+//! | [`volume`] | samples on a grid, in their own type, with value range and statistics |
+//! | [`camera`] | `camera_from_world` and the projection to pixels |
+//! | [`transfer_function`] | piecewise colour and opacity per unit distance; named maps; automatic choice |
+//! | [`lighting`] | the Phong model that engines and reference share |
+//! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
+//! | [`scene`] | volume + transfer function |
+//! | [`image`] | linear premultiplied float images, frames with depth |
+//!
+//! # Spaces and units
+//!
+//! *voxel*: continuous index, sample centres at integers, x fastest. *world*: the data's own physical unit,
+//! right-handed, RAS+ where the file says so. *camera*: x right, y down, z forward, same unit as world.
+//! *screen*: pixels, origin top-left, pixel centres at +0.5. *depth* is camera z. `a_from_b` names a matrix that
+//! maps points of space b into space a.
+//!
+//! Constructors are fallible; what they return can be rendered without further errors.
+#![forbid(unsafe_code)]
+
+pub mod camera;
+mod error;
+pub mod grid;
+pub mod image;
+pub mod lighting;
+pub mod scene;
+pub mod settings;
+pub mod transfer_function;
+pub mod volume;
+
+pub use camera::{Camera, Projection, ScreenFromCamera, View};
+pub use error::SceneError;
+pub use grid::{Bounds, Grid, LengthUnit};
+pub use image::{Frame, Image, ImageSize};
+pub use lighting::Lighting;
+pub use scene::Scene;
+pub use settings::{Classification, Compositing, Filter, Kernel, RenderSettings};
+pub use transfer_function::{ColorPoint, OpacityPoint, TransferFunction};
+pub use volume::{Rescale, Samples, Statistics, Volume};

@@ -1,0 +1,292 @@
+//! Samples on a grid, kept in the type they came in.
+//!
+//! Real values are `slope * stored + intercept` ([`Rescale`]). Samples that are NaN or infinite are *missing*:
+//! they carry no weight in the reconstruction, exactly as if they lay outside the volume, and they are counted in
+//! [`Statistics::non_finite`].
+
+use crate::{Grid, LengthUnit, SceneError};
+
+/// Stored samples, x fastest.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(missing_docs, reason = "the variants are their element types")]
+pub enum Samples {
+    U8(Vec<u8>),
+    I8(Vec<i8>),
+    U16(Vec<u16>),
+    I16(Vec<i16>),
+    U32(Vec<u32>),
+    I32(Vec<i32>),
+    F32(Vec<f32>),
+    F64(Vec<f64>),
+}
+
+/// Runs `$body` with `$data` bound to the typed vector inside a [`Samples`]: the one place where sample types are
+/// told apart.
+#[macro_export]
+macro_rules! with_samples {
+    ($samples:expr, $data:ident => $body:expr) => {
+        match $samples {
+            $crate::Samples::U8($data) => $body,
+            $crate::Samples::I8($data) => $body,
+            $crate::Samples::U16($data) => $body,
+            $crate::Samples::I16($data) => $body,
+            $crate::Samples::U32($data) => $body,
+            $crate::Samples::I32($data) => $body,
+            $crate::Samples::F32($data) => $body,
+            $crate::Samples::F64($data) => $body,
+        }
+    };
+}
+
+impl Samples {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        with_samples!(self, data => data.len())
+    }
+
+    /// True where there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Name of the element type: `u8`, `i16`, `f32`...
+    pub fn type_name(&self) -> &'static str {
+        match self {
+            Self::U8(_) => "u8",
+            Self::I8(_) => "i8",
+            Self::U16(_) => "u16",
+            Self::I16(_) => "i16",
+            Self::U32(_) => "u32",
+            Self::I32(_) => "i32",
+            Self::F32(_) => "f32",
+            Self::F64(_) => "f64",
+        }
+    }
+
+    /// Bytes per sample.
+    pub fn bytes_per_sample(&self) -> usize {
+        match self {
+            Self::U8(_) | Self::I8(_) => 1,
+            Self::U16(_) | Self::I16(_) => 2,
+            Self::U32(_) | Self::I32(_) | Self::F32(_) => 4,
+            Self::F64(_) => 8,
+        }
+    }
+}
+
+/// `real = slope * stored + intercept`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rescale {
+    /// Factor; not zero.
+    pub slope: f64,
+    /// Offset in real units.
+    pub intercept: f64,
+}
+
+impl Rescale {
+    /// Real value of a stored one.
+    #[inline]
+    pub fn apply(&self, stored: f64) -> f64 {
+        self.slope * stored + self.intercept
+    }
+}
+
+impl Default for Rescale {
+    fn default() -> Self {
+        Self {
+            slope: 1.0,
+            intercept: 0.0,
+        }
+    }
+}
+
+/// What one pass over the samples found, in real (rescaled) values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statistics {
+    /// Smallest finite value.
+    pub min: f64,
+    /// Largest finite value.
+    pub max: f64,
+    /// Mean of the finite values.
+    pub mean: f64,
+    /// Samples that are NaN or infinite, hence missing.
+    pub non_finite: usize,
+}
+
+/// A validated scalar volume.
+#[derive(Debug, Clone)]
+pub struct Volume {
+    grid: Grid,
+    samples: Samples,
+    rescale: Rescale,
+    unit: LengthUnit,
+    statistics: Statistics,
+}
+
+impl Volume {
+    /// Volume of `samples` (x fastest) on `grid`.
+    ///
+    /// # Errors
+    /// A sample count that does not fit the dims, a rescale that is zero or not finite, or no finite sample.
+    pub fn new(grid: Grid, samples: Samples, rescale: Rescale, unit: LengthUnit) -> Result<Self, SceneError> {
+        if samples.len() != grid.sample_count() {
+            return Err(SceneError::SampleCount {
+                dims: grid.dims(),
+                expected: grid.sample_count(),
+                found: samples.len(),
+            });
+        }
+        if !(rescale.slope.is_finite() && rescale.slope != 0.0) {
+            return Err(SceneError::invalid("slope", rescale.slope, "finite and not zero"));
+        }
+        if !rescale.intercept.is_finite() {
+            return Err(SceneError::invalid("intercept", rescale.intercept, "finite"));
+        }
+        let statistics = statistics(&samples, rescale)?;
+        Ok(Self {
+            grid,
+            samples,
+            rescale,
+            unit,
+            statistics,
+        })
+    }
+
+    /// Where the samples lie.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The stored samples, x fastest.
+    pub fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    /// How stored samples become real values.
+    pub fn rescale(&self) -> Rescale {
+        self.rescale
+    }
+
+    /// Unit of world lengths.
+    pub fn unit(&self) -> LengthUnit {
+        self.unit
+    }
+
+    /// Range, mean and missing samples, in real values.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Smallest and largest finite real value.
+    pub fn value_range(&self) -> [f64; 2] {
+        [self.statistics.min, self.statistics.max]
+    }
+
+    /// Real value of sample `index` (x fastest); NaN or infinite where missing.
+    pub fn value(&self, index: usize) -> f64 {
+        self.rescale
+            .apply(with_samples!(&self.samples, data => widen(data[index])))
+    }
+
+    /// Counts of the finite samples in `bins` equal bins over [`Volume::value_range`].
+    pub fn histogram(&self, bins: usize) -> Vec<u64> {
+        let [low, high] = self.value_range();
+        let mut counts = vec![0; bins];
+        let scale = if high > low {
+            bins as f64 / (high - low)
+        } else {
+            0.0
+        };
+        with_samples!(&self.samples, data => for &sample in data {
+            let value = self.rescale.apply(widen(sample));
+            if value.is_finite() {
+                counts[(((value - low) * scale) as usize).min(bins - 1)] += 1;
+            }
+        });
+        counts
+    }
+}
+
+/// Lossless (from the types of [`Samples`]) conversion to f64.
+#[inline(always)]
+pub fn widen<T: Into<f64>>(sample: T) -> f64 {
+    sample.into()
+}
+
+fn statistics(samples: &Samples, rescale: Rescale) -> Result<Statistics, SceneError> {
+    let (mut low, mut high, mut sum, mut finite) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0usize);
+    with_samples!(samples, data => for &sample in data {
+        let value = widen(sample);
+        if value.is_finite() {
+            low = low.min(value);
+            high = high.max(value);
+            sum += value;
+            finite += 1;
+        }
+    });
+    if finite == 0 {
+        return Err(SceneError::NoFiniteSample { count: samples.len() });
+    }
+    let ends = [rescale.apply(low), rescale.apply(high)];
+    // The mean is kept inside the range: sums of huge values may overflow to infinity.
+    let mean = rescale.apply((sum / finite as f64).clamp(low, high));
+    let (min, max) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    if !(max - min).is_finite() {
+        return Err(SceneError::invalid("value range", [min, max], "a finite width"));
+    }
+    Ok(Statistics {
+        min,
+        max,
+        mean,
+        non_finite: samples.len() - finite,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn volume(samples: Samples, rescale: Rescale) -> Result<Volume, SceneError> {
+        let grid = Grid::centred([samples.len().max(1), 1, 1], DVec3::ONE)?;
+        Volume::new(grid, samples, rescale, LengthUnit::Unknown)
+    }
+
+    #[test]
+    fn missing_samples_are_counted_and_left_out() {
+        let samples = Samples::F32(vec![1.0, f32::NAN, 5.0, f32::NEG_INFINITY]);
+        let volume = volume(
+            samples,
+            Rescale {
+                slope: -2.0,
+                intercept: 1.0,
+            },
+        )
+        .unwrap();
+        assert_eq!(
+            volume.statistics(),
+            Statistics {
+                min: -9.0,
+                max: -1.0,
+                mean: -5.0,
+                non_finite: 2
+            }
+        );
+        assert_eq!(volume.histogram(4), [1, 0, 0, 1]);
+    }
+
+    #[test]
+    fn a_volume_of_nothing_is_refused() {
+        let error = volume(Samples::F64(vec![f64::NAN; 3]), Rescale::default()).unwrap_err();
+        assert_eq!(error, SceneError::NoFiniteSample { count: 3 });
+        let error = volume(
+            Samples::U8(vec![1]),
+            Rescale {
+                slope: 0.0,
+                intercept: 0.0,
+            },
+        )
+        .unwrap_err();
+        assert!(error.to_string().starts_with("slope: 0.0"));
+    }
+}

@@ -1,0 +1,1 @@
+//! Analytic fields and the comparison kit of the tests.

@@ -1,0 +1,2 @@
+//! Development tasks of splatvol.
+fn main() {}
