@@ -2,13 +2,12 @@
 //!
 //! A directional light over two-sided surfaces, both fixed to the camera: l points to the light, `v = -z` to the
 //! viewer (also in perspective), `h = (l + v) / |l + v|`. With g the gradient of the value field in camera space,
-//! in value ranges per mean voxel spacing, and `n = g / sqrt(|g|^2 + floor^2)`, so that `|n|` runs from 0
-//! (homogeneous, no surface) to 1 (surface):
+//! in value ranges per mean voxel spacing, `n = g / |g|` and the *surfaceness* `a = |g|^2 / (|g|^2 + floor^2)`:
 //!
-//! `lit = c (ambient + diffuse (|n.l| + 1 - |n|)) + specular |n.h|^power`
+//! `lit = c (ambient + diffuse (1 - a + a |n.l|)) + specular a |n.h|^power`
 //!
-//! Where there is no surface light leaves equally in all directions (the isotropic phase function), so flat noisy
-//! regions do not flicker with the direction of tiny gradients, as they do in `g / |g|`.
+//! Where there is no surface (a = 0) light leaves equally in all directions, the isotropic phase function: flat
+//! noisy regions do not flicker with the direction of tiny gradients, as they do in plain Phong. White light.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +32,7 @@ pub struct Lighting {
 impl Default for Lighting {
     fn default() -> Self {
         Self {
+            direction: [0.0, 0.0, -1.0],
             ambient: 0.25,
             diffuse: 0.75,
             specular: 0.15,
