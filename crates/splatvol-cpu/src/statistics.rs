@@ -1,0 +1,45 @@
+//! What a frame took: seconds per stage and counts, for `--stats` and for tests of the pipeline's work.
+
+use serde::Serialize;
+
+/// Wall-clock seconds per stage. Stages that run inside tiles are summed over threads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct StageSeconds {
+    /// Samples to kernel coefficients; zero where an earlier frame's are still right.
+    pub prefilter: f64,
+    /// Transfer-function tables, per-brick visibility.
+    pub classify: f64,
+    /// Bricks projected and sorted into tile lists.
+    pub bin: f64,
+    /// Voxels to sheets, summed over threads.
+    pub splat: f64,
+    /// Sheets classified, lit and composited, summed over threads.
+    pub shade: f64,
+    /// The whole tile loop, wall clock.
+    pub tiles: f64,
+    /// The whole frame, wall clock.
+    pub total: f64,
+}
+
+/// Times and counts of the last frame.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct RenderStatistics {
+    /// Where the time went.
+    pub seconds: StageSeconds,
+    /// Threads of the pool.
+    pub threads: usize,
+    /// SIMD level chosen at run time.
+    pub simd: String,
+    /// Bricks of the volume.
+    pub bricks: usize,
+    /// Bricks that can be seen with this transfer function.
+    pub active_bricks: usize,
+    /// Sheets from front to back.
+    pub sheets: usize,
+    /// Tiles of the picture.
+    pub tiles: usize,
+    /// Voxels activated, summed over tiles.
+    pub voxels: u64,
+    /// Footprint slices splatted, summed over tiles and sheets.
+    pub slices: u64,
+}
