@@ -5,9 +5,16 @@
 //! `sharpness` (0.5 and 0: linear); outside the first and last point they are constant. Colours are sRGB, as
 //! colour maps are, and interpolated as such.
 
+mod colormap;
+mod colormap_tables;
+mod named_opacity;
+mod presets;
+
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
+pub use colormap::ColorMap;
+pub use named_opacity::OpacityCurve;
 
 /// A point of the colour curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
