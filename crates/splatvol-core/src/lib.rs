@@ -1,1 +1,23 @@
-//! What the engines share: kernels, prefilter, footprints, classification, culling.
+//! What the engines share: from samples, kernel, transfer function and camera to footprints in tile lists.
+//!
+//! | stage | module | from | to |
+//! |---|---|---|---|
+//! | prefilter | [`coefficients`] | samples | kernel coefficients |
+//! | classify | [`classification`] | transfer function | tables of extinction and emission integrals |
+//! | cull | [`brick`] | coefficients, tables | bricks that can be seen |
+//! | project | [`footprint`], [`sheets`] | grid, kernel, camera | the one footprint type, sliced by sheets |
+//! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
+//!
+//! [`kernel`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
+//! knows nothing of where they came from.
+#![forbid(unsafe_code)]
+
+pub mod bin;
+pub mod brick;
+pub mod classification;
+pub mod coefficients;
+pub mod footprint;
+pub mod kernel;
+pub mod normal;
+mod prefilter;
+pub mod sheets;

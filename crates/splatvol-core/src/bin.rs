@@ -1,0 +1,190 @@
+//! Binning: bricks into lists per tile, front to back.
+
+use glam::{DAffine3, DVec2, DVec3};
+use splatvol_scene::{ImageSize, ScreenFromCamera};
+
+use crate::brick::BrickGrid;
+use crate::footprint::FootprintShape;
+use crate::sheets::SheetStack;
+
+/// The tiles of a picture, row by row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TileGrid {
+    /// Edge of a tile, pixels.
+    pub edge: usize,
+    /// Tiles per row.
+    pub columns: usize,
+    /// Rows of tiles.
+    pub rows: usize,
+    size: ImageSize,
+}
+
+/// A tile's pixels: x0 to x1 and y0 to y1, ends excluded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "four borders")]
+pub struct TileRect {
+    pub x0: usize,
+    pub y0: usize,
+    pub x1: usize,
+    pub y1: usize,
+}
+
+impl TileGrid {
+    /// Divides a picture.
+    pub fn new(size: ImageSize, edge: usize) -> Self {
+        let tiles = |pixels: u32| (pixels as usize).div_ceil(edge);
+        Self {
+            edge,
+            columns: tiles(size.width()),
+            rows: tiles(size.height()),
+            size,
+        }
+    }
+
+    /// Number of tiles.
+    pub fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// True for a grid without tiles (none exists: pictures are not empty).
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Pixels of a tile.
+    pub fn rect(&self, tile: usize) -> TileRect {
+        let (x0, y0) = (tile % self.columns * self.edge, tile / self.columns * self.edge);
+        TileRect {
+            x0,
+            y0,
+            x1: (x0 + self.edge).min(self.size.width() as usize),
+            y1: (y0 + self.edge).min(self.size.height() as usize),
+        }
+    }
+}
+
+/// A brick as the screen sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProjectedBrick {
+    /// Index in the [`BrickGrid`].
+    pub brick: u32,
+    /// First sheet that it can touch.
+    pub front_sheet: u32,
+    /// Pixels that it can touch: x0, y0, x1, y1, ends included.
+    pub rect: [f32; 4],
+}
+
+/// Everything that projection needs to know of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Projector<'a> {
+    /// Voxel to camera.
+    pub camera_from_voxel: DAffine3,
+    /// Camera to pixels.
+    pub screen: ScreenFromCamera,
+    /// Shape of every voxel's footprint.
+    pub shape: &'a FootprintShape,
+    /// Low-pass, pixels.
+    pub pixel_sigma: f64,
+    /// The frame's sheets.
+    pub sheets: SheetStack,
+}
+
+impl Projector<'_> {
+    /// Screen rectangle and front sheet of a brick; `None` behind the camera.
+    pub fn project(&self, bricks: &BrickGrid, brick: u32) -> Option<ProjectedBrick> {
+        let (first, end) = bricks.voxel_box(brick as usize);
+        let corner = |i: usize| {
+            let voxel = DVec3::from_array(std::array::from_fn(|axis| {
+                if i >> axis & 1 == 0 {
+                    first[axis] as f64
+                } else {
+                    (end[axis] - 1) as f64
+                }
+            }));
+            self.camera_from_voxel.transform_point3(voxel)
+        };
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for point in (0..8).map(corner) {
+            low = low.min(point);
+            high = high.max(point);
+        }
+        let reach = self.shape.lateral_reach().extend(self.shape.depth_reach());
+        let (low, high) = (low - reach, high + reach);
+        if high.z < self.sheets.first {
+            return None;
+        }
+        let near = low.z.max(self.sheets.first);
+        let scales = [self.screen.scale_at(near), self.screen.scale_at(high.z.max(near))];
+        let margin = self.shape.cut * self.pixel_sigma;
+        let bound = |value: DVec2, pick: fn(f64, f64) -> f64| {
+            let [a, b] = scales.map(|scale| value * scale);
+            DVec2::new(pick(a.x, b.x), pick(a.y, b.y)) + self.screen.centre
+        };
+        let (from, to) = (
+            bound(low.truncate(), f64::min) - margin,
+            bound(high.truncate(), f64::max) + margin,
+        );
+        Some(ProjectedBrick {
+            brick,
+            front_sheet: self.sheets.first_touched(low.z) as u32,
+            rect: [from.x as f32, from.y as f32, to.x as f32, to.y as f32],
+        })
+    }
+}
+
+/// Bricks per tile, by front sheet, then by brick.
+#[derive(Debug, Clone, Default)]
+pub struct TileLists {
+    offsets: Vec<u32>,
+    entries: Vec<u32>,
+    /// Projected bricks, by front sheet, then by brick; what the lists' entries index.
+    pub bricks: Vec<ProjectedBrick>,
+}
+
+impl TileLists {
+    /// Sorts projected bricks into tiles.
+    pub fn new(mut bricks: Vec<ProjectedBrick>, tiles: &TileGrid) -> Self {
+        bricks.sort_unstable_by_key(|b| (b.front_sheet, b.brick));
+        let mut offsets = vec![0u32; tiles.len() + 1];
+        for brick in &bricks {
+            for_each_tile(&brick.rect, tiles, |tile| offsets[tile + 1] += 1);
+        }
+        for tile in 0..tiles.len() {
+            offsets[tile + 1] += offsets[tile];
+        }
+        let mut next = offsets.clone();
+        let mut entries = vec![0u32; offsets[tiles.len()] as usize];
+        for (index, brick) in bricks.iter().enumerate() {
+            for_each_tile(&brick.rect, tiles, |tile| {
+                entries[next[tile] as usize] = index as u32;
+                next[tile] += 1;
+            });
+        }
+        Self {
+            offsets,
+            entries,
+            bricks,
+        }
+    }
+
+    /// Bricks of a tile, front to back.
+    pub fn of(&self, tile: usize) -> impl ExactSizeIterator<Item = &ProjectedBrick> + Clone {
+        let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;
+        self.entries[range]
+            .iter()
+            .map(|&index| &self.bricks[index as usize])
+    }
+}
+
+fn for_each_tile(rect: &[f32; 4], tiles: &TileGrid, mut visit: impl FnMut(usize)) {
+    let index = |pixel: f32, count: usize| (pixel.max(0.0) as usize / tiles.edge).min(count - 1);
+    let [x0, y0, x1, y1] = *rect;
+    if x1 < 0.0 || y1 < 0.0 || x0 >= tiles.size.width() as f32 || y0 >= tiles.size.height() as f32 {
+        return;
+    }
+    for row in index(y0, tiles.rows)..=index(y1, tiles.rows) {
+        for column in index(x0, tiles.columns)..=index(x1, tiles.columns) {
+            visit(row * tiles.columns + column);
+        }
+    }
+}
