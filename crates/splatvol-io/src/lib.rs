@@ -1,1 +1,19 @@
 //! Readers and writers: volumes, transfer functions and images.
+//!
+//! | module | formats |
+//! |---|---|
+//! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, NumPy, headerless raw |
+//!
+//! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
+//! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
+//! and [`ReadOptions::strict`] makes errors of them); no path outside the input's folder is followed.
+#![forbid(unsafe_code)]
+
+mod error;
+mod samples;
+mod source;
+pub mod volume;
+
+pub use error::{FormatError, IoError};
+pub use samples::{Endian, SampleType};
+pub use volume::{Description, Loaded, RawLayout, ReadOptions, WriteOptions, read_volume, write_volume};

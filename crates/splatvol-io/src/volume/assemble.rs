@@ -1,0 +1,134 @@
+//! From a parsed header and decoded samples to a [`Loaded`] volume: the checks that all formats share.
+
+use glam::{DAffine3, DMat3, DVec3};
+use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
+
+use super::{Description, Loaded, ReadOptions};
+use crate::error::Context;
+use crate::{IoError, SampleType};
+
+/// Everything a reader has learnt, before validation.
+pub(crate) struct Draft {
+    pub(crate) dims: [usize; 3],
+    pub(crate) world_from_voxel: DAffine3,
+    pub(crate) rescale: Rescale,
+    pub(crate) unit: LengthUnit,
+    pub(crate) description: Description,
+}
+
+impl Draft {
+    /// A grid of unit spacing around the world's origin, to be filled in.
+    pub(crate) fn new(dims: [usize; 3], description: Description) -> Self {
+        Self {
+            dims,
+            world_from_voxel: DAffine3::IDENTITY,
+            rescale: Rescale::default(),
+            unit: LengthUnit::Unknown,
+            description,
+        }
+    }
+
+    pub(crate) fn warn(&mut self, warning: impl Into<String>) {
+        self.description.warnings.push(warning.into());
+    }
+
+    /// The grid, so that bad geometry is reported before any data are read.
+    pub(crate) fn grid(&self, context: &Context<'_>) -> Result<Grid, IoError> {
+        Grid::from_affine(self.dims, self.world_from_voxel).map_err(|error| context.scene(error))
+    }
+
+    /// The volume. Missing (NaN or infinite) samples are counted in a warning.
+    pub(crate) fn finish(mut self, samples: Samples, context: &Context<'_>) -> Result<Loaded, IoError> {
+        let grid = self.grid(context)?;
+        let volume =
+            Volume::new(grid, samples, self.rescale, self.unit).map_err(|error| context.scene(error))?;
+        let missing = volume.statistics().non_finite;
+        if missing > 0 {
+            self.warn(format!(
+                "{missing} samples are NaN or infinite; they count as missing"
+            ));
+        }
+        Ok(Loaded {
+            volume,
+            description: self.description,
+        })
+    }
+}
+
+/// Dimensions x y z from as many numbers as the file has axes (1 to 3; absent axes have one sample), each from 1 to
+/// [`Grid::MAX_DIM`].
+pub(crate) fn checked_dims(
+    sizes: &[i64],
+    field: &'static str,
+    offset: impl Into<Option<u64>>,
+    context: &Context<'_>,
+) -> Result<[usize; 3], IoError> {
+    let mut dims = [1; 3];
+    let legal = |size: &i64| (1..=Grid::MAX_DIM as i64).contains(size);
+    if sizes.is_empty() || sizes.len() > 3 || !sizes.iter().all(legal) {
+        let expected = format!("1 to 3 sizes, each from 1 to {}", Grid::MAX_DIM);
+        return Err(context.field(field, join(sizes), offset, expected));
+    }
+    for (dim, &size) in dims.iter_mut().zip(sizes) {
+        *dim = size as usize;
+    }
+    Ok(dims)
+}
+
+/// Number of samples of `dims` with `components` each, held against the memory limit.
+pub(crate) fn sample_count(
+    dims: [usize; 3],
+    components: usize,
+    sample_type: SampleType,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<usize, IoError> {
+    let count = dims
+        .iter()
+        .try_fold(components, |product, &dim| product.checked_mul(dim));
+    let bytes = count.map_or(u64::MAX, |count| sample_type.byte_count(count));
+    match count {
+        Some(count) if bytes <= options.max_bytes => Ok(count),
+        _ => Err(context.limit(bytes, options.max_bytes)),
+    }
+}
+
+/// World (RAS+: x right, y anterior, z superior) from LPS (x left, y posterior, z superior), the convention of
+/// DICOM, ITK and most NRRD files.
+pub(crate) fn ras_from_lps() -> DAffine3 {
+    DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)))
+}
+
+fn join(numbers: &[i64]) -> String {
+    numbers.iter().map(i64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn sizes_are_positive_and_their_product_is_bounded() {
+        let context = Context::new("test", Path::new("a"));
+        let dims = |sizes: &[i64]| checked_dims(sizes, "sizes", 7, &context);
+        assert_eq!(dims(&[4, 5]).unwrap(), [4, 5, 1]);
+        for bad in [&[][..], &[0, 1, 1], &[-1, 2, 3], &[1 << 40, 1, 1], &[1, 1, 1, 1]] {
+            assert!(dims(bad).is_err(), "{bad:?}");
+        }
+        let options = ReadOptions {
+            max_bytes: 100,
+            ..ReadOptions::default()
+        };
+        let count = |dims, components| sample_count(dims, components, SampleType::U16, &options, &context);
+        assert_eq!(count([5, 5, 1], 2).unwrap(), 50);
+        assert!(matches!(
+            count([5, 5, 3], 1),
+            Err(IoError::Limit { expected: 150, .. })
+        ));
+        assert!(matches!(
+            count([65535; 3], usize::MAX),
+            Err(IoError::Limit { .. })
+        ));
+    }
+}

@@ -1,0 +1,151 @@
+//! Volumes: one module per format, and the choice between them.
+//!
+//! Data are never reordered: flips and permutations of axes are part of `world_from_voxel`, which is RAS+ wherever
+//! the file says how it lies in the patient.
+
+mod assemble;
+mod detect;
+pub mod legacy_vtk;
+pub mod metaimage;
+pub mod nifti;
+pub mod npy;
+pub mod nrrd;
+pub mod raw;
+pub mod vti;
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use splatvol_scene::Volume;
+
+pub(crate) use assemble::{Draft, checked_dims, ras_from_lps, sample_count};
+
+use crate::error::Context;
+use crate::{Endian, IoError, SampleType};
+use detect::Format;
+
+/// A volume and where it came from.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    /// The volume.
+    pub volume: Volume,
+    /// What the file said.
+    pub description: Description,
+}
+
+/// What a reader found, for people.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Description {
+    /// Format and version: `NRRD0004`, `NIfTI-1`.
+    pub format: String,
+    /// Sample type as stored, with byte order and encoding: `i16, big-endian, gzip`.
+    pub stored_type: String,
+    /// The file's space convention and how it became world space.
+    pub orientation: String,
+    /// The file, followed by the data files that its header names.
+    pub files: Vec<PathBuf>,
+    /// What was odd but could be read.
+    pub warnings: Vec<String>,
+}
+
+/// How to read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadOptions {
+    /// Layout of a headerless file; the file is read as raw where this is set.
+    pub raw: Option<RawLayout>,
+    /// Name of the array to read, in files that hold several.
+    pub array: Option<String>,
+    /// Component to take from vector-valued samples; without it they are refused.
+    pub component: Option<usize>,
+    /// Time point to take from a series.
+    pub time: usize,
+    /// Make errors of warnings.
+    pub strict: bool,
+    /// Most bytes that the samples may take in memory.
+    pub max_bytes: u64,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            raw: None,
+            array: None,
+            component: None,
+            time: 0,
+            strict: false,
+            max_bytes: 64 << 30,
+        }
+    }
+}
+
+/// What the header of a headerless file would have said. Samples are x fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawLayout {
+    /// Samples along x, y, z.
+    pub dims: [usize; 3],
+    /// Type of one sample.
+    pub sample_type: SampleType,
+    /// World length per voxel, x y z.
+    pub spacing: DVec3,
+    /// Byte order.
+    pub endian: Endian,
+    /// Bytes before the first sample.
+    pub offset: u64,
+}
+
+/// How to write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Compress the samples where the format can.
+    pub compress: bool,
+}
+
+impl Default for WriteOptions {
+    fn default() -> Self {
+        Self { compress: true }
+    }
+}
+
+/// Reads a volume of any supported format. The first bytes of the file decide; its extension only where they do not.
+///
+/// # Errors
+/// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
+pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded, IoError> {
+    let path = path.as_ref();
+    let format = match options.raw {
+        Some(_) => Format::Raw,
+        None => detect::format(path)?,
+    };
+    let loaded = match format {
+        Format::Nrrd => nrrd::read(path, options),
+        Format::MetaImage => metaimage::read(path, options),
+        Format::Nifti => nifti::read(path, options),
+        Format::Vti => vti::read(path, options),
+        Format::LegacyVtk => legacy_vtk::read(path, options),
+        Format::Npy => npy::read(path, options),
+        Format::Npz => npy::read_npz(path, options),
+        Format::Raw => raw::read(path, options),
+    }?;
+    if options.strict && !loaded.description.warnings.is_empty() {
+        return Err(IoError::Strict {
+            warning: loaded.description.warnings.join("; "),
+            path: path.to_owned(),
+        });
+    }
+    Ok(loaded)
+}
+
+/// Writes a volume; the extension chooses the format: `.nrrd`, or `.npy` (samples only).
+///
+/// # Errors
+/// [`IoError::Unsupported`] for other extensions, [`IoError::Write`] where the file cannot be written.
+pub fn write_volume(path: impl AsRef<Path>, volume: &Volume, options: &WriteOptions) -> Result<(), IoError> {
+    let path = path.as_ref();
+    match detect::extension(path).as_str() {
+        "nrrd" => nrrd::write(path, volume, options),
+        "npy" => npy::write(path, volume),
+        other => Err(Context::new("volume output", path).unsupported(format!(
+            "no writer for the extension \"{other}\" (.nrrd and .npy have one)"
+        ))),
+    }
+}
