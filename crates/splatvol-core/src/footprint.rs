@@ -82,6 +82,8 @@ pub struct Slice {
     pub half_extent: [f32; 2],
     /// Value at the centre: a kernel value on planes, a line integral per depth in slabs (world length).
     pub weight: f32,
+    /// Camera depth of the plane, or mean depth of the kernel's part in the slab.
+    pub depth: f32,
 }
 
 /// Screen covariance to conic, box and the factor `1 / (2 pi sqrt|V|)`.
@@ -155,6 +157,7 @@ impl PlaneSlicer {
             conic: self.conic,
             half_extent: self.half_extent,
             weight: self.peak * (-0.5 * self.inverse_variance * offset * offset).exp(),
+            depth: self.depth,
         }
     }
 
@@ -163,6 +166,11 @@ impl PlaneSlicer {
     #[inline]
     pub fn depth_derivative(&self, offset: f32) -> f32 {
         -self.inverse_variance * offset
+    }
+
+    /// Camera depth of the plane.
+    pub fn depth(&self) -> f32 {
+        self.depth
     }
 
     /// Pixels per world length on the plane.
@@ -206,6 +214,12 @@ impl SlabSlicer {
         }
     }
 
+    /// True where a slab that ends at `far` holds the last of what a splat at `centre_depth` reaches.
+    #[inline]
+    pub fn is_past(&self, centre_depth: f32, far: f32) -> bool {
+        far - centre_depth >= self.cut * self.depth_sigma
+    }
+
     /// The slice of a footprint centred at camera `[x, y, z]` by the slab between two depths; its weight is the
     /// integral of the kernel over depth. `None` where nothing of the kernel lies inside.
     #[inline]
@@ -243,6 +257,7 @@ impl SlabSlicer {
             conic: conic.map(|q| q as f32),
             half_extent: half_extent.map(|r| r as f32),
             weight: self.mass * slab.mass * density as f32 * area,
+            depth,
         })
     }
 }

@@ -20,10 +20,7 @@ pub struct GaussianKernel {
 impl GaussianKernel {
     /// The kernel that the settings ask for.
     pub fn new(kernel: Kernel) -> Self {
-        let (sigma, radius) = match kernel {
-            Kernel::Gaussian { sigma, radius } => (sigma, radius),
-            _ => unreachable!("settings of kernels that do not exist yet"),
-        };
+        let Kernel::Gaussian { sigma, radius } = kernel;
         let reach = radius.floor() as i32;
         let lattice_sum = (-reach..=reach).map(|j| profile(f64::from(j), sigma)).sum();
         Self {

@@ -1,8 +1,25 @@
 //! The CPU engine: tiles, sheets, SIMD splatting, shading and compositing.
+//!
+//! A frame is planned once ([`plan`]): tables, sheets, bricks in tile lists. Then every 64 x 64-pixel tile runs on its
+//! own, with scratch memory of its thread, front to back, sheet by sheet ([`tile`]):
+//!
+//! | stage | module | what happens to a sheet |
+//! |---|---|---|
+//! | activate | `stage::activate` | bricks that reach the sheet become open voxels in camera space |
+//! | splat | `stage::splat` | slices of open voxels are added to the sheet buffer (SIMD) |
+//! | shade | `stage::shade` | post-classification: value, coverage, gradient of a pixel to extinction and lit colour |
+//! | composite | `stage::composite` | the sheet goes behind what the pixel has; finished blocks are noted |
+//! | resolve | `stage::resolve` | pixels to the frame |
+//!
+//! Every pixel receives its contributions in one order (sheets by depth, then bricks and voxels by index) whatever
+//! the number of threads and the tile it lies in, so frames are the same to the bit.
 #![forbid(unsafe_code)]
 
+mod plan;
 mod renderer;
+mod stage;
 mod statistics;
+mod tile;
 
 pub use renderer::{EngineConfig, EngineError, Renderer};
 pub use statistics::{RenderStatistics, StageSeconds};

@@ -1,14 +1,29 @@
-//! The renderer.
+//! The renderer: keeps what it derives from a volume, plans a frame, runs its tiles.
 
-use splatvol_scene::{Camera, Frame, Image, RenderSettings, Scene, SceneError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
-use crate::statistics::RenderStatistics;
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+use splatvol_core::brick::BrickGrid;
+use splatvol_core::classification::ClassificationTable;
+use splatvol_core::coefficients::Coefficients;
+use splatvol_core::kernel::GaussianKernel;
+use splatvol_scene::{Camera, Compositing, Frame, Image, Kernel, RenderSettings, Scene, SceneError, Volume};
+
+use crate::plan::{FramePlan, Geometry, splats_color};
+use crate::stage::resolve::{Resolved, store};
+use crate::statistics::{RenderStatistics, StageSeconds};
+use crate::tile::{self, ColorMode, DataMode, Mode, Scratch, TileWork};
 
 /// Settings of an engine's lifetime.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct EngineConfig {
     /// Worker threads; `None` takes one per logical processor.
     pub threads: Option<usize>,
+    /// Edge of a tile in pixels, a multiple of 8 from 8 to 256; `None` takes 64. Does not change the picture.
+    pub tile_edge: Option<usize>,
 }
 
 /// Why an engine cannot start.
@@ -16,18 +31,37 @@ pub struct EngineConfig {
 #[non_exhaustive]
 pub enum EngineError {
     /// The operating system refused the threads.
-    #[error("cannot start {threads} worker threads: {reason}")]
+    #[error("cannot start {threads:?} worker threads: {reason}")]
     Threads {
         /// Threads asked for.
-        threads: usize,
+        threads: Option<usize>,
         /// What the system said.
         reason: String,
     },
+    /// A tile edge outside its domain.
+    #[error("tile edge: {edge} is not allowed (a multiple of 8 from 8 to 256)")]
+    TileEdge {
+        /// The offending value, pixels.
+        edge: usize,
+    },
+}
+
+/// What a volume became, and for which settings.
+#[derive(Debug)]
+struct Prepared {
+    volume: Arc<Volume>,
+    interpolate: Option<Kernel>,
+    coefficients: Coefficients,
+    bricks: BrickGrid,
 }
 
 /// Renders scenes; keeps what it derives from a volume between frames.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Renderer {
+    pool: rayon::ThreadPool,
+    tile_edge: usize,
+    level: Level,
+    prepared: Option<Prepared>,
     statistics: RenderStatistics,
 }
 
@@ -35,16 +69,40 @@ impl Renderer {
     /// Starts the engine.
     ///
     /// # Errors
-    /// When the worker threads cannot be started.
-    pub fn new(_config: EngineConfig) -> Result<Self, EngineError> {
-        Ok(Self::default())
+    /// Threads that the system refuses, or a tile edge outside its domain.
+    pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
+        let tile_edge = config.tile_edge.unwrap_or(64);
+        if tile_edge % 8 != 0 || !(8..=256).contains(&tile_edge) {
+            return Err(EngineError::TileEdge { edge: tile_edge });
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(config.threads.unwrap_or(0))
+            .thread_name(|i| format!("splatvol-{i}"))
+            .build()
+            .map_err(|error| EngineError::Threads {
+                threads: config.threads,
+                reason: error.to_string(),
+            })?;
+        let statistics = RenderStatistics::default();
+        Ok(Self {
+            pool,
+            tile_edge,
+            level: Level::new(),
+            prepared: None,
+            statistics,
+        })
     }
 
     /// Renders one frame.
     ///
     /// # Errors
     /// Settings outside their domain.
-    pub fn render(&mut self, scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<Frame, SceneError> {
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+    ) -> Result<Frame, SceneError> {
         self.render_with_progress(scene, camera, settings, &|_| {})
     }
 
@@ -54,23 +112,147 @@ impl Renderer {
     /// Settings outside their domain.
     pub fn render_with_progress(
         &mut self,
-        _scene: &Scene,
-        _camera: &Camera,
+        scene: &Scene,
+        camera: &Camera,
         settings: &RenderSettings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, SceneError> {
         settings.validate()?;
-        progress(1.0);
-        let count = settings.size.pixel_count();
-        Ok(Frame {
-            image: Image::filled(settings.size, [0.0; 4]),
-            depth: vec![f32::INFINITY; count],
-            optical_depth: vec![0.0; count],
-        })
+        let start = Instant::now();
+        let mut seconds = StageSeconds::default();
+        let interpolate = (settings.prefilter && !splats_color(settings)).then_some(settings.kernel);
+        let Self { pool, prepared, .. } = self;
+        let prepared = pool.install(|| prepare(prepared, &scene.volume, interpolate));
+        seconds.prefilter = start.elapsed().as_secs_f64();
+
+        let classified = Instant::now();
+        let unit_distance = scene.unit_distance();
+        let table = ClassificationTable::new(
+            &scene.transfer_function,
+            scene.volume.value_range(),
+            unit_distance,
+        );
+        seconds.classify = classified.elapsed().as_secs_f64();
+
+        let binned = Instant::now();
+        let geometry = Geometry::new(scene.volume.grid(), camera, settings);
+        let plan = self.pool.install(|| {
+            FramePlan::new(
+                &geometry,
+                (&prepared.coefficients, &prepared.bricks),
+                (&table, unit_distance),
+                (camera, settings),
+                self.tile_edge,
+            )
+        });
+        seconds.bin = binned.elapsed().as_secs_f64();
+
+        let tiled = Instant::now();
+        let run = TileRun {
+            plan: &plan,
+            level: self.level,
+            progress,
+            done: AtomicUsize::new(0),
+        };
+        let tiles = self.pool.install(|| {
+            if splats_color(settings) {
+                run.all(&ColorMode::new(&plan))
+            } else {
+                run.all(&DataMode::new(&plan))
+            }
+        });
+        seconds.tiles = tiled.elapsed().as_secs_f64();
+        let frame = assemble(&plan, &tiles);
+
+        let total = |pick: fn(&TileWork) -> f64| tiles.iter().map(|(_, work)| pick(work)).sum::<f64>();
+        seconds.splat = total(|work| work.splat.as_secs_f64());
+        seconds.shade = total(|work| work.shade.as_secs_f64());
+        seconds.total = start.elapsed().as_secs_f64();
+        self.statistics = RenderStatistics {
+            seconds,
+            threads: self.pool.current_num_threads(),
+            simd: format!("{:?}", self.level),
+            bricks: plan.bricks.len(),
+            active_bricks: plan.active_bricks,
+            sheets: plan.projector.sheets.count,
+            tiles: plan.tiles.len(),
+            voxels: tiles.iter().map(|(_, work)| work.voxels).sum(),
+            slices: tiles.iter().map(|(_, work)| work.slices).sum(),
+        };
+        Ok(frame)
     }
 
     /// Times and counts of the last frame.
     pub fn statistics(&self) -> &RenderStatistics {
         &self.statistics
     }
+}
+
+/// Coefficients and bricks of a volume, kept from the last frame where they are still right.
+fn prepare<'a>(
+    kept: &'a mut Option<Prepared>,
+    volume: &Arc<Volume>,
+    interpolate: Option<Kernel>,
+) -> &'a Prepared {
+    if kept
+        .as_ref()
+        .is_some_and(|p| !Arc::ptr_eq(&p.volume, volume) || p.interpolate != interpolate)
+    {
+        *kept = None;
+    }
+    kept.get_or_insert_with(|| {
+        let coefficients = Coefficients::new(volume, interpolate.map(GaussianKernel::new).as_ref());
+        let bricks = BrickGrid::new(&coefficients);
+        Prepared {
+            volume: Arc::clone(volume),
+            interpolate,
+            coefficients,
+            bricks,
+        }
+    })
+}
+
+/// The tiles of one frame.
+struct TileRun<'a> {
+    plan: &'a FramePlan<'a>,
+    level: Level,
+    progress: &'a (dyn Fn(f64) + Sync),
+    done: AtomicUsize,
+}
+
+impl TileRun<'_> {
+    fn all<M: Mode>(&self, mode: &M) -> Vec<(Vec<Resolved>, TileWork)> {
+        let count = self.plan.tiles.len();
+        (0..count)
+            .into_par_iter()
+            .with_max_len(1)
+            .map_init(
+                || Scratch::new(self.plan.tiles.edge),
+                |scratch, index| {
+                    let pixels =
+                        dispatch!(self.level, simd => tile::render(simd, self.plan, index, mode, scratch));
+                    let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+                    (self.progress)(done as f64 / count as f64);
+                    pixels
+                },
+            )
+            .collect()
+    }
+}
+
+fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {
+    let size = plan.settings.size;
+    let mut frame = Frame {
+        image: Image::filled(size, [0.0; 4]),
+        depth: vec![f32::INFINITY; size.pixel_count()],
+        optical_depth: vec![0.0; size.pixel_count()],
+    };
+    for (tile, (pixels, _)) in tiles.iter().enumerate() {
+        store(&mut frame, &plan.tiles.rect(tile), pixels);
+    }
+    debug_assert!(
+        plan.settings.compositing == Compositing::Mip || frame.image.pixels.iter().all(|p| p[3] <= 1.0),
+        "no pixel is more than opaque"
+    );
+    frame
 }

@@ -8,7 +8,6 @@ use crate::{ImageSize, Lighting, SceneError};
 /// How sheets become a picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
 pub enum Compositing {
     /// Sheets parallel to the image, front to back (huang2000 section 2).
     #[default]
@@ -33,7 +32,6 @@ pub enum Classification {
 /// Low-pass filter in screen space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
 pub enum Filter {
     /// Point samples of the footprints.
     None,
@@ -63,7 +61,6 @@ impl Default for Filter {
 /// Reconstruction kernel, in voxel space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
 pub enum Kernel {
     /// `exp(-r^2 / 2 sigma^2)`, cut at `radius` along each axis, normalised to unit lattice sum.
     Gaussian {

@@ -1,0 +1,9 @@
+//! The stages of a tile, in the order in which data passes through them.
+
+pub(crate) mod activate;
+pub(crate) mod composite;
+pub(crate) mod resolve;
+pub(crate) mod shade;
+pub(crate) mod sheet_buffer;
+pub(crate) mod simd_exp;
+pub(crate) mod splat;

@@ -1,0 +1,237 @@
+//! Shade: post-classification between two neighbouring planes.
+//!
+//! On both planes the pixel has the sums `S` (value), `W` (weight) and the analytic gradient of S (the derivative of
+//! the EWA filter). Along the pixel's ray S is the cubic Hermite polynomial of both ends' values and derivatives,
+//! `O(dz^4)` where the papers' sheets are constant, W runs linearly, and `v = S / W`. The interval is cut where v
+//! bends, each piece being classified by the integral tables for a linear value. Lighting, at the ends, runs linearly
+//! in between.
+
+use splatvol_core::classification::ClassificationTable;
+use splatvol_scene::Lighting;
+
+use super::composite::Pixel;
+
+/// Coverage from the weight (docs/numerics.md): 1 inside, 0 outside, symmetric about 1/2.
+#[inline(always)]
+pub(crate) fn coverage(weight: f32) -> f32 {
+    ((weight - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
+}
+
+/// Weights below this have no coverage.
+pub(crate) const NO_COVERAGE: f32 = 0.01;
+
+/// One end of an interval.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End {
+    /// Sum S.
+    pub sum: f32,
+    /// Sum W.
+    pub weight: f32,
+    /// Gradient of S, camera space, per world length.
+    pub gradient: [f32; 3],
+    /// Derivative of S along the pixel's ray, per sheet spacing.
+    pub along_ray: f32,
+}
+
+/// Constants of the stage.
+#[derive(Debug, Clone)]
+pub(crate) struct Shader<'a> {
+    pub table: &'a ClassificationTable,
+    pub lights: Option<Phong>,
+    /// Distance between the planes, world length.
+    pub spacing: f32,
+}
+
+/// A ray's interval.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Interval {
+    /// Camera depth of the nearer plane.
+    pub depth: f32,
+    /// Path length per depth.
+    pub ray_length: f32,
+}
+
+/// The field between two planes along one ray.
+struct Profile {
+    /// Hermite coefficients of S over u in 0..1.
+    cubic: [f32; 4],
+    weights: [f32; 2],
+}
+
+impl Profile {
+    #[inline(always)]
+    fn new(near: &End, far: &End) -> Self {
+        let rise = far.sum - near.sum;
+        let cubic = [
+            near.sum,
+            near.along_ray,
+            3.0 * rise - 2.0 * near.along_ray - far.along_ray,
+            near.along_ray + far.along_ray - 2.0 * rise,
+        ];
+        Self {
+            cubic,
+            weights: [near.weight, far.weight],
+        }
+    }
+
+    #[inline(always)]
+    fn weight(&self, u: f32) -> f32 {
+        self.weights[0] + u * (self.weights[1] - self.weights[0])
+    }
+
+    #[inline(always)]
+    fn value(&self, u: f32) -> f32 {
+        let [a, b, c, d] = self.cubic;
+        (a + u * (b + u * (c + u * d))) / self.weight(u).max(NO_COVERAGE)
+    }
+}
+
+impl Shader<'_> {
+    /// Classifies, lights and composites the interval between two planes.
+    #[inline(always)]
+    pub(crate) fn shade(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
+        let profile = Profile::new(near, far);
+        let (v0, v1) = (profile.value(0.0), profile.value(1.0));
+        let quarters = [profile.value(0.25), profile.value(0.5), profile.value(0.75)];
+        // The cubic leaves its five samples' range by at most a fraction of their spread.
+        let low = quarters.iter().fold(v0.min(v1), |m, v| m.min(*v));
+        let high = quarters.iter().fold(v0.max(v1), |m, v| m.max(*v));
+        let slack = 0.125 * (high - low);
+        if !self.table.is_visible(low - slack, high + slack) {
+            return;
+        }
+        let length = self.spacing * interval.ray_length;
+        let pieces = self.pieces([v0, quarters[0], quarters[1], quarters[2], v1], length);
+        let lights = self
+            .lights
+            .as_ref()
+            .map(|phong| [phong.at(near.gradient), phong.at(far.gradient)]);
+        let mut value = v0;
+        for piece in 0..pieces {
+            let (u0, u1) = (piece as f32 / pieces as f32, (piece + 1) as f32 / pieces as f32);
+            let next = profile.value(u1);
+            let middle = 0.5 * (u0 + u1);
+            let [extinction, emission @ ..] = self.table.mean(value, next);
+            value = next;
+            if extinction <= 0.0 {
+                continue;
+            }
+            let lit = lights.map_or(Lit::PLAIN, |[a, b]| a.towards(b, middle));
+            let color = emission.map(|e| e / extinction * lit.diffuse + lit.specular);
+            let optical_depth = extinction * coverage(profile.weight(middle)) * length / pieces as f32;
+            pixel.add(optical_depth, color, interval.depth + middle * self.spacing);
+        }
+    }
+
+    /// Number of pieces: enough that in each the value is linear to half a table cell and the optical depth is small.
+    #[inline(always)]
+    fn pieces(&self, values: [f32; 5], length: f32) -> usize {
+        const MOST: f32 = 8.0;
+        let bend = |a: f32, b: f32, c: f32| (a - 2.0 * b + c).abs();
+        let [v0, v1, v2, v3, v4] = values;
+        let bend = bend(v0, v1, v2).max(bend(v1, v2, v3)).max(bend(v2, v3, v4));
+        // Linear interpolation over 1/n of the interval errs by (16 bend) / (8 n^2).
+        let for_bend = (2.0 * bend * 1024.0).sqrt();
+        let [extinction, ..] = self.table.mean(v0, v4);
+        let for_depth = 4.0 * (extinction * length).sqrt();
+        for_bend.max(for_depth).clamp(1.0, MOST).ceil() as usize
+    }
+
+    /// Largest covered value of the interval, for maximum intensity projection.
+    #[inline(always)]
+    pub(crate) fn maximum(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
+        const STEPS: u32 = 8;
+        let profile = Profile::new(near, far);
+        for step in 0..=STEPS {
+            let u = step as f32 / STEPS as f32;
+            if profile.weight(u) >= 0.5 {
+                let value = profile.value(u);
+                if value > pixel.maximum {
+                    pixel.maximum = value;
+                    pixel.depth_sum = interval.depth + u * self.spacing;
+                }
+            }
+        }
+    }
+}
+
+/// What lighting makes of a colour: `c diffuse + specular`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lit {
+    pub diffuse: f32,
+    pub specular: f32,
+}
+
+impl Lit {
+    /// The colour as it is.
+    pub(crate) const PLAIN: Self = Self {
+        diffuse: 1.0,
+        specular: 0.0,
+    };
+
+    #[inline(always)]
+    fn towards(self, other: Self, t: f32) -> Self {
+        Self {
+            diffuse: self.diffuse + t * (other.diffuse - self.diffuse),
+            specular: self.specular + t * (other.specular - self.specular),
+        }
+    }
+}
+
+/// The Phong model of `splatvol_scene::lighting` in f32.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Phong {
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    power: f32,
+    floor_squared: f32,
+    towards_light: [f32; 3],
+    half_way: [f32; 3],
+    /// Mean voxel spacing: gradients per world length to gradients per voxel.
+    spacing: f32,
+}
+
+impl Phong {
+    /// The model for gradients given per world length.
+    pub(crate) fn new(lighting: &Lighting, mean_spacing: f64) -> Self {
+        let light = glam::DVec3::from_array(lighting.direction).normalize();
+        let half_way = (light - glam::DVec3::Z).normalize();
+        Self {
+            ambient: lighting.ambient as f32,
+            diffuse: lighting.diffuse as f32,
+            specular: lighting.specular as f32,
+            power: lighting.specular_power as f32,
+            floor_squared: lighting.gradient_floor.powi(2) as f32,
+            towards_light: light.as_vec3().to_array(),
+            half_way: half_way.as_vec3().to_array(),
+            spacing: mean_spacing as f32,
+        }
+    }
+
+    /// Light on material with this gradient (camera space, per world length).
+    #[inline(always)]
+    pub(crate) fn at(&self, gradient: [f32; 3]) -> Lit {
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let gradient = gradient.map(|g| g * self.spacing);
+        let squared = dot(gradient, gradient);
+        if squared <= 1e-6 * self.floor_squared {
+            return Lit {
+                diffuse: self.ambient + self.diffuse,
+                specular: 0.0,
+            };
+        }
+        let surface = squared / (squared + self.floor_squared);
+        let inverse = 1.0 / squared.sqrt();
+        let facing = (dot(gradient, self.towards_light) * inverse).abs().min(1.0);
+        let shining = (dot(gradient, self.half_way) * inverse).abs().min(1.0);
+        Lit {
+            diffuse: self.ambient + self.diffuse * (1.0 - surface + surface * facing),
+            specular: if self.specular == 0.0 {
+                0.0
+            } else {
+                self.specular * surface * shining.powf(self.power)
+            },
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Pre-classification and X-ray: classified, lit voxels are integrated over slabs.
+
+use fearless_simd::Simd;
+use glam::{DMat3, DVec3};
+use splatvol_core::bin::TileRect;
+use splatvol_core::footprint::SlabSlicer;
+use splatvol_scene::Compositing;
+
+use super::{Canvas, Fate, Mode};
+use crate::plan::FramePlan;
+use crate::stage::activate::OpenVoxel;
+use crate::stage::shade::Phong;
+use crate::stage::sheet_buffer::SheetBuffer;
+use crate::stage::splat::{ColorPayload, splat};
+
+/// Splats extinction and emission; composites slab by slab.
+#[derive(Debug)]
+pub(crate) struct ColorMode<'a> {
+    plan: &'a FramePlan<'a>,
+    slicer: SlabSlicer,
+    lights: Option<Phong>,
+    /// Gradients per voxel to gradients in camera space.
+    camera_from_voxel_gradient: DMat3,
+}
+
+impl<'a> ColorMode<'a> {
+    /// Mode of a frame.
+    pub(crate) fn new(plan: &'a FramePlan<'a>) -> Self {
+        let projector = &plan.projector;
+        let lighting = plan.settings.lighting.as_ref();
+        let lighting = lighting.filter(|_| plan.settings.compositing != Compositing::Xray);
+        Self {
+            plan,
+            slicer: SlabSlicer::new(projector.shape, &projector.screen, projector.pixel_sigma),
+            lights: lighting.map(|l| Phong::new(l, plan.mean_spacing)),
+            camera_from_voxel_gradient: projector.camera_from_voxel.matrix3.inverse().transpose(),
+        }
+    }
+
+    /// Central differences at a voxel (one-sided at the border, missing neighbours as the voxel itself), camera space,
+    /// per world length.
+    fn gradient(&self, index: usize, position: [usize; 3]) -> [f32; 3] {
+        let values = &self.plan.coefficients.values;
+        let dims = self.plan.coefficients.dims;
+        let strides = [1, dims[0], dims[0] * dims[1]];
+        let here = values[index];
+        let difference = |axis: usize| {
+            let at = |inside: bool, other: usize| {
+                let value = if inside { values[other] } else { here };
+                (
+                    if value.is_nan() { here } else { value },
+                    f64::from(u8::from(inside)),
+                )
+            };
+            let (before, left) = at(position[axis] > 0, index.wrapping_sub(strides[axis]));
+            let (after, right) = at(position[axis] + 1 < dims[axis], index + strides[axis]);
+            f64::from(after - before) / (left + right).max(1.0)
+        };
+        let voxel = DVec3::new(difference(0), difference(1), difference(2));
+        (self.camera_from_voxel_gradient * voxel).as_vec3().to_array()
+    }
+}
+
+/// A slab's first and last depth.
+type Slab = [f32; 2];
+
+impl Mode for ColorMode<'_> {
+    type Payload = [f32; 4];
+    type Sheet = Slab;
+
+    fn sheet(&self, index: usize) -> Slab {
+        self.plan.projector.sheets.slab(index).map(|depth| depth as f32)
+    }
+
+    #[inline(always)]
+    fn payload(&self, index: usize, position: [usize; 3]) -> Option<[f32; 4]> {
+        let value = self.plan.coefficients.values[index];
+        if value.is_nan() {
+            return None;
+        }
+        let [extinction, r, g, b] = self.plan.table.at(value);
+        if extinction <= 0.0 {
+            return None;
+        }
+        let Some(phong) = self.lights else {
+            return Some([extinction, r, g, b]);
+        };
+        let lit = phong.at(self.gradient(index, position));
+        let shine = extinction * lit.specular;
+        Some([
+            extinction,
+            r * lit.diffuse + shine,
+            g * lit.diffuse + shine,
+            b * lit.diffuse + shine,
+        ])
+    }
+
+    #[inline(always)]
+    fn splat<S: Simd>(
+        &self,
+        simd: S,
+        slab: &Slab,
+        voxel: &OpenVoxel<[f32; 4]>,
+        (buffer, rect): (&mut SheetBuffer, &TileRect),
+    ) -> Fate {
+        let past = self.slicer.is_past(voxel.centre[2], slab[1]);
+        let Some(slice) = self.slicer.slice(voxel.centre, *slab) else {
+            return Fate { touched: false, past };
+        };
+        let [extinction, r, g, b] = voxel.payload;
+        let payload = ColorPayload([extinction, r, g, b, extinction * slice.depth]);
+        Fate {
+            touched: splat(simd, buffer, rect, &slice, payload),
+            past,
+        }
+    }
+
+    fn composite(
+        &self,
+        _near: (&Slab, &SheetBuffer),
+        (_, sheet): (&Slab, &SheetBuffer),
+        canvas: &mut Canvas<'_>,
+    ) {
+        let screen = &self.plan.projector.screen;
+        let per_pixel = if screen.perspective {
+            1.0 / screen.scale as f32
+        } else {
+            0.0
+        };
+        let [cx, cy] = screen.centre.as_vec2().to_array();
+        let touched = sheet.touched;
+        for y in touched.y0..touched.y1 {
+            let ray_y = ((canvas.rect.y0 + y) as f32 + 0.5 - cy) * per_pixel;
+            for x in touched.x0..touched.x1 {
+                let [extinction, r, g, b, depth] = sheet.pixel(x, y);
+                let index = canvas.index(x, y);
+                if extinction <= 0.0 || canvas.pixels[index].finished {
+                    continue;
+                }
+                let ray_x = ((canvas.rect.x0 + x) as f32 + 0.5 - cx) * per_pixel;
+                let ray_length = (1.0 + ray_x * ray_x + ray_y * ray_y).sqrt();
+                let color = [r / extinction, g / extinction, b / extinction];
+                canvas.pixels[index].add(extinction * ray_length, color, depth / extinction);
+                canvas.close_if_opaque(x, y);
+            }
+        }
+    }
+}
