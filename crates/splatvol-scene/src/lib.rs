@@ -39,5 +39,7 @@ pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
 pub use scene::Scene;
 pub use settings::{Classification, Compositing, Filter, Kernel, RenderSettings};
-pub use transfer_function::{ColorMap, ColorPoint, OpacityCurve, OpacityPoint, TransferFunction};
+pub use transfer_function::{
+    AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,
+};
 pub use volume::{Rescale, Samples, Statistics, Volume};

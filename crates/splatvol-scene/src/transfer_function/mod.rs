@@ -5,6 +5,7 @@
 //! `sharpness` (0.5 and 0: linear); outside the first and last point they are constant. Colours are sRGB, as
 //! colour maps are, and interpolated as such.
 
+mod automatic;
 mod colormap;
 mod colormap_tables;
 mod named_opacity;
@@ -13,6 +14,7 @@ mod presets;
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
+pub use automatic::{AutomaticChoice, DataKind};
 pub use colormap::ColorMap;
 pub use named_opacity::OpacityCurve;
 

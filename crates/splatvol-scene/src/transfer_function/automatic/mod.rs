@@ -1,0 +1,144 @@
+//! A transfer function for any volume, without being asked anything.
+//!
+//! Decided in this order, from a [`survey`] of at most 1 M voxels:
+//!
+//! | kind | recognised by | shown as |
+//! |---|---|---|
+//! | constant | one value | a translucent box |
+//! | labels | few whole numbers, most neighbours equal | a colour per label |
+//! | Hounsfield | air near -1000, tissue and bone above | translucent skin and tissue, ivory bone |
+//! | signed | a background of 0 between negative and positive values | a diverging map, opacity by magnitude |
+//! | materials | faces of the grid that differ from the rest | background transparent, three classes above it |
+//! | continuous | none of these | what lies above Otsu's threshold |
+//!
+//! Opacities come from optical depths: a class that rays cross in L voxels on average gets
+//! `1 - exp(-tau / L)` per voxel, with `tau = 8 m^2.5`, where m is the class's mean above the background relative to
+//! that of the densest class. So soft material stays translucent at any resolution, thin structures stay visible, and
+//! materials of about equal value look like one solid. All of it is deterministic.
+
+mod labels;
+mod materials;
+mod shapes;
+mod survey;
+
+use crate::{Classification, ColorMap, ColorPoint, OpacityPoint, TransferFunction, Volume};
+use materials::Background;
+use survey::Survey;
+
+/// What the automatic choice took the data for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DataKind {
+    /// One value everywhere.
+    Constant,
+    /// Whole numbers that name things.
+    Labels,
+    /// CT in Hounsfield units.
+    Hounsfield,
+    /// Negative and positive values around a background of 0.
+    Signed,
+    /// Materials before a background.
+    Materials,
+    /// A field that fills the grid.
+    Continuous,
+}
+
+/// Why an automatic transfer function looks as it does.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct AutomaticChoice {
+    /// What the data were taken for.
+    pub kind: DataKind,
+    /// One sentence with the numbers behind the choice, in data units.
+    pub reason: String,
+    /// How such data should be classified: labels must not be interpolated, so they want pre-classification.
+    pub classification: Classification,
+    /// Data values between which opacity and colour vary, a good range for other maps too.
+    pub range: [f64; 2],
+}
+
+/// Curves before validation, and what to say about them.
+struct Proposal {
+    kind: DataKind,
+    reason: String,
+    colors: Vec<ColorPoint>,
+    opacities: Vec<OpacityPoint>,
+}
+
+impl TransferFunction {
+    /// Transfer function that shows the volume's structure, with the reason; `map` replaces the colours but not the
+    /// opacities. `unit_distance` is left to the volume's mean voxel spacing.
+    pub fn automatic(volume: &Volume, map: Option<ColorMap>) -> (Self, AutomaticChoice) {
+        let proposal = propose(volume);
+        let range = span(&proposal.opacities, volume);
+        let colors = map.map_or(proposal.colors, |map| recolor(map, range, proposal.kind));
+        let choice = AutomaticChoice {
+            kind: proposal.kind,
+            reason: proposal.reason,
+            classification: match proposal.kind {
+                DataKind::Labels => Classification::Pre,
+                _ => Classification::Post,
+            },
+            range,
+        };
+        let transfer_function = Self::new(colors, proposal.opacities, None)
+            .expect("proposals have finite values, colours and opacities in 0..1");
+        (transfer_function, choice)
+    }
+}
+
+fn propose(volume: &Volume) -> Proposal {
+    let [min, max] = volume.value_range();
+    if min == max {
+        return shapes::constant(min);
+    }
+    let mut survey = Survey::new(volume);
+    if let Some(labels) = labels::find(volume, &survey) {
+        return labels::proposal(&labels, &survey);
+    }
+    if shapes::is_hounsfield(&survey, [min, max]) {
+        return shapes::hounsfield(&survey);
+    }
+    let background = Background::find(&survey);
+    if let Some(background) = background {
+        if shapes::is_signed(&survey, background) {
+            return shapes::signed(survey, max.max(-min));
+        }
+        if let Some(proposal) = shapes::materials(&survey, background, max) {
+            return proposal;
+        }
+        survey.negate();
+        let background = Background {
+            level: -background.level,
+            ..background
+        };
+        if let Some(proposal) = shapes::materials(&survey, background, -min) {
+            return shapes::mirrored(proposal);
+        }
+        survey.negate();
+    }
+    shapes::continuous(&survey, [min, max])
+}
+
+/// Values between the first and the last point.
+fn span(opacities: &[OpacityPoint], volume: &Volume) -> [f64; 2] {
+    let values = || opacities.iter().map(|point| point.value);
+    let [min, max] = volume.value_range();
+    [
+        values().fold(f64::INFINITY, f64::min).max(min),
+        values().fold(f64::NEG_INFINITY, f64::max).min(max),
+    ]
+}
+
+fn recolor(map: ColorMap, range: [f64; 2], kind: DataKind) -> Vec<ColorPoint> {
+    let range = if kind == DataKind::Signed {
+        let reach = range[0].abs().max(range[1].abs());
+        [-reach, reach]
+    } else {
+        range
+    };
+    map.points(range, ColorMap::DEFAULT_POINTS)
+}
+
+#[cfg(test)]
+mod tests;
