@@ -1,0 +1,36 @@
+//! The one error type of this crate.
+
+use splatvol_scene::SceneError;
+
+/// Why a sample cannot be generated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SampleError {
+    /// No sample has this name.
+    #[error("no sample is called {name:?}{}; there are: {known}", suggestion(*.nearest))]
+    UnknownName {
+        /// The name asked for.
+        name: String,
+        /// The most similar known name, where one is similar.
+        nearest: Option<&'static str>,
+        /// All names, separated by commas.
+        known: String,
+    },
+    /// The size is not one that this sample can have.
+    #[error("sample {name}: size {size} is not allowed ({expected})")]
+    InvalidSize {
+        /// Name of the sample.
+        name: &'static str,
+        /// The size asked for.
+        size: String,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// The scene types refused what was generated.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+fn suggestion(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!(" (did you mean {name:?}?)"))
+}

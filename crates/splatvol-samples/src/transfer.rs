@@ -1,0 +1,109 @@
+//! A transfer function for each sample.
+
+use splatvol_scene::{ColorPoint, OpacityPoint, SceneError, TransferFunction};
+
+use crate::Sample;
+use crate::textures::{DARK, LIGHT};
+
+pub(crate) fn transfer_function(sample: Sample) -> Result<TransferFunction, SceneError> {
+    let (dark, light) = (f64::from(DARK), f64::from(LIGHT));
+    match sample {
+        Sample::Head => head(),
+        // Red and white, as in both papers.
+        Sample::CheckerSheet => curves(
+            &[(dark, [0.75, 0.1, 0.1]), (light, [1.0, 1.0, 1.0])],
+            &[(0.0, 0.0), (0.5 * dark, 0.999), (light, 0.999)],
+        ),
+        Sample::Tunnel => curves(
+            &[(dark, [0.75, 0.1, 0.1]), (light, [1.0, 1.0, 1.0])],
+            &[(0.3 * dark, 0.0), (0.8 * dark, 0.95), (light, 0.95)],
+        ),
+        Sample::Zebra => curves(
+            &[(dark, [0.05, 0.05, 0.05]), (light, [1.0, 1.0, 1.0])],
+            &[(0.0, 0.0), (0.5 * dark, 0.999), (light, 0.999)],
+        ),
+        Sample::Shells => curves(
+            &[
+                (20.0, [0.30, 0.50, 0.95]),
+                (110.0, [0.35, 0.60, 1.0]),
+                (150.0, [1.0, 0.72, 0.30]),
+                (250.0, [0.90, 0.20, 0.15]),
+            ],
+            &[
+                (4.0, 0.0),
+                (60.0, 0.03),
+                (110.0, 0.06),
+                (180.0, 0.20),
+                (250.0, 0.8),
+            ],
+        ),
+        // The iso-surface 0.5 of Marschner and Lobb.
+        Sample::MarschnerLobb => curves(
+            &[(0.0, [0.85, 0.65, 0.45]), (1.0, [0.85, 0.65, 0.45])],
+            &[(0.49, 0.0), (0.51, 0.95), (1.0, 0.95)],
+        ),
+        Sample::Ball => curves(
+            &[
+                (0.0, [0.25, 0.45, 0.85]),
+                (0.5, [0.9, 0.9, 0.9]),
+                (1.0, [0.85, 0.25, 0.2]),
+            ],
+            &[(0.0, 0.0), (0.5, 0.02), (1.0, 0.3)],
+        ),
+        Sample::Slab => curves(
+            &[
+                (0.0, [0.25, 0.45, 0.85]),
+                (0.5, [0.9, 0.9, 0.9]),
+                (1.0, [0.85, 0.25, 0.2]),
+            ],
+            &[(0.0, 0.0), (1.0, 0.3)],
+        ),
+    }
+}
+
+/// Translucent skin over opaque bone. Skin shows where air turns to tissue (-700 to -200 HU), so that the tissue
+/// below stays clear.
+fn head() -> Result<TransferFunction, SceneError> {
+    let colors = [
+        (-700.0, [0.86, 0.58, 0.46]),
+        (-150.0, [0.93, 0.68, 0.55]),
+        (120.0, [0.80, 0.36, 0.28]),
+        (260.0, [0.93, 0.82, 0.66]),
+        (700.0, [0.97, 0.92, 0.82]),
+        (1350.0, [0.98, 0.95, 0.89]),
+        (1700.0, [1.0, 1.0, 0.98]),
+    ];
+    let opacities = [
+        (-720.0, 0.0),
+        (-450.0, 0.16),
+        (-180.0, 0.02),
+        (-60.0, 0.002),
+        (120.0, 0.006),
+        (210.0, 0.02),
+        (420.0, 0.75),
+        (1000.0, 0.97),
+    ];
+    build(&colors, &opacities, Some(1.0))
+}
+
+fn curves(colors: &[(f64, [f64; 3])], opacities: &[(f64, f64)]) -> Result<TransferFunction, SceneError> {
+    build(colors, opacities, None)
+}
+
+fn build(
+    colors: &[(f64, [f64; 3])],
+    opacities: &[(f64, f64)],
+    unit_distance: Option<f64>,
+) -> Result<TransferFunction, SceneError> {
+    TransferFunction::new(
+        colors
+            .iter()
+            .map(|&(value, rgb)| ColorPoint::new(value, rgb))
+            .collect(),
+        opacities
+            .iter()
+            .map(|&(value, opacity)| OpacityPoint::new(value, opacity))
+            .collect(),
+        unit_distance,
+    )
+}
