@@ -3,8 +3,9 @@
 //! On both planes the pixel has the sums `S` (value), `W` (weight) and the analytic gradient of S (the derivative of
 //! the EWA filter). Along the pixel's ray S is the cubic Hermite polynomial of both ends' values and derivatives,
 //! `O(dz^4)` where the papers' sheets are constant, W runs linearly, and `v = S / W`. The interval is cut where v
-//! bends, each piece being classified by the integral tables for a linear value. Lighting, at the ends, runs linearly
-//! in between.
+//! bends, each piece being classified by the integral tables for a linear value and lit in its middle: the gradient
+//! runs linearly between the ends, but for its part along the ray, which is the polynomial's derivative (with the
+//! linear part alone, or light interpolated instead of gradients, sheets show as wood grain on slopes).
 
 use splatvol_core::classification::ClassificationTable;
 use splatvol_scene::Lighting;
@@ -29,8 +30,6 @@ pub(crate) struct End {
     pub weight: f32,
     /// Gradient of S, camera space, per world length.
     pub gradient: [f32; 3],
-    /// Derivative of S along the pixel's ray, per sheet spacing.
-    pub along_ray: f32,
 }
 
 /// Constants of the stage.
@@ -47,8 +46,22 @@ pub(crate) struct Shader<'a> {
 pub(crate) struct Interval {
     /// Camera depth of the nearer plane.
     pub depth: f32,
-    /// Path length per depth.
-    pub ray_length: f32,
+    /// Movement in camera x and y per depth.
+    pub ray: [f32; 2],
+}
+
+impl Interval {
+    /// Path length per depth, squared.
+    #[inline(always)]
+    fn ray_squared(&self) -> f32 {
+        1.0 + self.ray[0] * self.ray[0] + self.ray[1] * self.ray[1]
+    }
+
+    /// Change of something with this gradient, per depth.
+    #[inline(always)]
+    fn along(&self, [x, y, z]: [f32; 3]) -> f32 {
+        self.ray[0] * x + self.ray[1] * y + z
+    }
 }
 
 /// The field between two planes along one ray.
@@ -56,22 +69,46 @@ struct Profile {
     /// Hermite coefficients of S over u in 0..1.
     cubic: [f32; 4],
     weights: [f32; 2],
+    gradients: [[f32; 3]; 2],
+    interval: Interval,
+    spacing: f32,
 }
 
 impl Profile {
     #[inline(always)]
-    fn new(near: &End, far: &End) -> Self {
+    fn new(near: &End, far: &End, interval: Interval, spacing: f32) -> Self {
         let rise = far.sum - near.sum;
-        let cubic = [
-            near.sum,
-            near.along_ray,
-            3.0 * rise - 2.0 * near.along_ray - far.along_ray,
-            near.along_ray + far.along_ray - 2.0 * rise,
-        ];
+        let (start, end) = (
+            interval.along(near.gradient) * spacing,
+            interval.along(far.gradient) * spacing,
+        );
         Self {
-            cubic,
+            cubic: [
+                near.sum,
+                start,
+                3.0 * rise - 2.0 * start - end,
+                start + end - 2.0 * rise,
+            ],
             weights: [near.weight, far.weight],
+            gradients: [near.gradient, far.gradient],
+            interval,
+            spacing,
         }
+    }
+
+    /// Gradient of S, camera space, per world length.
+    #[inline(always)]
+    fn gradient(&self, u: f32) -> [f32; 3] {
+        let [_, b, c, d] = self.cubic;
+        let along = (b + u * (2.0 * c + u * 3.0 * d)) / self.spacing;
+        let [near, far] = self.gradients;
+        let [x, y, z]: [f32; 3] = std::array::from_fn(|i| near[i] + u * (far[i] - near[i]));
+        let missing = (along - self.interval.along([x, y, z])) / self.interval.ray_squared();
+        [
+            x + missing * self.interval.ray[0],
+            y + missing * self.interval.ray[1],
+            z + missing,
+        ]
     }
 
     #[inline(always)]
@@ -90,7 +127,7 @@ impl Shader<'_> {
     /// Classifies, lights and composites the interval between two planes.
     #[inline(always)]
     pub(crate) fn shade(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
-        let profile = Profile::new(near, far);
+        let profile = Profile::new(near, far, interval, self.spacing);
         let (v0, v1) = (profile.value(0.0), profile.value(1.0));
         let quarters = [profile.value(0.25), profile.value(0.5), profile.value(0.75)];
         // The cubic leaves its five samples' range by at most a fraction of their spread.
@@ -100,12 +137,8 @@ impl Shader<'_> {
         if !self.table.is_visible(low - slack, high + slack) {
             return;
         }
-        let length = self.spacing * interval.ray_length;
+        let length = self.spacing * interval.ray_squared().sqrt();
         let pieces = self.pieces([v0, quarters[0], quarters[1], quarters[2], v1], length);
-        let lights = self
-            .lights
-            .as_ref()
-            .map(|phong| [phong.at(near.gradient), phong.at(far.gradient)]);
         let mut value = v0;
         for piece in 0..pieces {
             let (u0, u1) = (piece as f32 / pieces as f32, (piece + 1) as f32 / pieces as f32);
@@ -116,7 +149,9 @@ impl Shader<'_> {
             if extinction <= 0.0 {
                 continue;
             }
-            let lit = lights.map_or(Lit::PLAIN, |[a, b]| a.towards(b, middle));
+            let lit = self
+                .lights
+                .map_or(Lit::PLAIN, |phong| phong.at(profile.gradient(middle)));
             let color = emission.map(|e| e / extinction * lit.diffuse + lit.specular);
             let optical_depth = extinction * coverage(profile.weight(middle)) * length / pieces as f32;
             pixel.add(optical_depth, color, interval.depth + middle * self.spacing);
@@ -141,7 +176,7 @@ impl Shader<'_> {
     #[inline(always)]
     pub(crate) fn maximum(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
         const STEPS: u32 = 8;
-        let profile = Profile::new(near, far);
+        let profile = Profile::new(near, far, interval, self.spacing);
         for step in 0..=STEPS {
             let u = step as f32 / STEPS as f32;
             if profile.weight(u) >= 0.5 {
@@ -168,14 +203,6 @@ impl Lit {
         diffuse: 1.0,
         specular: 0.0,
     };
-
-    #[inline(always)]
-    fn towards(self, other: Self, t: f32) -> Self {
-        Self {
-            diffuse: self.diffuse + t * (other.diffuse - self.diffuse),
-            specular: self.specular + t * (other.specular - self.specular),
-        }
-    }
 }
 
 /// The Phong model of `splatvol_scene::lighting` in f32.

@@ -38,9 +38,9 @@ impl<'a> DataMode<'a> {
         }
     }
 
-    /// The end of an interval: channels of a plane's pixel to sums and gradient. `ray` is the pixel's (x, y) per depth.
+    /// The end of an interval: channels of a plane's pixel to sums and gradient.
     #[inline(always)]
-    fn end(&self, slicer: &PlaneSlicer, [sum, weight, dx, dy, dz]: [f32; 5], ray: [f32; 2]) -> End {
+    fn end(slicer: &PlaneSlicer, [sum, weight, dx, dy, dz]: [f32; 5]) -> End {
         let scale = slicer.scale();
         let slope = slicer.lateral_slope();
         let (x, y) = (scale * dx, scale * dy);
@@ -50,7 +50,6 @@ impl<'a> DataMode<'a> {
             sum,
             weight,
             gradient: [x, y, z],
-            along_ray: (z + ray[0] * x + ray[1] * y) * self.shader.spacing,
         }
     }
 }
@@ -130,9 +129,9 @@ impl Mode for DataMode<'_> {
                 let ray = [((canvas.rect.x0 + x) as f32 + 0.5 - cx) * per_pixel, ray_y];
                 let interval = Interval {
                     depth: near_slicer.depth(),
-                    ray_length: (1.0 + ray[0] * ray[0] + ray[1] * ray[1]).sqrt(),
+                    ray,
                 };
-                let (a, b) = (self.end(near_slicer, a, ray), self.end(far_slicer, b, ray));
+                let (a, b) = (Self::end(near_slicer, a), Self::end(far_slicer, b));
                 let pixel = &mut canvas.pixels[index];
                 if self.plan.settings.compositing == Compositing::Mip {
                     self.shader.maximum(pixel, &a, &b, interval);
