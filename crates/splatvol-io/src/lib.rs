@@ -2,7 +2,7 @@
 //!
 //! | module | formats |
 //! |---|---|
-//! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, NumPy, headerless raw |
+//! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
 //!
 //! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
 //! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
@@ -10,10 +10,12 @@
 #![forbid(unsafe_code)]
 
 mod error;
+pub mod image;
 mod samples;
 mod source;
 pub mod volume;
 
 pub use error::{FormatError, IoError};
+pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};
 pub use volume::{Description, Loaded, RawLayout, ReadOptions, WriteOptions, read_volume, write_volume};

@@ -167,6 +167,25 @@ impl SampleBuffer {
         with_buffer!(&mut self.buffer, data => append(data, source, count, context))
     }
 
+    /// Appends `count` numbers written as text, after skipping `skip` of them; the buffer must be of native order. A
+    /// number outside the type's range is an error. Gives the number of bytes used.
+    pub(crate) fn read_text(
+        &mut self,
+        numbers: &TextNumbers<'_>,
+        skip: usize,
+        count: usize,
+        context: &Context<'_>,
+    ) -> Result<usize, IoError> {
+        let end = skip.saturating_add(count);
+        // Every number takes a digit, and all but the last a separator.
+        let most = numbers.text.len().div_ceil(2);
+        if end > most {
+            let found = format!("text of {} bytes", numbers.text.len());
+            return Err(context.field("samples", found, numbers.start, format!("{end} numbers")));
+        }
+        with_buffer!(&mut self.buffer, data => parse_numbers(data, numbers, skip..end, context))
+    }
+
     /// The samples in native order, and a warning where 64-bit integers lost digits.
     pub(crate) fn finish(self) -> (Samples, Option<String>) {
         let Self { mut buffer, endian } = self;
@@ -257,7 +276,7 @@ pub(crate) fn decode(
 
 /// Decodes `count` numbers separated by white space or commas. A number outside the type's range is an error.
 ///
-/// `start` is the position of `text` in the file. The second value is the number of bytes used.
+/// `start` is the position of `text` in the file. The last value is the number of bytes used.
 pub(crate) fn decode_text(
     text: &[u8],
     sample_type: SampleType,
@@ -265,19 +284,38 @@ pub(crate) fn decode_text(
     start: u64,
     context: &Context<'_>,
 ) -> Result<(Samples, Option<String>, usize), IoError> {
-    // Every number takes a digit, and all but the last a separator.
-    if count as u64 > (text.len() as u64).div_ceil(2) {
-        return Err(context.too_small(
-            "numbers as text",
-            (count as u64).saturating_mul(2),
-            text.len() as u64 + 1,
-        ));
-    }
-    let mut buffer = sample_type.buffer();
-    let used =
-        with_buffer!(&mut buffer, data => parse_numbers(data, text, (count, sample_type, start), context))?;
-    let (samples, warning) = into_samples(buffer);
+    let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
+    let used = buffer.read_text(&TextNumbers { text, start }, 0, count, context)?;
+    let (samples, warning) = buffer.finish();
     Ok((samples, warning, used))
+}
+
+/// Numbers as text, and the position of that text in the file.
+pub(crate) struct TextNumbers<'a> {
+    pub(crate) text: &'a [u8],
+    pub(crate) start: u64,
+}
+
+impl<'a> TextNumbers<'a> {
+    /// The next number at or after `position`, and its position; `None` at the end.
+    fn next(&self, position: usize) -> Option<(&'a [u8], usize)> {
+        let separator = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == 0;
+        let begin = position
+            + self.text[position..]
+                .iter()
+                .take_while(|byte| separator(byte))
+                .count();
+        let length = self.text[begin..]
+            .iter()
+            .take_while(|byte| !separator(byte))
+            .count();
+        (length > 0).then(|| (&self.text[begin..begin + length], begin))
+    }
+
+    /// True where nothing but separators follows `position`.
+    pub(crate) fn ends_at(&self, position: usize) -> bool {
+        self.next(position).is_none()
+    }
 }
 
 /// A number in a text file.
@@ -302,39 +340,32 @@ text_number!(integers u8 i8 u16 i16 u32 i32 u64 i64; floats f32 f64);
 
 fn parse_numbers<T: TextNumber>(
     data: &mut Vec<T>,
-    text: &[u8],
-    (count, sample_type, start): (usize, SampleType, u64),
+    numbers: &TextNumbers<'_>,
+    range: std::ops::Range<usize>,
     context: &Context<'_>,
 ) -> Result<usize, IoError> {
-    let separator = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == 0;
+    let count = range.len();
     data.try_reserve_exact(count)
-        .map_err(|_| context.limit(sample_type.byte_count(count), 0))?;
+        .map_err(|_| context.limit((count as u64).saturating_mul(size_of::<T>() as u64), 0))?;
     let mut position = 0;
-    while data.len() < count {
-        position += text[position..].iter().take_while(|byte| separator(byte)).count();
-        let length = text[position..]
-            .iter()
-            .take_while(|byte| !separator(byte))
-            .count();
-        if length == 0 {
-            let found = data.len() as u64;
-            return Err(context.field(
-                "samples",
-                format!("{found} numbers"),
-                start + position as u64,
-                format!("{count} numbers"),
-            ));
+    for index in 0..range.end {
+        let Some((token, begin)) = numbers.next(position) else {
+            let (found, offset) = (format!("{index} numbers"), numbers.start + position as u64);
+            return Err(context.field("samples", found, offset, format!("{} numbers", range.end)));
+        };
+        position = begin + token.len();
+        if index < range.start {
+            continue;
         }
-        let token = String::from_utf8_lossy(&text[position..position + length]);
+        let token = String::from_utf8_lossy(token);
         match token.parse::<T>() {
             Ok(number) if number.fits(&token) => data.push(number),
             _ => {
-                let field = format!("sample {}", data.len());
-                let expected = format!("a number of type {}", sample_type.name());
-                return Err(context.field(field, token, start + position as u64, expected));
+                let expected = format!("a number of type {}", std::any::type_name::<T>());
+                let offset = numbers.start + begin as u64;
+                return Err(context.field(format!("sample {index}"), token, offset, expected));
             }
         }
-        position += length;
     }
     Ok(position)
 }

@@ -229,7 +229,7 @@ struct GzipMembers<R: BufRead> {
 }
 
 enum GzipState<R: BufRead> {
-    Member(GzDecoder<R>),
+    Member(Box<GzDecoder<R>>),
     End,
     Padding,
 }
@@ -237,7 +237,7 @@ enum GzipState<R: BufRead> {
 impl<R: BufRead> GzipMembers<R> {
     fn new(reader: R) -> Self {
         Self {
-            state: GzipState::Member(GzDecoder::new(reader)),
+            state: GzipState::Member(Box::new(GzDecoder::new(reader))),
         }
     }
 }
@@ -258,7 +258,7 @@ impl<R: BufRead> Read for GzipMembers<R> {
                     let mut reader = decoder.into_inner();
                     self.state = match reader.fill_buf()? {
                         [] => GzipState::End,
-                        [0x1f, 0x8b, ..] | [0x1f] => GzipState::Member(GzDecoder::new(reader)),
+                        [0x1f, 0x8b, ..] | [0x1f] => GzipState::Member(Box::new(GzDecoder::new(reader))),
                         _ => GzipState::Padding,
                     };
                 }

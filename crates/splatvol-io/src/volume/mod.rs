@@ -5,6 +5,7 @@
 
 mod assemble;
 mod detect;
+mod fields;
 pub mod legacy_vtk;
 pub mod metaimage;
 pub mod nifti;

@@ -1,6 +1,7 @@
 //! Helpers for the tests of all formats.
 #![allow(
     dead_code,
+    unreachable_pub,
     clippy::unwrap_used,
     reason = "every test file uses its own part of these; panics are how tests fail"
 )]
@@ -49,7 +50,11 @@ pub fn assert_expected(name: &str, loaded: &Loaded, expected: &Expected) {
     assert_eq!(volume.grid().dims(), expected.dims, "{name}: dims");
     assert_eq!(volume.samples().type_name(), expected.sample_type, "{name}: type");
     let spacing = volume.grid().spacing() / DVec3::from_array(expected.spacing);
-    assert!((spacing - 1.0).abs().max_element() < 1e-5, "{name}: spacing {:?}", volume.grid().spacing());
+    assert!(
+        (spacing - 1.0).abs().max_element() < 1e-5,
+        "{name}: spacing {:?}",
+        volume.grid().spacing()
+    );
     let found = [statistics.min, statistics.max, statistics.mean];
     for (found, expected) in found.into_iter().zip(expected.values) {
         let tolerance = 1e-5 * expected.abs() + 6e-5;
@@ -64,7 +69,11 @@ pub fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<Loaded, IoE
     let start = Instant::now();
     let result = read_volume(&path, &ReadOptions::default());
     let elapsed = start.elapsed();
-    assert!(elapsed < PATIENCE, "{name}: {elapsed:?} for {} bytes", bytes.len());
+    assert!(
+        elapsed < PATIENCE,
+        "{name}: {elapsed:?} for {} bytes",
+        bytes.len()
+    );
     if let Err(error) = &result {
         let text = error.to_string();
         assert!(text.contains(name), "the message does not name the file: {text}");

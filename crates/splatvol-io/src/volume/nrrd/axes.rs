@@ -1,0 +1,180 @@
+//! Which axes span space, and which hold components or time points.
+//!
+//! Axes before the first spatial one vary faster: they are components of a vector. Axes after the last spatial one
+//! vary slower: time points or lists of volumes (or components, where their kind says so).
+
+use glam::DVec3;
+
+use super::header::Header;
+use super::space::{Direction, Space};
+use crate::IoError;
+use crate::error::Context;
+use crate::volume::fields::Field;
+use crate::volume::{ReadOptions, checked_dims};
+
+/// One axis.
+#[derive(Debug, Clone)]
+struct Axis {
+    size: usize,
+    role: Role,
+    /// World step in the file's space; `None` where the file gives none.
+    step: Option<DVec3>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Spatial,
+    Time,
+    Components,
+}
+
+/// What of the samples makes the volume.
+#[derive(Debug)]
+pub(super) struct Selection {
+    /// Samples along the spatial axes.
+    pub(super) dims: [usize; 3],
+    /// Steps along the spatial axes in the file's space; fewer than 3 for images.
+    pub(super) steps: Vec<Option<DVec3>>,
+    /// Numbers of the spatial axes.
+    pub(super) axes: Vec<usize>,
+    /// Interleaved components, and the one to take.
+    pub(super) components: usize,
+    pub(super) component: usize,
+    /// Volumes one after the other, and the one to take.
+    pub(super) volumes: usize,
+    pub(super) volume: usize,
+}
+
+/// Sorts the axes of `header`.
+pub(super) fn select(
+    header: &Header,
+    space: &Space,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<Selection, IoError> {
+    let axes = axes(header, space, context)?;
+    let spatial: Vec<usize> = (0..axes.len())
+        .filter(|&i| axes[i].role == Role::Spatial)
+        .collect();
+    let (Some(&first), Some(&last)) = (spatial.first(), spatial.last()) else {
+        return Err(context.unsupported("no axis is spatial"));
+    };
+    if spatial.len() > 3 {
+        return Err(context.unsupported(format!(
+            "{} spatial axes; \"kinds\" must say which are not space",
+            spatial.len()
+        )));
+    }
+    let between = (first..last).any(|i| axes[i].role != Role::Spatial && axes[i].size > 1);
+    if between {
+        return Err(context.unsupported("an axis of components lies between spatial axes"));
+    }
+    let sizes: Vec<i64> = spatial
+        .iter()
+        .map(|&i| i64::try_from(axes[i].size).unwrap_or(i64::MAX))
+        .collect();
+    let offset = header.fields.get("sizes").map(|field| field.offset);
+    let dims = checked_dims(&sizes, "sizes", offset, context)?;
+    let (components, component) = index(&axes[..first], Role::Components, options, context)?;
+    let slow_role = match axes[last + 1..].iter().find(|axis| axis.size > 1) {
+        Some(axis) => axis.role,
+        None => Role::Time,
+    };
+    let (volumes, volume) = index(&axes[last + 1..], slow_role, options, context)?;
+    Ok(Selection {
+        dims,
+        steps: spatial.iter().map(|&i| axes[i].step).collect(),
+        axes: spatial,
+        components,
+        component,
+        volumes,
+        volume,
+    })
+}
+
+/// Number of entries along some non-spatial axes together, and the one that the options choose.
+fn index(
+    axes: &[Axis],
+    role: Role,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<(usize, usize), IoError> {
+    let count = axes
+        .iter()
+        .try_fold(1usize, |product, axis| product.checked_mul(axis.size));
+    let count = count.ok_or_else(|| context.limit(u64::MAX, options.max_bytes))?;
+    let chosen = match role {
+        _ if count == 1 => return Ok((1, 0)),
+        Role::Time => options.time,
+        Role::Components | Role::Spatial => options.component.ok_or_else(|| {
+            context.unsupported(format!(
+                "samples have {count} components; choose one (component 0 to {})",
+                count - 1
+            ))
+        })?,
+    };
+    if chosen >= count {
+        let name = if role == Role::Time {
+            "time point"
+        } else {
+            "component"
+        };
+        return Err(context.unsupported(format!("{name} {chosen} was asked for, the file has {count}")));
+    }
+    Ok((count, chosen))
+}
+
+fn axes(header: &Header, space: &Space, context: &Context<'_>) -> Result<Vec<Axis>, IoError> {
+    let count = header.sizes.len();
+    let kinds = kinds(header.fields.get("kinds"), count, context)?;
+    let spacings: Option<Vec<f64>> = header
+        .fields
+        .get("spacings")
+        .map(|field| field.exactly(count, "numbers", context))
+        .transpose()?;
+    let directions = match header.fields.get("spacedirections") {
+        Some(field) => Some(space.directions(field, count, context)?),
+        None => None,
+    };
+    let mut spatial = 0;
+    let axis = |(i, &size): (usize, &usize)| {
+        let spacing = spacings.as_ref().map(|spacings| spacings[i]);
+        let (role, step) = match directions.as_ref().map(|directions| directions[i]) {
+            Some(Direction::Space(step)) => (Role::Spatial, Some(step)),
+            Some(Direction::Time) => (Role::Time, None),
+            Some(Direction::None) => (
+                kinds[i]
+                    .filter(|&role| role != Role::Spatial)
+                    .unwrap_or(Role::Components),
+                None,
+            ),
+            None => match (kinds[i], spacing) {
+                (Some(role), _) if role != Role::Spatial => (role, None),
+                // Without a kind, "not a number" is how writers say that an axis has no spacing.
+                (None, Some(spacing)) if spacing.is_nan() => (Role::Components, None),
+                _ => {
+                    let unit = [DVec3::X, DVec3::Y, DVec3::Z][spatial % 3];
+                    (Role::Spatial, spacing.map(|spacing| unit * spacing))
+                }
+            },
+        };
+        spatial += usize::from(role == Role::Spatial);
+        Axis { size, role, step }
+    };
+    Ok(header.sizes.iter().enumerate().map(axis).collect())
+}
+
+/// Roles by the field `kinds`; `None` where it says nothing.
+fn kinds(field: Option<&Field>, count: usize, context: &Context<'_>) -> Result<Vec<Option<Role>>, IoError> {
+    let Some(field) = field else {
+        return Ok(vec![None; count]);
+    };
+    let kinds: Vec<String> = field.exactly(count, "kinds", context)?;
+    let role = |kind: &String| match kind.to_ascii_lowercase().as_str() {
+        "domain" | "space" => Some(Role::Spatial),
+        "time" | "list" => Some(Role::Time),
+        "???" | "none" => None,
+        _ => Some(Role::Components),
+    };
+    Ok(kinds.iter().map(role).collect())
+}
