@@ -1,1 +1,23 @@
 //! Analytic fields and the comparison kit of the tests.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`fields`] | scalar fields with closed-form values and gradients; sampling them into volumes |
+//! | [`random`] | the seeded generator behind every random test |
+//! | [`compare`] | how far two pictures are apart, on all four channels |
+//! | [`assertion`] | [`Tolerance`] and [`assert_images`]: the one way to demand that pictures agree |
+//! | [`snapshot`] | [`assert_snapshot`]: pictures against 16-bit PNGs kept with the tests |
+//! | [`picture`] | pictures as PNG files |
+//!
+//! A failing comparison leaves `expected | difference | actual` and its figures in `target/test-output`.
+#![forbid(unsafe_code)]
+
+pub mod assertion;
+pub mod compare;
+pub mod fields;
+pub mod picture;
+pub mod random;
+pub mod snapshot;
+
+pub use fields::{Field, sample};
+pub use random::Random;

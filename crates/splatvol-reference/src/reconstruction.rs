@@ -1,0 +1,182 @@
+//! The scalar field: normalised samples, coefficients, and the sums `S` and `W`.
+//!
+//! `F_k = (f_k - lo) / (hi - lo)`; coefficients `c_k` are `F_k`, or with the interpolating prefilter the solution of
+//! `sum_k c_k h(i - k) = F_i W(i)` on the full box. For that system a missing sample is filled with the mean of its
+//! finite face neighbours (0 if it has none); afterwards it has no weight in `S` and `W`.
+
+use glam::{DMat3, DVec3};
+use splatvol_scene::{Kernel, Volume};
+
+use crate::ReferenceError;
+use crate::kernel::GaussianKernel;
+use crate::lattice::{Lattice, LatticeSums};
+use crate::solve::solve;
+
+/// A volume as a continuous field.
+#[derive(Debug, Clone)]
+pub struct Reconstruction {
+    kernel: GaussianKernel,
+    value_range: [f64; 2],
+    /// Coefficient and presence (1 or 0) per voxel.
+    samples: Lattice<2>,
+}
+
+/// What the samples add up to at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sums {
+    /// `S = sum_k c_k h(x - k)`.
+    pub s: f64,
+    /// `W = sum_k h(x - k)`.
+    pub w: f64,
+    /// Gradient of S in voxel space, per voxel.
+    pub grad_s: DVec3,
+}
+
+impl Sums {
+    /// `v = S / W`: 0 is the volume's smallest value, 1 its largest. Not finite where W is 0.
+    pub fn value(&self) -> f64 {
+        self.s / self.w
+    }
+
+    /// `q`: 1 inside the volume, falling to 0 across its border.
+    pub fn coverage(&self) -> f64 {
+        ((self.w - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
+    }
+}
+
+impl From<LatticeSums<2>> for Sums {
+    fn from(sums: LatticeSums<2>) -> Self {
+        let [s, w] = sums.sums;
+        Self {
+            s,
+            w,
+            grad_s: sums.gradient,
+        }
+    }
+}
+
+impl Reconstruction {
+    /// The field of a volume, with or without the interpolating prefilter.
+    ///
+    /// # Errors
+    /// With the prefilter, a kernel that cannot be inverted on this box.
+    pub fn new(volume: &Volume, kernel: &Kernel, prefilter: bool) -> Result<Self, ReferenceError> {
+        let gaussian = GaussianKernel::new(kernel);
+        let dims = volume.grid().dims();
+        let samples = normalised_samples(volume);
+        let coefficients = if prefilter {
+            let right = filled(&samples, dims)
+                .into_iter()
+                .enumerate()
+                .map(|(index, f)| f * full_box_weight(&gaussian, dims, index))
+                .collect();
+            solve(&gaussian, dims, right).map_err(|count| ReferenceError::SingularKernel {
+                sigma: gaussian.sigma,
+                radius: gaussian.radius,
+                count,
+            })?
+        } else {
+            samples.clone()
+        };
+        let payload = |(sample, coefficient): (&f64, f64)| {
+            if sample.is_finite() {
+                [coefficient, 1.0]
+            } else {
+                [0.0, 0.0]
+            }
+        };
+        Ok(Self {
+            kernel: gaussian,
+            value_range: volume.value_range(),
+            samples: Lattice {
+                dims,
+                payload: samples.iter().zip(coefficients).map(payload).collect(),
+            },
+        })
+    }
+
+    /// `S`, `W` and the gradient of S at a point in voxel space, without low-pass.
+    pub fn sums(&self, x_voxel: DVec3) -> Sums {
+        self.samples.sums(&self.kernel, x_voxel).into()
+    }
+
+    /// The same with the kernel's covariance (voxel space) widened by a low-pass.
+    pub fn filtered_sums(&self, x_voxel: DVec3, covariance: DMat3) -> Sums {
+        self.samples
+            .filtered_sums(&self.kernel, covariance, x_voxel)
+            .into()
+    }
+
+    /// Reconstructed value in data units; not finite where no sample reaches.
+    pub fn value(&self, x_voxel: DVec3) -> f64 {
+        self.data_value(&self.sums(x_voxel))
+    }
+
+    /// `lo + v (hi - lo)` of sums.
+    pub fn data_value(&self, sums: &Sums) -> f64 {
+        let [low, high] = self.value_range;
+        low + sums.value() * (high - low)
+    }
+
+    /// Coefficients `c_k` (x fastest); 0 at missing samples.
+    pub fn coefficients(&self) -> Vec<f64> {
+        self.samples.payload.iter().map(|payload| payload[0]).collect()
+    }
+}
+
+/// `F_k`, NaN where missing.
+fn normalised_samples(volume: &Volume) -> Vec<f64> {
+    let [low, high] = volume.value_range();
+    let width = if high > low { high - low } else { 1.0 };
+    (0..volume.grid().sample_count())
+        .map(|index| (volume.value(index) - low) / width)
+        .map(|f| if f.is_finite() { f } else { f64::NAN })
+        .collect()
+}
+
+/// Missing samples replaced by the mean of their finite face neighbours, or 0.
+fn filled(samples: &[f64], dims: [usize; 3]) -> Vec<f64> {
+    let fill = |index: usize| {
+        let neighbours = face_neighbours(index, dims);
+        let finite: Vec<f64> = neighbours
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|neighbour| samples[neighbour])
+            .filter(|f| f.is_finite())
+            .collect();
+        finite.iter().sum::<f64>() / finite.len().max(1) as f64
+    };
+    samples
+        .iter()
+        .enumerate()
+        .map(|(index, &f)| if f.is_finite() { f } else { fill(index) })
+        .collect()
+}
+
+/// Index of the lower and upper neighbour along each axis, where the box has one.
+pub(crate) fn face_neighbours(index: usize, dims: [usize; 3]) -> [[Option<usize>; 2]; 3] {
+    let strides = [1, dims[0], dims[0] * dims[1]];
+    std::array::from_fn(|axis| {
+        let position = index / strides[axis] % dims[axis];
+        [
+            (position > 0).then(|| index - strides[axis]),
+            (position + 1 < dims[axis]).then(|| index + strides[axis]),
+        ]
+    })
+}
+
+/// `W(i)` of the full box at a voxel.
+fn full_box_weight(kernel: &GaussianKernel, dims: [usize; 3], index: usize) -> f64 {
+    let position = [
+        index % dims[0],
+        index / dims[0] % dims[1],
+        index / (dims[0] * dims[1]),
+    ];
+    let axis_weight = |axis: usize| -> f64 {
+        (0..dims[axis])
+            .map(|k| kernel.factor(position[axis] as f64 - k as f64))
+            .sum()
+    };
+    axis_weight(0) * axis_weight(1) * axis_weight(2)
+}
