@@ -1,15 +1,191 @@
-//! Legacy VTK structured points (.vtk).
+//! Legacy VTK files (.vtk) of structured points, after "VTK file formats" (versions 1.0 to 5.1).
+//!
+//! Binary data are big-endian. Scalars, and arrays of fields, are read; other attributes are stepped over.
+
+mod attributes;
+mod cursor;
 
 use std::path::Path;
 
-use super::{Loaded, ReadOptions};
-use crate::IoError;
-use crate::error::Context;
+use glam::{DMat3, DVec3};
+use splatvol_scene::Samples;
 
-/// Reads a file of this format.
+use super::vtk_array::{self, ImageGeometry};
+use super::{Description, Loaded, ReadOptions, sample_count};
+use crate::error::Context;
+use crate::samples::{SampleBuffer, decode_text};
+use crate::source::{Source, read_file};
+use crate::{Endian, IoError, SampleType};
+use attributes::{Array, Attributes, Coding, ElementType, Scan};
+use cursor::Cursor;
+
+const MAGIC: &str = "# vtk DataFile Version";
+
+/// Reads a .vtk file.
 ///
 /// # Errors
-/// See [`IoError`].
-pub fn read(path: &Path, _options: &ReadOptions) -> Result<Loaded, IoError> {
-    Err(Context::new("legacy_vtk", path).unsupported("this format is not read yet"))
+/// A malformed header, a data set other than structured points, geometry that is not a regular grid, an array that
+/// is absent or not scalar (see [`ReadOptions::array`]), or too few data.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    let context = &Context::new("legacy VTK", path);
+    let bytes = read_file(path, context)?;
+    let mut cursor = Cursor::new(&bytes, context);
+    let (version, coding) = header(&mut cursor)?;
+    let geometry = geometry(&mut cursor, coding)?;
+    let wanted = options.array.as_deref();
+    let mut scan = Scan {
+        cursor,
+        coding,
+        geometry: &geometry,
+        wanted,
+        found: Attributes::default(),
+    };
+    let end = scan.run();
+    let Attributes { heads, arrays } = scan.found;
+    let (index, component) = match (vtk_array::choose(&heads, options, context), &end) {
+        (Err(_), Err(_)) => return Err(end.err().unwrap_or_else(|| context.unsupported("no array"))),
+        (choice, _) => choice?,
+    };
+    let (head, array) = (&heads[index], &arrays[index]);
+    let sample_type = head
+        .sample_type
+        .ok_or_else(|| context.unsupported("an array without a type"))?;
+    let coding_name = match coding {
+        Coding::Ascii => "ascii",
+        Coding::Binary => "big-endian",
+    };
+    let description = Description {
+        format: format!("legacy VTK {version}"),
+        stored_type: format!("{}, {coding_name}", sample_type.name()),
+        files: vec![path.to_owned()],
+        ..Description::default()
+    };
+    let mut draft = geometry.draft(head.association, description, context)?;
+    if let Err(error) = end {
+        draft.warn(format!("only the first arrays could be found: {error}"));
+    }
+    let count = sample_count(draft.dims, head.components, sample_type, options, context)?;
+    let (samples, warning) = decode(array, &bytes, (sample_type, count), coding, context)?;
+    draft.description.warnings.extend(warning);
+    draft.finish(vtk_array::pick(samples, head.components, component), context)
+}
+
+/// Version and coding: the first three lines.
+fn header(cursor: &mut Cursor<'_>) -> Result<(String, Coding), IoError> {
+    let start = *cursor;
+    let magic = cursor.line("magic")?;
+    let version = magic
+        .strip_prefix(MAGIC)
+        .map(str::trim)
+        .unwrap_or_default()
+        .to_owned();
+    let major = version
+        .split('.')
+        .next()
+        .and_then(|major| major.parse::<u32>().ok());
+    if !major.is_some_and(|major| (1..=5).contains(&major)) {
+        return Err(start.error("magic", &magic, format!("`{MAGIC} 1.0` to `5.1`")));
+    }
+    cursor.line("title")?;
+    cursor.skip_blanks();
+    let start = *cursor;
+    let coding = cursor.word().unwrap_or_default();
+    match coding.to_ascii_uppercase().as_str() {
+        "ASCII" => Ok((version, Coding::Ascii)),
+        "BINARY" => Ok((version, Coding::Binary)),
+        _ => Err(start.error("coding", &coding, "ASCII or BINARY")),
+    }
+}
+
+/// What stands between the header and the attributes.
+fn geometry(cursor: &mut Cursor<'_>, coding: Coding) -> Result<ImageGeometry, IoError> {
+    let mut dims = None;
+    let (mut origin, mut spacing, mut is_image) = ([0.0; 3], [1.0; 3], false);
+    loop {
+        cursor.skip_blanks();
+        let start = *cursor;
+        let Some(keyword) = cursor.word() else { break };
+        match keyword.to_ascii_uppercase().as_str() {
+            "DATASET" => {
+                structured_points(cursor)?;
+                is_image = true;
+            }
+            "DIMENSIONS" => dims = Some(cursor.numbers::<i64, 3>("DIMENSIONS")?),
+            "ORIGIN" => origin = cursor.numbers("ORIGIN")?,
+            "SPACING" | "ASPECT_RATIO" => spacing = cursor.numbers("SPACING")?,
+            "METADATA" => cursor.skip_metadata()?,
+            "FIELD" => {
+                cursor.word();
+                let count = cursor.number("FIELD")?;
+                attributes::skip_field(cursor, coding, count)?;
+            }
+            "POINT_DATA" | "CELL_DATA" => {
+                *cursor = start;
+                break;
+            }
+            _ => return Err(start.error("keyword", &keyword, "DIMENSIONS, ORIGIN, SPACING or POINT_DATA")),
+        }
+    }
+    let dims = dims
+        .filter(|_| is_image)
+        .ok_or_else(|| cursor.error("DIMENSIONS", "", "DATASET STRUCTURED_POINTS with DIMENSIONS"))?;
+    if dims.iter().any(|&size| size < 1) {
+        return Err(cursor.error("DIMENSIONS", &format!("{dims:?}"), "at least 1 along each axis"));
+    }
+    Ok(ImageGeometry {
+        extent: dims.map(|size| [0, size - 1]),
+        origin: DVec3::from_array(origin),
+        spacing: DVec3::from_array(spacing),
+        direction: DMat3::IDENTITY,
+    })
+}
+
+fn structured_points(cursor: &mut Cursor<'_>) -> Result<(), IoError> {
+    let kind = cursor.word().unwrap_or_default();
+    if kind.eq_ignore_ascii_case("STRUCTURED_POINTS") {
+        return Ok(());
+    }
+    let known = [
+        "STRUCTURED_GRID",
+        "UNSTRUCTURED_GRID",
+        "POLYDATA",
+        "RECTILINEAR_GRID",
+        "FIELD",
+        "TABLE",
+        "DIRECTED_GRAPH",
+    ];
+    if known.iter().any(|known| kind.eq_ignore_ascii_case(known)) {
+        let what = format!("data set {kind}; only STRUCTURED_POINTS, a regular grid, is read");
+        return Err(cursor.context().unsupported(what));
+    }
+    Err(cursor.error("DATASET", &kind, "STRUCTURED_POINTS"))
+}
+
+fn decode(
+    array: &Array,
+    bytes: &[u8],
+    (sample_type, count): (SampleType, usize),
+    coding: Coding,
+    context: &Context<'_>,
+) -> Result<(Samples, Option<String>), IoError> {
+    let data = &bytes[array.start.min(bytes.len())..];
+    match (coding, array.element) {
+        (Coding::Ascii, _) => {
+            let (samples, warning, _) = decode_text(data, sample_type, count, array.start as u64, context)?;
+            Ok((samples, warning))
+        }
+        (Coding::Binary, ElementType::Bit) => {
+            let length = count.div_ceil(8);
+            let packed = data
+                .get(..length)
+                .ok_or_else(|| context.truncated("bits", length as u64, data.len() as u64))?;
+            let bit = |index: usize| packed[index / 8] >> (7 - index % 8) & 1;
+            Ok((Samples::U8((0..count).map(bit).collect()), None))
+        }
+        (Coding::Binary, _) => {
+            let mut buffer = SampleBuffer::new(sample_type, Endian::Big);
+            buffer.read(&mut Source::from_bytes(data), count, context)?;
+            Ok(buffer.finish())
+        }
+    }
 }

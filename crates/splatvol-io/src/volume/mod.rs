@@ -13,6 +13,7 @@ pub mod npy;
 pub mod nrrd;
 pub mod raw;
 pub mod vti;
+mod vtk_array;
 
 use std::path::{Path, PathBuf};
 

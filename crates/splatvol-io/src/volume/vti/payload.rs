@@ -1,0 +1,184 @@
+//! The numbers of one array of a .vti file.
+//!
+//! Binary data are a header of words (4 or 8 bytes each, in the file's byte order) and the data themselves.
+//! Plain: one word, the number of bytes. Compressed: number of blocks, bytes per block, bytes of the last block (0:
+//! a whole one), compressed bytes of each block; then the blocks, one zlib stream each. In base64 the two parts may
+//! be encoded apart, which is seen from the padding in the middle.
+
+use std::borrow::Cow;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use splatvol_scene::Samples;
+
+use super::document::{Coding, Place};
+use crate::IoError;
+use crate::error::Context;
+use crate::samples::{Endian, SampleBuffer, SampleType, decode_text};
+use crate::source::{Codec, Rest, Source};
+
+/// `count` numbers from `place`, and a warning where they lost digits.
+pub(super) fn samples(
+    place: &Place<'_>,
+    (sample_type, count): (SampleType, usize),
+    coding: Coding,
+    appended: Option<&[u8]>,
+    context: &Context<'_>,
+) -> Result<(Samples, Option<String>), IoError> {
+    let encoded = match place {
+        Place::Ascii(text) => {
+            let (samples, warning, used) = decode_text(text.as_bytes(), sample_type, count, 0, context)?;
+            if !text[used..].trim().is_empty() {
+                return Err(context.field(
+                    "DataArray",
+                    &text[used..],
+                    None,
+                    format!("{count} numbers, no more"),
+                ));
+            }
+            return Ok((samples, warning));
+        }
+        Place::Base64(text) => Cow::Owned(from_base64(text.as_bytes(), context)?),
+        Place::Appended { offset, next } => from_appended(appended, (*offset, *next), coding, context)?,
+    };
+    let mut buffer = SampleBuffer::new(sample_type, coding.endian);
+    if coding.compressed {
+        read_blocks(&encoded, (sample_type, count), coding, &mut buffer, context)?;
+    } else {
+        let mut words = Words::new(&encoded, coding);
+        let (declared, expected) = (words.next(context)?, sample_type.byte_count(count));
+        if declared != expected {
+            return Err(context.field(
+                "bytes of data",
+                declared,
+                None,
+                format!("{expected} for the extent"),
+            ));
+        }
+        buffer.read(&mut Source::from_bytes(words.rest), count, context)?;
+    }
+    Ok(buffer.finish())
+}
+
+/// The data at an offset, without their base64.
+fn from_appended<'a>(
+    appended: Option<&'a [u8]>,
+    (offset, next): (u64, Option<u64>),
+    coding: Coding,
+    context: &Context<'_>,
+) -> Result<Cow<'a, [u8]>, IoError> {
+    let appended =
+        appended.ok_or_else(|| context.field("AppendedData", "", None, "an <AppendedData> element"))?;
+    let tail = usize::try_from(offset)
+        .ok()
+        .and_then(|offset| appended.get(offset..))
+        .ok_or_else(|| {
+            let expected = format!("at most {}, the length of the appended data", appended.len());
+            context.field("offset", offset, None, expected)
+        })?;
+    if !coding.appended_base64 {
+        return Ok(Cow::Borrowed(tail));
+    }
+    let length = next.map_or(tail.len(), |next| tail.len().min((next - offset) as usize));
+    let text = &tail[..length];
+    let end = text.iter().position(|&byte| byte == b'<').unwrap_or(length);
+    Ok(Cow::Owned(from_base64(&text[..end], context)?))
+}
+
+fn from_base64(text: &[u8], context: &Context<'_>) -> Result<Vec<u8>, IoError> {
+    let letters: Vec<u8> = text
+        .iter()
+        .copied()
+        .filter(|byte| !byte.is_ascii_whitespace())
+        .collect();
+    let mut decoded = Vec::with_capacity(letters.len() / 4 * 3 + 3);
+    let mut rest = letters.as_slice();
+    while !rest.is_empty() {
+        let end = rest.iter().position(|&byte| byte == b'=').unwrap_or(rest.len());
+        let padding = rest[end..].iter().take_while(|&&byte| byte == b'=').count();
+        let (part, after) = rest.split_at(end + padding);
+        STANDARD
+            .decode_vec(part, &mut decoded)
+            .map_err(|error| context.field("base64", error, None, "valid base64"))?;
+        rest = after;
+    }
+    Ok(decoded)
+}
+
+fn read_blocks(
+    encoded: &[u8],
+    (sample_type, count): (SampleType, usize),
+    coding: Coding,
+    buffer: &mut SampleBuffer,
+    context: &Context<'_>,
+) -> Result<(), IoError> {
+    let mut words = Words::new(encoded, coding);
+    let (blocks, size, last) = (words.next(context)?, words.next(context)?, words.next(context)?);
+    let last = if last == 0 { size } else { last };
+    let whole = blocks
+        .checked_sub(1)
+        .and_then(|whole| whole.checked_mul(size)?.checked_add(last));
+    let width = sample_type.size() as u64;
+    if whole != Some(sample_type.byte_count(count)) || last > size || blocks > 1 && size % width != 0 {
+        let found = format!("{blocks} of {size} bytes, the last of {last}");
+        let expected = format!(
+            "blocks of whole samples, {} bytes in all",
+            sample_type.byte_count(count)
+        );
+        return Err(context.field("compressed blocks", found, None, expected));
+    }
+    let lengths_of_blocks = blocks.saturating_mul(coding.header_word as u64);
+    let (mut lengths, mut rest) = usize::try_from(lengths_of_blocks)
+        .ok()
+        .and_then(|length| words.rest.split_at_checked(length))
+        .map(|(lengths, rest)| (Words::new(lengths, coding), rest))
+        .ok_or_else(|| {
+            context.truncated(
+                "lengths of the blocks",
+                lengths_of_blocks,
+                words.rest.len() as u64,
+            )
+        })?;
+    for block in 1..=blocks {
+        let length = lengths.next(context)?;
+        let (stream, after) = usize::try_from(length)
+            .ok()
+            .and_then(|length| rest.split_at_checked(length))
+            .ok_or_else(|| context.truncated("compressed blocks", length, rest.len() as u64))?;
+        rest = after;
+        let samples = if block == blocks { last } else { size } / width;
+        let mut source = Source::from_bytes(stream).inflate(Codec::Zlib);
+        buffer.read(&mut source, samples as usize, context)?;
+        if source.rest(context)? != Rest::Nothing {
+            let found = format!("more than {} bytes", samples * width);
+            return Err(context.field(format!("block {block} of {blocks}"), found, None, "as declared"));
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of a header of data.
+struct Words<'a> {
+    rest: &'a [u8],
+    coding: Coding,
+}
+
+impl<'a> Words<'a> {
+    fn new(bytes: &'a [u8], coding: Coding) -> Self {
+        Self { rest: bytes, coding }
+    }
+
+    fn next(&mut self, context: &Context<'_>) -> Result<u64, IoError> {
+        let size = self.coding.header_word;
+        let (word, rest) = self
+            .rest
+            .split_at_checked(size)
+            .ok_or_else(|| context.truncated("header of the data", size as u64, self.rest.len() as u64))?;
+        self.rest = rest;
+        let join = |value: u64, &byte: &u8| value << 8 | u64::from(byte);
+        Ok(match self.coding.endian {
+            Endian::Little => word.iter().rev().fold(0, join),
+            Endian::Big => word.iter().fold(0, join),
+        })
+    }
+}
