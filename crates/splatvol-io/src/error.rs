@@ -94,6 +94,14 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
+    /// What is to be written does not fit the format.
+    #[error("cannot encode {format}: {what}")]
+    Encode {
+        /// Format of the file.
+        format: &'static str,
+        /// What does not fit, or what the encoder said.
+        what: String,
+    },
     /// The output cannot be written.
     #[error("cannot write: {source}, to {path}", path = path.display())]
     Write {

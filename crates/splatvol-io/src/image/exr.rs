@@ -1,0 +1,179 @@
+//! OpenEXR: 32-bit floats, linear light (BT.709 primaries), premultiplied alpha, ZIP compression.
+//!
+//! Channels are `R G B A` and, for frames, `Z`: camera depth (along the view direction, not along the ray), infinite
+//! where the picture is empty. Metadata: `Software` is EXR's standard attribute `software`; all other pairs go as one
+//! JSON list of pairs into the string attribute [`METADATA_ATTRIBUTE`], since the writer's own order of several custom
+//! attributes changes from run to run and files should not.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, MetaData, ReadChannels,
+    ReadLayers, Vec2, WritableImage, read,
+};
+use splatvol_scene::{Image, ImageSize};
+
+use super::{LoadedImage, check_size, metadata};
+use crate::IoError;
+use crate::error::Context;
+
+/// Attribute that holds all metadata but `Software`, as a JSON list of pairs of strings.
+pub const METADATA_ATTRIBUTE: &str = "splatvol.metadata";
+
+/// No compression of EXR packs more pixels into a byte (PIZ, a constant picture).
+const PIXELS_PER_BYTE: u64 = 1 << 16;
+
+/// Longest attribute that is read as text.
+const LONGEST_TEXT: usize = 16 << 20;
+
+/// A picture, with its depth where there is one, as the bytes of an EXR file.
+///
+/// # Errors
+/// [`IoError::Encode`] for metadata that cannot be held, or a depth that does not fit the image.
+pub fn encode(
+    image: &Image,
+    depth: Option<&[f32]>,
+    metadata: &[(String, String)],
+) -> Result<Vec<u8>, IoError> {
+    let refuse = |what: String| IoError::Encode { format: "EXR", what };
+    metadata::check("EXR", metadata)?;
+    if let Some(depth) = depth.filter(|depth| depth.len() != image.pixels.len()) {
+        let (found, expected) = (depth.len(), image.pixels.len());
+        return Err(refuse(format!("{found} depths for {expected} pixels")));
+    }
+    let plane = |c: usize| image.pixels.iter().map(|pixel| pixel[c]).collect();
+    let mut channels: Vec<AnyChannel<FlatSamples>> = ["R", "G", "B", "A"]
+        .into_iter()
+        .enumerate()
+        .map(|(c, name)| AnyChannel::new(name, FlatSamples::F32(plane(c))))
+        .collect();
+    channels.extend(depth.map(|depth| AnyChannel::new("Z", FlatSamples::F32(depth.to_vec()))));
+
+    let layer = Layer::new(
+        (image.size().width() as usize, image.size().height() as usize),
+        attributes(metadata).map_err(|error| refuse(error.to_string()))?,
+        Encoding::SMALL_LOSSLESS,
+        AnyChannels::sort(channels.into()),
+    );
+    let mut picture = exr::prelude::Image::from_layer(layer);
+    picture.attributes.chromaticities = Some(Chromaticities {
+        red: Vec2(0.64, 0.33),
+        green: Vec2(0.3, 0.6),
+        blue: Vec2(0.15, 0.06),
+        white: Vec2(0.3127, 0.329),
+    });
+    let mut bytes = Cursor::new(Vec::new());
+    picture
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|error| refuse(error.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+fn attributes(metadata: &[(String, String)]) -> Result<LayerAttributes, serde_json::Error> {
+    // EXR strings are bytes; these are UTF-8.
+    let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
+    let mut attributes = LayerAttributes::default();
+    let is_software = |(keyword, _): &&(String, String)| keyword == metadata::SOFTWARE;
+    attributes.software_name = metadata.iter().find(is_software).map(|(_, value)| text(value));
+    let others: Vec<_> = metadata.iter().filter(|pair| !is_software(pair)).collect();
+    if !others.is_empty() {
+        let json = serde_json::to_string(&others)?;
+        attributes
+            .other
+            .insert(text(METADATA_ATTRIBUTE), AttributeValue::Text(text(&json)));
+    }
+    Ok(attributes)
+}
+
+/// A picture from the bytes of an EXR file; `path` is only named in errors. Of several layers the first is taken, and
+/// of a picture inside a larger window only the stored part.
+///
+/// # Errors
+/// [`IoError::Format`] for what is not a valid EXR, [`IoError::Unsupported`] for pictures without `R`, `G` and `B`,
+/// [`IoError::Truncated`] and [`IoError::Limit`] for sizes that the bytes do not justify.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
+    let context = Context::new("EXR", path);
+    let malformed = |error: exr::error::Error| context.field("contents", error, None, "a valid EXR");
+    let headers = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(malformed)?
+        .headers;
+    for header in &headers {
+        let Vec2(width, height) = header.layer_size;
+        let pixels = (width as u64).saturating_mul(height as u64);
+        let channels = header.channels.list.len() as u64;
+        check_size(
+            pixels.saturating_mul(channels.div_ceil(4)),
+            bytes,
+            PIXELS_PER_BYTE,
+            &context,
+        )?;
+    }
+    let picture = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(malformed)?;
+    let layer = &picture.layer_data;
+    let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+    let size =
+        ImageSize::new(side(layer.size.0), side(layer.size.1)).map_err(|error| context.scene(error))?;
+    let plane = |name: &str| -> Option<Vec<f32>> {
+        let channel = layer
+            .channel_data
+            .list
+            .iter()
+            .find(|channel| channel.name.eq(name))?;
+        let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
+        // Subsampled channels have fewer samples.
+        (samples.len() == size.pixel_count()).then_some(samples)
+    };
+    let (Some(red), Some(green), Some(blue)) = (plane("R"), plane("G"), plane("B")) else {
+        return Err(context.unsupported("the first layer has no full channels R, G and B"));
+    };
+    let alpha = plane("A").unwrap_or_else(|| vec![1.0; size.pixel_count()]);
+    let pixels = (0..size.pixel_count())
+        .map(|i| [red[i], green[i], blue[i], alpha[i]])
+        .collect();
+    Ok(LoadedImage {
+        image: Image::from_pixels(size, pixels).map_err(|error| context.scene(error))?,
+        depth: plane("Z"),
+        metadata: texts(&layer.attributes, &context)?,
+    })
+}
+
+fn texts(attributes: &LayerAttributes, context: &Context<'_>) -> Result<Vec<(String, String)>, IoError> {
+    let string = |text: &Text| String::from_utf8_lossy(text.as_slice()).into_owned();
+    let mut metadata = Vec::new();
+    if let Some(software) = &attributes.software_name {
+        metadata.push((metadata::SOFTWARE.to_owned(), string(software)));
+    }
+    let mut others: Vec<(String, String)> = attributes
+        .other
+        .iter()
+        .filter_map(|(name, value)| match value {
+            AttributeValue::Text(text) if text.as_slice().len() <= LONGEST_TEXT => {
+                Some((string(name), string(text)))
+            }
+            _ => None,
+        })
+        .collect();
+    others.sort();
+    for (name, text) in others {
+        if name == METADATA_ATTRIBUTE {
+            let pairs: Vec<(String, String)> = serde_json::from_str(&text).map_err(|error| {
+                context.field(METADATA_ATTRIBUTE, error, None, "a JSON list of pairs of strings")
+            })?;
+            metadata.extend(pairs);
+        } else {
+            metadata.push((name, text));
+        }
+    }
+    Ok(metadata)
+}

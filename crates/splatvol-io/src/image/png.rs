@@ -1,0 +1,223 @@
+//! PNG (W3C, Portable Network Graphics, 3rd edition): straight alpha, sRGB.
+//!
+//! Writing: `code = round(max * srgb(linear / alpha))`, alpha itself linear; values beyond 0..1 are clamped, NaN is 0;
+//! a picture without transparency is written as RGB. Chunks `sRGB`, `gAMA` and `cHRM` say so. Reading: every colour
+//! type and bit depth; `gAMA` is followed where there is no `sRGB`, embedded ICC profiles are not.
+//! A picture read and written again at its own depth has the same codes.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use png::text_metadata::{ITXtChunk, TEXtChunk};
+use png::{BitDepth, ColorType, DecodingError, SrgbRenderingIntent, Transformations};
+use splatvol_scene::transfer_function::{linear_from_srgb, srgb_from_linear};
+use splatvol_scene::{Image, ImageSize};
+
+use super::{LoadedImage, check_size, metadata};
+use crate::IoError;
+use crate::error::Context;
+
+/// Bits per channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Depth {
+    /// 256 codes.
+    Eight,
+    /// 65536 codes.
+    Sixteen,
+}
+
+impl Depth {
+    fn largest(self) -> f64 {
+        match self {
+            Self::Eight => 255.0,
+            Self::Sixteen => 65_535.0,
+        }
+    }
+}
+
+/// Texts longer than this are compressed.
+const LONG_TEXT: usize = 1024;
+
+/// Deflate turns one byte into at most 1032, each of which may hold 8 grey pixels.
+const PIXELS_PER_BYTE: u64 = 8 * 1032;
+
+/// A picture as the bytes of a PNG file.
+///
+/// # Errors
+/// [`IoError::Encode`] for metadata that PNG cannot hold.
+pub fn encode(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Result<Vec<u8>, IoError> {
+    metadata::check("PNG", metadata)?;
+    write(image, depth, metadata).map_err(|error| IoError::Encode {
+        format: "PNG",
+        what: error.to_string(),
+    })
+}
+
+fn write(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Result<Vec<u8>, png::EncodingError> {
+    let codes: Vec<[u16; 4]> = image.pixels.iter().map(|&pixel| code(pixel, depth)).collect();
+    let opaque = codes.iter().all(|code| f64::from(code[3]) == depth.largest());
+    let channels = if opaque { 3 } else { 4 };
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, image.size().width(), image.size().height());
+    encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_depth(match depth {
+        Depth::Eight => BitDepth::Eight,
+        Depth::Sixteen => BitDepth::Sixteen,
+    });
+    let mut writer = encoder.write_header()?;
+    for (keyword, text) in metadata {
+        if text.is_ascii() && text.len() <= LONG_TEXT {
+            writer.write_text_chunk(&TEXtChunk::new(keyword, text))?;
+        } else {
+            let mut chunk = ITXtChunk::new(keyword, text);
+            chunk.compressed = text.len() > LONG_TEXT;
+            writer.write_text_chunk(&chunk)?;
+        }
+    }
+    let kept = codes.iter().flat_map(|code| &code[..channels]);
+    let data: Vec<u8> = match depth {
+        Depth::Eight => kept.map(|&code| code as u8).collect(),
+        Depth::Sixteen => kept.flat_map(|code| code.to_be_bytes()).collect(),
+    };
+    writer.write_image_data(&data)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// Straight sRGB codes of a linear premultiplied pixel.
+fn code(pixel: [f32; 4], depth: Depth) -> [u16; 4] {
+    let alpha = f64::from(pixel[3]);
+    // A conversion from float saturates, and NaN becomes 0.
+    let round = |value: f64| (value.clamp(0.0, 1.0) * depth.largest()).round() as u16;
+    let alpha_code = round(alpha);
+    if alpha_code == 0 {
+        return [0; 4];
+    }
+    let color = |c: usize| round(srgb_from_linear((f64::from(pixel[c]) / alpha).clamp(0.0, 1.0)));
+    [color(0), color(1), color(2), alpha_code]
+}
+
+/// A picture from the bytes of a PNG file; `path` is only named in errors.
+///
+/// # Errors
+/// [`IoError::Format`] for what is not a valid PNG, [`IoError::Truncated`] and [`IoError::Limit`] for sizes that the
+/// bytes do not justify.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
+    let context = Context::new("PNG", path);
+    let malformed = |error: DecodingError| malformed(&error, &context);
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(Transformations::EXPAND);
+    let header = decoder.read_header_info().map_err(malformed)?;
+    let (width, height) = header.size();
+    let size = ImageSize::new(width, height).map_err(|error| context.scene(error))?;
+    check_size(size.pixel_count() as u64, bytes, PIXELS_PER_BYTE, &context)?;
+
+    let mut reader = decoder.read_info().map_err(malformed)?;
+    let (color_type, bit_depth) = reader.output_color_type();
+    let length = reader
+        .output_buffer_size()
+        .ok_or_else(|| context.limit(u64::MAX, usize::MAX as u64))?;
+    let mut data = vec![0; length];
+    reader.next_frame(&mut data).map_err(malformed)?;
+    // Text after the pixels counts too.
+    reader.finish().map_err(malformed)?;
+    let info = reader.info();
+
+    let transfer = Transfer::of(info);
+    let pixels = match bit_depth {
+        BitDepth::Sixteen => {
+            let codes = data
+                .chunks_exact(2)
+                .map(|pair| u16::from_be_bytes([pair[0], pair[1]]));
+            let table: Vec<f64> = (0..=u16::MAX)
+                .map(|code| transfer.linear(f64::from(code) / 65_535.0))
+                .collect();
+            unpack(&codes.collect::<Vec<_>>(), color_type, &table)
+        }
+        _ => {
+            let table: Vec<f64> = (0..=u8::MAX)
+                .map(|code| transfer.linear(f64::from(code) / 255.0))
+                .collect();
+            unpack(
+                &data.iter().map(|&code| u16::from(code)).collect::<Vec<_>>(),
+                color_type,
+                &table,
+            )
+        }
+    };
+    Ok(LoadedImage {
+        image: Image::from_pixels(size, pixels).map_err(|error| context.scene(error))?,
+        depth: None,
+        metadata: texts(info).map_err(malformed)?,
+    })
+}
+
+/// What a decoder complains of, as this crate's error.
+fn malformed(error: &DecodingError, context: &Context<'_>) -> IoError {
+    context.field("contents", error, None, "a valid PNG")
+}
+
+/// How codes become linear light.
+enum Transfer {
+    Srgb,
+    Gamma(f64),
+}
+
+impl Transfer {
+    fn of(info: &png::Info<'_>) -> Self {
+        match info.gama_chunk {
+            Some(gamma) if info.srgb.is_none() && gamma.into_value() > 0.0 => {
+                Self::Gamma(f64::from(gamma.into_value()))
+            }
+            _ => Self::Srgb,
+        }
+    }
+
+    fn linear(&self, encoded: f64) -> f64 {
+        match self {
+            Self::Srgb => linear_from_srgb(encoded),
+            Self::Gamma(gamma) => encoded.powf(1.0 / gamma),
+        }
+    }
+}
+
+/// Linear premultiplied pixels of codes, which `table` makes linear.
+fn unpack(codes: &[u16], color_type: ColorType, table: &[f64]) -> Vec<[f32; 4]> {
+    let largest = table.len() as f64 - 1.0;
+    let pixel = |gray: [u16; 3], alpha: Option<u16>| {
+        let alpha = alpha.map_or(1.0, |code| f64::from(code) / largest);
+        let [r, g, b] = gray.map(|code| (table[usize::from(code)] * alpha) as f32);
+        [r, g, b, alpha as f32]
+    };
+    match color_type {
+        ColorType::Grayscale => codes.iter().map(|&v| pixel([v; 3], None)).collect(),
+        ColorType::GrayscaleAlpha => codes
+            .chunks_exact(2)
+            .map(|c| pixel([c[0]; 3], Some(c[1])))
+            .collect(),
+        ColorType::Rgba => codes
+            .chunks_exact(4)
+            .map(|c| pixel([c[0], c[1], c[2]], Some(c[3])))
+            .collect(),
+        // Palettes are expanded.
+        ColorType::Rgb | ColorType::Indexed => codes
+            .chunks_exact(3)
+            .map(|c| pixel([c[0], c[1], c[2]], None))
+            .collect(),
+    }
+}
+
+fn texts(info: &png::Info<'_>) -> Result<Vec<(String, String)>, DecodingError> {
+    let mut metadata = Vec::new();
+    for chunk in &info.uncompressed_latin1_text {
+        metadata.push((chunk.keyword.clone(), chunk.text.clone()));
+    }
+    for chunk in &info.compressed_latin1_text {
+        metadata.push((chunk.keyword.clone(), chunk.get_text()?));
+    }
+    for chunk in &info.utf8_text {
+        metadata.push((chunk.keyword.clone(), chunk.get_text()?));
+    }
+    Ok(metadata)
+}
