@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 use splatvol_scene::{ImageSize, ScreenFromCamera};
 
-use crate::brick::BrickGrid;
+use crate::brick::{ActiveBrick, BrickGrid};
 use crate::footprint::FootprintShape;
 use crate::sheets::SheetStack;
 
@@ -66,8 +66,8 @@ impl TileGrid {
 /// A brick as the screen sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectedBrick {
-    /// Index in the [`BrickGrid`].
-    pub brick: u32,
+    /// Which brick, and which of its blocks.
+    pub active: ActiveBrick,
     /// First sheet that it can touch.
     pub front_sheet: u32,
     /// Pixels that it can touch: x0, y0, x1, y1, ends included.
@@ -91,8 +91,8 @@ pub struct Projector<'a> {
 
 impl Projector<'_> {
     /// Screen rectangle and front sheet of a brick; `None` behind the camera.
-    pub fn project(&self, bricks: &BrickGrid, brick: u32) -> Option<ProjectedBrick> {
-        let (first, end) = bricks.voxel_box(brick as usize);
+    pub fn project(&self, bricks: &BrickGrid, active: ActiveBrick) -> Option<ProjectedBrick> {
+        let (first, end) = bricks.voxel_box(active.brick as usize);
         let corner = |i: usize| {
             let voxel = DVec3::from_array(std::array::from_fn(|axis| {
                 if i >> axis & 1 == 0 {
@@ -125,7 +125,7 @@ impl Projector<'_> {
             bound(high.truncate(), f64::max) + margin,
         );
         Some(ProjectedBrick {
-            brick,
+            active,
             front_sheet: self.sheets.first_touched(low.z) as u32,
             rect: [from.x as f32, from.y as f32, to.x as f32, to.y as f32],
         })
@@ -144,7 +144,7 @@ pub struct TileLists {
 impl TileLists {
     /// Sorts projected bricks into tiles.
     pub fn new(mut bricks: Vec<ProjectedBrick>, tiles: &TileGrid) -> Self {
-        bricks.sort_unstable_by_key(|b| (b.front_sheet, b.brick));
+        bricks.sort_unstable_by_key(|b| (b.front_sheet, b.active.brick));
         let mut offsets = vec![0u32; tiles.len() + 1];
         for brick in &bricks {
             for_each_tile(&brick.rect, tiles, |tile| offsets[tile + 1] += 1);

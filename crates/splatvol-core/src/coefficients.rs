@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{Volume, with_samples};
 
+use crate::brick::BrickGrid;
 use crate::kernel::GaussianKernel;
 use crate::prefilter;
 
@@ -19,9 +20,11 @@ pub struct Coefficients {
 impl Coefficients {
     /// Coefficients of a volume: `F = (f - lo) / (hi - lo)`, prefiltered where `interpolate` asks for a kernel.
     /// Takes 4 bytes per sample, and nothing near that beside it.
-    pub fn new(volume: &Volume, interpolate: Option<&GaussianKernel>) -> Self {
+    /// With them come the bricks of the samples.
+    pub fn new(volume: &Volume, interpolate: Option<&GaussianKernel>) -> (Self, BrickGrid) {
         let dims = volume.grid().dims();
         let mut values = normalised(volume);
+        let bricks = BrickGrid::new(&values, dims, interpolate.is_some());
         if let Some(kernel) = interpolate {
             let missing = fill_missing(&mut values, dims, volume.statistics().non_finite);
             prefilter::solve(&mut values, dims, kernel);
@@ -29,7 +32,7 @@ impl Coefficients {
                 values[index] = f32::NAN;
             }
         }
-        Self { dims, values }
+        (Self { dims, values }, bricks)
     }
 }
 
@@ -94,7 +97,9 @@ mod tests {
             data[0] = 5.0;
             data[62] = middle;
             let volume = Volume::new(grid, Samples::F32(data), Rescale::default(), LengthUnit::Unknown);
-            Coefficients::new(&volume.unwrap(), Some(&GaussianKernel::new(Kernel::default()))).values
+            Coefficients::new(&volume.unwrap(), Some(&GaussianKernel::new(Kernel::default())))
+                .0
+                .values
         };
         for (index, (missing, filled)) in coefficients(f32::NAN)
             .into_iter()

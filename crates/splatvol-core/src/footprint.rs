@@ -43,13 +43,17 @@ impl FootprintShape {
     pub fn new(covariance: DMat3, mass: f64, cut: f64) -> Self {
         let depth_variance = covariance.z_axis.z;
         let slope = covariance.z_axis.truncate() / depth_variance;
+        // A rotated sphere is a sphere but for rounding; exact zeros let rasterizers separate x from y.
+        let scale = (covariance.x_axis.x + covariance.y_axis.y + depth_variance) * 1e-9;
+        let clean = |value: f64, threshold: f64| if value.abs() < threshold { 0.0 } else { value };
+        let slope = slope.map(|s| clean(s, scale / depth_variance));
         let drift = slope * slope * depth_variance;
         Self {
             depth_sigma: depth_variance.sqrt(),
             lateral_slope: slope,
             lateral_covariance: [
                 covariance.x_axis.x - drift.x,
-                covariance.x_axis.y - slope.x * slope.y * depth_variance,
+                clean(covariance.x_axis.y - slope.x * slope.y * depth_variance, scale),
                 covariance.y_axis.y - drift.y,
             ],
             mass,

@@ -122,7 +122,7 @@ impl<'a> FramePlan<'a> {
         };
         let active = match settings.compositing {
             // A maximum may lie where opacity is zero; only voxels that do not exist are left out.
-            Compositing::Mip => (0..bricks.len() as u32).collect(),
+            Compositing::Mip => bricks.occupied(),
             _ if splats_color(settings) => bricks.visible(table),
             _ => bricks.active(table, voxel_reach),
         };

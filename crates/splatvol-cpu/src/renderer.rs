@@ -201,8 +201,7 @@ fn prepare<'a>(
         *kept = None;
     }
     kept.get_or_insert_with(|| {
-        let coefficients = Coefficients::new(volume, interpolate.map(GaussianKernel::new).as_ref());
-        let bricks = BrickGrid::new(&coefficients);
+        let (coefficients, bricks) = Coefficients::new(volume, interpolate.map(GaussianKernel::new).as_ref());
         Prepared {
             volume: Arc::clone(volume),
             interpolate,

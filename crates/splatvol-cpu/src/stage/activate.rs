@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use splatvol_core::bin::TileRect;
+use splatvol_core::brick::{ActiveBrick, BLOCK};
 
 use crate::plan::FramePlan;
 
@@ -20,11 +21,11 @@ pub(crate) struct OpenVoxel<T> {
 pub(crate) fn activate<T>(
     plan: &FramePlan<'_>,
     rect: &TileRect,
-    brick: u32,
+    active: ActiveBrick,
     open: &mut Vec<OpenVoxel<T>>,
     payload: impl Fn(usize, [usize; 3]) -> Option<T>,
 ) {
-    let ([x0, y0, z0], [x1, y1, z1]) = plan.bricks.voxel_box(brick as usize);
+    let ([x0, y0, z0], [x1, y1, z1]) = plan.bricks.voxel_box(active.brick as usize);
     let [nx, ny, _] = plan.bricks.voxels;
     let map = plan.projector.camera_from_voxel;
     let corner = map
@@ -35,9 +36,11 @@ pub(crate) fn activate<T>(
         for y in y0..y1 {
             let row = corner + axes[1] * (y - y0) as f32 + axes[2] * (z - z0) as f32;
             let start = (z * ny + y) * nx;
+            let blocks = active.blocks >> ((y - y0) / BLOCK * 2 + (z - z0) / BLOCK * 4);
             for x in x0..x1 {
                 let centre = row + axes[0] * (x - x0) as f32;
-                if !plan.window.touches(centre, rect) {
+                let culled = blocks >> ((x - x0) / BLOCK) & 1 == 0;
+                if culled || !plan.window.touches(centre, rect) {
                     continue;
                 }
                 if let Some(payload) = payload(start + x, [x, y, z]) {

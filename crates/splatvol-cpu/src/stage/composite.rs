@@ -105,6 +105,7 @@ impl OpenBlocks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use splatvol_core::brick::ActiveBrick;
 
     #[test]
     fn a_thousand_thin_sheets_are_one_thick_one() {
@@ -129,7 +130,10 @@ mod tests {
         let mut open = OpenBlocks::default();
         open.reset(&rect);
         let brick = |rect| ProjectedBrick {
-            brick: 0,
+            active: ActiveBrick {
+                brick: 0,
+                blocks: 255,
+            },
             front_sheet: 0,
             rect,
         };

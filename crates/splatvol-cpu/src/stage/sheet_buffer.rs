@@ -1,8 +1,9 @@
 //! A tile's sheet: five channels per pixel, in f32.
 //!
 //! Rows hold the channels one after the other (`[row][channel][pixel]`), so that a footprint touches few cache lines
-//! and each channel is contiguous. The row pitch is the tile's edge plus one vector of any width: the last vector of
-//! a row may write behind it. An odd number of cache lines per pitch avoids 4 KiB aliasing.
+//! and each channel is contiguous. Rows begin at cache lines and vectors are aligned to their size, so that a splat
+//! reads what the one before it wrote in the same pieces (store forwarding fails otherwise: measured, 2.3 times
+//! slower). An odd number of cache lines per pitch avoids 4 KiB aliasing.
 
 /// Channels of a sheet.
 pub(crate) const CHANNELS: usize = 5;
@@ -10,10 +11,12 @@ pub(crate) const CHANNELS: usize = 5;
 pub(crate) const MAX_LANES: usize = 16;
 
 /// One sheet of a tile.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug)]
 pub(crate) struct SheetBuffer {
-    /// `[row][channel][pixel]`.
+    /// `[row][channel][pixel]`, from `start` on.
     pub data: Vec<f32>,
+    /// First element that begins a cache line.
+    start: usize,
     /// Pixels per channel and row, padding included.
     pub pitch: usize,
     /// Pixels touched since the last clear: x0, y0, x1, y1 relative to the tile, ends excluded.
@@ -61,8 +64,14 @@ impl SheetBuffer {
     /// Zeroed sheet for tiles of `edge` pixels.
     pub(crate) fn new(edge: usize) -> Self {
         let pitch = edge.next_multiple_of(MAX_LANES) + MAX_LANES;
+        let data = vec![0.0f32; edge * CHANNELS * pitch + MAX_LANES];
+        let start = data
+            .as_ptr()
+            .align_offset(size_of::<[f32; MAX_LANES]>())
+            .min(MAX_LANES);
         Self {
-            data: vec![0.0; edge * CHANNELS * pitch],
+            data,
+            start,
             pitch,
             touched: Touched::default(),
         }
@@ -71,7 +80,7 @@ impl SheetBuffer {
     /// Index of a row's first channel.
     #[inline(always)]
     pub(crate) fn row(&self, y: usize) -> usize {
-        y * CHANNELS * self.pitch
+        self.start + y * CHANNELS * self.pitch
     }
 
     /// The channels of a pixel.

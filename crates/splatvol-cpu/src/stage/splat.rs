@@ -104,9 +104,11 @@ pub(crate) fn splat<S: Simd, P: Payload>(
     let zero = S::f32s::simd_from(simd, 0.0);
     let diagonal = xy == 0.0;
     let rows = RowFactors::new(simd, -0.5 * yy, cy, y0, if diagonal { y1 } else { y0 });
-    for x in (x0..x1).step_by(S::f32s::LEN) {
+    // Vectors begin at multiples of their length within the tile; lanes outside the box get no weight.
+    let aligned = (x0 - rect.x0) / S::f32s::LEN * S::f32s::LEN + rect.x0;
+    for x in (aligned..x1).step_by(S::f32s::LEN) {
         let dx = lanes + (x as f32 + 0.5 - cx);
-        let inside = dx.simd_le(S::f32s::simd_from(simd, rx));
+        let inside = dx.abs().simd_le(S::f32s::simd_from(simd, rx));
         let along_x = dx * dx * (-0.5 * xx);
         let column = inside.select(exp(simd, along_x) * slice.weight, zero);
         let start = sheet.row(y0 - rect.y0) + x - rect.x0;

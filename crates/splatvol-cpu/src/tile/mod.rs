@@ -160,7 +160,7 @@ pub(crate) fn render<S: Simd, M: Mode>(
                 continue;
             }
             let first = scratch.open.len();
-            activate(plan, &rect, brick.brick, &mut scratch.open, |i, at| {
+            activate(plan, &rect, brick.active, &mut scratch.open, |i, at| {
                 mode.payload(i, at)
             });
             work.voxels += (scratch.open.len() - first) as u64;
