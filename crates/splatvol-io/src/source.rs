@@ -79,6 +79,18 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// A stream of `declared` bytes that another decoder of the deflate family makes from `compressed` bytes.
+    pub(crate) fn from_decoder(reader: impl Read + 'a, compressed: u64, declared: u64) -> Self {
+        let at_most = compressed
+            .saturating_mul(DEFLATE_RATIO)
+            .saturating_add(DEFLATE_SLACK);
+        Self {
+            reader: Box::new(BufReader::new(reader)),
+            at_most: at_most.min(declared),
+            exact: false,
+        }
+    }
+
     /// The decompressed bytes of this source.
     pub(crate) fn inflate(self, codec: Codec) -> Self {
         let Self { reader, at_most, .. } = self;

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
 
+use super::stored::Selection;
 use super::{Description, Loaded, ReadOptions};
 use crate::error::Context;
 use crate::{IoError, SampleType};
@@ -30,6 +31,16 @@ impl Draft {
 
     pub(crate) fn warn(&mut self, warning: impl Into<String>) {
         self.description.warnings.push(warning.into());
+    }
+
+    /// Says which of several volumes is read.
+    pub(super) fn warn_of_series(&mut self, selection: &Selection) {
+        if selection.volumes > 1 {
+            self.warn(format!(
+                "volume {} of {} is read",
+                selection.volume, selection.volumes
+            ));
+        }
     }
 
     /// The grid, so that bad geometry is reported before any data are read.
@@ -97,6 +108,42 @@ pub(crate) fn sample_count(
 /// DICOM, ITK and most NRRD files.
 pub(crate) fn ras_from_lps() -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)))
+}
+
+/// Columns of the matrix from voxel to space, for 1 to 3 steps per voxel. Absent axes get a direction across the present ones, of their mean
+/// length.
+pub(crate) fn complete_axes(steps: &[Option<DVec3>]) -> DMat3 {
+    let units = [DVec3::X, DVec3::Y, DVec3::Z];
+    let known: Vec<DVec3> = steps
+        .iter()
+        .zip(units)
+        .map(|(step, unit)| step.unwrap_or(unit))
+        .collect();
+    match known[..] {
+        [x, y, z] => DMat3::from_cols(x, y, z),
+        [x, y] => {
+            let length = (x.length() * y.length()).sqrt();
+            DMat3::from_cols(x, y, x.cross(y).normalize_or_zero() * length)
+        }
+        _ => {
+            let x = known.first().copied().unwrap_or(DVec3::X);
+            let (y, z) = x.normalize_or(DVec3::X).any_orthonormal_pair();
+            DMat3::from_cols(x, y * x.length(), z * x.length())
+        }
+    }
+}
+
+/// The unit of this name; [`LengthUnit::Unknown`] where the name says nothing, `None` for a unit that has no label.
+pub(crate) fn length_unit(name: &str) -> Option<LengthUnit> {
+    match name.trim().to_lowercase().as_str() {
+        "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => Some(LengthUnit::Millimetre),
+        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" | "micrometre"
+        | "micrometres" => Some(LengthUnit::Micrometre),
+        "nm" | "nanometer" | "nanometers" | "nanometre" | "nanometres" => Some(LengthUnit::Nanometre),
+        "m" | "meter" | "meters" | "metre" | "metres" => Some(LengthUnit::Metre),
+        "" | "?" | "???" | "none" => Some(LengthUnit::Unknown),
+        _ => None,
+    }
 }
 
 fn join(numbers: &[i64]) -> String {

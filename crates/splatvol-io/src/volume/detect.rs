@@ -22,15 +22,20 @@ pub(super) enum Format {
     Raw,
 }
 
-/// Lower-case extension, with `.nii.gz` as one; empty where there is none.
+/// Lower-case extension, with `.nii.gz` and `.raw.gz` as one; empty where there is none.
 pub(super) fn extension(path: &Path) -> String {
     let name = path
         .file_name()
         .unwrap_or_default()
         .to_string_lossy()
         .to_ascii_lowercase();
-    if name.ends_with(".nii.gz") {
-        return "nii.gz".to_owned();
+    for compressed in ["nii.gz", "raw.gz"] {
+        if name
+            .strip_suffix(compressed)
+            .is_some_and(|stem| stem.ends_with('.'))
+        {
+            return compressed.to_owned();
+        }
     }
     name.rsplit_once('.')
         .map_or_else(String::new, |(_, extension)| extension.to_owned())
@@ -58,7 +63,7 @@ pub(super) fn format(path: &Path) -> Result<Format, IoError> {
         "vtk" => Ok(Format::LegacyVtk),
         "npy" => Ok(Format::Npy),
         "npz" => Ok(Format::Npz),
-        "raw" | "bin" => Ok(Format::Raw),
+        "raw" | "raw.gz" | "bin" => Ok(Format::Raw),
         _ if looks_like_metaimage(&start) => Ok(Format::MetaImage),
         _ => Err(context.unsupported(format!(
             "neither the first bytes nor the extension \"{extension}\" belong to a known format \

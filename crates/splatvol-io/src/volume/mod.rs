@@ -4,6 +4,7 @@
 //! the file says how it lies in the patient.
 
 mod assemble;
+mod data_files;
 mod detect;
 mod fields;
 pub mod legacy_vtk;
@@ -12,6 +13,7 @@ pub mod nifti;
 pub mod npy;
 pub mod nrrd;
 pub mod raw;
+mod stored;
 pub mod vti;
 mod vtk_array;
 
@@ -20,7 +22,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use splatvol_scene::Volume;
 
-pub(crate) use assemble::{Draft, checked_dims, ras_from_lps, sample_count};
+pub(crate) use assemble::{Draft, checked_dims, complete_axes, length_unit, ras_from_lps, sample_count};
 
 use crate::error::Context;
 use crate::{Endian, IoError, SampleType};

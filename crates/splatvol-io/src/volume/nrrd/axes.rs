@@ -10,6 +10,7 @@ use super::space::{Direction, Space};
 use crate::IoError;
 use crate::error::Context;
 use crate::volume::fields::Field;
+use crate::volume::stored::Selection;
 use crate::volume::{ReadOptions, checked_dims};
 
 /// One axis.
@@ -28,21 +29,14 @@ enum Role {
     Components,
 }
 
-/// What of the samples makes the volume.
+/// The spatial axes, and what is taken along the others.
 #[derive(Debug)]
-pub(super) struct Selection {
-    /// Samples along the spatial axes.
-    pub(super) dims: [usize; 3],
-    /// Steps along the spatial axes in the file's space; fewer than 3 for images.
-    pub(super) steps: Vec<Option<DVec3>>,
+pub(super) struct Axes {
+    pub(super) selection: Selection,
     /// Numbers of the spatial axes.
-    pub(super) axes: Vec<usize>,
-    /// Interleaved components, and the one to take.
-    pub(super) components: usize,
-    pub(super) component: usize,
-    /// Volumes one after the other, and the one to take.
-    pub(super) volumes: usize,
-    pub(super) volume: usize,
+    pub(super) spatial: Vec<usize>,
+    /// Steps along the spatial axes in the file's space.
+    pub(super) steps: Vec<Option<DVec3>>,
 }
 
 /// Sorts the axes of `header`.
@@ -51,7 +45,7 @@ pub(super) fn select(
     space: &Space,
     options: &ReadOptions,
     context: &Context<'_>,
-) -> Result<Selection, IoError> {
+) -> Result<Axes, IoError> {
     let axes = axes(header, space, context)?;
     let spatial: Vec<usize> = (0..axes.len())
         .filter(|&i| axes[i].role == Role::Spatial)
@@ -81,14 +75,16 @@ pub(super) fn select(
         None => Role::Time,
     };
     let (volumes, volume) = index(&axes[last + 1..], slow_role, options, context)?;
-    Ok(Selection {
-        dims,
+    Ok(Axes {
+        selection: Selection {
+            dims,
+            components,
+            component,
+            volumes,
+            volume,
+        },
         steps: spatial.iter().map(|&i| axes[i].step).collect(),
-        axes: spatial,
-        components,
-        component,
-        volumes,
-        volume,
+        spatial,
     })
 }
 

@@ -4,7 +4,9 @@ use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleType};
 use crate::source::Source;
-use crate::volume::fields::{Field, Fields, HeaderLines, Line};
+use crate::volume::data_files::DataFiles;
+use crate::volume::fields::{Field, Fields, HeaderLines, Line, normalised};
+use crate::volume::stored::{Encoding, Layout};
 
 /// Fields that this reader uses, and those that do not bear on the picture.
 const KNOWN: &[&str] = &[
@@ -41,33 +43,35 @@ const KNOWN: &[&str] = &[
 /// Largest number of axes that the format allows.
 const MAX_AXES: usize = 16;
 
-/// How samples are coded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Encoding {
-    Raw,
-    Gzip,
-    Text,
-    Hex,
-}
-
 /// A parsed header.
 pub(super) struct Header {
     pub(super) version: char,
     pub(super) fields: Fields,
     pub(super) sizes: Vec<usize>,
-    pub(super) sample_type: SampleType,
-    pub(super) endian: Endian,
-    pub(super) encoding: Encoding,
+    /// How the samples are stored.
+    pub(super) layout: Layout,
     /// Names that follow `data file: LIST`.
     pub(super) list: Vec<Line>,
-    /// Length of the header: attached data start here.
-    pub(super) length: u64,
     /// True where a blank line ended the header (attached data may follow).
     pub(super) terminated: bool,
     pub(super) warnings: Vec<String>,
 }
 
 impl Header {
+    /// Where the data are.
+    pub(super) fn files(&self, context: &Context<'_>) -> Result<DataFiles<'_>, IoError> {
+        const FIELD: &str = "data file";
+        match self.fields.get("datafile") {
+            Some(field) if is_list(field) => Ok(DataFiles::list(FIELD, &self.list)),
+            Some(field) => DataFiles::named(FIELD, field, context),
+            None if self.terminated => Ok(DataFiles::attached(FIELD)),
+            None => {
+                let expected = "this field, or a blank line and the data";
+                Err(context.field(FIELD, "", self.layout.start, expected))
+            }
+        }
+    }
+
     /// Parses the header; `source` is left at the first byte after it.
     pub(super) fn read(source: &mut Source<'_>, context: &Context<'_>) -> Result<Self, IoError> {
         let mut lines = HeaderLines::new(source);
@@ -82,29 +86,41 @@ impl Header {
             let Some(field) = parse_line(&line, context)? else {
                 continue;
             };
-            let is_list = field.name.to_lowercase().replace(' ', "") == "datafile"
-                && field.value.split_whitespace().next() == Some("LIST");
+            let is_list = normalised(&field.name) == "datafile" && is_list(&field);
             fields.insert(field, context)?;
             if is_list {
                 list = read_list(&mut lines, context)?;
                 break;
             }
         }
-        let length = lines.offset();
+        let lines_read = lines.offset();
         let sizes = sizes(&fields, context)?;
         let sample_type = sample_type(&fields, context)?;
         let encoding = encoding(&fields, context)?;
         let endian = endian(&fields, sample_type, encoding, context)?;
+        let skip_lines = match fields.get("lineskip") {
+            Some(field) => field.number("a number of lines", context)?,
+            None => 0,
+        };
+        let layout = Layout {
+            sample_type,
+            endian,
+            encoding,
+            skip_lines,
+            skip_bytes: skip_bytes(&fields, encoding, context)?,
+            start: if fields.get("datafile").is_none() {
+                lines_read
+            } else {
+                0
+            },
+        };
         let warnings = unused(&fields);
         Ok(Self {
             version,
             fields,
             sizes,
-            sample_type,
-            endian,
-            encoding,
+            layout,
             list,
-            length,
             terminated,
             warnings,
         })
@@ -141,6 +157,10 @@ fn parse_line(line: &Line, context: &Context<'_>) -> Result<Option<Field>, IoErr
         value: value.trim().to_owned(),
         offset: line.offset,
     }))
+}
+
+fn is_list(data_file: &Field) -> bool {
+    data_file.value.split_whitespace().next() == Some("LIST")
 }
 
 fn read_list(lines: &mut HeaderLines<'_, '_>, context: &Context<'_>) -> Result<Vec<Line>, IoError> {
@@ -212,6 +232,21 @@ fn endian(
             None,
             "this field, which samples of several bytes need",
         )),
+    }
+}
+
+/// `byte skip`; `None` stands for -1, "the data end the file".
+fn skip_bytes(fields: &Fields, encoding: Encoding, context: &Context<'_>) -> Result<Option<u64>, IoError> {
+    let Some(field) = fields.get("byteskip") else {
+        return Ok(Some(0));
+    };
+    let expected = "a number of bytes, or (raw encoding only) -1";
+    match field.number::<i64>(expected, context)? {
+        -1 if encoding == Encoding::Raw => Ok(None),
+        count => match u64::try_from(count) {
+            Ok(count) => Ok(Some(count)),
+            Err(_) => Err(field.error(expected, context)),
+        },
     }
 }
 

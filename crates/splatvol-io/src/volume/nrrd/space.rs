@@ -11,10 +11,11 @@
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::LengthUnit;
 
-use super::axes::Selection;
+use super::axes::Axes;
 use crate::IoError;
 use crate::error::Context;
 use crate::volume::fields::{Field, Fields};
+use crate::volume::{complete_axes, length_unit};
 
 /// A space and its map to world.
 #[derive(Debug)]
@@ -146,7 +147,7 @@ impl Space {
     pub(super) fn place(
         &self,
         fields: &Fields,
-        selection: &Selection,
+        axes: &Axes,
         context: &Context<'_>,
     ) -> Result<Placement, IoError> {
         let mut warnings = Vec::new();
@@ -160,13 +161,13 @@ impl Space {
                 self.name
             ));
         }
-        if selection.steps.iter().any(Option::is_none) {
+        if axes.steps.iter().any(Option::is_none) {
             warnings.push("no spacing: 1 is used".to_owned());
         }
-        let matrix = complete(&selection.steps);
+        let matrix = complete_axes(&axes.steps);
         let origin = self.origin(fields, context)?;
         let to_world = DAffine3::from_mat3(DMat3::from_diagonal(self.world_from_space));
-        let (unit, warning) = unit(fields, selection);
+        let (unit, warning) = unit(fields, axes);
         warnings.extend(warning);
         Ok(Placement {
             world_from_voxel: to_world * DAffine3::from_mat3_translation(matrix, origin),
@@ -177,7 +178,7 @@ impl Space {
     }
 
     fn orientation(&self, oriented: bool) -> String {
-        let axes = if oriented {
+        let aligned = if oriented {
             "space directions"
         } else {
             "no space directions, axes along the space's"
@@ -199,7 +200,7 @@ impl Space {
         } else {
             &self.name
         };
-        format!("{name} ({axes}); {result}")
+        format!("{name} ({aligned}); {result}")
     }
 }
 
@@ -234,37 +235,13 @@ fn named(field: &Field, context: &Context<'_>) -> Result<Space, IoError> {
     })
 }
 
-/// Columns of the matrix from voxel to space. Absent axes get a direction across the present ones, of their mean
-/// length.
-fn complete(steps: &[Option<DVec3>]) -> DMat3 {
-    let units = [DVec3::X, DVec3::Y, DVec3::Z];
-    let known: Vec<DVec3> = steps
-        .iter()
-        .zip(units)
-        .map(|(step, unit)| step.unwrap_or(unit))
-        .collect();
-    match known[..] {
-        [x, y, z] => DMat3::from_cols(x, y, z),
-        [x, y] => {
-            let length = (x.length() * y.length()).sqrt();
-            DMat3::from_cols(x, y, x.cross(y).normalize_or_zero() * length)
-        }
-        _ => {
-            let x = known.first().copied().unwrap_or(DVec3::X);
-            let (y, z) = x.normalize_or(DVec3::X).any_orthonormal_pair();
-            DMat3::from_cols(x, y * x.length(), z * x.length())
-        }
-    }
-}
-
 /// The unit of lengths, where all spatial axes have the same.
-fn unit(fields: &Fields, selection: &Selection) -> (LengthUnit, Option<String>) {
+fn unit(fields: &Fields, axes: &Axes) -> (LengthUnit, Option<String>) {
     let names: Vec<&str> = match (fields.get("spaceunits"), fields.get("units")) {
         (Some(field), _) => quoted(&field.value),
         (None, Some(field)) => {
             let all = quoted(&field.value);
-            selection
-                .axes
+            axes.spatial
                 .iter()
                 .filter_map(|&axis| all.get(axis).copied())
                 .collect()
@@ -274,16 +251,11 @@ fn unit(fields: &Fields, selection: &Selection) -> (LengthUnit, Option<String>) 
     let Some(&first) = names.first() else {
         return (LengthUnit::Unknown, None);
     };
-    let unit = match first.trim().to_lowercase().as_str() {
-        "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => Some(LengthUnit::Millimetre),
-        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" | "micrometre"
-        | "micrometres" => Some(LengthUnit::Micrometre),
-        "nm" | "nanometer" | "nanometers" | "nanometre" | "nanometres" => Some(LengthUnit::Nanometre),
-        "m" | "meter" | "meters" | "metre" | "metres" => Some(LengthUnit::Metre),
-        "" | "???" | "none" => return (LengthUnit::Unknown, None),
-        _ => None,
-    };
-    let same = names.iter().take(selection.axes.len()).all(|&name| name == first);
+    let unit = length_unit(first);
+    if unit == Some(LengthUnit::Unknown) {
+        return (LengthUnit::Unknown, None);
+    }
+    let same = names.iter().take(axes.spatial.len()).all(|&name| name == first);
     match unit {
         Some(unit) if same => (unit, None),
         _ => {

@@ -75,7 +75,8 @@ fn header(volume: &Volume, samples: &Samples, options: &WriteOptions) -> String 
     )
 }
 
-fn real_values(volume: &Volume) -> Samples {
+/// Real values of rescaled samples, for formats without a rescale.
+pub(in crate::volume) fn real_values(volume: &Volume) -> Samples {
     let samples = volume.samples();
     let values = (0..samples.len()).map(|index| volume.value(index));
     if samples.bytes_per_sample() <= 2 {

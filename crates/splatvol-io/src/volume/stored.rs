@@ -1,0 +1,213 @@
+//! Reads the samples that a text or binary header describes, in any of the encodings, from one or several files.
+
+use std::io::BufRead;
+
+use splatvol_scene::Samples;
+
+use super::data_files::{DataFiles, Piece};
+use super::{Description, ReadOptions, sample_count};
+use crate::IoError;
+use crate::error::Context;
+use crate::samples::{
+    Endian, SampleBuffer, SampleType, TextNumbers, decode_hex, pick_component, remaining_text,
+};
+use crate::source::{Codec, Rest, Source};
+
+/// How samples are coded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Raw,
+    Gzip,
+    /// zlib or, told apart by its first bytes, gzip.
+    Zlib,
+    Text,
+    Hex,
+}
+
+impl Encoding {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Raw => "raw",
+            Self::Gzip => "gzip",
+            Self::Zlib => "zlib",
+            Self::Text => "ascii",
+            Self::Hex => "hex",
+        }
+    }
+}
+
+/// What of the samples makes the volume.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Selection {
+    /// Samples along x, y, z.
+    pub(super) dims: [usize; 3],
+    /// Interleaved components, and the one to take.
+    pub(super) components: usize,
+    pub(super) component: usize,
+    /// Volumes one after the other, and the one to take.
+    pub(super) volumes: usize,
+    pub(super) volume: usize,
+}
+
+/// How a file stores its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub(super) sample_type: SampleType,
+    pub(super) endian: Endian,
+    pub(super) encoding: Encoding,
+    /// Lines to skip, before decompression.
+    pub(super) skip_lines: u64,
+    /// Bytes to skip, after decompression; `None`: the data end the file.
+    pub(super) skip_bytes: Option<u64>,
+    /// Position of the first byte of the source in its file.
+    pub(super) start: u64,
+}
+
+impl Layout {
+    /// `i16, big-endian, gzip`.
+    pub(super) fn describe(&self) -> String {
+        let order = match self.endian {
+            _ if self.sample_type.size() == 1 || self.encoding == Encoding::Text => "",
+            Endian::Little => ", little-endian",
+            Endian::Big => ", big-endian",
+        };
+        format!("{}{order}, {}", self.sample_type.name(), self.encoding.name())
+    }
+
+    fn bytes(&self, samples: usize) -> u64 {
+        self.sample_type.byte_count(samples)
+    }
+}
+
+/// What is stored, and which part of it is wanted.
+pub(super) struct Stored<'a> {
+    pub(super) layout: Layout,
+    pub(super) selection: Selection,
+    pub(super) files: DataFiles<'a>,
+}
+
+impl Stored<'_> {
+    /// Reads the selected samples; `attached` is the header's file, past the header. Files and warnings are added to
+    /// `description`.
+    pub(super) fn read(
+        &self,
+        attached: Source<'_>,
+        options: &ReadOptions,
+        description: &mut Description,
+        context: &Context<'_>,
+    ) -> Result<Samples, IoError> {
+        let Self {
+            layout,
+            selection,
+            files,
+        } = self;
+        let one = sample_count(
+            selection.dims,
+            selection.components,
+            layout.sample_type,
+            options,
+            context,
+        )?;
+        let too_many = || context.limit(u64::MAX, options.max_bytes);
+        let total = one.checked_mul(selection.volumes).ok_or_else(too_many)?;
+        let wanted = one * selection.volume..one * (selection.volume + 1);
+        // Text is parsed to native numbers.
+        let text = layout.encoding == Encoding::Text;
+        let endian = if text { Endian::NATIVE } else { layout.endian };
+        let mut buffer = SampleBuffer::new(layout.sample_type, endian);
+        let mut attached = Some(attached);
+        for piece in files.pieces(total, wanted, context)? {
+            let source = match files.open(piece.file, description, context)? {
+                Some(source) => source,
+                None => attached.take().ok_or_else(|| context.truncated("data", 1, 0))?,
+            };
+            if read_piece(source, layout, &piece, &mut buffer, context)? == Rest::Excess {
+                let warning = "there are more data than the header declares".to_owned();
+                description.warnings.push(warning);
+            }
+        }
+        let (samples, warning) = buffer.finish();
+        description.warnings.extend(warning);
+        description.warnings.dedup();
+        Ok(match selection.components {
+            1 => samples,
+            components => pick_component(&samples, components, selection.component),
+        })
+    }
+}
+
+fn read_piece(
+    mut source: Source<'_>,
+    layout: &Layout,
+    piece: &Piece,
+    buffer: &mut SampleBuffer,
+    context: &Context<'_>,
+) -> Result<Rest, IoError> {
+    skip_lines(&mut source, layout.skip_lines, context)?;
+    source = match layout.encoding {
+        Encoding::Gzip => source.inflate(Codec::Gzip),
+        Encoding::Zlib if source.peek(context)?.starts_with(&[0x1f, 0x8b]) => source.inflate(Codec::Gzip),
+        Encoding::Zlib => source.inflate(Codec::Zlib),
+        Encoding::Raw | Encoding::Text | Encoding::Hex => source,
+    };
+    match layout.skip_bytes {
+        Some(count) => source.skip(count, context)?,
+        None => {
+            source.check_declared("samples", layout.bytes(piece.holds), context)?;
+            source.skip(source.at_most() - layout.bytes(piece.holds), context)?;
+        }
+    }
+    match layout.encoding {
+        Encoding::Text => read_text(&mut source, layout, piece, buffer, context),
+        Encoding::Hex => {
+            let text = remaining_text(&mut source, context)?;
+            let bytes = decode_hex(
+                &text,
+                layout.bytes(piece.skip + piece.take),
+                layout.start,
+                context,
+            )?;
+            let wanted = &bytes[layout.bytes(piece.skip) as usize..];
+            buffer.read(&mut Source::from_bytes(wanted), piece.take, context)?;
+            Ok(Rest::Nothing)
+        }
+        Encoding::Raw | Encoding::Gzip | Encoding::Zlib => {
+            source.check_declared("samples", layout.bytes(piece.holds), context)?;
+            source.skip(layout.bytes(piece.skip), context)?;
+            buffer.read(&mut source, piece.take, context)?;
+            match piece.ends_file() {
+                true => source.rest(context),
+                false => Ok(Rest::Nothing),
+            }
+        }
+    }
+}
+
+fn read_text(
+    source: &mut Source<'_>,
+    layout: &Layout,
+    piece: &Piece,
+    buffer: &mut SampleBuffer,
+    context: &Context<'_>,
+) -> Result<Rest, IoError> {
+    let text = remaining_text(source, context)?;
+    let numbers = TextNumbers {
+        text: &text,
+        start: layout.start,
+    };
+    let used = buffer.read_text(&numbers, piece.skip, piece.take, context)?;
+    match piece.ends_file() && !numbers.ends_at(used) {
+        true => Ok(Rest::Excess),
+        false => Ok(Rest::Nothing),
+    }
+}
+
+fn skip_lines(source: &mut Source<'_>, count: u64, context: &Context<'_>) -> Result<(), IoError> {
+    for skipped in 0..count {
+        if source.peek(context)?.is_empty() {
+            return Err(context.truncated("skipped lines", count, skipped));
+        }
+        source.skip_until(b'\n').map_err(|error| context.read(error))?;
+    }
+    Ok(())
+}
