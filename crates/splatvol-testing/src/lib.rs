@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`fields`] | scalar fields with closed-form values and gradients; sampling them into volumes |
+//! | [`transfer`] | transfer functions of known extinction |
 //! | [`random`] | the seeded generator behind every random test |
 //! | [`compare`] | how far two pictures are apart, on all four channels |
 //! | [`assertion`] | [`Tolerance`] and [`assert_images`]: the one way to demand that pictures agree |
@@ -18,6 +19,7 @@ pub mod fields;
 pub mod picture;
 pub mod random;
 pub mod snapshot;
+pub mod transfer;
 
 pub use fields::{Field, sample};
 pub use random::Random;
