@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use splatvol_scene::Samples;
 
-use super::vtk_array::{self, ImageGeometry};
+use super::vtk_array::{self, Association, ImageGeometry};
 use super::{Description, Loaded, ReadOptions, sample_count};
 use crate::error::Context;
 use crate::samples::{SampleBuffer, decode_text};
@@ -41,10 +41,19 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         found: Attributes::default(),
     };
     let end = scan.run();
+    let mut warnings = Vec::new();
     let Attributes { heads, arrays } = scan.found;
-    let (index, component) = match (vtk_array::choose(&heads, options, context), &end) {
-        (Err(_), Err(_)) => return Err(end.err().unwrap_or_else(|| context.unsupported("no array"))),
-        (choice, _) => choice?,
+    let choice = vtk_array::choose(&heads, options, context);
+    // Cells are no stand-in for points that cannot be read, unless they were asked for.
+    let doubtful = |index: usize| wanted.is_none() && heads[index].association == Association::Cell;
+    let (index, component) = match (choice, end) {
+        (Err(_), Err(end)) => return Err(end),
+        (Ok((index, _)), Err(end)) if doubtful(index) => return Err(end),
+        (choice, Err(end)) => {
+            warnings.push(format!("only the first arrays could be found: {end}"));
+            choice?
+        }
+        (choice, Ok(())) => choice?,
     };
     let (head, array) = (&heads[index], &arrays[index]);
     let sample_type = head
@@ -58,12 +67,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         format: format!("legacy VTK {version}"),
         stored_type: format!("{}, {coding_name}", sample_type.name()),
         files: vec![path.to_owned()],
+        warnings,
         ..Description::default()
     };
     let mut draft = geometry.draft(head.association, description, context)?;
-    if let Err(error) = end {
-        draft.warn(format!("only the first arrays could be found: {error}"));
-    }
     let count = sample_count(draft.dims, head.components, sample_type, options, context)?;
     let (samples, warning) = decode(array, &bytes, (sample_type, count), coding, context)?;
     draft.description.warnings.extend(warning);
@@ -171,8 +178,11 @@ fn decode(
     let data = &bytes[array.start.min(bytes.len())..];
     match (coding, array.element) {
         (Coding::Ascii, _) => {
-            let (samples, warning, _) = decode_text(data, sample_type, count, array.start as u64, context)?;
-            Ok((samples, warning))
+            let (samples, warning, used) =
+                decode_text(data, sample_type, count, array.start as u64, context)?;
+            let cut = "the file ends right after the last number, which may be cut short";
+            let cut = (used == data.len()).then(|| cut.to_owned());
+            Ok((samples, warning.or(cut)))
         }
         (Coding::Binary, ElementType::Bit) => {
             let length = count.div_ceil(8);

@@ -7,22 +7,22 @@ use base64::engine::general_purpose::STANDARD;
 
 /// One way to write the same file.
 #[derive(Debug, Clone, Copy)]
-pub struct Style {
-    pub place: &'static str,
-    pub wide: bool,
-    pub zlib: bool,
-    pub big: bool,
+pub(crate) struct Style {
+    pub(crate) place: &'static str,
+    pub(crate) wide: bool,
+    pub(crate) zlib: bool,
+    pub(crate) big: bool,
 }
 
 impl Style {
-    pub const PLAIN: Self = Self {
+    pub(crate) const PLAIN: Self = Self {
         place: "base64",
         wide: false,
         zlib: false,
         big: false,
     };
 
-    pub fn all() -> Vec<Self> {
+    pub(crate) fn all() -> Vec<Self> {
         let mut styles = Vec::new();
         for place in ["ascii", "base64", "appended-base64", "appended-raw"] {
             for bits in 0..8 {
@@ -38,7 +38,7 @@ impl Style {
         styles
     }
 
-    pub fn words(self, values: &[usize]) -> Vec<u8> {
+    pub(crate) fn words(self, values: &[usize]) -> Vec<u8> {
         let word = |&value: &usize| match (self.wide, self.big) {
             (false, false) => (value as u32).to_le_bytes().to_vec(),
             (false, true) => (value as u32).to_be_bytes().to_vec(),
@@ -49,7 +49,7 @@ impl Style {
     }
 
     /// Header and data of one array, in blocks of 64 bytes where compressed.
-    pub fn parts(self, bytes: &[u8]) -> [Vec<u8>; 2] {
+    pub(crate) fn parts(self, bytes: &[u8]) -> [Vec<u8>; 2] {
         if !self.zlib {
             return [self.words(&[bytes.len()]), bytes.to_vec()];
         }
@@ -77,16 +77,16 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// A file under construction: arrays of point data, then of cell data.
-pub struct File {
+pub(crate) struct File {
     style: Style,
     image: String,
-    pub point: String,
+    pub(crate) point: String,
     cell: String,
-    pub appended: Vec<u8>,
+    pub(crate) appended: Vec<u8>,
 }
 
 impl File {
-    pub fn new(style: Style, image: &str) -> Self {
+    pub(crate) fn new(style: Style, image: &str) -> Self {
         Self {
             style,
             image: image.to_owned(),
@@ -96,7 +96,7 @@ impl File {
         }
     }
 
-    pub fn array(&mut self, attributes: &str, little: &[u8], width: usize, text: &str) -> String {
+    pub(crate) fn array(&mut self, attributes: &str, little: &[u8], width: usize, text: &str) -> String {
         let mut bytes = little.to_vec();
         if self.style.big {
             bytes.chunks_mut(width).for_each(<[u8]>::reverse);
@@ -116,18 +116,18 @@ impl File {
         }
     }
 
-    pub fn point_i16(&mut self, attributes: &str, values: &[i16]) {
+    pub(crate) fn point_i16(&mut self, attributes: &str, values: &[i16]) {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let array = self.array(&format!("type=\"Int16\" {attributes}"), &bytes, 2, &join(values));
         self.point.push_str(&array);
     }
 
-    pub fn cell_u8(&mut self, attributes: &str, values: &[u8]) {
+    pub(crate) fn cell_u8(&mut self, attributes: &str, values: &[u8]) {
         let array = self.array(&format!("type=\"UInt8\" {attributes}"), values, 1, &join(values));
         self.cell.push_str(&array);
     }
 
-    pub fn bytes(&self, point_attributes: &str) -> Vec<u8> {
+    pub(crate) fn bytes(&self, point_attributes: &str) -> Vec<u8> {
         let style = self.style;
         let order = if style.big { "BigEndian" } else { "LittleEndian" };
         let header = if style.wide { "UInt64" } else { "UInt32" };
@@ -159,15 +159,15 @@ fn join<T: ToString>(values: &[T]) -> String {
     values.iter().map(T::to_string).collect::<Vec<_>>().join(" ")
 }
 
-pub const IMAGE: &str = "WholeExtent=\"0 4 0 3 0 2\" Origin=\"1 2 3\" Spacing=\"1 2 0.5\"";
+pub(crate) const IMAGE: &str = "WholeExtent=\"0 4 0 3 0 2\" Origin=\"1 2 3\" Spacing=\"1 2 0.5\"";
 
 /// 60 samples, no two bytes alike in a row.
-pub fn values() -> Vec<i16> {
+pub(crate) fn values() -> Vec<i16> {
     (0..60).map(|i| (i * 517 - 9000) as i16).collect()
 }
 
 /// A file with an array before and after the wanted one.
-pub fn file(style: Style) -> Vec<u8> {
+pub(crate) fn file(style: Style) -> Vec<u8> {
     let mut file = File::new(style, IMAGE);
     let other: Vec<i16> = values().iter().map(|value| -value).collect();
     file.point_i16("Name=\"first\"", &other);

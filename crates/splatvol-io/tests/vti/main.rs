@@ -65,6 +65,8 @@ fn real_files_hold_what_is_known_of_them() {
         ..expected([256, 256, 133], [0.0, 255.0, 7.0545])
     };
     assert_expected("LIDC2", &chest, &known);
+    let meta_image = load(&folder.join("LIDC2.mha"));
+    assert_eq!(chest.volume.samples(), meta_image.volume.samples());
     let hydrogen = load(&folder.join("hydrogen.vti"));
     let known = Expected {
         sample_type: "f32",

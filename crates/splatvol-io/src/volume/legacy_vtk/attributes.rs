@@ -59,8 +59,6 @@ impl ElementType {
 pub(super) struct Array {
     pub(super) element: ElementType,
     pub(super) start: usize,
-    /// Numbers, all components together.
-    pub(super) count: u64,
 }
 
 /// The arrays found. `heads` and `arrays` go together.
@@ -213,6 +211,9 @@ impl Scan<'_, '_> {
     }
 
     fn add(&mut self, array: Declaration, association: Association, scalars: bool) -> Result<(), IoError> {
+        if array.type_name.is_empty() {
+            return Err(self.cursor.error("attribute", &array.name, "a name and a type"));
+        }
         let element = ElementType::from_name(&array.type_name);
         let components = usize::try_from(array.components)
             .ok()
@@ -235,7 +236,6 @@ impl Scan<'_, '_> {
         self.found.arrays.push(Array {
             element,
             start: self.cursor.position(),
-            count,
         });
         if self.has_wanted() {
             return Ok(());

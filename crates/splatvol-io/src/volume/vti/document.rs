@@ -99,7 +99,7 @@ pub(super) enum Place<'a> {
     },
 }
 
-/// The declarations of an ImageData file.
+/// The declarations of an `ImageData` file.
 pub(super) struct ImageFile<'a> {
     pub(super) geometry: ImageGeometry,
     pub(super) coding: Coding,
