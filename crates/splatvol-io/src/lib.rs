@@ -3,6 +3,8 @@
 //! | module | formats |
 //! |---|---|
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
+//! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
+//! | [`image`] | PNG, OpenEXR |
 //!
 //! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
 //! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
@@ -13,9 +15,11 @@ mod error;
 pub mod image;
 mod samples;
 mod source;
+pub mod transfer_function;
 pub mod volume;
 
 pub use error::{FormatError, IoError};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};
+pub use transfer_function::{read_transfer_function, write_transfer_function};
 pub use volume::{Description, Loaded, RawLayout, ReadOptions, WriteOptions, read_volume, write_volume};

@@ -1,7 +1,7 @@
 //! PNG (W3C, Portable Network Graphics, 3rd edition): straight alpha, sRGB.
 //!
 //! Writing: `code = round(max * srgb(linear / alpha))`, alpha itself linear; values beyond 0..1 are clamped, NaN is 0;
-//! a picture without transparency is written as RGB. Chunks `sRGB`, `gAMA` and `cHRM` say so. Reading: every colour
+//! a picture without transparency is written as RGB. Chunk `sRGB` says so. Reading: every colour
 //! type and bit depth; `gAMA` is followed where there is no `sRGB`, embedded ICC profiles are not.
 //! A picture read and written again at its own depth has the same codes.
 
