@@ -21,5 +21,8 @@ pub mod random;
 pub mod snapshot;
 pub mod transfer;
 
+pub use assertion::{Tolerance, assert_images};
+pub use compare::Comparison;
 pub use fields::{Field, sample};
 pub use random::Random;
+pub use snapshot::assert_snapshot;
