@@ -4,6 +4,8 @@
 //! it is probed there, at its points, just before them (steps) and in the middle of its segments, and compared with
 //! the straight line between the two samples.
 
+use std::cmp::Ordering;
+
 use splatvol_scene::TransferFunction;
 
 use crate::medium::MediumSample;
@@ -69,8 +71,8 @@ impl Features {
     /// its values there by more than `allowed` (per world length).
     pub(crate) fn hidden_between(&self, a: &MediumSample, b: &MediumSample, allowed: f64) -> bool {
         let (low, high) = if a.value <= b.value { (a, b) } else { (b, a) };
-        // Also skips samples without a value (NaN).
-        if !(low.value < high.value) {
+        if low.value.partial_cmp(&high.value) != Some(Ordering::Less) {
+            // Equal, or without a value (NaN).
             return false;
         }
         let coverage = a.coverage.max(b.coverage);

@@ -23,6 +23,13 @@ pub(crate) struct LatticeSums<const N: usize> {
     pub(crate) gradient: DVec3,
 }
 
+/// `sums += weight * payload`.
+fn add<const N: usize>(sums: &mut [f64; N], weight: f64, payload: &[f64; N]) {
+    for (sum, value) in sums.iter_mut().zip(payload) {
+        *sum += weight * value;
+    }
+}
+
 impl<const N: usize> Lattice<N> {
     /// Sums with the kernel itself: the box cut and a product of three factors.
     pub(crate) fn sums(&self, kernel: &GaussianKernel, x: DVec3) -> LatticeSums<N> {
@@ -47,14 +54,10 @@ impl<const N: usize> Lattice<N> {
                 let mut row = [0.0; N];
                 let mut row_slope = 0.0;
                 for (a, payload) in self.row(&ranges[0], j, k).iter().enumerate() {
-                    for n in 0..N {
-                        row[n] += gx[a] * payload[n];
-                    }
+                    add(&mut row, gx[a], payload);
                     row_slope += dx[a] * payload[0];
                 }
-                for n in 0..N {
-                    total.sums[n] += gy[b] * gz[c] * row[n];
-                }
+                add(&mut total.sums, gy[b] * gz[c], &row);
                 total.gradient += DVec3::new(
                     row_slope * gy[b] * gz[c],
                     row[0] * dy[b] * gz[c],
@@ -84,9 +87,7 @@ impl<const N: usize> Lattice<N> {
                     let offset = x - DVec3::new(i as f64, j as f64, k as f64);
                     let normal = kernel.conic * offset;
                     let weight = kernel.peak * (-0.5 * offset.dot(normal)).exp();
-                    for n in 0..N {
-                        total.sums[n] += weight * payload[n];
-                    }
+                    add(&mut total.sums, weight, payload);
                     total.gradient -= weight * payload[0] * normal;
                 }
             }

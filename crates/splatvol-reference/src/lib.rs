@@ -14,7 +14,7 @@
 //! | `features` | where a transfer function bends, so that no thin feature is stepped over |
 //! | `integral` | adaptive emission-absorption integral |
 //! | `maximum` | the largest value along a ray |
-//! | [`render`] | rays, clipping, frames |
+//! | [`mod@render`] | rays, clipping, frames |
 //!
 //! `RenderSettings::sheet_thickness` and `termination` have no meaning here: this is the limit of thin sheets that
 //! are never terminated.

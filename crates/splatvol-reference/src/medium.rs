@@ -72,7 +72,7 @@ pub(crate) struct MediumSample {
 #[derive(Debug, Clone)]
 pub(crate) enum Medium {
     /// Data, classified at each point.
-    Post(PostClassified),
+    Post(Box<PostClassified>),
     /// Classified and lit voxels: extinction and emission per voxel.
     Pre(Lattice<4>),
 }
@@ -89,12 +89,12 @@ pub(crate) struct PostClassified {
 impl Medium {
     /// The data of a scene, classified at each point.
     pub(crate) fn post(scene: &Scene, settings: &RenderSettings) -> Result<Self, ReferenceError> {
-        Ok(Self::Post(PostClassified {
+        Ok(Self::Post(Box::new(PostClassified {
             reconstruction: Reconstruction::new(&scene.volume, &settings.kernel, settings.prefilter)?,
             transfer_function: scene.transfer_function.clone(),
             unit_distance: scene.unit_distance(),
             shading: settings.lighting.map(Shading::new),
-        }))
+        })))
     }
 
     /// The voxels of a scene, classified and, with `shading`, lit by central differences.

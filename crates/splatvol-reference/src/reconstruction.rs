@@ -3,6 +3,9 @@
 //! `F_k = (f_k - lo) / (hi - lo)`; coefficients `c_k` are `F_k`, or with the interpolating prefilter the solution of
 //! `sum_k c_k h(i - k) = F_i W(i)` on the full box. For that system a missing sample is filled with the mean of its
 //! finite face neighbours (0 if it has none); afterwards it has no weight in `S` and `W`.
+//!
+//! The lattice is continued by one mirrored sample beyond each face, `F(-1) = F(1)` and `F(n) = F(n - 2)`, along axes
+//! of two samples and more; S and W include it, the coverage does not.
 
 use glam::{DMat3, DVec3};
 use splatvol_scene::{Kernel, Volume};
@@ -17,8 +20,10 @@ use crate::solve::solve;
 pub struct Reconstruction {
     kernel: GaussianKernel,
     value_range: [f64; 2],
-    /// Coefficient and presence (1 or 0) per voxel.
-    samples: Lattice<2>,
+    /// Coefficient, presence (1 or 0) and presence inside the volume's own box, per lattice point.
+    samples: Lattice<3>,
+    /// Lattice index of voxel (0, 0, 0).
+    first_voxel: DVec3,
 }
 
 /// What the samples add up to at a point.
@@ -28,6 +33,8 @@ pub struct Sums {
     pub s: f64,
     /// `W = sum_k h(x - k)`.
     pub w: f64,
+    /// The same over the samples of the volume itself, without the continuation.
+    pub w_inside: f64,
     /// Gradient of S in voxel space, per voxel.
     pub grad_s: DVec3,
 }
@@ -40,16 +47,17 @@ impl Sums {
 
     /// `q`: 1 inside the volume, falling to 0 across its border.
     pub fn coverage(&self) -> f64 {
-        ((self.w - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
+        ((self.w_inside - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
     }
 }
 
-impl From<LatticeSums<2>> for Sums {
-    fn from(sums: LatticeSums<2>) -> Self {
-        let [s, w] = sums.sums;
+impl From<LatticeSums<3>> for Sums {
+    fn from(sums: LatticeSums<3>) -> Self {
+        let [s, w, w_inside] = sums.sums;
         Self {
             s,
             w,
+            w_inside,
             grad_s: sums.gradient,
         }
     }
@@ -62,8 +70,7 @@ impl Reconstruction {
     /// With the prefilter, a kernel that cannot be inverted on this box.
     pub fn new(volume: &Volume, kernel: &Kernel, prefilter: bool) -> Result<Self, ReferenceError> {
         let gaussian = GaussianKernel::new(kernel);
-        let dims = volume.grid().dims();
-        let samples = normalised_samples(volume);
+        let (dims, samples, inside) = continued(&normalised_samples(volume), volume.grid().dims());
         let coefficients = if prefilter {
             let right = filled(&samples, dims)
                 .into_iter()
@@ -78,11 +85,11 @@ impl Reconstruction {
         } else {
             samples.clone()
         };
-        let payload = |(sample, coefficient): (&f64, f64)| {
+        let payload = |((sample, inside), coefficient): ((&f64, bool), f64)| {
             if sample.is_finite() {
-                [coefficient, 1.0]
+                [coefficient, 1.0, f64::from(u8::from(inside))]
             } else {
-                [0.0, 0.0]
+                [0.0; 3]
             }
         };
         Ok(Self {
@@ -90,20 +97,26 @@ impl Reconstruction {
             value_range: volume.value_range(),
             samples: Lattice {
                 dims,
-                payload: samples.iter().zip(coefficients).map(payload).collect(),
+                payload: samples
+                    .iter()
+                    .zip(inside)
+                    .zip(coefficients)
+                    .map(payload)
+                    .collect(),
             },
+            first_voxel: DVec3::from_array(volume.grid().dims().map(|n| margin(n) as f64)),
         })
     }
 
     /// `S`, `W` and the gradient of S at a point in voxel space, without low-pass.
     pub fn sums(&self, x_voxel: DVec3) -> Sums {
-        self.samples.sums(&self.kernel, x_voxel).into()
+        self.samples.sums(&self.kernel, x_voxel + self.first_voxel).into()
     }
 
     /// The same with the kernel's covariance (voxel space) widened by a low-pass.
     pub fn filtered_sums(&self, x_voxel: DVec3, covariance: DMat3) -> Sums {
         self.samples
-            .filtered_sums(&self.kernel, covariance, x_voxel)
+            .filtered_sums(&self.kernel, covariance, x_voxel + self.first_voxel)
             .into()
     }
 
@@ -118,7 +131,7 @@ impl Reconstruction {
         low + sums.value() * (high - low)
     }
 
-    /// Coefficients `c_k` (x fastest); 0 at missing samples.
+    /// Coefficients `c_k` of the continued lattice (x fastest); 0 at missing samples.
     pub fn coefficients(&self) -> Vec<f64> {
         self.samples.payload.iter().map(|payload| payload[0]).collect()
     }
@@ -132,6 +145,37 @@ fn normalised_samples(volume: &Volume) -> Vec<f64> {
         .map(|index| (volume.value(index) - low) / width)
         .map(|f| if f.is_finite() { f } else { f64::NAN })
         .collect()
+}
+
+/// Mirrored samples beyond each end of an axis.
+fn margin(n: usize) -> usize {
+    usize::from(n > 1)
+}
+
+/// The lattice continued by its mirror image: dims, samples, and which of them are the volume's own.
+fn continued(samples: &[f64], own: [usize; 3]) -> ([usize; 3], Vec<f64>, Vec<bool>) {
+    let dims = own.map(|n| n + 2 * margin(n));
+    let voxel = |axis: usize, position: usize| {
+        let voxel = position as i64 - margin(own[axis]) as i64;
+        let last = own[axis] as i64 - 1;
+        let mirrored = if voxel > last {
+            2 * last - voxel
+        } else {
+            voxel.abs()
+        };
+        (mirrored as usize, mirrored == voxel)
+    };
+    let (mut continued, mut inside) = (Vec::new(), Vec::new());
+    for z in 0..dims[2] {
+        for y in 0..dims[1] {
+            for x in 0..dims[0] {
+                let [(x, in_x), (y, in_y), (z, in_z)] = [voxel(0, x), voxel(1, y), voxel(2, z)];
+                continued.push(samples[(z * own[1] + y) * own[0] + x]);
+                inside.push(in_x && in_y && in_z);
+            }
+        }
+    }
+    (dims, continued, inside)
 }
 
 /// Missing samples replaced by the mean of their finite face neighbours, or 0.

@@ -82,7 +82,7 @@ fn write_png(
     Ok(writer.finish()?)
 }
 
-/// Reads a PNG that [`write`] wrote.
+/// Reads a PNG that [`write()`] wrote.
 ///
 /// # Errors
 /// What the file system says, or a PNG that is not 16-bit RGBA.
