@@ -4,8 +4,7 @@
 //! memory once. 64-bit integers, which [`Samples`] does not have, become `f64`; values beyond 2^53 lose digits there
 //! and are reported.
 
-use std::io::Read;
-use std::str::FromStr;
+mod text;
 
 use bytemuck::Pod;
 use splatvol_scene::Samples;
@@ -13,6 +12,8 @@ use splatvol_scene::Samples;
 use crate::IoError;
 use crate::error::Context;
 use crate::source::{Source, grow};
+
+pub(crate) use text::{TextNumbers, decode_hex, decode_text, remaining_text};
 
 /// Integers up to this magnitude are exact in `f64`.
 const EXACT: i64 = 1 << 53;
@@ -183,7 +184,7 @@ impl SampleBuffer {
             let found = format!("text of {} bytes", numbers.text.len());
             return Err(context.field("samples", found, numbers.start, format!("{end} numbers")));
         }
-        with_buffer!(&mut self.buffer, data => parse_numbers(data, numbers, skip..end, context))
+        with_buffer!(&mut self.buffer, data => text::parse_numbers(data, numbers, skip..end, context))
     }
 
     /// The samples in native order, and a warning where 64-bit integers lost digits.
@@ -255,156 +256,6 @@ fn rounded(inexact: usize) -> Option<String> {
     (inexact > 0).then(|| format!("{inexact} 64-bit integers are beyond 2^53 and were rounded to f64"))
 }
 
-/// Decodes samples that are already in memory (`bytes` must hold exactly the samples). Single bytes are not copied.
-pub(crate) fn decode(
-    bytes: Vec<u8>,
-    sample_type: SampleType,
-    endian: Endian,
-    context: &Context<'_>,
-) -> Result<(Samples, Option<String>), IoError> {
-    if sample_type == SampleType::U8 {
-        return Ok((Samples::U8(bytes), None));
-    }
-    let count = bytes.len() / sample_type.size();
-    if count * sample_type.size() != bytes.len() {
-        return Err(context.truncated("samples", sample_type.byte_count(count + 1), bytes.len() as u64));
-    }
-    let mut buffer = SampleBuffer::new(sample_type, endian);
-    buffer.read(&mut Source::from_bytes(&bytes), count, context)?;
-    Ok(buffer.finish())
-}
-
-/// Decodes `count` numbers separated by white space or commas. A number outside the type's range is an error.
-///
-/// `start` is the position of `text` in the file. The last value is the number of bytes used.
-pub(crate) fn decode_text(
-    text: &[u8],
-    sample_type: SampleType,
-    count: usize,
-    start: u64,
-    context: &Context<'_>,
-) -> Result<(Samples, Option<String>, usize), IoError> {
-    let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
-    let used = buffer.read_text(&TextNumbers { text, start }, 0, count, context)?;
-    let (samples, warning) = buffer.finish();
-    Ok((samples, warning, used))
-}
-
-/// Numbers as text, and the position of that text in the file.
-pub(crate) struct TextNumbers<'a> {
-    pub(crate) text: &'a [u8],
-    pub(crate) start: u64,
-}
-
-impl<'a> TextNumbers<'a> {
-    /// The next number at or after `position`, and its position; `None` at the end.
-    fn next(&self, position: usize) -> Option<(&'a [u8], usize)> {
-        let separator = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == 0;
-        let begin = position
-            + self.text[position..]
-                .iter()
-                .take_while(|byte| separator(byte))
-                .count();
-        let length = self.text[begin..]
-            .iter()
-            .take_while(|byte| !separator(byte))
-            .count();
-        (length > 0).then(|| (&self.text[begin..begin + length], begin))
-    }
-
-    /// True where nothing but separators follows `position`.
-    pub(crate) fn ends_at(&self, position: usize) -> bool {
-        self.next(position).is_none()
-    }
-}
-
-/// A number in a text file.
-trait TextNumber: FromStr {
-    /// False for what only overflow can have made.
-    fn fits(&self, _token: &str) -> bool {
-        true
-    }
-}
-
-macro_rules! text_number {
-    (integers $($integer:ty)*; floats $($float:ty)*) => {
-        $(impl TextNumber for $integer {})*
-        $(impl TextNumber for $float {
-            fn fits(&self, token: &str) -> bool {
-                !self.is_infinite() || token.to_ascii_lowercase().contains("inf")
-            }
-        })*
-    };
-}
-text_number!(integers u8 i8 u16 i16 u32 i32 u64 i64; floats f32 f64);
-
-fn parse_numbers<T: TextNumber>(
-    data: &mut Vec<T>,
-    numbers: &TextNumbers<'_>,
-    range: std::ops::Range<usize>,
-    context: &Context<'_>,
-) -> Result<usize, IoError> {
-    let count = range.len();
-    data.try_reserve_exact(count)
-        .map_err(|_| context.limit((count as u64).saturating_mul(size_of::<T>() as u64), 0))?;
-    let mut position = 0;
-    for index in 0..range.end {
-        let Some((token, begin)) = numbers.next(position) else {
-            let (found, offset) = (format!("{index} numbers"), numbers.start + position as u64);
-            return Err(context.field("samples", found, offset, format!("{} numbers", range.end)));
-        };
-        position = begin + token.len();
-        if index < range.start {
-            continue;
-        }
-        let token = String::from_utf8_lossy(token);
-        match token.parse::<T>() {
-            Ok(number) if number.fits(&token) => data.push(number),
-            _ => {
-                let expected = format!("a number of type {}", std::any::type_name::<T>());
-                let offset = numbers.start + begin as u64;
-                return Err(context.field(format!("sample {index}"), token, offset, expected));
-            }
-        }
-    }
-    Ok(position)
-}
-
-/// Turns pairs of hexadecimal digits (white space ignored) into bytes, `count` of them.
-pub(crate) fn decode_hex(
-    text: &[u8],
-    count: u64,
-    start: u64,
-    context: &Context<'_>,
-) -> Result<Vec<u8>, IoError> {
-    if count > text.len() as u64 / 2 {
-        return Err(context.truncated("hexadecimal digits", count.saturating_mul(2), text.len() as u64));
-    }
-    let mut bytes = Vec::with_capacity(count as usize);
-    let mut high = None;
-    for (position, &digit) in text.iter().enumerate() {
-        if bytes.len() as u64 == count {
-            break;
-        }
-        if digit.is_ascii_whitespace() {
-            continue;
-        }
-        let Some(nibble) = char::from(digit).to_digit(16) else {
-            let field = format!("sample byte {}", bytes.len());
-            let expected = "hexadecimal digits";
-            return Err(context.field(field, char::from(digit), start + position as u64, expected));
-        };
-        match high.take() {
-            None => high = Some(nibble),
-            Some(high) => bytes.push((high << 4 | nibble) as u8),
-        }
-    }
-    if (bytes.len() as u64) < count {
-        return Err(context.truncated("hexadecimal bytes", count, bytes.len() as u64));
-    }
-    Ok(bytes)
-}
-
 /// Every `components`-th sample, from `component` on: one component of interleaved vectors.
 pub(crate) fn pick_component(samples: &Samples, components: usize, component: usize) -> Samples {
     macro_rules! pick {
@@ -438,15 +289,6 @@ pub(crate) fn for_each_little_endian_chunk<E>(
     splatvol_scene::with_samples!(samples, data => chunks(data, &mut write))
 }
 
-/// Reads whatever text follows, for text encodings.
-pub(crate) fn remaining_text(source: &mut Source<'_>, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
-    let mut text = Vec::new();
-    source
-        .read_to_end(&mut text)
-        .map_err(|error| context.read(error))?;
-    Ok(text)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -456,76 +298,49 @@ mod tests {
         Context::new("test", Path::new("a"))
     }
 
-    fn text(text: &str, sample_type: SampleType, count: usize) -> Result<Samples, IoError> {
-        decode_text(text.as_bytes(), sample_type, count, 100, &context()).map(|(samples, ..)| samples)
+    fn decode(bytes: Vec<u8>, sample_type: SampleType, endian: Endian) -> (Samples, Option<String>) {
+        let mut buffer = SampleBuffer::new(sample_type, endian);
+        let count = bytes.len() / sample_type.size();
+        buffer
+            .read(&mut Source::from_bytes(&bytes), count, &context())
+            .unwrap();
+        buffer.finish()
     }
 
     #[test]
     fn both_byte_orders_decode() {
         let bytes = vec![0x01, 0x02, 0xff, 0xfe];
-        let (little, _) = decode(bytes.clone(), SampleType::I16, Endian::Little, &context()).unwrap();
-        let (big, _) = decode(bytes.clone(), SampleType::I16, Endian::Big, &context()).unwrap();
+        let (little, _) = decode(bytes.clone(), SampleType::I16, Endian::Little);
+        let (big, _) = decode(bytes, SampleType::I16, Endian::Big);
         assert_eq!(little, Samples::I16(vec![0x0201, -257]));
         assert_eq!(big, Samples::I16(vec![0x0102, -2]));
-        assert!(decode(bytes[..3].to_vec(), SampleType::I16, Endian::Big, &context()).is_err());
-        let (floats, _) = decode(
-            1.5f64.to_be_bytes().to_vec(),
-            SampleType::F64,
-            Endian::Big,
-            &context(),
-        )
-        .unwrap();
+        let (floats, _) = decode(1.5f64.to_be_bytes().to_vec(), SampleType::F64, Endian::Big);
         assert_eq!(floats, Samples::F64(vec![1.5]));
     }
 
     #[test]
-    fn long_integers_are_reported_only_where_they_lose_digits() {
-        let decode = |value: i64| {
-            decode(
-                value.to_le_bytes().to_vec(),
-                SampleType::I64,
-                Endian::Little,
-                &context(),
-            )
-        };
-        assert_eq!(
-            decode(-(1 << 53)).unwrap(),
-            (Samples::F64(vec![-9007199254740992.0]), None)
+    fn sources_that_end_early_are_refused() {
+        let mut buffer = SampleBuffer::new(SampleType::I16, Endian::Little);
+        assert!(
+            buffer
+                .read(&mut Source::from_bytes(&[1, 2, 3]), 2, &context())
+                .is_err()
         );
         assert!(
-            decode(i64::MIN)
-                .unwrap()
-                .1
-                .unwrap()
-                .starts_with("1 64-bit integers")
+            buffer
+                .read(&mut Source::from_bytes(&[1, 2, 3]), usize::MAX, &context())
+                .is_err()
         );
     }
 
     #[test]
-    fn overflow_in_text_is_an_error_not_a_clamped_value() {
+    fn long_integers_are_reported_only_where_they_lose_digits() {
+        let decode = |value: i64| decode(value.to_le_bytes().to_vec(), SampleType::I64, Endian::Little);
         assert_eq!(
-            text(" 1,2\n-3 ", SampleType::I8, 3).unwrap(),
-            Samples::I8(vec![1, 2, -3])
+            decode(-(1 << 53)),
+            (Samples::F64(vec![-9007199254740992.0]), None)
         );
-        let error = text("1 99999 3", SampleType::I16, 3).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "test, field \"sample 1\" = \"99999\" (byte 102): expected a number of type i16, in a"
-        );
-        assert!(text("1e39", SampleType::F32, 1).is_err());
-        assert_eq!(
-            text("inf", SampleType::F32, 1).unwrap(),
-            Samples::F32(vec![f32::INFINITY])
-        );
-        assert!(text("1 2", SampleType::U8, 3).is_err());
-        assert!(text("1 2", SampleType::U8, usize::MAX).is_err());
-    }
-
-    #[test]
-    fn hexadecimal_digits_make_bytes() {
-        assert_eq!(decode_hex(b"0a F\nf", 2, 0, &context()).unwrap(), [0x0a, 0xff]);
-        assert!(decode_hex(b"0a f", 2, 0, &context()).is_err());
-        assert!(decode_hex(b"0g", 1, 0, &context()).is_err());
+        assert!(decode(i64::MIN).1.unwrap().starts_with("1 64-bit integers"));
     }
 
     #[test]

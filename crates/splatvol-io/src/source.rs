@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
-use flate2::bufread::{DeflateDecoder, GzDecoder, ZlibDecoder};
+use flate2::bufread::{GzDecoder, ZlibDecoder};
 
 use crate::IoError;
 use crate::error::Context;
@@ -27,8 +27,6 @@ pub(crate) enum Codec {
     Gzip,
     /// RFC 1950.
     Zlib,
-    /// RFC 1951, no container.
-    Deflate,
 }
 
 /// What follows the data that a header declares.
@@ -98,7 +96,6 @@ impl<'a> Source<'a> {
             reader: match codec {
                 Codec::Gzip => Box::new(BufReader::new(GzipMembers::new(reader))),
                 Codec::Zlib => Box::new(BufReader::new(ZlibDecoder::new(reader))),
-                Codec::Deflate => Box::new(BufReader::new(DeflateDecoder::new(reader))),
             },
             at_most: at_most
                 .saturating_mul(DEFLATE_RATIO)
@@ -289,19 +286,6 @@ pub(crate) fn read_file(path: &Path, context: &Context<'_>) -> Result<Vec<u8>, I
     Source::open(path)?.all_bytes(context)
 }
 
-/// Exactly `declared` decompressed bytes, and whether more would follow.
-pub(crate) fn inflate(
-    codec: Codec,
-    compressed: &[u8],
-    declared: u64,
-    context: &Context<'_>,
-) -> Result<(Vec<u8>, Rest), IoError> {
-    let mut source = Source::from_bytes(compressed).inflate(codec);
-    let bytes = source.read_bytes("compressed data", declared, context)?;
-    let rest = source.rest(context)?;
-    Ok((bytes, rest))
-}
-
 /// The path of a data file that the header at `context.path` names in `field`.
 ///
 /// Only names inside the header's folder are followed: no absolute path, no `..`, no link that leads out, not the
@@ -356,6 +340,19 @@ mod tests {
 
     fn context() -> Context<'static> {
         Context::new("test", Path::new("a.gz"))
+    }
+
+    /// Exactly `declared` decompressed bytes, and whether more would follow.
+    fn inflate(
+        codec: Codec,
+        compressed: &[u8],
+        declared: u64,
+        context: &Context<'_>,
+    ) -> Result<(Vec<u8>, Rest), IoError> {
+        let mut source = Source::from_bytes(compressed).inflate(codec);
+        let bytes = source.read_bytes("compressed data", declared, context)?;
+        let rest = source.rest(context)?;
+        Ok((bytes, rest))
     }
 
     fn gzip(bytes: &[u8]) -> Vec<u8> {

@@ -133,6 +133,19 @@ pub(crate) fn complete_axes(steps: &[Option<DVec3>]) -> DMat3 {
     }
 }
 
+/// The directions of the voxel axes in three letters: `LPS` where x runs left, y posterior and z superior. Oblique axes
+/// get the letters that fit best. It means something only where world space is RAS+.
+pub fn axis_codes(grid: &Grid) -> String {
+    const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let axes = grid.direction();
+    let fit = |order: &[usize; 3]| -> f64 { (0..3).map(|axis| axes.col(axis)[order[axis]].abs()).sum() };
+    let best = PERMUTATIONS.into_iter().max_by(|a, b| fit(a).total_cmp(&fit(b)));
+    let letters = [['L', 'R'], ['P', 'A'], ['I', 'S']];
+    let order = best.unwrap_or([0, 1, 2]);
+    let letter = |axis: usize| letters[order[axis]][usize::from(axes.col(axis)[order[axis]] > 0.0)];
+    (0..3).map(letter).collect()
+}
+
 /// The unit of this name; [`LengthUnit::Unknown`] where the name says nothing, `None` for a unit that has no label.
 pub(crate) fn length_unit(name: &str) -> Option<LengthUnit> {
     match name.trim().to_lowercase().as_str() {

@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use splatvol_scene::Volume;
 
+pub use assemble::axis_codes;
 pub(crate) use assemble::{Draft, checked_dims, complete_axes, length_unit, ras_from_lps, sample_count};
 
 use crate::error::Context;

@@ -65,6 +65,8 @@ pub fn assert_expected(name: &str, loaded: &Loaded, expected: &Expected) {
 /// Reads `bytes` as a file called `name`, and fails if that takes long. A panic fails the test by itself.
 pub fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<Loaded, IoError> {
     let path = folder.join(name);
+    // A new file each time: some file systems write a truncated one to disk at once, which takes milliseconds.
+    let _ = std::fs::remove_file(&path);
     std::fs::write(&path, bytes).unwrap();
     let start = Instant::now();
     let result = read_volume(&path, &ReadOptions::default());
