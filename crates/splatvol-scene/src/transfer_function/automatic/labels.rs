@@ -98,9 +98,9 @@ pub(super) fn proposal(labels: &Labels, survey: &Survey) -> Proposal {
 fn categorical(index: usize) -> [f64; 3] {
     let hue = (index as f64 * 0.618_034).fract() * 6.0;
     let (saturation, value) = if index.is_multiple_of(2) {
-        (0.5, 0.95)
+        (0.42, 0.95)
     } else {
-        (0.65, 0.8)
+        (0.58, 0.82)
     };
     [5.0, 3.0, 1.0].map(|offset| {
         let k = (offset + hue) % 6.0;

@@ -16,6 +16,9 @@ const PALETTE: [[f64; 3]; 4] = [
 /// Optical depth along the mean path through the densest class.
 const DENSE_OPTICAL_DEPTH: f64 = 8.0;
 
+/// Optical depth along the mean path below which a class is left out: it would be haze, and cost time.
+const LEAST_OPTICAL_DEPTH: f64 = 0.1;
+
 /// Part of a class on either side of a threshold over which its opacity changes to the next one's.
 const TRANSITION: f64 = 0.15;
 
@@ -187,6 +190,9 @@ impl Classes {
         let mut opacities: [f64; 3] = std::array::from_fn(|i| {
             let relative = (means[i] - background.level) / (means[2] - background.level);
             let tau = DENSE_OPTICAL_DEPTH * relative.clamp(0.0, 1.0).powf(2.5);
+            if tau < LEAST_OPTICAL_DEPTH {
+                return 0.0;
+            }
             opacity(tau, survey.mean_path([thresholds[i], ends[i]])).min(0.95)
         });
         for i in 1..3 {
@@ -204,16 +210,19 @@ impl Classes {
         let [soft, middle, dense] = self.thresholds;
         let into = |from: f64, to: f64| from + TRANSITION * (to - from);
         let points = [
-            (0.5 * (self.floor + soft), 0.0),
+            (soft - TRANSITION * (soft - self.floor), 0.0),
             (into(soft, middle), self.opacities[0]),
             (into(middle, soft), self.opacities[0]),
             (into(middle, dense), self.opacities[1]),
             (into(dense, middle), self.opacities[1]),
             (into(dense, self.high), self.opacities[2]),
         ];
-        points
-            .map(|(value, opacity)| OpacityPoint::new(value, opacity))
-            .to_vec()
+        // Of several transparent points only the last says something.
+        let visible = points.iter().position(|&(_, opacity)| opacity > 0.0).unwrap_or(1);
+        points[visible - 1..]
+            .iter()
+            .map(|&(value, opacity)| OpacityPoint::new(value, opacity))
+            .collect()
     }
 
     fn color_points(&self) -> Vec<ColorPoint> {

@@ -194,3 +194,32 @@ fn a_given_map_replaces_the_colors_only_and_the_choice_repeats() {
     assert_eq!(mapped.color(choice.range[0]), map.rgb(0.0));
     assert_eq!(mapped.color(choice.range[1]), map.rgb(1.0));
 }
+
+#[test]
+fn classic_scans_show_their_known_structures() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volumes");
+    if !folder.is_dir() {
+        println!("skipped: ../shared absent");
+        return;
+    }
+    let load = |name: &str, dims| {
+        let samples = Samples::U8(std::fs::read(folder.join(name)).unwrap());
+        let grid = Grid::centred(dims, DVec3::ONE).unwrap();
+        let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let (tf, choice) = TransferFunction::automatic(&volume, None);
+        assert_eq!(choice.kind, DataKind::Materials, "{name}: {}", choice.reason);
+        tf
+    };
+    // Air is 75 to 80, dentine about 160, enamel about 230.
+    let tooth = load("tooth_103x94x161_uint8.raw", [103, 94, 161]);
+    assert_eq!(tooth.opacity(85.0), 0.0);
+    let (dentine, enamel) = (tooth.opacity(160.0), tooth.opacity(230.0));
+    assert!(
+        0.01 < dentine && dentine < enamel && enamel > 0.2,
+        "{dentine} {enamel}"
+    );
+    // Half of the samples are 0 or 1, the atoms reach 255.
+    let neghip = load("neghip_64x64x64_uint8.raw", [64; 3]);
+    assert_eq!(neghip.opacity(1.0), 0.0);
+    assert!(neghip.opacity(255.0) > 0.3);
+}
