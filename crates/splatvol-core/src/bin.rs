@@ -81,6 +81,8 @@ pub struct Projector<'a> {
     pub camera_from_voxel: DAffine3,
     /// Camera to pixels.
     pub screen: ScreenFromCamera,
+    /// Standard deviation of the kernel, voxels.
+    pub sigma: f64,
     /// Shape of every voxel's footprint.
     pub shape: &'a FootprintShape,
     /// Low-pass, pixels.

@@ -9,54 +9,100 @@ use crate::kernel::GaussianKernel;
 use crate::prefilter;
 
 /// Coefficients `c_k` of the field (docs/numerics.md), x fastest; NaN marks samples that are missing.
+///
+/// A lattice to interpolate from is continued by one mirrored sample beyond each face (`margin`), so that values near
+/// the border have neighbours on both sides.
 #[derive(Debug, Clone)]
 pub struct Coefficients {
-    /// Dimensions x y z.
+    /// Lattice points along x, y, z.
     pub dims: [usize; 3],
-    /// One per sample.
+    /// Lattice points before voxel 0 (and behind the last) along x, y, z.
+    pub margin: [usize; 3],
+    /// Whether any sample is missing.
+    pub any_missing: bool,
+    /// One per lattice point.
     pub values: Vec<f32>,
 }
 
 impl Coefficients {
-    /// Coefficients of a volume: `F = (f - lo) / (hi - lo)`, prefiltered where `interpolate` asks for a kernel.
-    /// Takes 4 bytes per sample, and nothing near that beside it.
-    /// With them come the bricks of the samples.
-    pub fn new(volume: &Volume, interpolate: Option<&GaussianKernel>) -> (Self, BrickGrid) {
-        let dims = volume.grid().dims();
-        let mut values = normalised(volume);
+    /// Coefficients of a volume, `F = (f - lo) / (hi - lo)`, with the bricks of these samples.
+    pub fn new(volume: &Volume, use_as: Use<'_>) -> (Self, BrickGrid) {
+        let own = volume.grid().dims();
+        let margin = match use_as {
+            Use::Samples => [0; 3],
+            Use::Field(_) => own.map(|n| usize::from(n > 1)),
+        };
+        let dims = std::array::from_fn(|a| own[a] + 2 * margin[a]);
+        let mut values = normalised(volume, dims, margin);
+        let interpolate = match use_as {
+            Use::Samples => None,
+            Use::Field(kernel) => kernel,
+        };
         let bricks = BrickGrid::new(&values, dims, interpolate.is_some());
+        let any_missing = volume.statistics().non_finite > 0;
         if let Some(kernel) = interpolate {
-            let missing = fill_missing(&mut values, dims, volume.statistics().non_finite);
+            let missing = if any_missing {
+                fill_missing(&mut values, dims)
+            } else {
+                Vec::new()
+            };
             prefilter::solve(&mut values, dims, kernel);
             for index in missing {
                 values[index] = f32::NAN;
             }
         }
-        (Self { dims, values }, bricks)
+        (
+            Self {
+                dims,
+                margin,
+                any_missing,
+                values,
+            },
+            bricks,
+        )
     }
 }
 
-/// `(f - lo) / (hi - lo)` per sample, NaN where missing; the divisor is 1 for a volume of one value.
-fn normalised(volume: &Volume) -> Vec<f32> {
+/// What coefficients are for.
+#[derive(Debug, Clone, Copy)]
+pub enum Use<'a> {
+    /// The samples as they are, each to be classified.
+    Samples,
+    /// A continuous field; with a kernel, one that interpolates the samples by it.
+    Field(Option<&'a GaussianKernel>),
+}
+
+/// `(f - lo) / (hi - lo)` per lattice point, NaN where missing; the divisor is 1 for a volume of one value.
+fn normalised(volume: &Volume, dims: [usize; 3], margin: [usize; 3]) -> Vec<f32> {
     let [low, high] = volume.value_range();
     let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
     let rescale = volume.rescale();
-    with_samples!(volume.samples(), data => data
-        .par_iter()
-        .with_min_len(1 << 14)
-        .map(|&sample| {
-            let value = rescale.apply(widen(sample));
-            if value.is_finite() { ((value - low) * scale) as f32 } else { f32::NAN }
-        })
-        .collect())
+    let own = volume.grid().dims();
+    let voxel = |axis: usize, point: usize| {
+        let (point, last) = (point as isize - margin[axis] as isize, own[axis] as isize - 1);
+        (if point > last {
+            2 * last - point
+        } else {
+            point.abs()
+        }) as usize
+    };
+    let mut values = vec![0.0f32; dims.iter().product()];
+    values
+        .par_chunks_mut(dims[0])
+        .enumerate()
+        .for_each(|(row, line)| {
+            let start = (voxel(2, row / dims[1]) * own[1] + voxel(1, row % dims[1])) * own[0];
+            with_samples!(volume.samples(), data => for (x, value) in line.iter_mut().enumerate() {
+                let real = rescale.apply(widen(data[start + voxel(0, x)]));
+                *value = if real.is_finite() { ((real - low) * scale) as f32 } else { f32::NAN };
+            });
+        });
+    values
 }
 
 /// Gives missing samples the mean of their finite face neighbours (0 without any), so that the solver sees no jump
 /// there, and lists them.
-fn fill_missing(values: &mut [f32], [nx, ny, nz]: [usize; 3], count: usize) -> Vec<usize> {
-    if count == 0 {
-        return Vec::new();
-    }
+fn fill_missing(values: &mut [f32], [nx, ny, nz]: [usize; 3]) -> Vec<usize> {
     let missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_nan()).collect();
     let filled: Vec<f32> = missing
         .iter()
@@ -96,18 +142,19 @@ mod tests {
             let mut data = vec![3.0f32; 125];
             data[0] = 5.0;
             data[62] = middle;
-            let volume = Volume::new(grid, Samples::F32(data), Rescale::default(), LengthUnit::Unknown);
-            Coefficients::new(&volume.unwrap(), Some(&GaussianKernel::new(Kernel::default())))
-                .0
-                .values
+            let volume =
+                Volume::new(grid, Samples::F32(data), Rescale::default(), LengthUnit::Unknown).unwrap();
+            let kernel = GaussianKernel::new(Kernel::default());
+            Coefficients::new(&volume, Use::Field(Some(&kernel))).0.values
         };
+        let middle = (3 * 7 + 3) * 7 + 3;
         for (index, (missing, filled)) in coefficients(f32::NAN)
             .into_iter()
             .zip(coefficients(3.0))
             .enumerate()
         {
             assert!(
-                if index == 62 {
+                if index == middle {
                     missing.is_nan()
                 } else {
                     (missing - filled).abs() < 1e-6
@@ -115,5 +162,22 @@ mod tests {
                 "{index}"
             );
         }
+    }
+
+    #[test]
+    fn the_field_continues_by_its_mirror_image() {
+        let grid = Grid::centred([3, 1, 2], DVec3::ONE).unwrap();
+        let volume = Volume::new(
+            grid,
+            Samples::U8(vec![0, 1, 2, 3, 4, 5]),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )
+        .unwrap();
+        let (field, _) = Coefficients::new(&volume, Use::Field(None));
+        assert_eq!((field.dims, field.margin), ([5, 1, 4], [1, 0, 1]));
+        let fives: Vec<f32> = field.values.iter().map(|v| v * 5.0).collect();
+        assert_eq!(fives[..10], [4.0, 3.0, 4.0, 5.0, 4.0, 1.0, 0.0, 1.0, 2.0, 1.0]);
+        assert_eq!(Coefficients::new(&volume, Use::Samples).0.dims, [3, 1, 2]);
     }
 }

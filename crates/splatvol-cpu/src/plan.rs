@@ -12,6 +12,7 @@ use splatvol_core::sheets::SheetStack;
 use splatvol_scene::{Camera, Classification, Compositing, Grid, RenderSettings};
 
 use crate::stage::activate::TileWindow;
+use crate::stage::cover::BoxCover;
 
 /// What tiles are rendered from.
 #[derive(Debug)]
@@ -30,12 +31,15 @@ pub(crate) struct FramePlan<'a> {
     pub unit_distance: f64,
     /// Bricks that can change a pixel, before projection.
     pub active_bricks: usize,
+    /// The volume's box, for the coverage of post-classified values.
+    pub cover: BoxCover,
 }
 
 /// Grid, kernel and camera of a frame, before anything is projected.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Geometry {
-    pub camera_from_voxel: DAffine3,
+    /// Camera space from lattice index, the continuation's margin included.
+    pub camera_from_lattice: DAffine3,
     pub shape: FootprintShape,
     pub sheets: SheetStack,
     pub mean_spacing: f64,
@@ -54,7 +58,7 @@ pub(crate) fn splats_color(settings: &RenderSettings) -> bool {
 
 impl Geometry {
     /// Projects the grid's kernel and lays the sheets.
-    pub(crate) fn new(grid: &Grid, camera: &Camera, settings: &RenderSettings) -> Self {
+    pub(crate) fn new(grid: &Grid, margin: [usize; 3], camera: &Camera, settings: &RenderSettings) -> Self {
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
         let linear = camera_from_voxel.matrix3;
@@ -81,8 +85,9 @@ impl Geometry {
         let low_pass = kernel.cut() * settings.filter.pixel_sigma() / screen.scale_at(farthest);
         let rows: DMat3 = linear.inverse().transpose();
         let per_axis = |row: DVec3| kernel.radius + (low_pass + spacing) * row.length();
+        let first_point = -DVec3::from_array(margin.map(|m| m as f64));
         Self {
-            camera_from_voxel,
+            camera_from_lattice: camera_from_voxel * DAffine3::from_translation(first_point),
             shape,
             sheets,
             mean_spacing,
@@ -107,14 +112,15 @@ impl<'a> FramePlan<'a> {
         let screen = camera.screen_from_camera(settings.size);
         let pixel_sigma = settings.filter.pixel_sigma();
         let Geometry {
-            camera_from_voxel,
+            camera_from_lattice,
             ref shape,
             sheets,
             mean_spacing,
             voxel_reach,
         } = *geometry;
         let projector = Projector {
-            camera_from_voxel,
+            camera_from_voxel: camera_from_lattice,
+            sigma: GaussianKernel::new(settings.kernel).sigma,
             screen,
             shape,
             pixel_sigma,
@@ -151,6 +157,7 @@ impl<'a> FramePlan<'a> {
             mean_spacing,
             unit_distance,
             active_bricks: active.len(),
+            cover: BoxCover::new(&projector, coefficients),
         }
     }
 }

@@ -8,7 +8,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
-use splatvol_core::coefficients::Coefficients;
+use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{Camera, Compositing, Frame, Image, Kernel, RenderSettings, Scene, SceneError, Volume};
 
@@ -46,11 +46,20 @@ pub enum EngineError {
     },
 }
 
+/// What coefficients of a volume are kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Content {
+    /// The samples.
+    Samples,
+    /// A field, interpolating by a kernel where there is one.
+    Field(Option<Kernel>),
+}
+
 /// What a volume became, and for which settings.
 #[derive(Debug)]
 struct Prepared {
     volume: Arc<Volume>,
-    interpolate: Option<Kernel>,
+    content: Content,
     coefficients: Coefficients,
     bricks: BrickGrid,
 }
@@ -72,7 +81,7 @@ impl Renderer {
     /// Threads that the system refuses, or a tile edge outside its domain.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
         let tile_edge = config.tile_edge.unwrap_or(64);
-        if tile_edge % 8 != 0 || !(8..=256).contains(&tile_edge) {
+        if !tile_edge.is_multiple_of(8) || !(8..=256).contains(&tile_edge) {
             return Err(EngineError::TileEdge { edge: tile_edge });
         }
         let pool = rayon::ThreadPoolBuilder::new()
@@ -120,9 +129,13 @@ impl Renderer {
         settings.validate()?;
         let start = Instant::now();
         let mut seconds = StageSeconds::default();
-        let interpolate = (settings.prefilter && !splats_color(settings)).then_some(settings.kernel);
+        let content = if splats_color(settings) {
+            Content::Samples
+        } else {
+            Content::Field(settings.prefilter.then_some(settings.kernel))
+        };
         let Self { pool, prepared, .. } = self;
-        let prepared = pool.install(|| prepare(prepared, &scene.volume, interpolate));
+        let prepared = pool.install(|| prepare(prepared, &scene.volume, content));
         seconds.prefilter = start.elapsed().as_secs_f64();
 
         let classified = Instant::now();
@@ -135,7 +148,12 @@ impl Renderer {
         seconds.classify = classified.elapsed().as_secs_f64();
 
         let binned = Instant::now();
-        let geometry = Geometry::new(scene.volume.grid(), camera, settings);
+        let geometry = Geometry::new(
+            scene.volume.grid(),
+            prepared.coefficients.margin,
+            camera,
+            settings,
+        );
         let plan = self.pool.install(|| {
             FramePlan::new(
                 &geometry,
@@ -189,22 +207,23 @@ impl Renderer {
 }
 
 /// Coefficients and bricks of a volume, kept from the last frame where they are still right.
-fn prepare<'a>(
-    kept: &'a mut Option<Prepared>,
-    volume: &Arc<Volume>,
-    interpolate: Option<Kernel>,
-) -> &'a Prepared {
+fn prepare<'a>(kept: &'a mut Option<Prepared>, volume: &Arc<Volume>, content: Content) -> &'a Prepared {
     if kept
         .as_ref()
-        .is_some_and(|p| !Arc::ptr_eq(&p.volume, volume) || p.interpolate != interpolate)
+        .is_some_and(|p| !Arc::ptr_eq(&p.volume, volume) || p.content != content)
     {
         *kept = None;
     }
     kept.get_or_insert_with(|| {
-        let (coefficients, bricks) = Coefficients::new(volume, interpolate.map(GaussianKernel::new).as_ref());
+        let (coefficients, bricks) = match content {
+            Content::Samples => Coefficients::new(volume, Use::Samples),
+            Content::Field(kernel) => {
+                Coefficients::new(volume, Use::Field(kernel.map(GaussianKernel::new).as_ref()))
+            }
+        };
         Prepared {
             volume: Arc::clone(volume),
-            interpolate,
+            content,
             coefficients,
             bricks,
         }

@@ -5,7 +5,9 @@
 //! finite face neighbours (0 if it has none); afterwards it has no weight in `S` and `W`.
 //!
 //! The lattice is continued by one mirrored sample beyond each face, `F(-1) = F(1)` and `F(n) = F(n - 2)`, along axes
-//! of two samples and more; S and W include it, the coverage does not.
+//! of two samples and more; S and W include it, the coverage does not: `B` is the kernel's share on the box.
+
+use std::f64::consts::SQRT_2;
 
 use glam::{DMat3, DVec3};
 use splatvol_scene::{Kernel, Volume};
@@ -20,8 +22,11 @@ use crate::solve::solve;
 pub struct Reconstruction {
     kernel: GaussianKernel,
     value_range: [f64; 2],
-    /// Coefficient, presence (1 or 0) and presence inside the volume's own box, per lattice point.
-    samples: Lattice<3>,
+    /// Coefficient and presence (1 or 0) per lattice point.
+    samples: Lattice<2>,
+    /// The volume's own samples along x, y, z.
+    own_dims: [usize; 3],
+    any_missing: bool,
     /// Lattice index of voxel (0, 0, 0).
     first_voxel: DVec3,
 }
@@ -33,8 +38,8 @@ pub struct Sums {
     pub s: f64,
     /// `W = sum_k h(x - k)`.
     pub w: f64,
-    /// The same over the samples of the volume itself, without the continuation.
-    pub w_inside: f64,
+    /// `B`, times `min(W, 1)` where samples are missing.
+    pub b: f64,
     /// Gradient of S in voxel space, per voxel.
     pub grad_s: DVec3,
 }
@@ -47,19 +52,7 @@ impl Sums {
 
     /// `q`: 1 inside the volume, falling to 0 across its border.
     pub fn coverage(&self) -> f64 {
-        ((self.w_inside - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
-    }
-}
-
-impl From<LatticeSums<3>> for Sums {
-    fn from(sums: LatticeSums<3>) -> Self {
-        let [s, w, w_inside] = sums.sums;
-        Self {
-            s,
-            w,
-            w_inside,
-            grad_s: sums.gradient,
-        }
+        ((self.b - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
     }
 }
 
@@ -70,7 +63,7 @@ impl Reconstruction {
     /// With the prefilter, a kernel that cannot be inverted on this box.
     pub fn new(volume: &Volume, kernel: &Kernel, prefilter: bool) -> Result<Self, ReferenceError> {
         let gaussian = GaussianKernel::new(kernel);
-        let (dims, samples, inside) = continued(&normalised_samples(volume), volume.grid().dims());
+        let (dims, samples) = continued(&normalised_samples(volume), volume.grid().dims());
         let coefficients = if prefilter {
             let right = filled(&samples, dims)
                 .into_iter()
@@ -85,11 +78,11 @@ impl Reconstruction {
         } else {
             samples.clone()
         };
-        let payload = |((sample, inside), coefficient): ((&f64, bool), f64)| {
+        let payload = |(sample, coefficient): (&f64, f64)| {
             if sample.is_finite() {
-                [coefficient, 1.0, f64::from(u8::from(inside))]
+                [coefficient, 1.0]
             } else {
-                [0.0; 3]
+                [0.0, 0.0]
             }
         };
         Ok(Self {
@@ -97,27 +90,43 @@ impl Reconstruction {
             value_range: volume.value_range(),
             samples: Lattice {
                 dims,
-                payload: samples
-                    .iter()
-                    .zip(inside)
-                    .zip(coefficients)
-                    .map(payload)
-                    .collect(),
+                payload: samples.iter().zip(coefficients).map(payload).collect(),
             },
+            own_dims: volume.grid().dims(),
+            any_missing: volume.statistics().non_finite > 0,
             first_voxel: DVec3::from_array(volume.grid().dims().map(|n| margin(n) as f64)),
         })
     }
 
-    /// `S`, `W` and the gradient of S at a point in voxel space, without low-pass.
+    /// `S`, `W`, `B` and the gradient of S at a point in voxel space, without low-pass.
     pub fn sums(&self, x_voxel: DVec3) -> Sums {
-        self.samples.sums(&self.kernel, x_voxel + self.first_voxel).into()
+        let sums = self.samples.sums(&self.kernel, x_voxel + self.first_voxel);
+        self.with_box(sums, x_voxel, DVec3::splat(self.kernel.sigma))
     }
 
     /// The same with the kernel's covariance (voxel space) widened by a low-pass.
     pub fn filtered_sums(&self, x_voxel: DVec3, covariance: DMat3) -> Sums {
-        self.samples
-            .filtered_sums(&self.kernel, covariance, x_voxel + self.first_voxel)
-            .into()
+        let sums = self
+            .samples
+            .filtered_sums(&self.kernel, covariance, x_voxel + self.first_voxel);
+        let variance = DVec3::new(covariance.x_axis.x, covariance.y_axis.y, covariance.z_axis.z);
+        self.with_box(sums, x_voxel, variance.map(f64::sqrt))
+    }
+
+    /// `B = prod_a Phi((x_a + 1/2) / s_a) - Phi((x_a - n_a + 1/2) / s_a)`, s the kernel's deviations along the axes.
+    fn with_box(&self, sums: LatticeSums<2>, x_voxel: DVec3, deviation: DVec3) -> Sums {
+        let [s, w] = sums.sums;
+        let below = |offset: f64, axis: usize| 0.5 * libm::erfc(-offset / (deviation[axis] * SQRT_2));
+        let share = |axis: usize| {
+            below(x_voxel[axis] + 0.5, axis) - below(x_voxel[axis] + 0.5 - self.own_dims[axis] as f64, axis)
+        };
+        let b = share(0) * share(1) * share(2);
+        Sums {
+            s,
+            w,
+            b: if self.any_missing { b * w.min(1.0) } else { b },
+            grad_s: sums.gradient,
+        }
     }
 
     /// Reconstructed value in data units; not finite where no sample reaches.
@@ -152,30 +161,28 @@ fn margin(n: usize) -> usize {
     usize::from(n > 1)
 }
 
-/// The lattice continued by its mirror image: dims, samples, and which of them are the volume's own.
-fn continued(samples: &[f64], own: [usize; 3]) -> ([usize; 3], Vec<f64>, Vec<bool>) {
+/// The lattice continued by its mirror image: dims and samples.
+fn continued(samples: &[f64], own: [usize; 3]) -> ([usize; 3], Vec<f64>) {
     let dims = own.map(|n| n + 2 * margin(n));
-    let voxel = |axis: usize, position: usize| {
+    let mirrored = |axis: usize, position: usize| {
         let voxel = position as i64 - margin(own[axis]) as i64;
         let last = own[axis] as i64 - 1;
-        let mirrored = if voxel > last {
+        (if voxel > last {
             2 * last - voxel
         } else {
             voxel.abs()
-        };
-        (mirrored as usize, mirrored == voxel)
+        }) as usize
     };
-    let (mut continued, mut inside) = (Vec::new(), Vec::new());
+    let mut continued = Vec::with_capacity(dims.iter().product());
     for z in 0..dims[2] {
         for y in 0..dims[1] {
             for x in 0..dims[0] {
-                let [(x, in_x), (y, in_y), (z, in_z)] = [voxel(0, x), voxel(1, y), voxel(2, z)];
+                let (x, y, z) = (mirrored(0, x), mirrored(1, y), mirrored(2, z));
                 continued.push(samples[(z * own[1] + y) * own[0] + x]);
-                inside.push(in_x && in_y && in_z);
             }
         }
     }
-    (dims, continued, inside)
+    (dims, continued)
 }
 
 /// Missing samples replaced by the mean of their finite face neighbours, or 0.

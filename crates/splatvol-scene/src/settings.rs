@@ -74,7 +74,7 @@ pub enum Kernel {
 impl Default for Kernel {
     fn default() -> Self {
         Self::Gaussian {
-            sigma: 0.7,
+            sigma: 0.74,
             radius: 3.0,
         }
     }

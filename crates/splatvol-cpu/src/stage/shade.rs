@@ -12,9 +12,9 @@ use splatvol_scene::Lighting;
 
 use super::composite::Pixel;
 
-/// Coverage from the weight (docs/numerics.md): 1 inside, 0 outside, symmetric about 1/2.
+/// Coverage from the weight on the volume's own samples (docs/numerics.md): 1 inside, 0 outside, symmetric about 1/2.
 #[inline(always)]
-pub(crate) fn coverage(weight: f32) -> f32 {
+fn coverage(weight: f32) -> f32 {
     ((weight - 0.5) / 0.98 + 0.5).clamp(0.0, 1.0)
 }
 
@@ -28,6 +28,8 @@ pub(crate) struct End {
     pub sum: f32,
     /// Sum W.
     pub weight: f32,
+    /// The same over the volume's own samples.
+    pub own_weight: f32,
     /// Gradient of S, camera space, per world length.
     pub gradient: [f32; 3],
 }
@@ -69,6 +71,7 @@ struct Profile {
     /// Hermite coefficients of S over u in 0..1.
     cubic: [f32; 4],
     weights: [f32; 2],
+    own_weights: [f32; 2],
     gradients: [[f32; 3]; 2],
     interval: Interval,
     spacing: f32,
@@ -90,6 +93,7 @@ impl Profile {
                 start + end - 2.0 * rise,
             ],
             weights: [near.weight, far.weight],
+            own_weights: [near.own_weight, far.own_weight],
             gradients: [near.gradient, far.gradient],
             interval,
             spacing,
@@ -114,6 +118,11 @@ impl Profile {
     #[inline(always)]
     fn weight(&self, u: f32) -> f32 {
         self.weights[0] + u * (self.weights[1] - self.weights[0])
+    }
+
+    #[inline(always)]
+    fn coverage(&self, u: f32) -> f32 {
+        coverage(self.own_weights[0] + u * (self.own_weights[1] - self.own_weights[0]))
     }
 
     #[inline(always)]
@@ -153,7 +162,7 @@ impl Shader<'_> {
                 .lights
                 .map_or(Lit::PLAIN, |phong| phong.at(profile.gradient(middle)));
             let color = emission.map(|e| e / extinction * lit.diffuse + lit.specular);
-            let optical_depth = extinction * coverage(profile.weight(middle)) * length / pieces as f32;
+            let optical_depth = extinction * profile.coverage(middle) * length / pieces as f32;
             pixel.add(optical_depth, color, interval.depth + middle * self.spacing);
         }
     }
@@ -179,7 +188,7 @@ impl Shader<'_> {
         let profile = Profile::new(near, far, interval, self.spacing);
         for step in 0..=STEPS {
             let u = step as f32 / STEPS as f32;
-            if profile.weight(u) >= 0.5 {
+            if profile.coverage(u) >= 0.5 {
                 let value = profile.value(u);
                 if value > pixel.maximum {
                     pixel.maximum = value;

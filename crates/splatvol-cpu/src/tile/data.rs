@@ -1,6 +1,7 @@
 //! Post-classification and maximum intensity: data is sampled on planes.
 
 use fearless_simd::Simd;
+use glam::Vec3;
 use splatvol_core::bin::TileRect;
 use splatvol_core::footprint::PlaneSlicer;
 use splatvol_scene::Compositing;
@@ -38,34 +39,58 @@ impl<'a> DataMode<'a> {
         }
     }
 
-    /// The end of an interval: channels of a plane's pixel to sums and gradient.
+    /// The end of an interval: channels of a plane's pixel to sums and gradient. `ray`: camera (x, y) per depth, and at
+    /// depth 0.
     #[inline(always)]
-    fn end(slicer: &PlaneSlicer, [sum, weight, dx, dy, dz]: [f32; 5]) -> End {
+    fn end(&self, plane: &Plane, [sum, weight, dx, dy, dz]: [f32; 5], ray: &PixelRay) -> End {
+        let slicer = &plane.slicer;
         let scale = slicer.scale();
         let slope = slicer.lateral_slope();
         let (x, y) = (scale * dx, scale * dy);
         // The depth derivative was taken along the footprint's drift.
         let z = dz - slope[0] * x - slope[1] * y;
+        let depth = slicer.depth();
+        let position: [f32; 2] = std::array::from_fn(|i| ray.origin[i] + ray.slope[i] * depth);
+        let own_weight = self
+            .plan
+            .cover
+            .at([position[0], position[1], depth], plane.sigma, weight);
         End {
             sum,
             weight,
+            own_weight,
             gradient: [x, y, z],
         }
     }
 }
 
+/// A plane with the kernel's standard deviations along the voxel axes there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    slicer: PlaneSlicer,
+    sigma: Vec3,
+}
+
+/// A pixel's ray, camera space: (x, y) at depth 0 and per depth.
+#[derive(Debug, Clone, Copy)]
+struct PixelRay {
+    origin: [f32; 2],
+    slope: [f32; 2],
+}
+
 impl Mode for DataMode<'_> {
     type Payload = f32;
-    type Sheet = PlaneSlicer;
+    type Sheet = Plane;
 
-    fn sheet(&self, index: usize) -> PlaneSlicer {
+    fn sheet(&self, index: usize) -> Plane {
         let projector = &self.plan.projector;
-        PlaneSlicer::new(
-            projector.shape,
-            &projector.screen,
-            projector.pixel_sigma,
-            projector.sheets.plane(index),
-        )
+        let depth = projector.sheets.plane(index);
+        let slicer = PlaneSlicer::new(projector.shape, &projector.screen, projector.pixel_sigma, depth);
+        let low_pass = projector.pixel_sigma / projector.screen.scale_at(depth);
+        Plane {
+            slicer,
+            sigma: self.plan.cover.on_plane(low_pass as f32),
+        }
     }
 
     #[inline(always)]
@@ -78,7 +103,7 @@ impl Mode for DataMode<'_> {
     fn splat<S: Simd>(
         &self,
         simd: S,
-        slicer: &PlaneSlicer,
+        Plane { slicer, .. }: &Plane,
         voxel: &OpenVoxel<f32>,
         (buffer, rect): (&mut SheetBuffer, &TileRect),
     ) -> Fate {
@@ -103,8 +128,8 @@ impl Mode for DataMode<'_> {
 
     fn composite(
         &self,
-        (near_slicer, near): (&PlaneSlicer, &SheetBuffer),
-        (far_slicer, far): (&PlaneSlicer, &SheetBuffer),
+        (near_plane, near): (&Plane, &SheetBuffer),
+        (far_plane, far): (&Plane, &SheetBuffer),
         canvas: &mut Canvas<'_>,
     ) {
         let touched = near.touched.join(far.touched);
@@ -112,26 +137,38 @@ impl Mode for DataMode<'_> {
             return;
         }
         let screen = &self.plan.projector.screen;
-        let per_pixel = if screen.perspective {
-            1.0 / screen.scale as f32
-        } else {
-            0.0
-        };
+        let per_pixel = 1.0 / screen.scale as f32;
         let [cx, cy] = screen.centre.as_vec2().to_array();
         for y in touched.y0..touched.y1 {
-            let ray_y = ((canvas.rect.y0 + y) as f32 + 0.5 - cy) * per_pixel;
             for x in touched.x0..touched.x1 {
                 let (a, b) = (near.pixel(x, y), far.pixel(x, y));
                 let index = canvas.index(x, y);
                 if a[1].max(b[1]) < NO_COVERAGE || canvas.pixels[index].finished {
                     continue;
                 }
-                let ray = [((canvas.rect.x0 + x) as f32 + 0.5 - cx) * per_pixel, ray_y];
-                let interval = Interval {
-                    depth: near_slicer.depth(),
-                    ray,
+                let plane = [
+                    ((canvas.rect.x0 + x) as f32 + 0.5 - cx) * per_pixel,
+                    ((canvas.rect.y0 + y) as f32 + 0.5 - cy) * per_pixel,
+                ];
+                let ray = if screen.perspective {
+                    PixelRay {
+                        origin: [0.0; 2],
+                        slope: plane,
+                    }
+                } else {
+                    PixelRay {
+                        origin: plane,
+                        slope: [0.0; 2],
+                    }
                 };
-                let (a, b) = (Self::end(near_slicer, a), Self::end(far_slicer, b));
+                let (a, b) = (self.end(near_plane, a, &ray), self.end(far_plane, b, &ray));
+                if a.own_weight.max(b.own_weight) < NO_COVERAGE {
+                    continue;
+                }
+                let interval = Interval {
+                    depth: near_plane.slicer.depth(),
+                    ray: ray.slope,
+                };
                 let pixel = &mut canvas.pixels[index];
                 if self.plan.settings.compositing == Compositing::Mip {
                     self.shader.maximum(pixel, &a, &b, interval);
