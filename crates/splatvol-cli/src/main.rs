@@ -1,2 +1,34 @@
-//! The command `splatvol`.
-fn main() {}
+//! The command `splatvol`: raw arguments ([`args`]) become resolved ones ([`resolve`]), which the [`commands`] carry
+//! out. Messages go to stderr, results to files or stdout.
+#![forbid(unsafe_code)]
+
+mod args;
+mod commands;
+mod failure;
+mod output;
+mod recipe;
+mod resolve;
+mod terminal;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+use terminal::Terminal;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let terminal = Terminal::new(cli.verbosity);
+    let done = match &cli.command {
+        Command::Render(args) => commands::render::run(args, &terminal),
+        Command::Info(args) => commands::info::run(args, &terminal),
+        Command::Sample(args) => commands::sample::run(args, &terminal),
+        Command::Convert(args) => commands::convert::run(args, &terminal),
+        Command::Compare(args) => commands::compare::run(args, &terminal),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,55 @@
+//! Flags about colour and opacity.
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::values;
+
+const HEADING: &str = "Colour and opacity";
+
+/// How data values look. Without any of these a transfer function is chosen from the data.
+#[derive(Debug, Clone, Default, PartialEq, Args, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub(crate) struct LookArgs {
+    /// Transfer function: 3D Slicer .vp.json, ParaView .json, Inviwo .itf, ImageJ .lut
+    #[arg(long, value_name = "FILE", help_heading = HEADING, conflicts_with_all = ["cmap", "opacity", "iso"])]
+    pub(crate) tf: Option<std::path::PathBuf>,
+    /// Colour map, by matplotlib's name (viridis, gray, coolwarm_r...)
+    #[arg(long, value_name = "NAME", help_heading = HEADING)]
+    pub(crate) cmap: Option<String>,
+    /// Opacity curve: linear, geom, sigmoid, sigmoid_1..20, foreground; _r reverses
+    #[arg(long, value_name = "NAME", help_heading = HEADING, conflicts_with = "iso")]
+    pub(crate) opacity: Option<String>,
+    /// Data values at the ends of colour map and opacity curve [default: chosen from the data]
+    #[arg(long, value_name = "LO,HI", value_parser = values::range, help_heading = HEADING,
+          allow_hyphen_values = true)]
+    pub(crate) clim: Option<[f64; 2]>,
+    /// World length to which opacities refer [default: one mean voxel spacing]
+    #[arg(long, value_name = "LENGTH", help_heading = HEADING)]
+    pub(crate) unit_distance: Option<f64>,
+    /// Show the surface of this data value
+    #[arg(long, value_name = "VALUE", help_heading = HEADING, allow_negative_numbers = true)]
+    pub(crate) iso: Option<f64>,
+}
+
+impl LookArgs {
+    /// These flags, and where they are silent those of `other`. Flags that exclude each other do not mix.
+    pub(crate) fn or(&self, other: &Self) -> Self {
+        let own_source = self.tf.is_some() || self.iso.is_some();
+        let other = if own_source { &Self::default() } else { other };
+        let curves = self.cmap.is_some() || self.opacity.is_some();
+        Self {
+            tf: self.tf.clone().or_else(|| other.tf.clone().filter(|_| !curves)),
+            cmap: self.cmap.clone().or_else(|| other.cmap.clone()),
+            opacity: self.opacity.clone().or_else(|| other.opacity.clone()),
+            clim: self.clim.or(other.clim),
+            unit_distance: self.unit_distance.or(other.unit_distance),
+            iso: self.iso.or(other.iso.filter(|_| self.opacity.is_none())),
+        }
+    }
+
+    /// Whether no flag was given.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}

@@ -1,0 +1,90 @@
+//! Flags about the method: compositing, filtering, lighting.
+
+use clap::{Args, ValueEnum};
+
+use super::values::{self, Triple};
+
+const METHOD: &str = "Method";
+const LIGHT: &str = "Lighting";
+
+/// How the picture is made.
+#[derive(Debug, Clone, Default, PartialEq, Args)]
+pub(crate) struct MethodArgs {
+    /// How sheets become a picture [default: image-sheets]
+    #[arg(long, help_heading = METHOD)]
+    pub(crate) compositing: Option<CompositingName>,
+    /// Splat classified colours (pre), or data that each sheet classifies (post) [default: post; pre for labels]
+    #[arg(long, help_heading = METHOD)]
+    pub(crate) classification: Option<ClassificationName>,
+    /// Thickness of a sheet, voxels [default: 0.5]
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
+    pub(crate) sheet_thickness: Option<f64>,
+    /// Low-pass filter in the picture [default: ewa]
+    #[arg(long, help_heading = METHOD)]
+    pub(crate) filter: Option<FilterName>,
+    /// Standard deviation of the EWA filter, pixels [default: 0.4]
+    #[arg(long, value_name = "PIXELS", help_heading = METHOD)]
+    pub(crate) pixel_sigma: Option<f64>,
+    /// Standard deviation of the reconstruction kernel, voxels [default: 0.7]
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
+    pub(crate) kernel_sigma: Option<f64>,
+    /// Cut-off of the reconstruction kernel, voxels [default: 3]
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
+    pub(crate) kernel_radius: Option<f64>,
+    /// Let the kernel smooth the data instead of interpolating them
+    #[arg(long, help_heading = METHOD)]
+    pub(crate) no_prefilter: bool,
+    /// Interpolate the data (undoes --no-prefilter of a picture given with --like)
+    #[arg(long, hide_short_help = true, help_heading = METHOD, conflicts_with = "no_prefilter")]
+    pub(crate) prefilter: bool,
+    /// Transmittance at which a pixel is finished [default: 1/1024]
+    #[arg(long, value_name = "SHARE", help_heading = METHOD)]
+    pub(crate) termination: Option<f64>,
+    /// Show the transfer function's colours as they are
+    #[arg(long, help_heading = LIGHT)]
+    pub(crate) no_shade: bool,
+    /// Light the volume (undoes --no-shade of a picture given with --like)
+    #[arg(long, hide_short_help = true, help_heading = LIGHT, conflicts_with = "no_shade")]
+    pub(crate) shade: bool,
+    /// Share of the colour that needs no light [default: 0.25]
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade")]
+    pub(crate) ambient: Option<f64>,
+    /// Share of the colour under full light [default: 0.75]
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade")]
+    pub(crate) diffuse: Option<f64>,
+    /// White highlight [default: 0.15]
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade")]
+    pub(crate) specular: Option<f64>,
+    /// Exponent of the highlight [default: 20]
+    #[arg(long, value_name = "POWER", help_heading = LIGHT, conflicts_with = "no_shade")]
+    pub(crate) specular_power: Option<f64>,
+    /// Towards the light: x right, y down, z forward [default: 0,0,-1, at the camera]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
+          allow_hyphen_values = true, conflicts_with = "no_shade")]
+    pub(crate) light: Option<Triple>,
+}
+
+/// How sheets become a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CompositingName {
+    /// Front to back, through sheets parallel to the picture
+    ImageSheets,
+    /// Sum of the extinction, as in a radiograph
+    Xray,
+    /// Largest value along the ray
+    Mip,
+}
+
+/// What is splatted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ClassificationName {
+    Pre,
+    Post,
+}
+
+/// Low-pass filter in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FilterName {
+    None,
+    Ewa,
+}

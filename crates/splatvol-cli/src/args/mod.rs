@@ -1,0 +1,171 @@
+//! The raw arguments, exactly as typed: what was left out is `None`. [`crate::resolve`] turns them into what is
+//! rendered.
+#![expect(
+    clippy::doc_markdown,
+    reason = "doc comments of arguments are the help's text, where backticks would show"
+)]
+#![allow(
+    rustdoc::broken_intra_doc_links,
+    reason = "likewise: brackets are optional parts, not links"
+)]
+
+mod camera;
+mod input;
+mod look;
+mod method;
+mod render;
+pub(crate) mod values;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+pub(crate) use camera::{CameraArgs, Fit, ViewName};
+pub(crate) use input::InputArgs;
+pub(crate) use look::LookArgs;
+pub(crate) use method::{ClassificationName, CompositingName, FilterName, MethodArgs};
+pub(crate) use render::{Background, RenderArgs};
+
+/// Volume rendering by splatting.
+#[derive(Debug, Parser)]
+#[command(
+    name = "splatvol",
+    version,
+    arg_required_else_help = true,
+    propagate_version = true,
+    max_term_width = 110
+)]
+#[command(after_help = "Examples:
+  splatvol render scan.nii.gz                     makes scan.png
+  splatvol render sample:head --view front -o head.png
+  splatvol info scan.nii.gz
+  splatvol sample                                 lists the built-in volumes
+
+Exit codes: 0 success, 2 usage, 3 unreadable input, 4 rendering, 5 output.")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) verbosity: Verbosity,
+}
+
+/// How much is said on stderr.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct Verbosity {
+    /// Say nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say what was chosen, and how long it took
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a volume to a picture (PNG or EXR)
+    Render(Box<RenderArgs>),
+    /// Say what a volume is, and how it would be shown
+    Info(InfoArgs),
+    /// Write a built-in volume to a file, or list them
+    Sample(SampleArgs),
+    /// Convert volumes, transfer functions and pictures
+    Convert(ConvertArgs),
+    /// Measure how two pictures or volumes differ
+    Compare(CompareArgs),
+}
+
+/// Flags of every command that writes a file.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct WriteArgs {
+    /// Overwrite an existing output
+    #[arg(short = 'w', long)]
+    pub(crate) overwrite: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  splatvol info scan.nii.gz
+  splatvol info scan.raw --dims 256x256x109 --type u16 --endian big
+  splatvol info sample:head --json")]
+pub(crate) struct InfoArgs {
+    /// Volume: a file, or sample:NAME[:SIZE]
+    pub(crate) input: String,
+    #[command(flatten)]
+    pub(crate) read: InputArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Bins of the histogram
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) bins: u16,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  splatvol sample
+  splatvol sample head -o head.nrrd
+  splatvol sample marschner-lobb --size 81 -o lobb.npy")]
+pub(crate) struct SampleArgs {
+    /// Name of the sample; without it, all are listed
+    #[arg(requires = "output")]
+    pub(crate) name: Option<String>,
+    /// Volume file to write: .nrrd or .npy
+    #[arg(short, long, requires = "name")]
+    pub(crate) output: Option<PathBuf>,
+    /// Samples along the longest axis (N), or along each (XxYxZ)
+    #[arg(long, value_parser = values::sample_size, requires = "name")]
+    pub(crate) size: Option<splatvol_samples::SampleSize>,
+    #[command(flatten)]
+    pub(crate) write: WriteArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "The output's extension says what is converted:
+  .nrrd .npy    volumes
+  .vp.json      transfer functions for 3D Slicer; .json for ParaView
+  .png .exr     pictures
+
+Examples:
+  splatvol convert scan.nii.gz scan.nrrd
+  splatvol convert bone.json bone.vp.json --unit-distance 1
+  splatvol convert frame.exr frame.png")]
+pub(crate) struct ConvertArgs {
+    /// File to read (volumes: also sample:NAME[:SIZE])
+    pub(crate) input: String,
+    /// File to write
+    pub(crate) output: PathBuf,
+    /// Data values that 0..1 of a transfer function stand for, where its file has none [default: 0,1]
+    #[arg(long, value_name = "LO,HI", value_parser = values::range, allow_hyphen_values = true)]
+    pub(crate) clim: Option<[f64; 2]>,
+    /// World length to which a transfer function's opacities refer, where its file does not say
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) unit_distance: Option<f64>,
+    #[command(flatten)]
+    pub(crate) read: InputArgs,
+    #[command(flatten)]
+    pub(crate) write: WriteArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Pictures (.png, .exr) are compared as 8-bit sRGB over black by PSNR and SSIM, and as linear light by the
+largest difference; everything else is compared as volumes.
+
+Examples:
+  splatvol compare before.png after.png -o difference.png
+  splatvol compare a.nrrd b.nii.gz --json"
+)]
+pub(crate) struct CompareArgs {
+    /// First picture or volume
+    pub(crate) a: String,
+    /// Second picture or volume
+    pub(crate) b: String,
+    /// Picture of the absolute differences (pictures only)
+    #[arg(short, long)]
+    pub(crate) output: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) write: WriteArgs,
+}

@@ -1,0 +1,72 @@
+//! `splatvol render`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use splatvol::ImageSize;
+
+use super::{CameraArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
+
+const OUTPUT: &str = "Output";
+
+/// Raw arguments of `render`.
+#[derive(Debug, Clone, Args)]
+#[command(
+    after_help = "Colours of --background and transfer functions are sRGB. PNG is straight alpha in sRGB; EXR is linear,
+premultiplied, without the background. A PNG carries the settings that made it: --like takes them all as defaults.
+
+Examples:
+  splatvol render scan.nii.gz
+  splatvol render sample:head --view front --size 800x1000 -o head.png
+  splatvol render engine.vti --cmap viridis --opacity sigmoid --clim 40,220
+  splatvol render scan.raw --dims 256x256x109 --type u16 --endian big --spacing 1,1,2
+  splatvol render ct.nrrd --iso 300 --light=-1,-1,-1 --background white
+  splatvol render ct.nrrd --compositing mip --orthographic --view left
+  splatvol render --like head.png --azimuth 30 -o head-30.png
+  splatvol render sample:head:128 --background none -o - > head.png"
+)]
+pub(crate) struct RenderArgs {
+    /// Volume: a file, or sample:NAME[:SIZE] (see splatvol sample)
+    #[arg(required_unless_present = "like")]
+    pub(crate) input: Option<String>,
+    /// Picture: .png, .exr, or - for a PNG on stdout [default: INPUT's name with .png]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) output: Option<PathBuf>,
+    /// Picture size, pixels: WxH, W,H or N [default: 1024x1024]
+    #[arg(long, value_name = "WxH", value_parser = values::image_size, help_heading = OUTPUT)]
+    pub(crate) size: Option<ImageSize>,
+    /// Behind the volume: r,g,b[,a] in 0..1, #rrggbb, black, white, gray, charcoal, or none [default: charcoal]
+    #[arg(long, value_name = "COLOUR", value_parser = values::background, help_heading = OUTPUT)]
+    pub(crate) background: Option<Background>,
+    /// Bits per channel of a PNG: 8 or 16 [default: 8]
+    #[arg(long, value_parser = values::bits, help_heading = OUTPUT)]
+    pub(crate) bits: Option<u8>,
+    #[command(flatten)]
+    pub(crate) write: WriteArgs,
+    /// Take everything that is not given from the PNG that splatvol wrote here
+    #[arg(long, value_name = "PICTURE", help_heading = OUTPUT)]
+    pub(crate) like: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    #[command(flatten)]
+    pub(crate) read: InputArgs,
+    /// Threads; 0 takes one per processor. The picture does not depend on it [default: 0]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<usize>,
+    /// Write times and counts as JSON to this file, or to stdout (-)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+}
+
+/// What is behind the volume.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Background {
+    /// Nothing: the picture keeps its alpha.
+    None,
+    /// sRGB and straight alpha.
+    Color([f64; 4]),
+}

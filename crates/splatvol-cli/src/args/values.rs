@@ -1,0 +1,170 @@
+//! Parsers of single values. Errors say what would be accepted.
+
+use std::str::FromStr;
+
+use splatvol::ImageSize;
+use splatvol_io::{Endian, SampleType};
+use splatvol_samples::SampleSize;
+
+use super::Background;
+
+/// x, y, z.
+pub(crate) type Triple = [f64; 3];
+/// Samples along x, y, z.
+pub(crate) type Dims = [usize; 3];
+
+/// Named backgrounds, sRGB.
+const COLORS: [(&str, [f64; 3]); 4] = [
+    ("black", [0.0, 0.0, 0.0]),
+    ("white", [1.0, 1.0, 1.0]),
+    ("gray", [0.5, 0.5, 0.5]),
+    ("charcoal", CHARCOAL),
+];
+
+/// The default background: dark enough for translucent shells to glow, light enough for dark material to stand out.
+pub(crate) const CHARCOAL: [f64; 3] = [0.094, 0.098, 0.110];
+
+fn numbers<T: FromStr>(text: &str, separators: &[char]) -> Option<Vec<T>> {
+    text.split(separators)
+        .map(|part| part.trim().parse().ok())
+        .collect()
+}
+
+pub(crate) fn triple(text: &str) -> Result<Triple, String> {
+    numbers(text, &[','])
+        .and_then(|values| <Triple>::try_from(values).ok())
+        .filter(|values| values.iter().all(|v| v.is_finite()))
+        .ok_or_else(|| "expected three numbers: X,Y,Z".to_owned())
+}
+
+pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
+    numbers(text, &[','])
+        .and_then(|values| <[f64; 2]>::try_from(values).ok())
+        .filter(|[low, high]| low.is_finite() && high.is_finite() && low < high)
+        .ok_or_else(|| "expected two numbers, the smaller first: LO,HI".to_owned())
+}
+
+pub(crate) fn dims(text: &str) -> Result<Dims, String> {
+    numbers(text, &['x', 'X', ','])
+        .and_then(|values| <Dims>::try_from(values).ok())
+        .filter(|dims| !dims.contains(&0))
+        .ok_or_else(|| "expected three positive integers: XxYxZ".to_owned())
+}
+
+pub(crate) fn image_size(text: &str) -> Result<ImageSize, String> {
+    let sides = numbers::<u32>(text, &['x', 'X', ',']);
+    match sides.as_deref() {
+        Some(&[width, height]) => ImageSize::new(width, height).map_err(|error| error.to_string()),
+        Some(&[side]) => ImageSize::new(side, side).map_err(|error| error.to_string()),
+        _ => Err("expected WxH, W,H or N, in pixels".to_owned()),
+    }
+}
+
+pub(crate) fn sample_size(text: &str) -> Result<SampleSize, String> {
+    match text.parse() {
+        Ok(longest) => Ok(SampleSize::Longest(longest)),
+        Err(_) => dims(text)
+            .map(SampleSize::Dims)
+            .map_err(|_| "expected N or XxYxZ, positive integers".to_owned()),
+    }
+}
+
+pub(crate) fn sample_type(text: &str) -> Result<SampleType, String> {
+    let name = text.to_ascii_lowercase();
+    let found = SampleType::ALL.iter().find(|kind| kind.name() == name);
+    found.copied().ok_or_else(|| {
+        let names: Vec<_> = SampleType::ALL.iter().map(|kind| kind.name()).collect();
+        format!("expected one of {}", names.join(", "))
+    })
+}
+
+pub(crate) fn endian(text: &str) -> Result<Endian, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "little" | "le" => Ok(Endian::Little),
+        "big" | "be" => Ok(Endian::Big),
+        _ => Err("expected little or big".to_owned()),
+    }
+}
+
+pub(crate) fn bits(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("expected 8 or 16".to_owned()),
+    }
+}
+
+pub(crate) fn background(text: &str) -> Result<Background, String> {
+    let name = text.to_ascii_lowercase();
+    if name == "none" || name == "transparent" {
+        return Ok(Background::None);
+    }
+    if let Some((_, [r, g, b])) = COLORS.iter().find(|(known, _)| *known == name) {
+        return Ok(Background::Color([*r, *g, *b, 1.0]));
+    }
+    let found = match name.strip_prefix('#') {
+        Some(hex) => hex_color(hex),
+        None => numbers::<f64>(&name, &[',']).and_then(|values| match values[..] {
+            [r, g, b] => Some([r, g, b, 1.0]),
+            [r, g, b, a] => Some([r, g, b, a]),
+            _ => None,
+        }),
+    };
+    found
+        .filter(|color| color.iter().all(|c| (0.0..=1.0).contains(c)))
+        .map(Background::Color)
+        .ok_or_else(|| {
+            let names = COLORS.map(|(name, _)| name).join(", ");
+            format!("expected r,g,b or r,g,b,a in 0..1, #rrggbb, none, or one of {names}")
+        })
+}
+
+fn hex_color(hex: &str) -> Option<[f64; 4]> {
+    let channel = |i: usize| {
+        u8::from_str_radix(hex.get(i..i + 2)?, 16)
+            .ok()
+            .map(|v| f64::from(v) / 255.0)
+    };
+    (hex.len() == 6).then_some(())?;
+    Some([channel(0)?, channel(2)?, channel(4)?, 1.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_come_in_three_spellings() {
+        let size = |text| image_size(text).unwrap();
+        assert_eq!(size("640x480"), ImageSize::new(640, 480).unwrap());
+        assert_eq!(size("640,480"), size("640x480"));
+        assert_eq!(size("64"), size("64x64"));
+        for bad in ["", "0x4", "4x", "4x4x4", "-3", "70000x2"] {
+            assert!(image_size(bad).is_err(), "{bad}");
+        }
+        assert_eq!(dims("3x4x5").unwrap(), [3, 4, 5]);
+        assert!(dims("3x4").is_err() && dims("0x4x4").is_err());
+    }
+
+    #[test]
+    fn backgrounds_are_names_numbers_or_hex() {
+        assert_eq!(background("NONE"), Ok(Background::None));
+        assert_eq!(background("white"), Ok(Background::Color([1.0; 4])));
+        assert_eq!(background("#ff0000"), Ok(Background::Color([1.0, 0.0, 0.0, 1.0])));
+        assert_eq!(
+            background("0,0.5,1,0.25"),
+            Ok(Background::Color([0.0, 0.5, 1.0, 0.25]))
+        );
+        for bad in ["mauve", "#ff00", "#\u{e9}12345", "1,2,3", "0,0", "nan,0,0"] {
+            assert!(background(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn vectors_and_ranges_are_finite() {
+        assert_eq!(triple("-1, 2.5,3e1"), Ok([-1.0, 2.5, 30.0]));
+        assert!(triple("1,2").is_err() && triple("1,inf,0").is_err());
+        assert_eq!(range("-1000,3000"), Ok([-1000.0, 3000.0]));
+        assert!(range("3,1").is_err() && range("nan,1").is_err());
+    }
+}

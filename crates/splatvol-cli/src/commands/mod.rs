@@ -1,0 +1,8 @@
+//! One module per subcommand.
+
+pub(crate) mod compare;
+pub(crate) mod convert;
+pub(crate) mod info;
+mod metrics;
+pub(crate) mod render;
+pub(crate) mod sample;

@@ -1,0 +1,288 @@
+//! `splatvol render`: resolve, render, write.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use splatvol::transfer_function::linear_from_srgb;
+use splatvol::{Camera, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene, View};
+use splatvol_io::{ImageFormat, encode_image};
+
+use crate::args::{Background, Fit, RenderArgs, values};
+use crate::failure::{During, Failure, Step};
+use crate::output::Target;
+use crate::recipe::{CameraRecipe, InputRecipe, Recipe, command_line};
+use crate::resolve::camera::Surroundings;
+use crate::resolve::input::Input;
+use crate::resolve::look::Look;
+use crate::resolve::{camera, input, look, method, visible};
+use crate::terminal::Terminal;
+
+pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
+    let start = Instant::now();
+    let like = args.like.as_deref().map(Recipe::of_picture).transpose()?;
+    let reference = input::recipe(
+        args.input.as_deref(),
+        &args.read,
+        like.as_ref().map(|like| &like.input),
+    )?;
+    let outputs = Outputs::new(args, &reference)?;
+    let threads = args.threads.filter(|&n| n > 0);
+    if let Some(threads) = threads {
+        // Reading and generating use the global pool; it exists already only if this ran before.
+        let _ = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global();
+    }
+    let beside = args
+        .like
+        .as_deref()
+        .and_then(Path::parent)
+        .filter(|_| args.input.is_none());
+    let loaded = input::load(&reference, args.read.strict, beside, terminal)?;
+    terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
+
+    let resolved = Resolved::new(args, like.as_ref(), &loaded, terminal)?;
+    terminal.detail(format!("camera: {}", describe(&resolved.camera)));
+    let recipe = resolved.recipe(args, like.as_ref(), reference);
+    let scene = Scene::new(loaded.volume, resolved.look.transfer_function);
+    let (frame, statistics) = render(&scene, &resolved.camera, &resolved.settings, threads, terminal)?;
+    terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
+
+    outputs.write(&frame, &recipe, args.write.overwrite)?;
+    if let Some(stats) = &outputs.stats {
+        let mut json = serde_json::to_string_pretty(&statistics).during(Step::Output)?;
+        json.push('\n');
+        stats.write(json.as_bytes(), args.write.overwrite)?;
+    }
+    if let Target::File(path) = &outputs.picture {
+        let size = resolved.settings.size;
+        terminal.note(format!(
+            "wrote {} ({}x{}, {:.2} s)",
+            path.display(),
+            size.width(),
+            size.height(),
+            start.elapsed().as_secs_f64()
+        ));
+    }
+    Ok(())
+}
+
+fn render(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &RenderSettings,
+    threads: Option<usize>,
+    terminal: &Terminal,
+) -> Result<(Frame, RenderStatistics), Failure> {
+    let config = EngineConfig {
+        threads,
+        ..EngineConfig::default()
+    };
+    let mut renderer = Renderer::new(config).during(Step::Render)?;
+    let bar = terminal.progress("Rendering");
+    let frame = renderer
+        .render_with_progress(scene, camera, settings, &|share| bar.set(share))
+        .during(Step::Render)?;
+    Ok((frame, renderer.statistics().clone()))
+}
+
+/// Where everything goes; made before the work, so that a refusal costs nothing.
+struct Outputs {
+    picture: Target,
+    format: ImageFormat,
+    stats: Option<Target>,
+}
+
+impl Outputs {
+    fn new(args: &RenderArgs, input: &InputRecipe) -> Result<Self, Failure> {
+        let picture = match &args.output {
+            Some(path) => Target::new(path),
+            None => Target::File(default_name(&input.reference)),
+        };
+        let format = match &picture {
+            Target::Stdout => ImageFormat::Png8,
+            Target::File(path) => ImageFormat::from_path(path).ok_or_else(|| {
+                Failure::usage(format!(
+                    "{}: no picture format has this extension",
+                    path.display()
+                ))
+                .hint("use .png or .exr")
+            })?,
+        };
+        let stats = args.stats.as_deref().map(Target::new);
+        if picture == Target::Stdout && stats == Some(Target::Stdout) {
+            return Err(Failure::usage("picture and statistics cannot both go to stdout"));
+        }
+        picture.check(args.write.overwrite)?;
+        if let Some(stats) = &stats {
+            stats.check(args.write.overwrite)?;
+        }
+        Ok(Self {
+            picture,
+            format,
+            stats,
+        })
+    }
+
+    /// EXR keeps alpha and depth; a PNG is laid over the background.
+    fn write(&self, frame: &Frame, recipe: &Recipe, overwrite: bool) -> Result<(), Failure> {
+        let metadata = recipe.metadata()?;
+        let bytes = match (self.format, recipe.background) {
+            (ImageFormat::Exr, _) => {
+                encode_image(&frame.image, Some(&frame.depth), ImageFormat::Exr, &metadata)
+            }
+            (_, background) => {
+                let format = if recipe.bits == 16 {
+                    ImageFormat::Png16
+                } else {
+                    ImageFormat::Png8
+                };
+                match background {
+                    None => encode_image(&frame.image, None, format, &metadata),
+                    Some([r, g, b, a]) => {
+                        let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
+                        encode_image(&frame.image.over([r, g, b, a as f32]), None, format, &metadata)
+                    }
+                }
+            }
+        };
+        self.picture.write(&bytes.during(Step::Output)?, overwrite)
+    }
+}
+
+/// `folder/scan.nii.gz` makes `scan.png`, here; `sample:head:128` makes `head.png`.
+fn default_name(reference: &str) -> PathBuf {
+    let name = match reference.strip_prefix("sample:") {
+        Some(sample) => sample.split(':').next().unwrap_or(sample).to_owned(),
+        None => {
+            let path = Path::new(reference);
+            let path = match path.extension() {
+                Some(ext) if ext.eq_ignore_ascii_case("gz") => path.with_extension(""),
+                _ => path.to_owned(),
+            };
+            path.file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        }
+    };
+    PathBuf::from(format!("{name}.png"))
+}
+
+/// All that is rendered.
+struct Resolved {
+    look: Look,
+    settings: RenderSettings,
+    camera: Camera,
+}
+
+impl Resolved {
+    fn new(
+        args: &RenderArgs,
+        like: Option<&Recipe>,
+        input: &Input,
+        terminal: &Terminal,
+    ) -> Result<Self, Failure> {
+        let like_settings = like.map(|like| &like.settings);
+        let compositing = method::compositing(&args.method, like_settings);
+        let look = match like.filter(|like| keeps_look(args, like, compositing)) {
+            Some(like) => Look {
+                transfer_function: like.transfer_function.clone(),
+                classification: None,
+            },
+            None => {
+                let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look));
+                look::resolve(&asked, input, compositing, terminal)?
+            }
+        };
+        let settings = method::resolve(&args.method, args.size, like_settings, look.classification)?;
+        let preferred = input.sample.and_then(|sample| sample.preferred_view());
+        let surroundings = Surroundings {
+            outline: &|| match args.camera.fit.unwrap_or_default() {
+                Fit::Visible => visible::visible_outline(&input.volume, &look.transfer_function),
+                Fit::Volume => input.volume.grid().corners().to_vec(),
+            },
+            aspect: settings.size.aspect(),
+            preferred: preferred.unwrap_or(View::Iso),
+        };
+        let camera = camera::resolve(&args.camera, &surroundings, like.map(|like| &like.camera))?;
+        Ok(Self {
+            look,
+            settings,
+            camera,
+        })
+    }
+
+    /// What the picture remembers. A picture made by `--like` alone is the same picture, and says the same.
+    fn recipe(&self, args: &RenderArgs, like: Option<&Recipe>, input: InputRecipe) -> Recipe {
+        let background = match (args.background, like) {
+            (Some(Background::None), _) => None,
+            (Some(Background::Color(color)), _) => Some(color),
+            (None, Some(like)) => like.background,
+            (None, None) => {
+                let [r, g, b] = values::CHARCOAL;
+                Some([r, g, b, 1.0])
+            }
+        };
+        let recipe = Recipe {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command_line(),
+            input,
+            camera: CameraRecipe::from(&self.camera),
+            look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look)),
+            transfer_function: self.look.transfer_function.clone(),
+            settings: self.settings,
+            background,
+            bits: args.bits.or(like.map(|like| like.bits)).unwrap_or(8),
+        };
+        match like {
+            Some(like)
+                if (Recipe {
+                    command: like.command.clone(),
+                    ..recipe.clone()
+                }) == *like =>
+            {
+                like.clone()
+            }
+            _ => recipe,
+        }
+    }
+}
+
+/// Whether the earlier picture's transfer function is taken as it is: nothing was asked about it, and neither the
+/// volume nor the compositing that an automatic choice depends on is another.
+fn keeps_look(args: &RenderArgs, like: &Recipe, compositing: splatvol::Compositing) -> bool {
+    let same_input = args.input.as_ref().is_none_or(|own| *own == like.input.reference);
+    args.look.is_empty() && same_input && compositing == like.settings.compositing
+}
+
+fn describe(camera: &Camera) -> String {
+    let point = |p: glam::DVec3| format!("{:.6},{:.6},{:.6}", p.x, p.y, p.z);
+    let projection = match camera.projection() {
+        splatvol::Projection::Perspective { fov_degrees } => format!("--camera-fov {fov_degrees}"),
+        splatvol::Projection::Orthographic { height } => format!("--orthographic={height}"),
+    };
+    format!(
+        "--camera-pos={} --camera-target={} --camera-up={} {projection}",
+        point(camera.position()),
+        point(camera.target()),
+        point(camera.up())
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_are_named_after_inputs_in_the_current_folder() {
+        for (reference, name) in [
+            ("data/scan.nii.gz", "scan.png"),
+            ("a.b.nrrd", "a.b.png"),
+            ("sample:head", "head.png"),
+            ("sample:head:64", "head.png"),
+        ] {
+            assert_eq!(default_name(reference), PathBuf::from(name));
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! What a PNG remembers of its making: everything that `render --like` needs to make it again.
+
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use serde::{Deserialize, Serialize};
+use splatvol::{Camera, Projection, RenderSettings, TransferFunction};
+use splatvol_io::image::metadata;
+
+use crate::args::LookArgs;
+use crate::failure::{During, Failure, Step};
+
+/// Everything about a picture but its pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) struct Recipe {
+    /// Version of splatvol that made it.
+    pub(crate) version: String,
+    /// The command line, quoted for a shell.
+    pub(crate) command: String,
+    /// The volume and how it was read.
+    pub(crate) input: InputRecipe,
+    /// Camera, world.
+    pub(crate) camera: CameraRecipe,
+    /// What was asked about colour and opacity.
+    pub(crate) look: LookArgs,
+    /// What came of it.
+    pub(crate) transfer_function: TransferFunction,
+    /// The method.
+    pub(crate) settings: RenderSettings,
+    /// sRGB with straight alpha; absent where the picture keeps its alpha.
+    pub(crate) background: Option<[f64; 4]>,
+    /// Bits per channel.
+    pub(crate) bits: u8,
+}
+
+/// A volume by reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) struct InputRecipe {
+    /// As typed: a path or `sample:NAME[:SIZE]`.
+    pub(crate) reference: String,
+    /// Layout of a headerless file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) raw: Option<RawRecipe>,
+    /// Array of a file that holds several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) array: Option<String>,
+    /// Component of vector-valued samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) component: Option<usize>,
+    /// Time point of a series.
+    #[serde(default)]
+    pub(crate) time: usize,
+}
+
+/// Layout of a headerless file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) struct RawRecipe {
+    pub(crate) dims: [usize; 3],
+    #[serde(rename = "type")]
+    pub(crate) sample_type: String,
+    pub(crate) spacing: [f64; 3],
+    pub(crate) big_endian: bool,
+    pub(crate) offset: u64,
+}
+
+/// A camera, world.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) struct CameraRecipe {
+    pub(crate) position: [f64; 3],
+    pub(crate) target: [f64; 3],
+    pub(crate) up: [f64; 3],
+    pub(crate) projection: Projection,
+}
+
+impl From<&Camera> for CameraRecipe {
+    fn from(camera: &Camera) -> Self {
+        Self {
+            position: camera.position().to_array(),
+            target: camera.target().to_array(),
+            up: camera.up().to_array(),
+            projection: camera.projection(),
+        }
+    }
+}
+
+impl Recipe {
+    /// The recipe that a picture carries.
+    pub(crate) fn of_picture(path: &Path) -> Result<Self, Failure> {
+        Self::read(path)
+            .with_context(|| format!("cannot take settings from {}", path.display()))
+            .during(Step::Input)
+    }
+
+    fn read(path: &Path) -> anyhow::Result<Self> {
+        let picture = splatvol_io::read_image(path)?;
+        let Some(text) = metadata::find(&picture.metadata, metadata::SETTINGS) else {
+            bail!(
+                "the picture does not say how it was made (splatvol did not write it, or another program saved it again)"
+            );
+        };
+        serde_json::from_str(text).context("its settings are malformed, or from a later version")
+    }
+
+    /// Keywords and texts for a picture's file.
+    pub(crate) fn metadata(&self) -> Result<Vec<(String, String)>, Failure> {
+        let settings = serde_json::to_string(self).during(Step::Output)?;
+        Ok(vec![
+            (
+                metadata::SOFTWARE.to_owned(),
+                format!("splatvol {}", self.version),
+            ),
+            ("Comment".to_owned(), self.command.clone()),
+            (metadata::SETTINGS.to_owned(), settings),
+        ])
+    }
+}
+
+/// This process's command line, quoted so that a POSIX shell gives it back.
+pub(crate) fn command_line() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=+./:,@%#".contains(c);
+    let quote = |arg: String| {
+        if !arg.is_empty() && arg.chars().all(plain) {
+            arg
+        } else {
+            format!("'{}'", arg.replace('\'', "'\\''"))
+        }
+    };
+    let args = std::env::args_os()
+        .skip(1)
+        .map(|arg| quote(arg.to_string_lossy().into_owned()));
+    std::iter::once("splatvol".to_owned())
+        .chain(args)
+        .collect::<Vec<_>>()
+        .join(" ")
+}

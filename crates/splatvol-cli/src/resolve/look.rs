@@ -1,0 +1,177 @@
+//! The transfer function: from a file, from names, or chosen from the data.
+
+use std::path::Path;
+
+use anyhow::Context;
+use splatvol::{
+    Classification, ColorMap, ColorPoint, Compositing, OpacityCurve, OpacityPoint, TransferFunction,
+};
+
+use super::input::Input;
+use crate::args::LookArgs;
+use crate::failure::{During, Failure, Step};
+use crate::terminal::Terminal;
+
+/// Colour of a single surface, sRGB: ivory.
+const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
+
+/// A transfer function and what its choice implies.
+pub(crate) struct Look {
+    pub(crate) transfer_function: TransferFunction,
+    /// Where the data want another classification than the default.
+    pub(crate) classification: Option<Classification>,
+}
+
+/// Resolves the flags for a volume that is composited in a certain way.
+pub(crate) fn resolve(
+    args: &LookArgs,
+    input: &Input,
+    compositing: Compositing,
+    terminal: &Terminal,
+) -> Result<Look, Failure> {
+    let mut look = chosen(args, input, compositing, terminal)?;
+    if args.unit_distance.is_some() {
+        let old = look.transfer_function;
+        look.transfer_function = TransferFunction::new(
+            old.colors().to_vec(),
+            old.opacities().to_vec(),
+            args.unit_distance,
+        )
+        .during(Step::Usage)?;
+    }
+    Ok(look)
+}
+
+fn chosen(
+    args: &LookArgs,
+    input: &Input,
+    compositing: Compositing,
+    terminal: &Terminal,
+) -> Result<Look, Failure> {
+    let plain = |transfer_function| Look {
+        transfer_function,
+        classification: None,
+    };
+    let volume = &input.volume;
+    let map = args
+        .cmap
+        .as_deref()
+        .map(ColorMap::from_name)
+        .transpose()
+        .during(Step::Usage)?;
+    if let Some(path) = &args.tf {
+        return from_file(path, args.clim, volume.value_range(), terminal).map(plain);
+    }
+    let [low, high] = args.clim.unwrap_or(volume.value_range());
+    if let Some(value) = args.iso {
+        let width = ((high - low) / 50.0).max(f64::MIN_POSITIVE);
+        let surface = TransferFunction::isosurface(value, width, SURFACE).during(Step::Usage)?;
+        return match map {
+            Some(map) => colored(&surface, map, [low, high]).map(plain),
+            None => Ok(plain(surface)),
+        };
+    }
+    if args.opacity.is_none() && args.clim.is_none() {
+        if compositing == Compositing::Mip && map.is_none() {
+            return TransferFunction::gray_ramp([low, high], 1.0)
+                .during(Step::Usage)
+                .map(plain);
+        }
+        if compositing != Compositing::Mip {
+            return automatic(input, map, terminal);
+        }
+    }
+    let curve = args.opacity.as_deref().unwrap_or("linear");
+    let curve = OpacityCurve::from_name(curve).during(Step::Usage)?;
+    let range = match args.clim {
+        Some(range) => range,
+        None if compositing == Compositing::Mip => [low, high],
+        None => TransferFunction::automatic(volume, None).1.range,
+    };
+    let map = match map {
+        Some(map) => map,
+        None => ColorMap::from_name("viridis").during(Step::Usage)?,
+    };
+    TransferFunction::from_map_and_opacity(range, map, curve, None)
+        .during(Step::Usage)
+        .map(plain)
+}
+
+/// A file's transfer function. `clim` is what its 0..1 stand for, or where its ends are moved to if it has data values.
+fn from_file(
+    path: &Path,
+    clim: Option<[f64; 2]>,
+    value_range: [f64; 2],
+    terminal: &Terminal,
+) -> Result<TransferFunction, Failure> {
+    let read = |range| splatvol_io::read_transfer_function(path, range).during(Step::Input);
+    let (own, warnings) = read(value_range)?;
+    for warning in warnings {
+        terminal.warn(format!("{}: {warning}", path.display()));
+    }
+    let Some(range) = clim else {
+        return Ok(own);
+    };
+    // A file without data values of its own spans whatever range it is read for.
+    let relative = read([2.0, 3.0])?.0 != read([4.0, 6.0])?.0;
+    if relative {
+        moved(&read([0.0, 1.0])?.0, [0.0, 1.0], range)
+    } else {
+        moved(&own, span(&own), range)
+    }
+}
+
+/// What the sample brings along, or what the data suggest.
+fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Result<Look, Failure> {
+    if let (Some(sample), None) = (input.sample, map) {
+        let transfer_function = sample.default_transfer_function().during(Step::Render)?;
+        return Ok(Look {
+            transfer_function,
+            classification: None,
+        });
+    }
+    let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
+    terminal.detail(format!("transfer function: {}", choice.reason));
+    Ok(Look {
+        transfer_function,
+        classification: Some(choice.classification),
+    })
+}
+
+/// Smallest and largest value of any point.
+fn span(transfer_function: &TransferFunction) -> [f64; 2] {
+    let colors = transfer_function.colors().iter().map(|point| point.value);
+    let opacities = transfer_function.opacities().iter().map(|point| point.value);
+    colors
+        .chain(opacities)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+}
+
+/// The curves, moved so that the values `from` become `to`.
+fn moved(old: &TransferFunction, from: [f64; 2], to: [f64; 2]) -> Result<TransferFunction, Failure> {
+    if from[0] >= from[1] {
+        return Err(Failure::usage(
+            "--clim: the transfer function has a single value and cannot be stretched",
+        ));
+    }
+    let move_value = |value: f64| to[0] + (value - from[0]) / (from[1] - from[0]) * (to[1] - to[0]);
+    let colors = old.colors().iter().map(|&point| ColorPoint {
+        value: move_value(point.value),
+        ..point
+    });
+    let opacities = old.opacities().iter().map(|&point| OpacityPoint {
+        value: move_value(point.value),
+        ..point
+    });
+    TransferFunction::new(colors.collect(), opacities.collect(), old.unit_distance)
+        .context("--clim")
+        .during(Step::Usage)
+}
+
+/// The opacities of `old` under the colours of `map` over `range`.
+fn colored(old: &TransferFunction, map: ColorMap, range: [f64; 2]) -> Result<TransferFunction, Failure> {
+    let colors = map.points(range, ColorMap::DEFAULT_POINTS);
+    TransferFunction::new(colors, old.opacities().to_vec(), old.unit_distance).during(Step::Usage)
+}

@@ -1,0 +1,155 @@
+//! The render settings.
+
+use splatvol::{Classification, Compositing, Filter, ImageSize, Kernel, Lighting, RenderSettings};
+
+use crate::args::{ClassificationName, CompositingName, FilterName, MethodArgs};
+use crate::failure::{During, Failure, Step};
+
+/// Side of a picture unless asked otherwise, pixels.
+const SIDE: u32 = 1024;
+
+/// How sheets become a picture: the flag's, the earlier picture's, or the default.
+pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> Compositing {
+    match args.compositing {
+        Some(CompositingName::ImageSheets) => Compositing::ImageSheets,
+        Some(CompositingName::Xray) => Compositing::Xray,
+        Some(CompositingName::Mip) => Compositing::Mip,
+        None => like.map_or_else(Compositing::default, |like| like.compositing),
+    }
+}
+
+/// The settings: flags over those of an earlier picture, over defaults and what the data want.
+pub(crate) fn resolve(
+    args: &MethodArgs,
+    size: Option<ImageSize>,
+    like: Option<&RenderSettings>,
+    wanted: Option<Classification>,
+) -> Result<RenderSettings, Failure> {
+    let mut settings = match like {
+        Some(like) => *like,
+        None => RenderSettings {
+            size: ImageSize::new(SIDE, SIDE).during(Step::Usage)?,
+            classification: wanted.unwrap_or_default(),
+            ..RenderSettings::default()
+        },
+    };
+    settings.compositing = compositing(args, like);
+    if let Some(size) = size {
+        settings.size = size;
+    }
+    match args.classification {
+        Some(ClassificationName::Pre) => settings.classification = Classification::Pre,
+        Some(ClassificationName::Post) => settings.classification = Classification::Post,
+        None => {}
+    }
+    set(&mut settings.sheet_thickness, args.sheet_thickness);
+    set(&mut settings.termination, args.termination);
+    settings.filter = filter(args, settings.filter)?;
+    settings.kernel = kernel(args, settings.kernel);
+    settings.prefilter = !args.no_prefilter && (args.prefilter || settings.prefilter);
+    settings.lighting = lighting(args, settings.lighting);
+    settings.validate().during(Step::Usage)?;
+    Ok(settings)
+}
+
+fn set<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
+    }
+}
+
+fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
+    match (args.filter, args.pixel_sigma) {
+        (Some(FilterName::None), Some(_)) => {
+            Err(Failure::usage("--pixel-sigma has no meaning with --filter none"))
+        }
+        (Some(FilterName::None), None) => Ok(Filter::None),
+        (_, Some(pixel_sigma)) => Ok(Filter::Ewa { pixel_sigma }),
+        (Some(FilterName::Ewa), None) if old == Filter::None => Ok(Filter::default()),
+        _ => Ok(old),
+    }
+}
+
+/// A kernel of another sigma keeps its cut-off in sigmas.
+fn kernel(args: &MethodArgs, old: Kernel) -> Kernel {
+    let Kernel::Gaussian {
+        sigma: old_sigma,
+        radius: old_radius,
+    } = old;
+    let sigma = args.kernel_sigma.unwrap_or(old_sigma);
+    let scaled = args
+        .kernel_sigma
+        .map_or(old_radius, |sigma| old_radius / old_sigma * sigma);
+    let radius = args.kernel_radius.unwrap_or(scaled);
+    Kernel::Gaussian { sigma, radius }
+}
+
+/// Asking for any property of the light turns it on.
+fn lighting(args: &MethodArgs, old: Option<Lighting>) -> Option<Lighting> {
+    if args.no_shade {
+        return None;
+    }
+    let strengths = [args.ambient, args.diffuse, args.specular, args.specular_power];
+    let asked = args.shade || args.light.is_some() || strengths.iter().any(Option::is_some);
+    let mut lighting = old.or(asked.then(Lighting::default))?;
+    set(&mut lighting.ambient, args.ambient);
+    set(&mut lighting.diffuse, args.diffuse);
+    set(&mut lighting.specular, args.specular);
+    set(&mut lighting.specular_power, args.specular_power);
+    set(&mut lighting.direction, args.light);
+    Some(lighting)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_beat_the_earlier_picture_which_beats_defaults() {
+        let like = RenderSettings {
+            lighting: None,
+            filter: Filter::None,
+            sheet_thickness: 1.0,
+            ..RenderSettings::default()
+        };
+        let resolve = |args: &MethodArgs| resolve(args, None, Some(&like), None).unwrap();
+        assert_eq!(resolve(&MethodArgs::default()), like);
+        let lit = resolve(&MethodArgs {
+            ambient: Some(0.5),
+            ..MethodArgs::default()
+        });
+        assert_eq!(lit.lighting.unwrap().ambient, 0.5);
+        assert_eq!(lit.sheet_thickness, 1.0);
+        let filtered = resolve(&MethodArgs {
+            filter: Some(FilterName::Ewa),
+            ..MethodArgs::default()
+        });
+        assert_eq!(filtered.filter, Filter::default());
+    }
+
+    #[test]
+    fn a_wider_kernel_keeps_its_cut_off_in_sigmas() {
+        let args = MethodArgs {
+            kernel_sigma: Some(1.4),
+            no_prefilter: true,
+            ..MethodArgs::default()
+        };
+        let settings = resolve(&args, None, None, None).unwrap();
+        let Kernel::Gaussian { sigma, radius } = settings.kernel;
+        assert_eq!(sigma, 1.4);
+        assert!((radius - 6.0).abs() < 1e-12);
+        assert!(!settings.prefilter);
+    }
+
+    #[test]
+    fn labels_are_classified_first_unless_told_otherwise() {
+        let pre = resolve(&MethodArgs::default(), None, None, Some(Classification::Pre)).unwrap();
+        assert_eq!(pre.classification, Classification::Pre);
+        let args = MethodArgs {
+            classification: Some(ClassificationName::Post),
+            ..MethodArgs::default()
+        };
+        let post = resolve(&args, None, None, Some(Classification::Pre)).unwrap();
+        assert_eq!(post.classification, Classification::Post);
+    }
+}

@@ -1,0 +1,10 @@
+//! From raw arguments to what is done: defaults, what an earlier picture remembers, and what the data say.
+//!
+//! An explicit flag beats the picture given with `--like`, which beats what is chosen from the data.
+
+pub(crate) mod camera;
+mod framing;
+pub(crate) mod input;
+pub(crate) mod look;
+pub(crate) mod method;
+pub(crate) mod visible;

@@ -1,0 +1,82 @@
+//! What is said on stderr: warnings, notes, and progress bars where a person is watching.
+
+use std::fmt::Display;
+use std::io::IsTerminal;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::args::Verbosity;
+
+/// Messages, as loud as the user wants them.
+pub(crate) struct Terminal {
+    verbosity: Verbosity,
+}
+
+impl Terminal {
+    pub(crate) fn new(verbosity: Verbosity) -> Self {
+        Self { verbosity }
+    }
+
+    /// Something odd that did not stop the command.
+    pub(crate) fn warn(&self, message: impl Display) {
+        if !self.verbosity.quiet {
+            eprintln!("splatvol: warning: {message}");
+        }
+    }
+
+    /// What was done.
+    pub(crate) fn note(&self, message: impl Display) {
+        if !self.verbosity.quiet {
+            eprintln!("splatvol: {message}");
+        }
+    }
+
+    /// What was chosen on the way, for those who ask.
+    pub(crate) fn detail(&self, message: impl Display) {
+        if self.verbosity.verbose {
+            eprintln!("splatvol: {message}");
+        }
+    }
+
+    /// A bar from 0 to 1; hidden in pipes and where quiet.
+    pub(crate) fn progress(&self, label: &'static str) -> Progress {
+        if self.verbosity.quiet || !std::io::stderr().is_terminal() {
+            return Progress(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new(Progress::STEPS);
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} % {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.set_message(label);
+        Progress(bar)
+    }
+
+    /// A spinner for work of unknown length.
+    pub(crate) fn spinner(&self, label: String) -> Progress {
+        if self.verbosity.quiet || !std::io::stderr().is_terminal() {
+            return Progress(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new_spinner().with_message(label);
+        bar.enable_steady_tick(Duration::from_millis(120));
+        Progress(bar)
+    }
+}
+
+/// A progress display that goes away when dropped.
+pub(crate) struct Progress(ProgressBar);
+
+impl Progress {
+    const STEPS: u64 = 1000;
+
+    /// Shows the finished share, 0..1.
+    pub(crate) fn set(&self, share: f64) {
+        self.0.set_position((share * Self::STEPS as f64) as u64);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

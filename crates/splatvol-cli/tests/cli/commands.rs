@@ -1,0 +1,191 @@
+//! `splatvol info`, `sample`, `convert` and `compare`, end to end.
+
+use crate::sandbox::Sandbox;
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn help_has_examples_for_every_command() {
+    let sandbox = Sandbox::new();
+    for command in ["render", "info", "sample", "convert", "compare"] {
+        let text = sandbox.run(&format!("{command} --help")).succeeds().stdout();
+        assert!(
+            text.contains("Examples:") && text.contains(&format!("splatvol {command}")),
+            "{text}"
+        );
+    }
+    assert!(
+        sandbox
+            .run("--version")
+            .succeeds()
+            .stdout()
+            .starts_with("splatvol ")
+    );
+    sandbox.run("").exits(2);
+    sandbox.run("dance").fails(2, &["dance"]);
+}
+
+#[test]
+fn info_describes_a_volume() {
+    let sandbox = Sandbox::new();
+    let text = sandbox.run("info sample:head:32").succeeds().stdout();
+    for words in ["32 x 32 x 32", "8, 8, 8 mm", "RAS", "histogram", "64 KiB", "none"] {
+        assert!(text.contains(words), "no {words:?} in\n{text}");
+    }
+    let report = json(
+        &sandbox
+            .run("info sample:slab:16 --json --bins 4")
+            .succeeds()
+            .stdout(),
+    );
+    assert_eq!(report["dims"], serde_json::json!([16, 8, 8]));
+    assert_eq!(report["histogram"].as_array().unwrap().len(), 4);
+    assert_eq!(
+        (report["min"].as_f64(), report["max"].as_f64()),
+        (Some(0.0), Some(1.0))
+    );
+    assert!(report["transfer-function"]["opacities"].is_array());
+}
+
+#[test]
+fn info_counts_missing_samples_and_repeats_warnings() {
+    let sandbox = Sandbox::new();
+    let mut bytes = Vec::new();
+    for i in 0..4 * 4 * 4 {
+        bytes.extend(if i < 16 { f32::NAN } else { i as f32 }.to_le_bytes());
+    }
+    sandbox.write("a.raw", &bytes);
+    let text = sandbox
+        .run("info a.raw --dims 4x4x4 --type f32")
+        .succeeds()
+        .stdout();
+    assert!(text.contains("16 (25.00 %)"), "{text}");
+}
+
+#[test]
+fn samples_are_listed_and_written() {
+    let sandbox = Sandbox::new();
+    let list = sandbox.run("sample").succeeds().stdout();
+    for name in [
+        "head",
+        "marschner-lobb",
+        "checker-sheet",
+        "tunnel",
+        "zebra",
+        "shells",
+        "ball",
+        "slab",
+    ] {
+        assert!(
+            list.lines().any(|line| line.starts_with(name)),
+            "no {name} in\n{list}"
+        );
+    }
+    sandbox.run("sample ball --size 9x8x7 -o ball.nrrd").succeeds();
+    let report = json(&sandbox.run("info ball.nrrd --json").succeeds().stdout());
+    assert_eq!(report["dims"], serde_json::json!([9, 8, 7]));
+    sandbox
+        .run("sample ball --size 9x8x7 -o ball.nrrd")
+        .fails(5, &["already exists"]);
+    sandbox
+        .run("sample bal -o b.nrrd")
+        .fails(2, &["did you mean \"ball\""]);
+    sandbox.run("sample ball -o b.tiff").fails(2, &[".nrrd or .npy"]);
+    sandbox.run("sample ball").fails(2, &["--output"]);
+    assert_eq!(sandbox.files(), ["ball.nrrd"]);
+}
+
+#[test]
+fn volumes_survive_conversion() {
+    let sandbox = Sandbox::new();
+    sandbox.run("convert sample:head:24 a.nrrd").succeeds();
+    let equal = |other: &str| {
+        let run = sandbox
+            .run(&format!("compare sample:head:24 {other} --json"))
+            .succeeds();
+        let difference = json(&run.stdout());
+        assert_eq!(difference["differing-samples"], 0, "{difference}");
+        difference["max-displacement"].as_f64().unwrap()
+    };
+    assert!(equal("a.nrrd") < 1e-9);
+    let run = sandbox.run("convert a.nrrd b.npy").succeeds();
+    assert!(run.stderr().contains("spacing"), "{}", run.stderr());
+    // NumPy has no spacing: the grid moves, the samples do not.
+    assert!(equal("b.npy") > 1.0);
+    sandbox
+        .run("convert a.nrrd c.mha")
+        .fails(2, &["c.mha", ".nrrd or .npy"]);
+    sandbox
+        .run("convert absent.nrrd c.npy")
+        .fails(3, &["absent.nrrd"]);
+}
+
+#[test]
+fn pictures_survive_conversion() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .run("render sample:ball:16 --size 12 --background none -o a.png")
+        .succeeds();
+    sandbox.run("convert a.png b.exr").succeeds();
+    sandbox.run("convert b.exr c.png").succeeds();
+    let difference = json(&sandbox.run("compare a.png c.png --json").succeeds().stdout());
+    assert_eq!(difference["psnr"], serde_json::Value::Null);
+    // The recipe travels along.
+    sandbox.run("render --like c.png -o d.png").succeeds();
+    assert_eq!(sandbox.bytes("a.png"), sandbox.bytes("d.png"));
+}
+
+#[test]
+fn transfer_functions_survive_conversion() {
+    let sandbox = Sandbox::new();
+    let tf = r#"[{"Name":"t","ColorSpace":"RGB","RGBPoints":[-100,1,0,0,300,0,0,1],"Points":[-100,0,0.5,0,300,0.8,0.5,0]}]"#;
+    sandbox.write("a.json", tf);
+    sandbox
+        .run("convert a.json b.vp.json")
+        .fails(5, &["unit distance"]);
+    sandbox
+        .run("convert a.json b.vp.json --unit-distance 1.5")
+        .succeeds();
+    sandbox.run("convert b.vp.json c.json").succeeds();
+    let points = |name: &str| json(&String::from_utf8(sandbox.bytes(name)).unwrap())[0]["Points"].clone();
+    let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        value
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_f64().unwrap())
+            .collect()
+    };
+    assert_eq!(numbers(&points("c.json")), numbers(&points("a.json")));
+}
+
+#[test]
+fn comparison_measures_and_shows_differences() {
+    let sandbox = Sandbox::new();
+    let render = "render sample:ball:16 --size 12";
+    sandbox.run(&format!("{render} -o a.png")).succeeds();
+    sandbox.run(&format!("{render} --no-shade -o b.png")).succeeds();
+    let text = sandbox
+        .run("compare a.png b.png -o difference.png")
+        .succeeds()
+        .stdout();
+    assert!(text.contains("PSNR") && text.contains("SSIM"), "{text}");
+    let difference = json(&sandbox.run("compare a.png b.png --json").succeeds().stdout());
+    assert!(difference["psnr"].as_f64().unwrap() < 60.0 && difference["ssim"].as_f64().unwrap() < 1.0);
+    sandbox
+        .run("compare a.png b.png -o difference.png")
+        .fails(5, &["already exists"]);
+    sandbox.run(&format!("{render} --size 10 -o c.png")).exits(2);
+    sandbox.run("render sample:ball:16 --size 10 -o c.png").succeeds();
+    sandbox.run("compare a.png c.png").fails(2, &["12x12", "10x10"]);
+    sandbox
+        .run("compare a.png sample:ball:16")
+        .fails(2, &["cannot be compared"]);
+    sandbox
+        .run("compare sample:ball:16 sample:ball:17")
+        .fails(2, &["dims differ"]);
+    sandbox.write("broken.png", b"\x89PNG\r\n\x1a\nno");
+    sandbox.run("compare a.png broken.png").fails(3, &["broken.png"]);
+}

@@ -1,0 +1,5 @@
+//! The built command, end to end: what it writes, what it says, how it exits.
+
+mod commands;
+mod render;
+mod sandbox;
