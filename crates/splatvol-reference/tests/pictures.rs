@@ -190,7 +190,8 @@ fn a_quadratic_ball_has_the_closed_form_of_its_chords() {
         // Without the prefilter chords are blurred: L + sigma^2 / 2 (L'' + L' / b).
         let root = (visible.radius.powi(2) - offset * offset).sqrt();
         let laplacian = -4.0 / visible.radius.powi(2) * (2.0 * root - offset * offset / root);
-        let exact = exact + 0.2 * 0.5 * 0.49 * laplacian;
+        let Kernel::Gaussian { sigma, .. } = Kernel::default();
+        let exact = exact + 0.2 * 0.5 * sigma * sigma * laplacian;
         let pixel = centre_pixel(
             &scene,
             &camera,
