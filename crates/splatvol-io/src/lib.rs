@@ -22,4 +22,6 @@ pub use error::{FormatError, IoError};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};
 pub use transfer_function::{read_transfer_function, write_transfer_function};
-pub use volume::{Description, Loaded, RawLayout, ReadOptions, WriteOptions, axis_codes, read_volume, write_volume};
+pub use volume::{
+    Description, Loaded, RawLayout, ReadOptions, WriteOptions, axis_codes, read_volume, write_volume,
+};

@@ -217,7 +217,7 @@ fn images_series_and_channels() {
     let error = read_volume(&path, &ReadOptions::default())
         .unwrap_err()
         .to_string();
-    assert!(error.contains("2 components"), "{error}");
+    assert!(error.contains("vectors of 2 components"), "{error}");
     let odd = ReadOptions {
         component: Some(1),
         ..ReadOptions::default()

@@ -104,6 +104,40 @@ pub(crate) fn sample_count(
     }
 }
 
+/// The component to take of samples of `count` components; `kind` names them: "vectors", "colours".
+pub(crate) fn choose_component(
+    count: usize,
+    kind: &str,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<usize, IoError> {
+    match options.component {
+        None if count == 1 => Ok(0),
+        Some(component) if component < count => Ok(component),
+        Some(component) => {
+            let what = format!("component {component} was asked for, the samples have {count}");
+            Err(context.unsupported(what))
+        }
+        None => Err(context.unsupported(format!(
+            "samples are {kind} of {count} components; choose one (component 0 to {})",
+            count - 1
+        ))),
+    }
+}
+
+/// The time point to take out of `count`.
+pub(crate) fn choose_time(
+    count: usize,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<usize, IoError> {
+    if options.time < count {
+        return Ok(options.time);
+    }
+    let what = format!("time point {} was asked for, the file has {count}", options.time);
+    Err(context.unsupported(what))
+}
+
 /// World (RAS+: x right, y anterior, z superior) from LPS (x left, y posterior, z superior), the convention of
 /// DICOM, ITK and most NRRD files.
 pub(crate) fn ras_from_lps() -> DAffine3 {

@@ -13,7 +13,8 @@ use super::data_files::DataFiles;
 use super::fields::{Field, Fields, HeaderLines, Line, normalised};
 use super::stored::{Encoding, Layout, Selection, Stored};
 use super::{
-    Description, Draft, Loaded, ReadOptions, checked_dims, complete_axes, length_unit, ras_from_lps,
+    Description, Draft, Loaded, ReadOptions, checked_dims, choose_component, choose_time, complete_axes,
+    length_unit, ras_from_lps,
 };
 use crate::IoError;
 use crate::error::{Context, excerpt};
@@ -128,19 +129,12 @@ impl Header {
         };
         let volumes = volumes.ok_or_else(|| field.error("positive integers", context))?;
         let (components, component) = self.components(options, context)?;
-        if options.time >= volumes {
-            let what = format!(
-                "time point {} was asked for, the file has {volumes}",
-                options.time
-            );
-            return Err(context.unsupported(what));
-        }
         Ok(Selection {
             dims,
             components,
             component,
             volumes,
-            volume: options.time,
+            volume: choose_time(volumes, options, context)?,
         })
     }
 
@@ -156,19 +150,14 @@ impl Header {
 
     fn components(&self, options: &ReadOptions, context: &Context<'_>) -> Result<(usize, usize), IoError> {
         let Some(field) = self.fields.get("elementnumberofchannels") else {
-            return Ok((1, 0));
+            return Ok((1, choose_component(1, "numbers", options, context)?));
         };
         let expected = "a positive number of channels";
         let count: usize = field.number(expected, context)?;
-        match (count, options.component) {
-            (0, _) => Err(field.error(expected, context)),
-            (1, _) => Ok((1, 0)),
-            (_, Some(component)) if component < count => Ok((count, component)),
-            _ => Err(context.unsupported(format!(
-                "samples have {count} components; choose one (component 0 to {})",
-                count - 1
-            ))),
+        if count == 0 {
+            return Err(field.error(expected, context));
         }
+        Ok((count, choose_component(count, "vectors", options, context)?))
     }
 
     fn geometry(&self, context: &Context<'_>) -> Result<DAffine3, IoError> {

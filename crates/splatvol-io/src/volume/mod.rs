@@ -23,7 +23,10 @@ use glam::DVec3;
 use splatvol_scene::Volume;
 
 pub use assemble::axis_codes;
-pub(crate) use assemble::{Draft, checked_dims, complete_axes, length_unit, ras_from_lps, sample_count};
+pub(crate) use assemble::{
+    Draft, checked_dims, choose_component, choose_time, complete_axes, length_unit, ras_from_lps,
+    sample_count,
+};
 
 use crate::error::Context;
 use crate::{Endian, IoError, SampleType};

@@ -15,7 +15,9 @@ use splatvol_scene::{LengthUnit, Rescale};
 use super::data_files::DataFiles;
 use super::fields::Field;
 use super::stored::{Encoding, Layout, Selection, Stored};
-use super::{Description, Draft, Loaded, ReadOptions, axis_codes, checked_dims};
+use super::{
+    Description, Draft, Loaded, ReadOptions, axis_codes, checked_dims, choose_component, choose_time,
+};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleType};
@@ -184,32 +186,19 @@ fn select(
     let (Some(times), Some(vector), Some(volumes)) = (times, vector, volumes) else {
         return Err(context.limit(u64::MAX, options.max_bytes));
     };
-    if options.time >= times {
-        let what = format!("time point {} was asked for, the file has {times}", options.time);
-        return Err(context.unsupported(what));
-    }
-    let components = interleaved.saturating_mul(vector);
-    let component = match options.component {
-        _ if components == 1 => 0,
-        Some(component) if component < components => component,
-        _ => {
-            let kind = match header.datatype {
-                128 | 2304 => "colours",
-                32 | 1792 => "complex numbers",
-                _ => "vectors",
-            };
-            return Err(context.unsupported(format!(
-                "samples are {kind}; choose one component (component 0 to {})",
-                components - 1
-            )));
-        }
+    let time = choose_time(times, options, context)?;
+    let kind = match header.datatype {
+        128 | 2304 => "colours",
+        32 | 1792 => "complex numbers",
+        _ => "vectors",
     };
+    let component = choose_component(interleaved.saturating_mul(vector), kind, options, context)?;
     Ok(Selection {
         dims,
         components: interleaved,
         component: component % interleaved,
         volumes,
-        volume: component / interleaved * times + options.time,
+        volume: component / interleaved * times + time,
     })
 }
 

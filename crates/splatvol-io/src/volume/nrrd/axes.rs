@@ -11,7 +11,7 @@ use crate::IoError;
 use crate::error::Context;
 use crate::volume::fields::Field;
 use crate::volume::stored::Selection;
-use crate::volume::{ReadOptions, checked_dims};
+use crate::volume::{ReadOptions, checked_dims, choose_component, choose_time};
 
 /// One axis.
 #[derive(Debug, Clone)]
@@ -69,12 +69,19 @@ pub(super) fn select(
         .collect();
     let offset = header.fields.get("sizes").map(|field| field.offset);
     let dims = checked_dims(&sizes, "sizes", offset, context)?;
-    let (components, component) = index(&axes[..first], Role::Components, options, context)?;
-    let slow_role = match axes[last + 1..].iter().find(|axis| axis.size > 1) {
-        Some(axis) => axis.role,
-        None => Role::Time,
+    let components = product(&axes[..first], options, context)?;
+    let volumes = product(&axes[last + 1..], options, context)?;
+    let slow = axes[last + 1..].iter().find(|axis| axis.size > 1);
+    let (component, volume) = match (components, slow.map(|axis| axis.role)) {
+        (1, Some(Role::Components)) => (0, choose_component(volumes, "vectors", options, context)?),
+        (_, Some(Role::Components)) => {
+            return Err(context.unsupported("components both before and after the spatial axes"));
+        }
+        _ => (
+            choose_component(components, "vectors", options, context)?,
+            choose_time(volumes, options, context)?,
+        ),
     };
-    let (volumes, volume) = index(&axes[last + 1..], slow_role, options, context)?;
     Ok(Axes {
         selection: Selection {
             dims,
@@ -88,36 +95,12 @@ pub(super) fn select(
     })
 }
 
-/// Number of entries along some non-spatial axes together, and the one that the options choose.
-fn index(
-    axes: &[Axis],
-    role: Role,
-    options: &ReadOptions,
-    context: &Context<'_>,
-) -> Result<(usize, usize), IoError> {
-    let count = axes
+/// Number of entries along some axes together.
+fn product(axes: &[Axis], options: &ReadOptions, context: &Context<'_>) -> Result<usize, IoError> {
+    let product = axes
         .iter()
         .try_fold(1usize, |product, axis| product.checked_mul(axis.size));
-    let count = count.ok_or_else(|| context.limit(u64::MAX, options.max_bytes))?;
-    let chosen = match role {
-        _ if count == 1 => return Ok((1, 0)),
-        Role::Time => options.time,
-        Role::Components | Role::Spatial => options.component.ok_or_else(|| {
-            context.unsupported(format!(
-                "samples have {count} components; choose one (component 0 to {})",
-                count - 1
-            ))
-        })?,
-    };
-    if chosen >= count {
-        let name = if role == Role::Time {
-            "time point"
-        } else {
-            "component"
-        };
-        return Err(context.unsupported(format!("{name} {chosen} was asked for, the file has {count}")));
-    }
-    Ok((count, chosen))
+    product.ok_or_else(|| context.limit(u64::MAX, options.max_bytes))
 }
 
 fn axes(header: &Header, space: &Space, context: &Context<'_>) -> Result<Vec<Axis>, IoError> {
