@@ -1,2 +1,111 @@
-//! Development tasks of splatvol.
-fn main() {}
+//! Development tasks of splatvol: checks of the repository that no compiler makes.
+//!
+//! | task | demands |
+//! |---|---|
+//! | `licenses` | every dependency may be used under a licence that `deny.toml` allows |
+//! | `msrv` | no dependency needs a newer Rust than the workspace |
+//! | `architecture` | `ARCHITECTURE.md` names every crate, what it uses, and every stage |
+//! | `files` | no committed file names a machine's paths, no Rust file is too long, links lead somewhere |
+//!
+//! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
+//! Each is a test as well.
+
+mod architecture;
+mod files;
+mod licenses;
+mod metadata;
+mod msrv;
+mod spdx;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use metadata::Platforms;
+
+/// A check of the repository below a folder. What it returns says what was checked.
+struct Task {
+    name: &'static str,
+    run: fn(&Path, Platforms) -> Result<String>,
+}
+
+const TASKS: [Task; 4] = [
+    Task {
+        name: "licenses",
+        run: licenses::check,
+    },
+    Task {
+        name: "msrv",
+        run: msrv::check,
+    },
+    Task {
+        name: "architecture",
+        run: |root, _| architecture::check(root),
+    },
+    Task {
+        name: "files",
+        run: |root, _| files::check(root),
+    },
+];
+
+fn main() -> Result<()> {
+    let mut wanted: Vec<String> = std::env::args().skip(1).collect();
+    let offline = wanted.iter().position(|argument| argument == "--offline");
+    let platforms = match offline.map(|position| wanted.remove(position)) {
+        Some(_) => Platforms::Host,
+        None => Platforms::All,
+    };
+    if let Some(unknown) = wanted
+        .iter()
+        .find(|name| TASKS.iter().all(|task| task.name != **name))
+    {
+        let names = TASKS.map(|task| task.name).join(", ");
+        bail!("unknown task {unknown}: the tasks are {names}");
+    }
+    for task in &TASKS {
+        if wanted.is_empty() || wanted.iter().any(|name| name == task.name) {
+            println!("{}: {}", task.name, (task.run)(&root(), platforms)?);
+        }
+    }
+    Ok(())
+}
+
+/// The repository's root.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("xtask lies in the repository")
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pass(name: &str) {
+        let task = TASKS.iter().find(|task| task.name == name).unwrap();
+        match (task.run)(&root(), Platforms::Host) {
+            Ok(summary) => println!("{summary}"),
+            Err(error) => panic!("{error:#}"),
+        }
+    }
+
+    #[test]
+    fn licenses_of_dependencies_are_allowed() {
+        pass("licenses");
+    }
+
+    #[test]
+    fn dependencies_build_with_the_oldest_rust_that_we_promise() {
+        pass("msrv");
+    }
+
+    #[test]
+    fn architecture_names_every_crate_and_stage() {
+        pass("architecture");
+    }
+
+    #[test]
+    fn committed_files_are_clean() {
+        pass("files");
+    }
+}
