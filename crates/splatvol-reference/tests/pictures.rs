@@ -11,6 +11,9 @@ use splatvol_testing::fields::{Ball, Constant, Noise, Ramp};
 use splatvol_testing::transfer::{band_extinction, constant_extinction, linear_extinction};
 use splatvol_testing::{Random, sample};
 
+/// Kernel of these tests, voxels; their tolerances are its ripple.
+const SIGMA: f64 = 0.7;
+
 const ORANGE: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Unlit, unfiltered pictures of 9 x 9 pixels: pixel (4, 4) looks along the view axis.
@@ -20,6 +23,10 @@ fn settings(compositing: Compositing, classification: Classification) -> RenderS
         compositing,
         classification,
         filter: Filter::None,
+        kernel: Kernel::Gaussian {
+            sigma: SIGMA,
+            radius: 3.0,
+        },
         lighting: None,
         ..RenderSettings::default()
     }
@@ -190,8 +197,7 @@ fn a_quadratic_ball_has_the_closed_form_of_its_chords() {
         // Without the prefilter chords are blurred: L + sigma^2 / 2 (L'' + L' / b).
         let root = (visible.radius.powi(2) - offset * offset).sqrt();
         let laplacian = -4.0 / visible.radius.powi(2) * (2.0 * root - offset * offset / root);
-        let Kernel::Gaussian { sigma, .. } = Kernel::default();
-        let exact = exact + 0.2 * 0.5 * sigma * sigma * laplacian;
+        let exact = exact + 0.2 * 0.5 * SIGMA * SIGMA * laplacian;
         let pixel = centre_pixel(
             &scene,
             &camera,
@@ -227,7 +233,6 @@ fn gaussian_line_integral(
     origin: DVec3,
     direction: DVec3,
 ) -> f64 {
-    const SIGMA: f64 = 0.7;
     let linear = (camera.camera_from_world() * scene.volume.grid().world_from_voxel()).matrix3;
     let covariance = SIGMA * SIGMA * linear * linear.transpose()
         + DMat3::from_diagonal(DVec3::new(low_pass * low_pass, low_pass * low_pass, 0.0));
@@ -249,7 +254,7 @@ fn gaussian_line_integral(
 #[test]
 fn one_voxel_integrates_to_its_footprint() {
     let kernel = Kernel::Gaussian {
-        sigma: 0.7,
+        sigma: SIGMA,
         radius: 5.6,
     };
     let scene = single_voxel(0.9);
@@ -284,7 +289,7 @@ fn one_voxel_integrates_to_its_footprint() {
 fn the_low_pass_grows_with_depth_in_perspective() {
     // Far away the low-pass hardly changes across the voxel, so that the orthographic closed form holds.
     let kernel = Kernel::Gaussian {
-        sigma: 0.7,
+        sigma: SIGMA,
         radius: 5.6,
     };
     let scene = single_voxel(0.9);
