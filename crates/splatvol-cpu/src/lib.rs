@@ -1,7 +1,7 @@
 //! The CPU engine: tiles, sheets, SIMD splatting, shading and compositing.
 //!
-//! A frame is planned once ([`plan`]): tables, sheets, bricks in tile lists. Then every 64 x 64-pixel tile runs on its
-//! own, with scratch memory of its thread, front to back, sheet by sheet ([`tile`]):
+//! A frame is planned once (`plan`): tables, sheets, bricks in tile lists. Then every 64 x 64-pixel tile runs on its
+//! own, with scratch memory of its thread, front to back, sheet by sheet (`tile`):
 //!
 //! | stage | module | what happens to a sheet |
 //! |---|---|---|
