@@ -1,7 +1,7 @@
 //! The samples by name: what each is, how large by default, and how to make it.
 
 use glam::{DMat3, DVec3};
-use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, TransferFunction, View, Volume};
+use splatvol_scene::{Classification, Grid, LengthUnit, Rescale, Samples, TransferFunction, View, Volume};
 
 use crate::{SampleError, head, signals, textures, transfer};
 
@@ -134,6 +134,15 @@ impl Sample {
     /// A transfer function that shows what the sample is about.
     pub fn default_transfer_function(self) -> Result<TransferFunction, SampleError> {
         Ok(transfer::transfer_function(self)?)
+    }
+
+    /// How the paper that the sample comes from splats it: colours, so that the dark squares' value between light ones
+    /// and air is no dark rim.
+    pub fn preferred_classification(self) -> Classification {
+        match self {
+            Self::CheckerSheet | Self::Tunnel | Self::Zebra => Classification::Pre,
+            _ => Classification::Post,
+        }
     }
 
     /// The direction to look from, where it matters.

@@ -31,9 +31,10 @@ pub(crate) fn transfer_function(sample: Sample) -> Result<TransferFunction, Scen
             ],
             &[
                 (4.0, 0.0),
-                (60.0, 0.03),
-                (110.0, 0.06),
-                (180.0, 0.20),
+                (60.0, 0.004),
+                (110.0, 0.012),
+                (130.0, 0.02),
+                (180.0, 0.12),
                 (250.0, 0.8),
             ],
         ),
@@ -75,7 +76,7 @@ fn head() -> Result<TransferFunction, SceneError> {
     ];
     let opacities = [
         (-720.0, 0.0),
-        (-450.0, 0.16),
+        (-450.0, 0.22),
         (-180.0, 0.02),
         (-60.0, 0.002),
         (120.0, 0.006),

@@ -25,7 +25,7 @@ pub(crate) struct MethodArgs {
     /// Standard deviation of the EWA filter, pixels [default: 0.4]
     #[arg(long, value_name = "PIXELS", help_heading = METHOD)]
     pub(crate) pixel_sigma: Option<f64>,
-    /// Standard deviation of the reconstruction kernel, voxels [default: 0.7]
+    /// Standard deviation of the reconstruction kernel, voxels [default: 0.74]
     #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
     pub(crate) kernel_sigma: Option<f64>,
     /// Cut-off of the reconstruction kernel, voxels [default: 3]

@@ -127,7 +127,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         let transfer_function = sample.default_transfer_function().during(Step::Render)?;
         return Ok(Look {
             transfer_function,
-            classification: None,
+            classification: Some(sample.preferred_classification()),
         });
     }
     let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);

@@ -89,7 +89,7 @@ impl Phantom {
             dims,
             first: first.as_vec3(),
             spacing,
-            edge: 1.25 * spacing.max_element(),
+            edge: 1.5 * spacing.max_element(),
             skin: skin::skin(),
             skull: skull::skull(),
             cavity: skull::cranial_cavity(),

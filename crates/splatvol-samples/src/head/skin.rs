@@ -49,16 +49,16 @@ fn face() -> Vec<Part> {
         ellipsoid([46.0, 66.0, -6.0], [18.0, 18.0, 15.0])
             .mirrored_softly()
             .blend(14.0),
-        ellipsoid([33.0, 66.0, -34.0], [22.0, 24.0, 26.0])
+        ellipsoid([30.0, 66.0, -34.0], [21.0, 24.0, 26.0])
             .mirrored_softly()
             .blend(18.0),
-        ellipsoid([43.0, 20.0, -46.0], [17.0, 28.0, 30.0])
+        ellipsoid([42.0, 18.0, -44.0], [16.0, 28.0, 29.0])
             .mirrored_softly()
             .blend(18.0),
-        cone([46.0, 20.0, -60.0], [31.0, 60.0, -74.0], [15.0, 13.5])
+        cone([44.0, 20.0, -58.0], [29.0, 58.0, -71.0], [13.5, 12.0])
             .mirrored_softly()
             .blend(14.0),
-        cone([31.0, 60.0, -74.0], [14.0, 80.0, -78.0], [13.5, 13.0])
+        cone([29.0, 58.0, -71.0], [13.0, 80.0, -77.0], [12.0, 12.5])
             .mirrored_softly()
             .blend(10.0),
         // Over the cheek bones' arches and the orbits' outer rims.
@@ -79,11 +79,15 @@ fn face() -> Vec<Part> {
         ellipsoid([8.0, 91.0, -77.0], [9.0, 7.0, 9.0])
             .mirrored_softly()
             .blend(10.0),
+        // The cheeks between arch and jaw.
+        ellipsoid([39.0, 44.0, -28.0], [18.0, 30.0, 28.0])
+            .mirrored_softly()
+            .blend(16.0),
         // Brows, and the temples' hollows.
         cone([8.0, 88.0, 33.0], [38.0, 78.0, 36.0], [8.5, 7.5])
             .mirrored_softly()
             .blend(10.0),
-        ellipsoid([73.0, 50.0, 34.0], [14.0, 28.0, 22.0])
+        ellipsoid([75.0, 50.0, 36.0], [14.0, 26.0, 20.0])
             .mirrored_softly()
             .cut(20.0),
     ]

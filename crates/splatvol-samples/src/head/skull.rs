@@ -104,9 +104,9 @@ fn face() -> Vec<Part> {
     ];
     let mut parts = vec![
         // Brow ridges and glabella, sphenoid wings, ethmoid block.
-        cone([7.0, 86.0, 35.0], [34.0, 82.0, 41.0], [7.5, 5.0])
-            .mirrored()
-            .blend(8.0),
+        cone([7.0, 86.0, 35.0], [32.0, 80.5, 41.0], [7.0, 4.5])
+            .mirrored_softly()
+            .blend(10.0),
         ellipsoid([0.0, 84.0, 33.0], [12.0, 8.0, 9.0]).blend(8.0),
         ellipsoid([38.0, 52.0, 16.0], [9.0, 20.0, 18.0])
             .mirrored()
@@ -129,12 +129,12 @@ fn face() -> Vec<Part> {
         // Palate.
         rounded_box([0.0, 67.0, -25.0], [23.0, 25.0, 2.6], 2.0).blend(4.0),
     ];
-    parts.extend(tube(&arch, 3.0).map(Part::mirrored));
+    parts.extend(tube(&arch, 1.0).map(Part::mirrored));
     parts.extend(tube(&lateral_rim, 8.0).map(Part::mirrored));
     parts.extend(tube(&lower_rim, 4.0).map(Part::mirrored));
     parts.extend(alveolar.windows(2).map(|pair| {
-        let at = |[x, y]: [f32; 2]| [x, y, -28.0];
-        wall(at(pair[0]), at(pair[1]), [3.0, 3.0], 5.0)
+        let at = |[x, y]: [f32; 2]| [x, y, -27.5];
+        wall(at(pair[0]), at(pair[1]), [5.0, 5.0], 5.6)
             .mirrored()
             .blend(5.0)
     }));
@@ -174,9 +174,10 @@ fn openings() -> Vec<Part> {
 /// What stands in the nose once it is open: nasal bones, spine, septum and conchae.
 fn nasal() -> Vec<Part> {
     vec![
-        cone([3.5, 87.0, 27.0], [3.5, 99.0, 7.0], [4.2, 2.2])
-            .mirrored()
-            .blend(4.0),
+        cone([0.0, 86.0, 28.0], [0.0, 98.5, 8.0], [4.0, 2.4]).blend(6.0),
+        cone([4.0, 86.0, 26.0], [4.5, 94.0, 6.5], [3.6, 2.0])
+            .mirrored_softly()
+            .blend(5.0),
         cone([0.0, 88.0, -23.0], [0.0, 97.0, -21.5], [3.0, 1.6]).blend(3.0),
         rounded_box([0.0, 64.0, -4.0], [0.9, 25.0, 19.0], 0.8).blend(2.0),
         cone([9.0, 74.0, -15.0], [8.0, 45.0, -13.0], [1.6, 2.2])
