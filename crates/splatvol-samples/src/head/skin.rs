@@ -215,16 +215,16 @@ fn ear() -> Vec<Part> {
     };
     let turned = |part: Part| part.turned([-LEAN, 0.0, FLARE]);
     let plate = turned(ellipsoid(place(-1.0, 0.0, 1.0), [3.4, 16.0, 28.0])).blend(5.0);
-    let scapha = turned(ellipsoid(place(4.0, -1.0, 6.0), [3.6, 12.5, 22.0])).cut(3.0);
+    let scapha = turned(ellipsoid(place(4.4, -1.0, 6.0), [3.8, 11.0, 20.0])).cut(3.0);
     let concha = turned(ellipsoid(place(3.0, 4.0, -4.0), [7.0, 9.0, 12.0])).cut(3.0);
     let lobe = ellipsoid(place(0.5, 5.0, -25.0), [3.8, 7.5, 8.0]).blend(4.0);
     let tragus = ellipsoid(place(1.0, 13.0, -4.0), [3.0, 3.5, 6.0]).blend(3.0);
     let antitragus = ellipsoid(place(1.5, 3.0, -16.0), [2.6, 5.0, 3.2]).blend(3.0);
     let canal = cone(place(2.0, 9.0, -4.0), [30.0, 2.0, 0.0], [3.6, 3.0]).cut(2.0);
     let mut parts = vec![plate, scapha];
-    parts.extend(rim(8.5, 16.0, 2.2, [40.0, 250.0], 0.8));
+    parts.extend(rim(7.6, 15.0, 2.4, [50.0, 235.0], 0.2));
     parts.extend([concha, lobe, tragus, antitragus]);
-    parts.extend(rim(15.5, 28.0, 2.7, [-10.0, 235.0], 2.2));
+    parts.extend(rim(13.6, 26.5, 2.9, [-10.0, 232.0], 1.0));
     parts.push(canal);
     parts.into_iter().map(Part::mirrored).collect()
 }
