@@ -14,6 +14,8 @@ use splatvol_scene::TransferFunction;
 pub struct ClassificationTable {
     /// At the nodes.
     points: Vec<[f32; 4]>,
+    /// Linear rgb at the nodes, whatever the extinction.
+    colors: Vec<[f32; 3]>,
     /// Integral over the normalised value from the first node, f64 because differences of it are taken.
     integrals: Vec<[f64; 4]>,
 }
@@ -44,6 +46,8 @@ impl ClassificationTable {
             [extinction, extinction * r, extinction * g, extinction * b]
         };
         let node = |i: usize| FIRST + i as f64 / CELLS_PER_VALUE;
+        let color = |v: f64| tf.linear_color(value_range[0] + v * width).map(|c| c as f32);
+        let colors = (0..=CELLS).map(|i| color(node(i))).collect();
         let points = (0..=CELLS).map(|i| classify(node(i)).map(|v| v as f32)).collect();
         let mut integrals = vec![[0.0; 4]; CELLS + 1];
         for i in 0..CELLS {
@@ -57,7 +61,11 @@ impl ClassificationTable {
             }
             integrals[i + 1] = sum;
         }
-        Self { points, integrals }
+        Self {
+            points,
+            colors,
+            integrals,
+        }
     }
 
     /// Extinction and emission of one value.
@@ -65,6 +73,14 @@ impl ClassificationTable {
     pub fn at(&self, value: f32) -> [f32; 4] {
         let (cell, t) = locate(value);
         let (a, b) = (self.points[cell], self.points[cell + 1]);
+        std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
+    }
+
+    /// Linear rgb of one value.
+    #[inline]
+    pub fn color(&self, value: f32) -> [f32; 3] {
+        let (cell, t) = locate(value);
+        let (a, b) = (self.colors[cell], self.colors[cell + 1]);
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
     }
 

@@ -64,7 +64,18 @@ impl Geometry {
         let linear = camera_from_voxel.matrix3;
         let kernel = GaussianKernel::new(settings.kernel);
         let covariance = linear * linear.transpose() * kernel.sigma.powi(2);
-        let shape = FootprintShape::new(covariance, grid.cell_volume() * kernel.mass(), kernel.cut());
+        // Integrals keep their mass by a wide cut and a kernel of unit integral; samples are normalised by weights.
+        let cut = if splats_color(settings) {
+            kernel.cut().max(5.0)
+        } else {
+            kernel.cut()
+        };
+        let mass = if splats_color(settings) {
+            1.0
+        } else {
+            kernel.mass()
+        };
+        let shape = FootprintShape::new(covariance, grid.cell_volume() * mass, cut);
         let last = DVec3::from_array(grid.dims().map(|n| n as f64 - 1.0));
         let corners: Vec<DVec3> = (0..8)
             .map(|i| {
@@ -76,13 +87,18 @@ impl Geometry {
             .collect();
         let mean_spacing = grid.mean_spacing();
         let spacing = settings.sheet_thickness * mean_spacing;
-        let sheets = if settings.compositing == Compositing::Xray {
-            SheetStack::single(&corners, shape.depth_reach(), &screen)
-        } else {
-            SheetStack::covering(&corners, shape.depth_reach(), spacing, &screen)
+        let reach = shape.depth_reach();
+        let sheets = match settings.compositing {
+            // A line integral is exact in one piece where rays are parallel; where they diverge, pieces of a few voxels
+            // keep the footprints' drift along the ray small.
+            Compositing::Xray if screen.perspective => {
+                SheetStack::covering(&corners, reach, 4.0 * spacing, &screen)
+            }
+            Compositing::Xray => SheetStack::single(&corners, reach, &screen),
+            _ => SheetStack::covering(&corners, reach, spacing, &screen),
         };
         let farthest = sheets.plane(sheets.count);
-        let low_pass = kernel.cut() * settings.filter.pixel_sigma() / screen.scale_at(farthest);
+        let low_pass = cut * settings.filter.pixel_sigma() / screen.scale_at(farthest);
         let rows: DMat3 = linear.inverse().transpose();
         let per_axis = |row: DVec3| kernel.radius + (low_pass + spacing) * row.length();
         let first_point = -DVec3::from_array(margin.map(|m| m as f64));

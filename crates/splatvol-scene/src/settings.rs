@@ -54,7 +54,7 @@ impl Filter {
 
 impl Default for Filter {
     fn default() -> Self {
-        Self::Ewa { pixel_sigma: 0.4 }
+        Self::Ewa { pixel_sigma: 0.55 }
     }
 }
 

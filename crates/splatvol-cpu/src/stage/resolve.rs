@@ -21,19 +21,11 @@ pub(crate) fn resolve(
     table: &ClassificationTable,
     unit_distance: f32,
 ) -> Resolved {
-    let mut pixel = *pixel;
-    if compositing == Compositing::Mip && pixel.maximum > f32::NEG_INFINITY {
-        let depth = pixel.depth_sum;
-        let [extinction, emission @ ..] = table.at(pixel.maximum);
-        pixel.depth_sum = 0.0;
-        if extinction > 0.0 {
-            pixel.add(
-                extinction * unit_distance,
-                emission.map(|e| e / extinction),
-                depth,
-            );
-        }
-    }
+    let pixel = match compositing {
+        Compositing::ImageSheets => *pixel,
+        Compositing::Mip => brightest(pixel, table, unit_distance),
+        Compositing::Xray => integrated(pixel),
+    };
     let [r, g, b] = pixel.color;
     let alpha = 1.0 - pixel.transmittance;
     Resolved {
@@ -45,6 +37,30 @@ pub(crate) fn resolve(
         },
         optical_depth: -pixel.transmittance.max(f32::MIN_POSITIVE).ln(),
     }
+}
+
+/// The largest value in its colour, as thick as the unit distance.
+fn brightest(pixel: &Pixel, table: &ClassificationTable, unit_distance: f32) -> Pixel {
+    let mut shown = Pixel::EMPTY;
+    let [extinction, emission @ ..] = table.at(pixel.total);
+    if pixel.depth_sum > 0.0 && extinction > 0.0 {
+        shown.add(
+            extinction * unit_distance,
+            emission.map(|e| e / extinction),
+            pixel.depth_sum,
+        );
+    }
+    shown
+}
+
+/// A line integral as one homogeneous slab.
+fn integrated(pixel: &Pixel) -> Pixel {
+    let mut shown = Pixel::EMPTY;
+    let total = pixel.total;
+    if total > 0.0 {
+        shown.add(total, pixel.color.map(|e| e / total), pixel.depth_sum / total);
+    }
+    shown
 }
 
 /// Copies a tile's pixels (row by row) into the frame.

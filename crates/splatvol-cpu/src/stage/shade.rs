@@ -149,21 +149,28 @@ impl Shader<'_> {
         let length = self.spacing * interval.ray_squared().sqrt();
         let pieces = self.pieces([v0, quarters[0], quarters[1], quarters[2], v1], length);
         let mut value = v0;
+        let mut front = self.table.color(v0);
         for piece in 0..pieces {
             let (u0, u1) = (piece as f32 / pieces as f32, (piece + 1) as f32 / pieces as f32);
             let next = profile.value(u1);
+            let back = self.table.color(next);
             let middle = 0.5 * (u0 + u1);
             let [extinction, emission @ ..] = self.table.mean(value, next);
-            value = next;
-            if extinction <= 0.0 {
-                continue;
+            if extinction > 0.0 {
+                let lit = self
+                    .lights
+                    .map_or(Lit::PLAIN, |phong| phong.at(profile.gradient(middle)));
+                let mean = emission.map(|e| e / extinction * lit.diffuse + lit.specular);
+                let half_step = std::array::from_fn(|c| 0.5 * (front[c] - back[c]) * lit.diffuse);
+                let optical_depth = extinction * profile.coverage(middle) * length / pieces as f32;
+                pixel.add_gradient(
+                    optical_depth,
+                    mean,
+                    half_step,
+                    interval.depth + middle * self.spacing,
+                );
             }
-            let lit = self
-                .lights
-                .map_or(Lit::PLAIN, |phong| phong.at(profile.gradient(middle)));
-            let color = emission.map(|e| e / extinction * lit.diffuse + lit.specular);
-            let optical_depth = extinction * profile.coverage(middle) * length / pieces as f32;
-            pixel.add(optical_depth, color, interval.depth + middle * self.spacing);
+            (value, front) = (next, back);
         }
     }
 
@@ -175,9 +182,9 @@ impl Shader<'_> {
         let [v0, v1, v2, v3, v4] = values;
         let bend = bend(v0, v1, v2).max(bend(v1, v2, v3)).max(bend(v2, v3, v4));
         // Linear interpolation over 1/n of the interval errs by (16 bend) / (8 n^2).
-        let for_bend = (2.0 * bend * 1024.0).sqrt();
+        let for_bend = (8.0 * bend * 1024.0).sqrt();
         let [extinction, ..] = self.table.mean(v0, v4);
-        let for_depth = 4.0 * (extinction * length).sqrt();
+        let for_depth = 2.0 * (extinction * length).sqrt();
         for_bend.max(for_depth).clamp(1.0, MOST).ceil() as usize
     }
 
@@ -190,8 +197,8 @@ impl Shader<'_> {
             let u = step as f32 / STEPS as f32;
             if profile.coverage(u) >= 0.5 {
                 let value = profile.value(u);
-                if value > pixel.maximum {
-                    pixel.maximum = value;
+                if value > pixel.total {
+                    pixel.total = value;
                     pixel.depth_sum = interval.depth + u * self.spacing;
                 }
             }

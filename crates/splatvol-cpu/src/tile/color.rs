@@ -139,9 +139,15 @@ impl Mode for ColorMode<'_> {
                 }
                 let ray_x = ((canvas.rect.x0 + x) as f32 + 0.5 - cx) * per_pixel;
                 let ray_length = (1.0 + ray_x * ray_x + ray_y * ray_y).sqrt();
-                let color = [r / extinction, g / extinction, b / extinction];
-                canvas.pixels[index].add(extinction * ray_length, color, depth / extinction);
-                canvas.close_if_opaque(x, y);
+                let pixel = &mut canvas.pixels[index];
+                if self.plan.settings.compositing == Compositing::Xray {
+                    let along = [extinction, r, g, b, depth].map(|channel| channel * ray_length);
+                    pixel.integrate(along[0], [along[1], along[2], along[3]], along[4]);
+                } else {
+                    let color = [r / extinction, g / extinction, b / extinction];
+                    pixel.add(extinction * ray_length, color, depth / extinction);
+                    canvas.close_if_opaque(x, y);
+                }
             }
         }
     }

@@ -1,0 +1,86 @@
+//! Cameras and settings that several tests share.
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use glam::DVec3;
+use splatvol::{
+    Camera, Classification, Compositing, EngineConfig, Filter, Frame, ImageSize, Projection, RenderSettings,
+    Renderer, Scene,
+};
+
+/// Central and parallel projection.
+pub const PROJECTIONS: [Projection; 2] = [
+    Projection::Perspective { fov_degrees: 30.0 },
+    Projection::Orthographic { height: 1.0 },
+];
+
+/// Settings of a square picture, otherwise the defaults.
+pub fn settings(pixels: u32) -> RenderSettings {
+    RenderSettings {
+        size: ImageSize::new(pixels, pixels).unwrap(),
+        ..RenderSettings::default()
+    }
+}
+
+/// The three ways to optical depth: post-classified, pre-classified, X-ray; unlit.
+pub fn modes(pixels: u32) -> [(&'static str, RenderSettings); 3] {
+    let base = RenderSettings {
+        lighting: None,
+        ..settings(pixels)
+    };
+    [
+        ("post", base),
+        (
+            "pre",
+            RenderSettings {
+                classification: Classification::Pre,
+                ..base
+            },
+        ),
+        (
+            "xray",
+            RenderSettings {
+                compositing: Compositing::Xray,
+                ..base
+            },
+        ),
+    ]
+}
+
+/// Settings without the low-pass.
+pub fn unfiltered(settings: RenderSettings) -> RenderSettings {
+    RenderSettings {
+        filter: Filter::None,
+        ..settings
+    }
+}
+
+/// Orthographic camera looking along `direction` at `target`, showing `height` world units.
+pub fn orthographic(target: DVec3, direction: DVec3, height: f64) -> Camera {
+    let position = target - 500.0 * direction.normalize();
+    let up = direction.any_orthonormal_vector();
+    Camera::new(position, target, up, Projection::Orthographic { height }).unwrap()
+}
+
+/// Perspective camera at `distance` in front of `target`.
+pub fn perspective(target: DVec3, direction: DVec3, distance: f64, fov_degrees: f64) -> Camera {
+    let position = target - distance * direction.normalize();
+    let up = direction.any_orthonormal_vector();
+    Camera::new(position, target, up, Projection::Perspective { fov_degrees }).unwrap()
+}
+
+/// A frame by an engine of its own.
+pub fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Frame {
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    renderer.render(scene, camera, settings).unwrap()
+}
+
+/// Ray of a pixel's centre in world space: a point, and the direction of unit camera depth.
+pub fn world_ray(camera: &Camera, settings: &RenderSettings, x: usize, y: usize) -> (DVec3, DVec3) {
+    let screen = camera.screen_from_camera(settings.size);
+    let (origin, direction) = screen.ray(glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+    let world_from_camera = camera.camera_from_world().inverse();
+    (
+        world_from_camera.transform_point3(origin),
+        world_from_camera.transform_vector3(direction),
+    )
+}
