@@ -2,6 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
+use splatvol::{Kernel, Lighting, RenderSettings};
+
 use super::values::{self, Triple};
 
 const METHOD: &str = "Method";
@@ -16,20 +18,20 @@ pub(crate) struct MethodArgs {
     /// Splat classified colours (pre), or data that each sheet classifies (post) [default: post; pre for labels]
     #[arg(long, help_heading = METHOD)]
     pub(crate) classification: Option<ClassificationName>,
-    /// Thickness of a sheet, voxels [default: 0.5]
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
+    /// Thickness of a sheet, voxels
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Thickness of a sheet, voxels", |s| s.sheet_thickness))]
     pub(crate) sheet_thickness: Option<f64>,
     /// Low-pass filter in the picture [default: ewa]
     #[arg(long, help_heading = METHOD)]
     pub(crate) filter: Option<FilterName>,
-    /// Standard deviation of the EWA filter, pixels [default: 0.4]
-    #[arg(long, value_name = "PIXELS", help_heading = METHOD)]
+    /// Standard deviation of the EWA filter, pixels
+    #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.filter.pixel_sigma()))]
     pub(crate) pixel_sigma: Option<f64>,
-    /// Standard deviation of the reconstruction kernel, voxels [default: 0.74]
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
+    /// Standard deviation of the reconstruction kernel, voxels
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Standard deviation of the reconstruction kernel, voxels", |s| kernel(s)[0]))]
     pub(crate) kernel_sigma: Option<f64>,
-    /// Cut-off of the reconstruction kernel, voxels [default: 3]
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD)]
+    /// Cut-off of the reconstruction kernel, voxels
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Cut-off of the reconstruction kernel, voxels", |s| kernel(s)[1]))]
     pub(crate) kernel_radius: Option<f64>,
     /// Let the kernel smooth the data instead of interpolating them
     #[arg(long, help_heading = METHOD)]
@@ -37,8 +39,8 @@ pub(crate) struct MethodArgs {
     /// Interpolate the data (undoes --no-prefilter of a picture given with --like)
     #[arg(long, hide_short_help = true, help_heading = METHOD, conflicts_with = "no_prefilter")]
     pub(crate) prefilter: bool,
-    /// Transmittance at which a pixel is finished [default: 1/1024]
-    #[arg(long, value_name = "SHARE", help_heading = METHOD)]
+    /// Transmittance at which a pixel is finished
+    #[arg(long, value_name = "SHARE", help_heading = METHOD, help = with_default("Transmittance at which a pixel is finished", |s| s.termination))]
     pub(crate) termination: Option<f64>,
     /// Show the transfer function's colours as they are
     #[arg(long, help_heading = LIGHT)]
@@ -46,17 +48,17 @@ pub(crate) struct MethodArgs {
     /// Light the volume (undoes --no-shade of a picture given with --like)
     #[arg(long, hide_short_help = true, help_heading = LIGHT, conflicts_with = "no_shade")]
     pub(crate) shade: bool,
-    /// Share of the colour that needs no light [default: 0.25]
-    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade")]
+    /// Share of the colour that needs no light
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Share of the colour that needs no light", |s| light(s).ambient))]
     pub(crate) ambient: Option<f64>,
-    /// Share of the colour under full light [default: 0.75]
-    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade")]
+    /// Share of the colour under full light
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Share of the colour under full light", |s| light(s).diffuse))]
     pub(crate) diffuse: Option<f64>,
-    /// White highlight [default: 0.15]
-    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade")]
+    /// White highlight
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("White highlight", |s| light(s).specular))]
     pub(crate) specular: Option<f64>,
-    /// Exponent of the highlight [default: 20]
-    #[arg(long, value_name = "POWER", help_heading = LIGHT, conflicts_with = "no_shade")]
+    /// Exponent of the highlight
+    #[arg(long, value_name = "POWER", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Exponent of the highlight", |s| light(s).specular_power))]
     pub(crate) specular_power: Option<f64>,
     /// Towards the light: x right, y down, z forward [default: 0,0,-1, at the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
@@ -87,4 +89,19 @@ pub(crate) enum ClassificationName {
 pub(crate) enum FilterName {
     None,
     Ewa,
+}
+
+/// A help text that names the settings' own default.
+fn with_default(text: &str, pick: fn(&RenderSettings) -> f64) -> String {
+    let value = pick(&RenderSettings::default());
+    format!("{text} [default: {value}]")
+}
+
+fn kernel(settings: &RenderSettings) -> [f64; 2] {
+    let Kernel::Gaussian { sigma, radius } = settings.kernel;
+    [sigma, radius]
+}
+
+fn light(settings: &RenderSettings) -> Lighting {
+    settings.lighting.unwrap_or_default()
 }

@@ -156,35 +156,4 @@ mod tests {
         let post = resolve(&args, None, None, Some(Classification::Pre)).unwrap();
         assert_eq!(post.classification, Classification::Post);
     }
-
-    #[test]
-    fn the_help_names_the_defaults() {
-        use clap::CommandFactory;
-        let settings = RenderSettings::default();
-        let light = settings.lighting.unwrap();
-        let Kernel::Gaussian { sigma, radius } = settings.kernel;
-        let command = crate::args::Cli::command();
-        let render = command.find_subcommand("render").unwrap();
-        for (flag, value) in [
-            ("sheet-thickness", settings.sheet_thickness),
-            ("pixel-sigma", settings.filter.pixel_sigma()),
-            ("kernel-sigma", sigma),
-            ("kernel-radius", radius),
-            ("ambient", light.ambient),
-            ("diffuse", light.diffuse),
-            ("specular", light.specular),
-            ("specular-power", light.specular_power),
-        ] {
-            let argument = render
-                .get_arguments()
-                .find(|arg| arg.get_long() == Some(flag))
-                .unwrap();
-            let help = argument.get_help().unwrap().to_string();
-            assert!(
-                help.ends_with(&format!("[default: {value}]")),
-                "--{flag} ({value}): {help}"
-            );
-        }
-        assert_eq!(settings.termination, 1.0 / 1024.0);
-    }
 }
