@@ -76,6 +76,14 @@ impl ClassificationTable {
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
     }
 
+    /// Extinction of one value.
+    #[inline]
+    pub fn extinction(&self, value: f32) -> f32 {
+        let (cell, t) = locate(value);
+        let (a, b) = (self.points[cell][0], self.points[cell + 1][0]);
+        a + t * (b - a)
+    }
+
     /// Linear rgb of one value.
     #[inline]
     pub fn color(&self, value: f32) -> [f32; 3] {

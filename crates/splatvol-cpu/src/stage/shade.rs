@@ -3,7 +3,7 @@
 //! On both planes the pixel has the sums `S` (value), `W` (weight) and the analytic gradient of S (the derivative of
 //! the EWA filter). Along the pixel's ray S is the cubic Hermite polynomial of both ends' values and derivatives,
 //! `O(dz^4)` where the papers' sheets are constant, W runs linearly, and `v = S / W`. The interval is cut where v
-//! bends, each piece being classified by the integral tables for a linear value and lit in its middle: the gradient
+//! bends, each piece being classified by the integral tables for a linear value and lit where its material is: the gradient
 //! runs linearly between the ends, but for its part along the ray, which is the polynomial's derivative (with the
 //! linear part alone, or light interpolated instead of gradients, sheets show as wood grain on slopes).
 
@@ -148,29 +148,23 @@ impl Shader<'_> {
         }
         let length = self.spacing * interval.ray_squared().sqrt();
         let pieces = self.pieces([v0, quarters[0], quarters[1], quarters[2], v1], length);
-        let mut value = v0;
-        let mut front = self.table.color(v0);
+        let share = 1.0 / pieces as f32;
+        let mut front = Classified::at(self.table, v0);
         for piece in 0..pieces {
-            let (u0, u1) = (piece as f32 / pieces as f32, (piece + 1) as f32 / pieces as f32);
-            let next = profile.value(u1);
-            let back = self.table.color(next);
-            let middle = 0.5 * (u0 + u1);
-            let [extinction, emission @ ..] = self.table.mean(value, next);
+            let start = piece as f32 * share;
+            let back = Classified::at(self.table, profile.value(start + share));
+            let [extinction, emission @ ..] = self.table.mean(front.value, back.value);
             if extinction > 0.0 {
+                let u = start + share * front.centroid(&back, extinction);
                 let lit = self
                     .lights
-                    .map_or(Lit::PLAIN, |phong| phong.at(profile.gradient(middle)));
+                    .map_or(Lit::PLAIN, |phong| phong.at(profile.gradient(u)));
                 let mean = emission.map(|e| e / extinction * lit.diffuse + lit.specular);
-                let half_step = std::array::from_fn(|c| 0.5 * (front[c] - back[c]) * lit.diffuse);
-                let optical_depth = extinction * profile.coverage(middle) * length / pieces as f32;
-                pixel.add_gradient(
-                    optical_depth,
-                    mean,
-                    half_step,
-                    interval.depth + middle * self.spacing,
-                );
+                let half_step = std::array::from_fn(|c| 0.5 * (front.color[c] - back.color[c]) * lit.diffuse);
+                let optical_depth = extinction * profile.coverage(start + 0.5 * share) * length * share;
+                pixel.add_gradient(optical_depth, mean, half_step, interval.depth + u * self.spacing);
             }
-            (value, front) = (next, back);
+            front = back;
         }
     }
 
@@ -202,6 +196,41 @@ impl Shader<'_> {
                     pixel.depth_sum = interval.depth + u * self.spacing;
                 }
             }
+        }
+    }
+}
+
+/// An end of a piece.
+#[derive(Debug, Clone, Copy)]
+struct Classified {
+    value: f32,
+    extinction: f32,
+    color: [f32; 3],
+}
+
+impl Classified {
+    #[inline(always)]
+    fn at(table: &ClassificationTable, value: f32) -> Self {
+        Self {
+            value,
+            extinction: table.extinction(value),
+            color: table.color(value),
+        }
+    }
+
+    /// Where between this end (0) and the other (1) the middle of the material lies, for an extinction that runs
+    /// linearly, from where it begins if it is zero at one end.
+    #[inline(always)]
+    fn centroid(&self, back: &Self, mean: f32) -> f32 {
+        let (a, b) = (self.extinction, back.extinction);
+        if a <= 0.0 && b <= 0.0 {
+            0.5
+        } else if a <= 0.0 {
+            1.0 - (2.0 * mean / b).min(1.0) / 3.0
+        } else if b <= 0.0 {
+            (2.0 * mean / a).min(1.0) / 3.0
+        } else {
+            (a + 2.0 * b) / (3.0 * (a + b))
         }
     }
 }
