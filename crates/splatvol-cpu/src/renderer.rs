@@ -14,6 +14,7 @@ use splatvol_scene::{Camera, Compositing, Frame, Image, Kernel, RenderSettings, 
 
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
+use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
 use crate::tile::{self, ColorMode, DataMode, Mode, Scratch, TileWork};
 
@@ -22,7 +23,7 @@ use crate::tile::{self, ColorMode, DataMode, Mode, Scratch, TileWork};
 pub struct EngineConfig {
     /// Worker threads; `None` takes one per logical processor.
     pub threads: Option<usize>,
-    /// Edge of a tile in pixels, a multiple of 16 from 16 to 256; `None` takes 64. Does not change the picture.
+    /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes 64. Does not change the picture.
     pub tile_edge: Option<usize>,
 }
 
@@ -39,7 +40,7 @@ pub enum EngineError {
         reason: String,
     },
     /// A tile edge outside its domain.
-    #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 256)")]
+    #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 64)")]
     TileEdge {
         /// The offending value, pixels.
         edge: usize,
@@ -81,7 +82,7 @@ impl Renderer {
     /// Threads that the system refuses, or a tile edge outside its domain.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
         let tile_edge = config.tile_edge.unwrap_or(64);
-        if !tile_edge.is_multiple_of(16) || !(16..=256).contains(&tile_edge) {
+        if !tile_edge.is_multiple_of(16) || !(16..=MAX_EDGE).contains(&tile_edge) {
             return Err(EngineError::TileEdge { edge: tile_edge });
         }
         let pool = rayon::ThreadPoolBuilder::new()

@@ -3,6 +3,8 @@
 //! Pictures have 256 x 256 pixels; the reference integrates a lattice of them, every pixel with
 //! `SPLATVOL_EVERY_PIXEL=1`.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod common;
 
 use common::{PROJECTIONS, settings};

@@ -1,5 +1,7 @@
 //! Closed forms: slabs and balls from thin to opaque, and convergence in the sheets' thickness.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod common;
 
 use common::{modes, orthographic, perspective, render, settings, unfiltered, world_ray};

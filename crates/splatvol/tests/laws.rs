@@ -1,6 +1,8 @@
 //! Laws that hold whatever the data: constants stay constant, energy is kept, turned cameras turn pictures, nothing
 //! stays nothing, and what is hidden changes nothing.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod common;
 
 use common::{PROJECTIONS, modes, orthographic, perspective, render, settings, unfiltered, world_ray};

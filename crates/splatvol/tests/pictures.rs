@@ -1,5 +1,7 @@
 //! Pictures as they are today, against pictures as they were.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod common;
 
 use common::{PROJECTIONS, render, settings};

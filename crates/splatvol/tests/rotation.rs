@@ -1,5 +1,7 @@
 //! No popping: half-degree steps through 45 degrees, where sheets along the volume's axes would switch.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 mod common;
 
 use common::settings;

@@ -56,24 +56,31 @@ impl BoxCover {
         (Vec3::splat(self.variance) + self.low_pass * low_pass * low_pass).map(f32::sqrt)
     }
 
+    /// Whether the kernel at a camera-space point lies on the box altogether.
+    pub(crate) fn is_inside(&self, camera: [f32; 3], sigma: Vec3) -> bool {
+        let point = self.from_corner(camera);
+        point.cmpge(sigma * REACH).all() && (self.size - point).cmpge(sigma * REACH).all()
+    }
+
     /// Kernel weight on the volume's own samples at a camera-space point, given the weight W on all of the lattice.
     #[inline(always)]
     pub(crate) fn at(&self, camera: [f32; 3], sigma: Vec3, weight: f32) -> f32 {
-        let point = Vec3::from(self.voxel_from_camera.transform_point3a(Vec3A::from(camera))) + 0.5;
-        let inside = point.cmpge(sigma * REACH).all() && (self.size - point).cmpge(sigma * REACH).all();
-        let own = if inside {
-            1.0
-        } else {
-            let axis = |x: f32, n: f32, s: f32| self.cumulative(x / s) - self.cumulative((x - n) / s);
-            axis(point.x, self.size.x, sigma.x)
-                * axis(point.y, self.size.y, sigma.y)
-                * axis(point.z, self.size.z, sigma.z)
-        };
+        let point = self.from_corner(camera);
+        let axis = |x: f32, n: f32, s: f32| self.cumulative(x / s) - self.cumulative((x - n) / s);
+        let own = axis(point.x, self.size.x, sigma.x)
+            * axis(point.y, self.size.y, sigma.y)
+            * axis(point.z, self.size.z, sigma.z);
         if self.any_missing {
             own * weight.min(1.0)
         } else {
             own
         }
+    }
+
+    /// Camera space to voxels from the box's first corner.
+    #[inline(always)]
+    fn from_corner(&self, camera: [f32; 3]) -> Vec3 {
+        Vec3::from(self.voxel_from_camera.transform_point3a(Vec3A::from(camera))) + 0.5
     }
 
     #[inline(always)]

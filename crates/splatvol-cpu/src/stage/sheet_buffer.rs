@@ -1,24 +1,30 @@
 //! A tile's sheet: five channels per pixel, in f32.
 //!
-//! Rows hold the channels one after the other (`[row][channel][pixel]`), so that a footprint touches few cache lines
-//! and each channel is contiguous. Rows begin at cache lines and vectors are aligned to their size, so that a splat
-//! reads what the one before it wrote in the same pieces (store forwarding fails otherwise: measured, 2.3 times
-//! slower). An odd number of cache lines per pitch avoids 4 KiB aliasing.
+//! Rows hold the channels one after the other, so that a footprint touches few cache lines and each channel is
+//! contiguous. Rows begin at cache lines and vectors are aligned to their size, so that a splat reads what the one
+//! before it wrote in the same pieces (store forwarding fails otherwise). A channel's pitch is the widest tile plus one
+//! vector, 80 pixels: an odd number of cache lines, which avoids 4 KiB aliasing, and a constant, which leaves one
+//! bounds check per row.
 
 /// Channels of a sheet.
 pub(crate) const CHANNELS: usize = 5;
 /// Widest SIMD vector, in f32.
 pub(crate) const MAX_LANES: usize = 16;
+/// Largest edge of a tile, pixels.
+pub(crate) const MAX_EDGE: usize = 64;
+/// Pixels per channel and row; the last vector of a row may write behind the tile.
+pub(crate) const PITCH: usize = MAX_EDGE + MAX_LANES;
+
+/// The channels of a row of pixels.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Row(pub [[f32; PITCH]; CHANNELS]);
 
 /// One sheet of a tile.
 #[derive(Debug)]
 pub(crate) struct SheetBuffer {
-    /// `[row][channel][pixel]`, from `start` on.
-    pub data: Vec<f32>,
-    /// First element that begins a cache line.
-    start: usize,
-    /// Pixels per channel and row, padding included.
-    pub pitch: usize,
+    /// Top to bottom.
+    pub rows: Vec<Row>,
     /// Pixels touched since the last clear: x0, y0, x1, y1 relative to the tile, ends excluded.
     pub touched: Touched,
 }
@@ -63,39 +69,30 @@ impl Touched {
 impl SheetBuffer {
     /// Zeroed sheet for tiles of `edge` pixels.
     pub(crate) fn new(edge: usize) -> Self {
-        let pitch = edge.next_multiple_of(MAX_LANES) + MAX_LANES;
-        let data = vec![0.0f32; edge * CHANNELS * pitch + MAX_LANES];
-        let start = data
-            .as_ptr()
-            .align_offset(size_of::<[f32; MAX_LANES]>())
-            .min(MAX_LANES);
         Self {
-            data,
-            start,
-            pitch,
+            rows: vec![Row([[0.0; PITCH]; CHANNELS]); edge],
             touched: Touched::default(),
         }
-    }
-
-    /// Index of a row's first channel.
-    #[inline(always)]
-    pub(crate) fn row(&self, y: usize) -> usize {
-        self.start + y * CHANNELS * self.pitch
     }
 
     /// The channels of a pixel.
     #[inline(always)]
     pub(crate) fn pixel(&self, x: usize, y: usize) -> [f32; CHANNELS] {
-        let start = self.row(y) + x;
-        std::array::from_fn(|channel| self.data[start + channel * self.pitch])
+        let row = &self.rows[y].0;
+        std::array::from_fn(|channel| row[channel][x])
     }
 
     /// Zeroes what was touched.
     pub(crate) fn clear(&mut self) {
         let touched = std::mem::take(&mut self.touched);
-        for y in touched.y0..touched.y1 {
-            let row = self.row(y);
-            self.data[row..row + CHANNELS * self.pitch].fill(0.0);
+        if !touched.is_empty() {
+            // The last vector may have written a vector's length further.
+            let columns = touched.x0 / MAX_LANES * MAX_LANES..(touched.x1 + MAX_LANES).min(PITCH);
+            for row in &mut self.rows[touched.y0..touched.y1] {
+                for channel in &mut row.0 {
+                    channel[columns.clone()].fill(0.0);
+                }
+            }
         }
     }
 }

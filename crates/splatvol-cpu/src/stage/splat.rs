@@ -9,13 +9,28 @@ use fearless_simd::prelude::*;
 use splatvol_core::bin::TileRect;
 use splatvol_core::footprint::Slice;
 
-use super::sheet_buffer::{CHANNELS, MAX_LANES, SheetBuffer, Touched};
+use super::sheet_buffer::{CHANNELS, MAX_EDGE, PITCH, Row, SheetBuffer, Touched};
 use super::simd_exp::exp;
 
 /// What a slice adds to each channel, given its weight at some pixels.
 pub(crate) trait Payload: Copy {
-    /// Adds to the vector of pixels at `row[at..]` of each channel (`pitch` apart); `dx`, `dy`: offsets from the centre.
-    fn add<S: Simd>(self, simd: S, row: &mut [f32], pitch: usize, weight: S::f32s, dx: S::f32s, dy: f32);
+    /// Adds to the vector of pixels at column `x` of each channel; `dx`, `dy`: offsets from the centre.
+    fn add<S: Simd>(self, target: Target<'_, S>, weight: S::f32s, dx: S::f32s, dy: f32);
+}
+
+/// A vector of pixels of a row.
+pub(crate) struct Target<'a, S> {
+    simd: S,
+    row: &'a mut Row,
+    x: usize,
+}
+
+impl<S: Simd> Target<'_, S> {
+    #[inline(always)]
+    fn accumulate(&mut self, channel: usize, value: S::f32s) {
+        let pixels = &mut self.row.0[channel][self.x..self.x + S::f32s::LEN];
+        (S::f32s::from_slice(self.simd, pixels) + value).store_slice(pixels);
+    }
 }
 
 /// Data with its analytic gradient: value, weight, derivatives to screen x, screen y, depth.
@@ -33,32 +48,24 @@ pub(crate) struct DataPayload {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ColorPayload(pub [f32; CHANNELS]);
 
-#[inline(always)]
-fn accumulate<S: Simd>(simd: S, pixels: &mut [f32], value: S::f32s) {
-    let pixels = &mut pixels[..S::f32s::LEN];
-    (S::f32s::from_slice(simd, pixels) + value).store_slice(pixels);
-}
-
 impl Payload for DataPayload {
     #[inline(always)]
-    fn add<S: Simd>(self, simd: S, row: &mut [f32], pitch: usize, weight: S::f32s, dx: S::f32s, dy: f32) {
+    fn add<S: Simd>(self, mut target: Target<'_, S>, weight: S::f32s, dx: S::f32s, dy: f32) {
         let [xx, xy, yy] = self.conic;
         let value = weight * self.coefficient;
-        let slope_x = dx * -xx - xy * dy;
-        let slope_y = dx * -xy - yy * dy;
-        accumulate(simd, row, value);
-        accumulate(simd, &mut row[pitch..], weight);
-        accumulate(simd, &mut row[2 * pitch..], value * slope_x);
-        accumulate(simd, &mut row[3 * pitch..], value * slope_y);
-        accumulate(simd, &mut row[4 * pitch..], value * self.depth_derivative);
+        target.accumulate(0, value);
+        target.accumulate(1, weight);
+        target.accumulate(2, value * (dx * -xx - xy * dy));
+        target.accumulate(3, value * (dx * -xy - yy * dy));
+        target.accumulate(4, value * self.depth_derivative);
     }
 }
 
 impl Payload for ColorPayload {
     #[inline(always)]
-    fn add<S: Simd>(self, simd: S, row: &mut [f32], pitch: usize, weight: S::f32s, _dx: S::f32s, _dy: f32) {
+    fn add<S: Simd>(self, mut target: Target<'_, S>, weight: S::f32s, _dx: S::f32s, _dy: f32) {
         for (channel, factor) in self.0.into_iter().enumerate() {
-            accumulate(simd, &mut row[channel * pitch..], weight * factor);
+            target.accumulate(channel, weight * factor);
         }
     }
 }
@@ -99,61 +106,49 @@ pub(crate) fn splat<S: Simd, P: Payload>(
         y1: y1 - rect.y0,
     });
     let [xx, xy, yy] = slice.conic;
-    let (pitch, stride) = (sheet.pitch, CHANNELS * sheet.pitch);
     let lanes = S::f32s::from_fn(simd, |i| i as f32);
     let zero = S::f32s::simd_from(simd, 0.0);
     let diagonal = xy == 0.0;
-    let rows = RowFactors::new(simd, -0.5 * yy, cy, y0, if diagonal { y1 } else { y0 });
+    let mut factors = [0.0; PITCH];
+    if diagonal {
+        row_factors(
+            simd,
+            -0.5 * yy,
+            y0 as f32 + 0.5 - cy,
+            &mut factors[..(y1 - y0).next_multiple_of(S::f32s::LEN)],
+        );
+    }
     // Vectors begin at multiples of their length within the tile; lanes outside the box get no weight.
-    let aligned = (x0 - rect.x0) / S::f32s::LEN * S::f32s::LEN + rect.x0;
-    for x in (aligned..x1).step_by(S::f32s::LEN) {
-        let dx = lanes + (x as f32 + 0.5 - cx);
+    let aligned = (x0 - rect.x0) / S::f32s::LEN * S::f32s::LEN;
+    for column in (aligned..x1 - rect.x0).step_by(S::f32s::LEN) {
+        let dx = lanes + ((rect.x0 + column) as f32 + 0.5 - cx);
         let inside = dx.abs().simd_le(S::f32s::simd_from(simd, rx));
         let along_x = dx * dx * (-0.5 * xx);
-        let column = inside.select(exp(simd, along_x) * slice.weight, zero);
-        let start = sheet.row(y0 - rect.y0) + x - rect.x0;
-        let end = start + (y1 - y0 - 1) * stride + (CHANNELS - 1) * pitch + S::f32s::LEN;
-        for (i, row) in sheet.data[start..end].chunks_mut(stride).enumerate() {
+        let peak = inside.select(exp(simd, along_x) * slice.weight, zero);
+        let rows = &mut sheet.rows[y0 - rect.y0..y1 - rect.y0];
+        for (i, (row, factor)) in rows.iter_mut().zip(&factors).enumerate() {
             let dy = (y0 + i) as f32 + 0.5 - cy;
             let weight = if diagonal {
-                column * rows.factor(simd, i, dy)
+                peak * *factor
             } else {
                 let exponent = dx.mul_add(S::f32s::simd_from(simd, -xy * dy), along_x) - 0.5 * yy * dy * dy;
                 inside.select(exp(simd, exponent) * slice.weight, zero)
             };
-            payload.add(simd, row, pitch, weight, dx, dy);
+            payload.add(Target { simd, row, x: column }, weight, dx, dy);
         }
     }
     true
 }
 
-/// `exp(-yy dy^2 / 2)` of the rows of a slice, a vector at a time.
-struct RowFactors {
-    factors: [f32; Self::KEPT],
-    half_yy: f32,
-}
-
-impl RowFactors {
-    /// Rows of a tile; taller tiles compute the rest row by row.
-    const KEPT: usize = 64 + MAX_LANES;
-
-    #[inline(always)]
-    fn new<S: Simd>(simd: S, half_yy: f32, cy: f32, y0: usize, y1: usize) -> Self {
-        let mut factors = [0.0; Self::KEPT];
-        let lanes = S::f32s::from_fn(simd, |i| i as f32);
-        for first in (0..(y1 - y0).min(64)).step_by(S::f32s::LEN) {
-            let dy = lanes + ((y0 + first) as f32 + 0.5 - cy);
-            exp(simd, dy * dy * half_yy).store_slice(&mut factors[first..first + S::f32s::LEN]);
-        }
-        Self { factors, half_yy }
-    }
-
-    #[inline(always)]
-    fn factor<S: Simd>(&self, simd: S, row: usize, dy: f32) -> f32 {
-        if row < 64 {
-            self.factors[row]
-        } else {
-            exp(simd, S::f32s::simd_from(simd, self.half_yy * dy * dy))[0]
-        }
+/// `exp(half_yy dy^2)` of the rows from `first` (offset of the first row from the centre) on, a vector at a time.
+#[inline(always)]
+fn row_factors<S: Simd>(simd: S, half_yy: f32, first: f32, factors: &mut [f32]) {
+    let lanes = S::f32s::from_fn(simd, |i| i as f32);
+    for (chunk, factors) in factors.chunks_exact_mut(S::f32s::LEN).enumerate() {
+        let dy = lanes + (first + (chunk * S::f32s::LEN) as f32);
+        exp(simd, dy * dy * half_yy).store_slice(factors);
     }
 }
+
+// A tile's rows and one vector more fit the factors of a slice.
+const _: () = assert!(MAX_EDGE <= PITCH);

@@ -10,7 +10,7 @@ use super::{Canvas, Fate, Mode};
 use crate::plan::FramePlan;
 use crate::stage::activate::OpenVoxel;
 use crate::stage::shade::{End, Interval, NO_COVERAGE, Phong, Shader};
-use crate::stage::sheet_buffer::SheetBuffer;
+use crate::stage::sheet_buffer::{SheetBuffer, Touched};
 use crate::stage::splat::{DataPayload, splat};
 
 /// Splats kernel coefficients; classifies pairs of planes.
@@ -39,22 +39,60 @@ impl<'a> DataMode<'a> {
         }
     }
 
-    /// The end of an interval: channels of a plane's pixel to sums and gradient. `ray`: camera (x, y) per depth, and at
-    /// depth 0.
+    /// Ray of the image pixel x, y.
     #[inline(always)]
-    fn end(&self, plane: &Plane, [sum, weight, dx, dy, dz]: [f32; 5], ray: &PixelRay) -> End {
+    fn ray(&self, x: usize, y: usize) -> PixelRay {
+        let screen = &self.plan.projector.screen;
+        let per_pixel = 1.0 / screen.scale as f32;
+        let [cx, cy] = screen.centre.as_vec2().to_array();
+        let plane = [
+            (x as f32 + 0.5 - cx) * per_pixel,
+            (y as f32 + 0.5 - cy) * per_pixel,
+        ];
+        if screen.perspective {
+            PixelRay {
+                origin: [0.0; 2],
+                slope: plane,
+            }
+        } else {
+            PixelRay {
+                origin: plane,
+                slope: [0.0; 2],
+            }
+        }
+    }
+
+    /// Whether all pixels of a tile's rectangle see the plane well inside the volume's box.
+    fn is_inside(&self, plane: &Plane, rect: &TileRect, touched: &Touched) -> bool {
+        let (x0, x1) = (rect.x0 + touched.x0, rect.x0 + touched.x1);
+        let (y0, y1) = (rect.y0 + touched.y0, rect.y0 + touched.y1);
+        let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)];
+        let depth = plane.slicer.depth();
+        !self.plan.coefficients.any_missing
+            && corners
+                .iter()
+                .all(|&(x, y)| self.plan.cover.is_inside(self.ray(x, y).at(depth), plane.sigma))
+    }
+
+    /// The end of an interval: channels of a plane's pixel to sums and gradient.
+    #[inline(always)]
+    fn end(
+        &self,
+        (plane, inside): (&Plane, bool),
+        [sum, weight, dx, dy, dz]: [f32; 5],
+        ray: &PixelRay,
+    ) -> End {
         let slicer = &plane.slicer;
         let scale = slicer.scale();
         let slope = slicer.lateral_slope();
         let (x, y) = (scale * dx, scale * dy);
         // The depth derivative was taken along the footprint's drift.
         let z = dz - slope[0] * x - slope[1] * y;
-        let depth = slicer.depth();
-        let position: [f32; 2] = std::array::from_fn(|i| ray.origin[i] + ray.slope[i] * depth);
-        let own_weight = self
-            .plan
-            .cover
-            .at([position[0], position[1], depth], plane.sigma, weight);
+        let own_weight = if inside {
+            1.0
+        } else {
+            self.plan.cover.at(ray.at(slicer.depth()), plane.sigma, weight)
+        };
         End {
             sum,
             weight,
@@ -76,6 +114,18 @@ pub(crate) struct Plane {
 struct PixelRay {
     origin: [f32; 2],
     slope: [f32; 2],
+}
+
+impl PixelRay {
+    /// Its point at a depth.
+    #[inline(always)]
+    fn at(&self, depth: f32) -> [f32; 3] {
+        [
+            self.origin[0] + self.slope[0] * depth,
+            self.origin[1] + self.slope[1] * depth,
+            depth,
+        ]
+    }
 }
 
 impl Mode for DataMode<'_> {
@@ -136,9 +186,9 @@ impl Mode for DataMode<'_> {
         if touched.is_empty() {
             return;
         }
-        let screen = &self.plan.projector.screen;
-        let per_pixel = 1.0 / screen.scale as f32;
-        let [cx, cy] = screen.centre.as_vec2().to_array();
+        let ends =
+            [near_plane, far_plane].map(|plane| (plane, self.is_inside(plane, &canvas.rect, &touched)));
+        let depth = near_plane.slicer.depth();
         for y in touched.y0..touched.y1 {
             for x in touched.x0..touched.x1 {
                 let (a, b) = (near.pixel(x, y), far.pixel(x, y));
@@ -146,27 +196,13 @@ impl Mode for DataMode<'_> {
                 if a[1].max(b[1]) < NO_COVERAGE || canvas.pixels[index].finished {
                     continue;
                 }
-                let plane = [
-                    ((canvas.rect.x0 + x) as f32 + 0.5 - cx) * per_pixel,
-                    ((canvas.rect.y0 + y) as f32 + 0.5 - cy) * per_pixel,
-                ];
-                let ray = if screen.perspective {
-                    PixelRay {
-                        origin: [0.0; 2],
-                        slope: plane,
-                    }
-                } else {
-                    PixelRay {
-                        origin: plane,
-                        slope: [0.0; 2],
-                    }
-                };
-                let (a, b) = (self.end(near_plane, a, &ray), self.end(far_plane, b, &ray));
+                let ray = self.ray(canvas.rect.x0 + x, canvas.rect.y0 + y);
+                let (a, b) = (self.end(ends[0], a, &ray), self.end(ends[1], b, &ray));
                 if a.own_weight.max(b.own_weight) < NO_COVERAGE {
                     continue;
                 }
                 let interval = Interval {
-                    depth: near_plane.slicer.depth(),
+                    depth,
                     ray: ray.slope,
                 };
                 let pixel = &mut canvas.pixels[index];

@@ -1,5 +1,6 @@
 //! Cameras and settings that several tests share.
 #![allow(dead_code, reason = "every test binary uses its own part")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use glam::DVec3;
 use splatvol::{
