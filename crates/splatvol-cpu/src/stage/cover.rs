@@ -58,14 +58,14 @@ impl BoxCover {
 
     /// Whether the kernel at a camera-space point lies on the box altogether.
     pub(crate) fn is_inside(&self, camera: [f32; 3], sigma: Vec3) -> bool {
-        let point = self.from_corner(camera);
+        let point = self.corner_offset(camera);
         point.cmpge(sigma * REACH).all() && (self.size - point).cmpge(sigma * REACH).all()
     }
 
     /// Kernel weight on the volume's own samples at a camera-space point, given the weight W on all of the lattice.
     #[inline(always)]
     pub(crate) fn at(&self, camera: [f32; 3], sigma: Vec3, weight: f32) -> f32 {
-        let point = self.from_corner(camera);
+        let point = self.corner_offset(camera);
         let axis = |x: f32, n: f32, s: f32| self.cumulative(x / s) - self.cumulative((x - n) / s);
         let own = axis(point.x, self.size.x, sigma.x)
             * axis(point.y, self.size.y, sigma.y)
@@ -79,7 +79,7 @@ impl BoxCover {
 
     /// Camera space to voxels from the box's first corner.
     #[inline(always)]
-    fn from_corner(&self, camera: [f32; 3]) -> Vec3 {
+    fn corner_offset(&self, camera: [f32; 3]) -> Vec3 {
         Vec3::from(self.voxel_from_camera.transform_point3a(Vec3A::from(camera))) + 0.5
     }
 
