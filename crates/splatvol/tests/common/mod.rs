@@ -9,13 +9,13 @@ use splatvol::{
 };
 
 /// Central and parallel projection.
-pub const PROJECTIONS: [Projection; 2] = [
+pub(crate) const PROJECTIONS: [Projection; 2] = [
     Projection::Perspective { fov_degrees: 30.0 },
     Projection::Orthographic { height: 1.0 },
 ];
 
 /// Settings of a square picture, otherwise the defaults.
-pub fn settings(pixels: u32) -> RenderSettings {
+pub(crate) fn settings(pixels: u32) -> RenderSettings {
     RenderSettings {
         size: ImageSize::new(pixels, pixels).unwrap(),
         ..RenderSettings::default()
@@ -23,7 +23,7 @@ pub fn settings(pixels: u32) -> RenderSettings {
 }
 
 /// The three ways to optical depth: post-classified, pre-classified, X-ray; unlit.
-pub fn modes(pixels: u32) -> [(&'static str, RenderSettings); 3] {
+pub(crate) fn modes(pixels: u32) -> [(&'static str, RenderSettings); 3] {
     let base = RenderSettings {
         lighting: None,
         ..settings(pixels)
@@ -48,7 +48,7 @@ pub fn modes(pixels: u32) -> [(&'static str, RenderSettings); 3] {
 }
 
 /// Settings without the low-pass.
-pub fn unfiltered(settings: RenderSettings) -> RenderSettings {
+pub(crate) fn unfiltered(settings: RenderSettings) -> RenderSettings {
     RenderSettings {
         filter: Filter::None,
         ..settings
@@ -56,27 +56,27 @@ pub fn unfiltered(settings: RenderSettings) -> RenderSettings {
 }
 
 /// Orthographic camera looking along `direction` at `target`, showing `height` world units.
-pub fn orthographic(target: DVec3, direction: DVec3, height: f64) -> Camera {
+pub(crate) fn orthographic(target: DVec3, direction: DVec3, height: f64) -> Camera {
     let position = target - 500.0 * direction.normalize();
     let up = direction.any_orthonormal_vector();
     Camera::new(position, target, up, Projection::Orthographic { height }).unwrap()
 }
 
 /// Perspective camera at `distance` in front of `target`.
-pub fn perspective(target: DVec3, direction: DVec3, distance: f64, fov_degrees: f64) -> Camera {
+pub(crate) fn perspective(target: DVec3, direction: DVec3, distance: f64, fov_degrees: f64) -> Camera {
     let position = target - distance * direction.normalize();
     let up = direction.any_orthonormal_vector();
     Camera::new(position, target, up, Projection::Perspective { fov_degrees }).unwrap()
 }
 
 /// A frame by an engine of its own.
-pub fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Frame {
+pub(crate) fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Frame {
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     renderer.render(scene, camera, settings).unwrap()
 }
 
 /// Ray of a pixel's centre in world space: a point, and the direction of unit camera depth.
-pub fn world_ray(camera: &Camera, settings: &RenderSettings, x: usize, y: usize) -> (DVec3, DVec3) {
+pub(crate) fn world_ray(camera: &Camera, settings: &RenderSettings, x: usize, y: usize) -> (DVec3, DVec3) {
     let screen = camera.screen_from_camera(settings.size);
     let (origin, direction) = screen.ray(glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
     let world_from_camera = camera.camera_from_world().inverse();
