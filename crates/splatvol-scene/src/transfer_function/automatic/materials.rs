@@ -18,6 +18,9 @@ pub(super) struct Background {
 }
 
 impl Background {
+    /// Standard deviations of noise that still count as background.
+    pub(super) const DEVIATIONS: f64 = 4.0;
+
     /// Finds the background, `None` where the faces look like everything else.
     pub(super) fn find(survey: &Survey) -> Option<Self> {
         let level = half_sample_mode(&survey.border)?;
@@ -29,10 +32,10 @@ impl Background {
         (noise <= 0.09 * range).then_some(Self { level, noise })
     }
 
-    /// Value above which there is no background any more, for data up to `max`: four standard deviations, and a
-    /// thousandth of the range where the noise is quantised away.
+    /// Value above which there is no background any more, for data up to `max`: some standard deviations, and
+    /// a thousandth of the range where the noise is quantised away.
     pub(super) fn ceiling(&self, max: f64) -> f64 {
-        self.level + (4.0 * self.noise).max(1e-3 * (max - self.level))
+        self.level + (Self::DEVIATIONS * self.noise).max(1e-3 * (max - self.level))
     }
 }
 

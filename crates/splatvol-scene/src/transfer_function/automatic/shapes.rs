@@ -1,7 +1,7 @@
 //! The curves proposed for each kind of data.
 
 use super::materials::{Background, thresholds};
-use super::survey::Survey;
+use super::survey::{Survey, quantile};
 use super::{DataKind, Proposal};
 use crate::{ColorMap, ColorPoint, OpacityPoint};
 
@@ -18,6 +18,12 @@ const DENSE_OPTICAL_DEPTH: f64 = 8.0;
 
 /// Optical depth along the mean path below which a class is left out: it would be haze, and cost time.
 const LEAST_OPTICAL_DEPTH: f64 = 0.1;
+
+/// Optical depth along the mean path that a class has at least where it stands alone: it hides nothing.
+const LONELY_OPTICAL_DEPTH: f64 = 1.0;
+
+/// Shares of a class's rays that meet denser classes: up to the first it stands alone, from the second it does not.
+const LONELY: [f64; 2] = [0.4, 0.55];
 
 /// Part of a class on either side of a threshold over which its opacity changes to the next one's.
 const TRANSITION: f64 = 0.15;
@@ -88,11 +94,17 @@ pub(super) fn is_signed(survey: &Survey, background: Background) -> bool {
 /// Opacity by magnitude, from 0 at the noise; blue below zero, red above.
 pub(super) fn signed(mut survey: Survey, largest: f64) -> Proposal {
     survey.make_absolute();
-    let background = Background::find(&survey).unwrap_or(Background {
-        level: 0.0,
-        noise: 0.0,
-    });
-    let classes = Classes::new(&survey, background, largest);
+    let border = Background::find(&survey).map_or(0.0, |background| background.noise);
+    // Statistical maps are noise all over inside a mask. The median magnitude there is 0.67 standard deviations; of
+    // those, one and a half are noise, and so is the lowest of the classes above.
+    let unmasked = &survey.sorted[survey.sorted.partition_point(|&v| v == 0.0)..];
+    let inside = 1.5 / Background::DEVIATIONS * 1.4826 * quantile(unmasked, 0.5);
+    let noise = if inside.is_finite() {
+        border.max(inside)
+    } else {
+        border
+    };
+    let classes = Classes::new(&survey, Background { level: 0.0, noise }, largest);
     let positive = classes.opacity_points();
     let negative = positive.iter().map(|p| OpacityPoint::new(-p.value, p.opacity));
     let [_, _, strong] = classes.thresholds;
@@ -132,7 +144,9 @@ pub(super) fn continuous(survey: &Survey, [min, max]: [f64; 2]) -> Proposal {
     let [low, high] = if low < high { [low, high] } else { [min, max] };
     let threshold = thresholds(survey, [low, high], 2)[0].clamp(low + 0.02 * (high - low), high);
     let width = 0.02 * (high - low);
-    let at = |t: f64| threshold + t * (high - threshold);
+    // Colours are for the bulk; a few large values would press it into the first one.
+    let top = survey.quantile(0.99).max(threshold + width);
+    let at = |t: f64| threshold + t * (top - threshold);
     Proposal {
         kind: DataKind::Continuous,
         reason: format!(
@@ -193,7 +207,11 @@ impl Classes {
             if tau < LEAST_OPTICAL_DEPTH {
                 return 0.0;
             }
-            opacity(tau, survey.mean_path([thresholds[i], ends[i]])).min(0.95)
+            let range = [thresholds[i], ends[i]];
+            let [alone, together] = LONELY;
+            let loneliness = (together - survey.share_before_denser(range)) / (together - alone);
+            let tau = tau.max(LONELY_OPTICAL_DEPTH * loneliness.clamp(0.0, 1.0));
+            opacity(tau, survey.mean_path(range)).min(0.95)
         });
         for i in 1..3 {
             opacities[i] = opacities[i].max(opacities[i - 1]);

@@ -2,18 +2,19 @@
 //!
 //! The grid is cut into at most [`CELLS_PER_AXIS`]^3 cells; each gives one sample at a hashed place inside it (a plain
 //! stride would alias with lattices and repeated slices), with the gradient magnitude from forward differences. So at
-//! most 4 * 64^3 = 1 M voxels are touched, and 6 * 64^2 more on the faces of the grid, always the same ones.
+//! most 4 * 64^3 = 1 M voxels are touched, and 6 * 64^2 more on the faces of the grid, always the same ones, however
+//! the file orders its axes.
 
-use crate::volume::widen;
-use crate::{Rescale, Volume, with_samples};
+use super::oriented::{Orientation, OrientedSamples};
+use crate::{Volume, with_samples};
 
 const CELLS_PER_AXIS: usize = 64;
 
 /// Samples of a volume; missing (not finite) samples are left out.
 pub(super) struct Survey {
-    /// Cells along x, y, z.
+    /// Cells along world x, y, z (the nearest voxel axes).
     pub(super) cells: [usize; 3],
-    /// Lengths of a cell along x, y, z, mean voxel spacings.
+    /// Lengths of a cell along the same axes, mean voxel spacings.
     cell_size: [f64; 3],
     /// Value per cell, x fastest; NaN where missing.
     pub(super) values: Vec<f64>,
@@ -30,9 +31,12 @@ pub(super) struct Survey {
 impl Survey {
     /// Samples `volume` sparsely.
     pub(super) fn new(volume: &Volume) -> Self {
-        let (grid, rescale) = (volume.grid(), volume.rescale());
-        let mut survey = with_samples!(volume.samples(), data => take_samples(data, grid.dims(), rescale));
-        let relative = grid.spacing() / grid.mean_spacing();
+        let grid = volume.grid();
+        let orientation = Orientation::of(grid);
+        let mut survey = with_samples!(volume.samples(), data => {
+            take_samples(&OrientedSamples::new(data, volume, orientation))
+        });
+        let relative = orientation.reorder(grid.spacing() / grid.mean_spacing());
         survey.cell_size = std::array::from_fn(|axis| survey.cell_size[axis] * relative[axis]);
         survey.sorted = ascending(survey.values.iter().copied());
         survey
@@ -75,28 +79,40 @@ impl Survey {
         Some(part.iter().sum::<f64>() / part.len() as f64)
     }
 
+    /// Values along each line of cells parallel to an axis.
+    fn rays(&self, axis: usize) -> impl Iterator<Item = impl Iterator<Item = f64> + Clone> {
+        let strides = [1, self.cells[0], self.cells[0] * self.cells[1]];
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        (0..self.cells[a] * self.cells[b]).map(move |ray| {
+            let start = ray % self.cells[a] * strides[a] + ray / self.cells[a] * strides[b];
+            (0..self.cells[axis]).map(move |i| self.values[start + i * strides[axis]])
+        })
+    }
+
     /// Mean length, in mean voxel spacings, of what a ray meets of the values in `range`, over the rays that meet any
     /// of it; `None` where nothing lies there. By Cauchy's theorem (mean chord = volume over mean projected area)
     /// this is the harmonic mean over the three axes.
     pub(super) fn mean_path(&self, range: [f64; 2]) -> Option<f64> {
-        let inside: Vec<bool> = self
-            .values
-            .iter()
-            .map(|v| (range[0]..range[1]).contains(v))
-            .collect();
-        let total = inside.iter().filter(|&&hit| hit).count();
-        let strides = [1, self.cells[0], self.cells[0] * self.cells[1]];
-        let columns = |axis: usize| -> usize {
-            let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-            (0..self.cells[a] * self.cells[b])
-                .filter(|column| {
-                    let start = column % self.cells[a] * strides[a] + column / self.cells[a] * strides[b];
-                    (0..self.cells[axis]).any(|i| inside[start + i * strides[axis]])
-                })
-                .count()
+        let inside = |v: f64| (range[0]..range[1]).contains(&v);
+        let total = self.values.iter().filter(|&&v| inside(v)).count();
+        let inverse_path = |axis: usize| {
+            let met = self.rays(axis).filter(|ray| ray.clone().any(inside)).count();
+            met as f64 / (total as f64 * self.cell_size[axis])
         };
-        let inverse_path = |axis: usize| columns(axis) as f64 / (total as f64 * self.cell_size[axis]);
         (total > 0).then(|| 3.0 / (inverse_path(0) + inverse_path(1) + inverse_path(2)))
+    }
+
+    /// Of the rays along the axes that meet values in `range`, the share that meets larger ones too: how much of what
+    /// is denser would be hidden if `range` were opaque.
+    pub(super) fn share_before_denser(&self, range: [f64; 2]) -> f64 {
+        let (mut met, mut denser) = (0usize, 0usize);
+        for ray in (0..3).flat_map(|axis| self.rays(axis)) {
+            if ray.clone().any(|v| (range[0]..range[1]).contains(&v)) {
+                met += 1;
+                denser += usize::from(ray.clone().any(|v| v >= range[1]));
+            }
+        }
+        denser as f64 / met.max(1) as f64
     }
 }
 
@@ -115,7 +131,8 @@ fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
     sorted
 }
 
-fn take_samples<T: Copy + Into<f64>>(data: &[T], dims: [usize; 3], rescale: Rescale) -> Survey {
+fn take_samples<T: Copy + Into<f64>>(samples: &OrientedSamples<'_, T>) -> Survey {
+    let dims = samples.dims;
     let cells = dims.map(|n| n.min(CELLS_PER_AXIS));
     let count = cells.iter().product();
     let mut survey = Survey {
@@ -127,7 +144,7 @@ fn take_samples<T: Copy + Into<f64>>(data: &[T], dims: [usize; 3], rescale: Resc
         sorted: Vec::new(),
         border: Vec::new(),
     };
-    let value_at = |[x, y, z]: [usize; 3]| rescale.apply(widen(data[(z * dims[1] + y) * dims[0] + x]));
+    let value_at = |place: [usize; 3]| samples.value(place);
     for cell in 0..count {
         let voxel = jittered_voxel(cell, cells, dims);
         let value = value_at(voxel);

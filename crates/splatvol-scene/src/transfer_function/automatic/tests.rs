@@ -117,6 +117,91 @@ fn signed_data_diverge_around_zero() {
 }
 
 #[test]
+fn a_masked_map_of_noise_shows_its_peak_alone() {
+    // A sum of four uniform numbers is nearly normal; its standard deviation here is 1.
+    let volume = volume(f32s, |p, u| {
+        let noise = [1.0, 7.0, 31.0, 127.0]
+            .iter()
+            .map(|factor| (u * factor).fract() - 0.5)
+            .sum::<f64>();
+        let peak = 12.0 * (-30.0 * (p - DVec3::new(0.3, 0.2, 0.0)).length_squared()).exp();
+        if p.length() < 0.9 { 1.7 * noise + peak } else { 0.0 }
+    });
+    let (tf, choice) = TransferFunction::automatic(&volume, None);
+    assert_eq!(choice.kind, DataKind::Signed, "{}", choice.reason);
+    assert_eq!([tf.opacity(1.9), tf.opacity(-1.9)], [0.0, 0.0]);
+    assert!(tf.opacity(8.0) > 0.2, "{:?}", tf.opacities());
+}
+
+#[test]
+fn soft_material_that_hides_nothing_is_denser() {
+    let opacity = |soft_at: f64| {
+        let volume = volume(f32s, |p, u| {
+            let core = (p - DVec3::splat(0.5)).length() < 0.38;
+            let soft = (p - DVec3::splat(soft_at)).length() < 0.45;
+            match (core, soft) {
+                (true, _) => 120.0 + 100.0 * u,
+                (false, true) => 30.0 + 30.0 * u,
+                _ => 4.0 * u,
+            }
+        });
+        let (tf, choice) = TransferFunction::automatic(&volume, None);
+        assert_eq!(choice.kind, DataKind::Materials, "{}", choice.reason);
+        tf.opacity(45.0)
+    };
+    let (around, beside) = (opacity(0.5), opacity(-0.45));
+    assert!(beside > 0.06 && beside > 2.0 * around, "{around} {beside}");
+}
+
+#[test]
+fn the_order_of_the_axes_in_the_file_does_not_matter() {
+    let dims = [30usize, 22, 26];
+    let value = |[x, y, z]: [usize; 3]| (((x * 31 + y * 17 + z * 7) % 97) + 3 * x * (y + z)) as u8;
+    // Voxel axis `order[i]` runs along world axis i, against it where `flip[i]`.
+    let stored = |order: [usize; 3], flip: [bool; 3]| {
+        let mut stored_dims = [0; 3];
+        let mut columns = [DVec3::ZERO; 3];
+        let mut origin = DVec3::ZERO;
+        for world in 0..3 {
+            stored_dims[order[world]] = dims[world];
+            columns[order[world]][world] = if flip[world] { -1.5 } else { 1.5 };
+            if flip[world] {
+                origin[world] = 1.5 * (dims[world] as f64 - 1.0);
+            }
+        }
+        let mut samples = Vec::new();
+        for i in 0..dims.iter().product() {
+            let voxel = [
+                i % stored_dims[0],
+                i / stored_dims[0] % stored_dims[1],
+                i / stored_dims[0] / stored_dims[1],
+            ];
+            samples.push(value(std::array::from_fn(|world| {
+                let at = voxel[order[world]];
+                if flip[world] { dims[world] - 1 - at } else { at }
+            })));
+        }
+        let [x, y, z] = columns;
+        let map = glam::DAffine3::from_mat3_translation(glam::DMat3::from_cols(x, y, z), origin);
+        let grid = Grid::from_affine(stored_dims, map).unwrap();
+        let volume = Volume::new(
+            grid,
+            Samples::U8(samples),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )
+        .unwrap();
+        TransferFunction::automatic(&volume, None)
+    };
+    let plain = stored([0, 1, 2], [false; 3]);
+    for order in [[0, 1, 2], [1, 2, 0], [2, 1, 0], [0, 2, 1]] {
+        for flip in [[false; 3], [true, true, false], [false, true, true]] {
+            assert_eq!(stored(order, flip), plain, "{order:?} {flip:?}");
+        }
+    }
+}
+
+#[test]
 fn a_field_that_fills_the_grid_is_cut_in_the_middle() {
     // Marschner-Lobb 1994, equation 3.
     let volume = volume(f32s, |p, _| {
