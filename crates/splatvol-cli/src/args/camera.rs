@@ -59,7 +59,7 @@ pub(crate) enum ViewName {
 /// What an automatic camera shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Fit {
-    /// The voxels with some opacity
+    /// The voxels with some opacity, but for specks
     #[default]
     Visible,
     /// The whole grid

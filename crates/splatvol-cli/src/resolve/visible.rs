@@ -1,12 +1,21 @@
 //! Which part of a grid can be seen: what an automatic camera shows.
+//!
+//! Two passes over the samples: the opacity in every slice along each axis says where the specks are (a holder, noise)
+//! that would shrink the picture, and what remains is bounded by the extremes of its slices.
+
+use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
 use splatvol::volume::widen;
 use splatvol::{TransferFunction, Volume, with_samples};
 
-/// Opacity per unit distance from which a voxel counts as seen.
-const SEEN: f64 = 0.004;
+/// Opacity per unit distance from which a voxel counts as seen: this, or this share of the largest one.
+const SEEN: [f64; 2] = [0.004, 0.01];
+/// A slice with less than this share of the fullest slice's opacity may be a speck's...
+const SPECK: f64 = 0.005;
+/// ...if leaving such slices out shortens the object by more than this share at one end.
+const WORTHWHILE: f64 = 0.1;
 /// Entries of the table that says which values are seen.
 const ENTRIES: usize = 4096;
 /// Directions within a slice in which its extreme voxels are kept. They bound the slice's outline from outside within
@@ -17,6 +26,7 @@ const DIRECTIONS: usize = 32;
 /// grid's corners where nothing is seen.
 pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunction) -> Vec<DVec3> {
     let seen = SeenValues::new(volume, transfer_function);
+    let [xs, ys, zs] = opacity_per_slice(volume, &seen).map(|weights| without_specks(&weights));
     let rescale = volume.rescale();
     let [nx, ny, _] = volume.grid().dims();
     let directions = std::array::from_fn(|i| {
@@ -26,16 +36,18 @@ pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunct
     let outlines: Vec<SliceOutline<'_>> = with_samples!(volume.samples(), data => {
         data.par_chunks(nx * ny)
             .enumerate()
+            .filter(|(z, _)| zs.contains(z))
             .map(|(z, slice)| {
                 let mut outline = SliceOutline::new(z, &directions);
-                for (y, row) in slice.chunks_exact(nx).enumerate() {
-                    let is_seen = |sample: &_| seen.contains(rescale.apply(widen(*sample)));
+                for (y, row) in slice.chunks_exact(nx).enumerate().filter(|(y, _)| ys.contains(y)) {
+                    let is_seen = |sample: &_| seen.weight(rescale.apply(widen(*sample))) > 0;
+                    let row = &row[xs.clone()];
                     let Some(first) = row.iter().position(is_seen) else {
                         continue;
                     };
                     let last = row.iter().rposition(is_seen).unwrap_or(first);
-                    outline.add(first as f64, y as f64);
-                    outline.add(last as f64, y as f64);
+                    outline.add((xs.start + first) as f64, y as f64);
+                    outline.add((xs.start + last) as f64, y as f64);
                 }
                 outline
             })
@@ -52,9 +64,67 @@ pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunct
     world
 }
 
-/// A table of the values that are seen.
+/// Sums of the seen voxels' opacities, in whole steps, in the slices across x, y and z.
+fn opacity_per_slice(volume: &Volume, seen: &SeenValues) -> [Vec<u64>; 3] {
+    let rescale = volume.rescale();
+    let dims = volume.grid().dims();
+    let [nx, ny, _] = dims;
+    let none = || dims.map(|n| vec![0u64; n]);
+    let add = |mut sums: [Vec<u64>; 3], other: [Vec<u64>; 3]| {
+        for (sum, more) in sums.iter_mut().flatten().zip(other.into_iter().flatten()) {
+            *sum += more;
+        }
+        sums
+    };
+    with_samples!(volume.samples(), data => {
+        data.par_chunks(nx * ny)
+            .enumerate()
+            .fold(none, |[mut xs, mut ys, mut zs], (z, slice)| {
+                for (row, y) in slice.chunks_exact(nx).zip(&mut ys) {
+                    let mut sum = 0;
+                    for (sample, x) in row.iter().zip(&mut xs) {
+                        let weight = u64::from(seen.weight(rescale.apply(widen(*sample))));
+                        *x += weight;
+                        sum += weight;
+                    }
+                    *y += sum;
+                    zs[z] += sum;
+                }
+                [xs, ys, zs]
+            })
+            .reduce(none, add)
+    })
+}
+
+/// The slices from the first to the last that is seen, without the specks at the ends.
+fn without_specks(weights: &[u64]) -> Range<usize> {
+    let span = |least: u64| {
+        let first = weights.iter().position(|&w| w >= least)?;
+        let last = weights.iter().rposition(|&w| w >= least)?;
+        Some(first..last + 1)
+    };
+    let fullest = weights.iter().copied().max().unwrap_or(0);
+    let least = ((SPECK * fullest as f64) as u64).max(1);
+    let (Some(all), Some(main)) = (span(1), span(least)) else {
+        return 0..0;
+    };
+    let worthwhile = (WORTHWHILE * main.len() as f64) as usize;
+    let start = if main.start - all.start > worthwhile {
+        main.start
+    } else {
+        all.start
+    };
+    let end = if all.end - main.end > worthwhile {
+        main.end
+    } else {
+        all.end
+    };
+    start..end
+}
+
+/// A table of the opacity of values in steps of 1/65535, 0 where they are not seen.
 struct SeenValues {
-    seen: Vec<bool>,
+    weights: Vec<u16>,
     low: f64,
     scale: f64,
 }
@@ -63,9 +133,21 @@ impl SeenValues {
     fn new(volume: &Volume, transfer_function: &TransferFunction) -> Self {
         let [low, high] = volume.value_range();
         let step = (high - low) / (ENTRIES as f64 - 1.0);
+        let opacities: Vec<f64> = (0..ENTRIES)
+            .map(|i| transfer_function.opacity(low + step * i as f64))
+            .collect();
+        let [least, share] = SEEN;
+        let least = opacities.iter().fold(least, |least, o| least.max(share * o));
         Self {
-            seen: (0..ENTRIES)
-                .map(|i| transfer_function.opacity(low + step * i as f64) >= SEEN)
+            weights: opacities
+                .iter()
+                .map(|&opacity| {
+                    if opacity >= least {
+                        (opacity * f64::from(u16::MAX)) as u16
+                    } else {
+                        0
+                    }
+                })
                 .collect(),
             low,
             scale: if step > 0.0 { 1.0 / step } else { 0.0 },
@@ -73,9 +155,13 @@ impl SeenValues {
     }
 
     #[inline]
-    fn contains(&self, value: f64) -> bool {
+    fn weight(&self, value: f64) -> u16 {
         // Missing samples (NaN) become entry 0 by the cast, hence the check.
-        value.is_finite() && self.seen[(((value - self.low) * self.scale + 0.5) as usize).min(ENTRIES - 1)]
+        if value.is_finite() {
+            self.weights[(((value - self.low) * self.scale + 0.5) as usize).min(ENTRIES - 1)]
+        } else {
+            0
+        }
     }
 }
 
@@ -144,5 +230,30 @@ mod tests {
         assert_eq!(low, DVec3::new(-1.5, -2.0, -0.5));
         assert_eq!(high, DVec3::new(1.5, 2.0, 1.5));
         assert_eq!(visible_outline(&volume, &from(11.0)), volume.grid().corners());
+    }
+
+    #[test]
+    fn specks_far_away_do_not_count_but_thin_ends_do() {
+        let outline = |bright: &dyn Fn([usize; 3]) -> bool| {
+            let voxels = (0..40 * 40 * 40).map(|i| [i % 40, i / 40 % 40, i / 1600]);
+            let data = voxels.map(|voxel| u8::from(bright(voxel))).collect();
+            let grid = Grid::new([40; 3], DVec3::ZERO, DVec3::ONE, glam::DMat3::IDENTITY).unwrap();
+            let volume =
+                Volume::new(grid, Samples::U8(data), Rescale::default(), LengthUnit::Unknown).unwrap();
+            let outline = visible_outline(&volume, &from(0.4));
+            let low = outline.iter().copied().reduce(DVec3::min).unwrap();
+            let high = outline.iter().copied().reduce(DVec3::max).unwrap();
+            (low.to_array(), high.to_array())
+        };
+        let block = |voxel: [usize; 3]| voxel.iter().all(|i| (10..30).contains(i));
+        let expected = ([9.5; 3], [29.5; 3]);
+        assert_eq!(outline(&block), expected);
+        let specks = |voxel| block(voxel) || voxel == [38, 20, 20] || voxel == [20, 1, 0];
+        assert_eq!(outline(&specks), expected);
+        let tip = |voxel| block(voxel) || voxel == [30, 20, 20];
+        assert_eq!(outline(&tip), ([9.5; 3], [30.5, 29.5, 29.5]));
+        // What is thin all along is no speck.
+        let rod = |[x, y, z]: [usize; 3]| x == 5 && y == 7 && z > 3;
+        assert_eq!(outline(&rod), ([4.5, 6.5, 3.5], [5.5, 7.5, 39.5]));
     }
 }
