@@ -21,6 +21,7 @@
 use glam::{DMat3, DVec2};
 use splatvol_scene::ScreenFromCamera;
 
+use crate::bin::TileRect;
 use crate::normal::{self, SlabTable};
 
 /// What footprints of one grid have in common: all but the centre.
@@ -137,27 +138,48 @@ impl PlaneSlicer {
         }
     }
 
-    /// Depth from a splat's centre to the plane, or `None` where the plane is out of its reach.
+    /// Depth from a splat's centre to the plane.
     #[inline]
-    pub fn offset(&self, centre_depth: f32) -> Option<f32> {
-        let offset = self.depth - centre_depth;
-        (offset.abs() <= self.reach).then_some(offset)
+    pub fn offset(&self, centre_depth: f32) -> f32 {
+        self.depth - centre_depth
     }
 
-    /// True where the plane lies beyond everything that a splat at `centre_depth` reaches.
+    /// Whether a splat reaches a plane at this offset.
     #[inline]
-    pub fn is_past(&self, centre_depth: f32) -> bool {
-        self.depth - centre_depth > self.reach
+    pub fn reaches(&self, offset: f32) -> bool {
+        offset.abs() <= self.reach
+    }
+
+    /// Whether a plane at this offset, and all behind it, lies beyond what a splat reaches.
+    #[inline]
+    pub fn is_past(&self, offset: f32) -> bool {
+        offset > self.reach
+    }
+
+    /// Whether the slice of a footprint centred at camera `[x, y]` can cover pixel centres of a rectangle.
+    #[inline]
+    pub fn touches(&self, centre: [f32; 2], offset: f32, rect: &TileRect) -> bool {
+        let [cx, cy] = self.centre(centre, offset);
+        let [rx, ry] = self.half_extent;
+        (cx + rx >= rect.x0 as f32)
+            & (cx - rx <= rect.x1 as f32)
+            & (cy + ry >= rect.y0 as f32)
+            & (cy - ry <= rect.y1 as f32)
+    }
+
+    #[inline]
+    fn centre(&self, [x, y]: [f32; 2], offset: f32) -> [f32; 2] {
+        [
+            self.scale * (x + self.slope[0] * offset) + self.principal[0],
+            self.scale * (y + self.slope[1] * offset) + self.principal[1],
+        ]
     }
 
     /// The slice of a footprint centred at camera `[x, y]`, `offset` in front of the plane.
     #[inline]
-    pub fn slice(&self, [x, y]: [f32; 2], offset: f32) -> Slice {
+    pub fn slice(&self, centre: [f32; 2], offset: f32) -> Slice {
         Slice {
-            centre: [
-                self.scale * (x + self.slope[0] * offset) + self.principal[0],
-                self.scale * (y + self.slope[1] * offset) + self.principal[1],
-            ],
+            centre: self.centre(centre, offset),
             conic: self.conic,
             half_extent: self.half_extent,
             weight: self.peak * (-0.5 * self.inverse_variance * offset * offset).exp(),
@@ -216,6 +238,13 @@ impl SlabSlicer {
             mass: mass as f32,
             table: SlabTable::new(shape.cut),
         }
+    }
+
+    /// Whether a slab holds some of what a splat at `centre_depth` reaches.
+    #[inline]
+    pub fn reaches(&self, centre_depth: f32, [near, far]: [f32; 2]) -> bool {
+        let reach = self.cut * self.depth_sigma;
+        (near - centre_depth < reach) & (far - centre_depth > -reach)
     }
 
     /// True where a slab that ends at `far` holds the last of what a splat at `centre_depth` reaches.
@@ -318,7 +347,8 @@ mod tests {
         for screen in screens() {
             for depth in [18.7, 20.0, 22.9] {
                 let slicer = PlaneSlicer::new(&shape, &screen, 0.0, depth);
-                let offset = slicer.offset(centre.z as f32).unwrap();
+                let offset = slicer.offset(centre.z as f32);
+                assert!(slicer.reaches(offset));
                 let slice = slicer.slice([centre.x as f32, centre.y as f32], offset);
                 for i in 0..25 {
                     let shift = DVec2::new(f64::from(i % 5) - 2.0, f64::from(i / 5) - 2.0);

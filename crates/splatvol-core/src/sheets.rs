@@ -18,32 +18,26 @@ impl SheetStack {
     /// Sheets that cover camera-space points grown by `reach` in depth. A perspective camera sees nothing nearer than
     /// half a sheet.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
-        let (near, far) = corners
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(n, f), p| {
-                (n.min(p.z), f.max(p.z))
-            });
-        let first = if screen.perspective {
-            (near - reach).max(0.5 * spacing)
+        let [first, last] = depths(corners, reach, 0.5 * spacing, screen);
+        let count = if last < first {
+            0
         } else {
-            near - reach
+            ((last - first) / spacing).ceil() as usize + 1
         };
-        let count = ((far + reach - first) / spacing).ceil().max(0.0) as usize + 1;
         Self {
             first,
             spacing,
-            count: if far + reach < first { 0 } else { count },
+            count,
         }
     }
 
-    /// One slab over the whole depth of the points: X-ray.
+    /// One slab over the whole depth of the points.
     pub fn single(corners: &[DVec3], reach: f64, screen: &ScreenFromCamera) -> Self {
-        let fine = Self::covering(corners, reach, 1e-6 * reach.max(f64::MIN_POSITIVE), screen);
-        let far = corners.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max) + reach;
+        let [first, last] = depths(corners, reach, 0.5 * reach, screen);
         Self {
-            first: fine.first,
-            spacing: far - fine.first,
-            count: fine.count.min(1),
+            first,
+            spacing: last - first,
+            count: usize::from(last > first),
         }
     }
 
@@ -62,4 +56,18 @@ impl SheetStack {
         let position = ((depth - self.first) / self.spacing).floor().max(0.0);
         (position as usize).min(self.count)
     }
+}
+
+/// First and last depth of points grown by `reach`, as far as a camera sees them from `near` on.
+fn depths(corners: &[DVec3], reach: f64, near: f64, screen: &ScreenFromCamera) -> [f64; 2] {
+    let z = |pick: fn(f64, f64) -> f64| corners.iter().map(|p| p.z).reduce(pick).unwrap_or(0.0);
+    let (first, last) = (z(f64::min) - reach, z(f64::max) + reach);
+    [
+        if screen.perspective {
+            first.max(near)
+        } else {
+            first
+        },
+        last,
+    ]
 }

@@ -96,23 +96,32 @@ impl Mode for ColorMode<'_> {
     }
 
     #[inline(always)]
+    fn meets(&self, slab: &Slab, voxel: &OpenVoxel<[f32; 4]>, _rect: &TileRect) -> Fate {
+        let [.., z] = voxel.centre;
+        Fate {
+            met: self.slicer.reaches(z, *slab),
+            past: self.slicer.is_past(z, slab[1]),
+        }
+    }
+
+    #[inline(always)]
     fn splat<S: Simd>(
         &self,
         simd: S,
         slab: &Slab,
         voxel: &OpenVoxel<[f32; 4]>,
-        (buffer, rect): (&mut SheetBuffer, &TileRect),
-    ) -> Fate {
-        let past = self.slicer.is_past(voxel.centre[2], slab[1]);
+        target: (&mut SheetBuffer, &TileRect),
+    ) {
         let Some(slice) = self.slicer.slice(voxel.centre, *slab) else {
-            return Fate { touched: false, past };
+            return;
         };
         let [extinction, r, g, b] = voxel.payload;
-        let payload = ColorPayload([extinction, r, g, b, extinction * slice.depth]);
-        Fate {
-            touched: splat(simd, buffer, rect, &slice, payload),
-            past,
-        }
+        splat(
+            simd,
+            target,
+            &slice,
+            ColorPayload([extinction, r, g, b, extinction * slice.depth]),
+        );
     }
 
     fn composite(

@@ -150,30 +150,32 @@ impl Mode for DataMode<'_> {
     }
 
     #[inline(always)]
+    fn meets(&self, Plane { slicer, .. }: &Plane, voxel: &OpenVoxel<f32>, rect: &TileRect) -> Fate {
+        let [x, y, z] = voxel.centre;
+        let offset = slicer.offset(z);
+        Fate {
+            met: slicer.reaches(offset) & slicer.touches([x, y], offset, rect),
+            past: slicer.is_past(offset),
+        }
+    }
+
+    #[inline(always)]
     fn splat<S: Simd>(
         &self,
         simd: S,
         Plane { slicer, .. }: &Plane,
         voxel: &OpenVoxel<f32>,
-        (buffer, rect): (&mut SheetBuffer, &TileRect),
-    ) -> Fate {
+        target: (&mut SheetBuffer, &TileRect),
+    ) {
         let [x, y, z] = voxel.centre;
-        let Some(offset) = slicer.offset(z) else {
-            return Fate {
-                touched: false,
-                past: slicer.is_past(z),
-            };
-        };
+        let offset = slicer.offset(z);
         let slice = slicer.slice([x, y], offset);
         let payload = DataPayload {
             coefficient: voxel.payload,
             conic: slice.conic,
             depth_derivative: slicer.depth_derivative(offset),
         };
-        Fate {
-            touched: splat(simd, buffer, rect, &slice, payload),
-            past: false,
-        }
+        splat(simd, target, &slice, payload);
     }
 
     fn composite(

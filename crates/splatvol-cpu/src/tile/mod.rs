@@ -30,14 +30,18 @@ pub(crate) trait Mode: Sync {
     /// What voxel `index` at `[x, y, z]` splats; `None` where it is missing or invisible.
     fn payload(&self, index: usize, position: [usize; 3]) -> Option<Self::Payload>;
 
-    /// Splats a voxel's slice, if any.
+    /// Whether a sheet cuts a voxel's footprint within the tile, and whether it is the last to do so. Without branches:
+    /// neighbouring voxels' answers are too mixed to be predicted.
+    fn meets(&self, sheet: &Self::Sheet, voxel: &OpenVoxel<Self::Payload>, rect: &TileRect) -> Fate;
+
+    /// Splats the slice of a voxel that the sheet meets.
     fn splat<S: Simd>(
         &self,
         simd: S,
         sheet: &Self::Sheet,
         voxel: &OpenVoxel<Self::Payload>,
         target: (&mut SheetBuffer, &TileRect),
-    ) -> Fate;
+    );
 
     /// Composites what lies between the sheet before and this one (or in this one).
     fn composite(
@@ -51,8 +55,8 @@ pub(crate) trait Mode: Sync {
 /// What a sheet did to a voxel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fate {
-    /// Pixels were touched.
-    pub touched: bool,
+    /// The footprint is cut.
+    pub met: bool,
     /// No later sheet reaches the voxel.
     pub past: bool,
 }
@@ -94,6 +98,7 @@ pub(crate) struct Scratch<P> {
     near: SheetBuffer,
     far: SheetBuffer,
     open: Vec<OpenVoxel<P>>,
+    met: Vec<OpenVoxel<P>>,
     pixels: Vec<Pixel>,
     blocks: OpenBlocks,
 }
@@ -105,6 +110,7 @@ impl<P> Scratch<P> {
             near: SheetBuffer::new(edge),
             far: SheetBuffer::new(edge),
             open: Vec::new(),
+            met: Vec::new(),
             pixels: Vec::new(),
             blocks: OpenBlocks::default(),
         }
@@ -202,17 +208,21 @@ fn splat_open<S: Simd, M: Mode>(
     first: usize,
     rect: &TileRect,
 ) -> u64 {
-    let mut slices = 0;
-    let mut kept = first;
-    for i in first..scratch.open.len() {
-        let voxel = scratch.open[i];
-        let fate = mode.splat(simd, sheet, &voxel, (&mut scratch.far, rect));
-        slices += u64::from(fate.touched);
-        if !fate.past {
-            scratch.open[kept] = voxel;
-            kept += 1;
-        }
+    let Scratch { open, met, far, .. } = scratch;
+    met.clear();
+    met.extend_from_slice(&open[first..]);
+    let (mut count, mut kept) = (0, first);
+    for i in first..open.len() {
+        let voxel = open[i];
+        let fate = mode.meets(sheet, &voxel, rect);
+        met[count] = voxel;
+        open[kept] = voxel;
+        count += usize::from(fate.met);
+        kept += usize::from(!fate.past);
     }
-    scratch.open.truncate(kept);
-    slices
+    open.truncate(kept);
+    for voxel in &met[..count] {
+        mode.splat(simd, sheet, voxel, (&mut *far, rect));
+    }
+    count as u64
 }
