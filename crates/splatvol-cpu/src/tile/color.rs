@@ -126,7 +126,7 @@ impl Mode for ColorMode<'_> {
 
     fn composite(
         &self,
-        _near: (&Slab, &SheetBuffer),
+        _near: Option<(&Slab, &SheetBuffer)>,
         (_, sheet): (&Slab, &SheetBuffer),
         canvas: &mut Canvas<'_>,
     ) {

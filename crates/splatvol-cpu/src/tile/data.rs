@@ -180,10 +180,11 @@ impl Mode for DataMode<'_> {
 
     fn composite(
         &self,
-        (near_plane, near): (&Plane, &SheetBuffer),
+        near: Option<(&Plane, &SheetBuffer)>,
         (far_plane, far): (&Plane, &SheetBuffer),
         canvas: &mut Canvas<'_>,
     ) {
+        let Some((near_plane, near)) = near else { return };
         let touched = near.touched.join(far.touched);
         if touched.is_empty() {
             return;

@@ -43,10 +43,10 @@ pub(crate) trait Mode: Sync {
         target: (&mut SheetBuffer, &TileRect),
     );
 
-    /// Composites what lies between the sheet before and this one (or in this one).
+    /// Composites what lies between the sheet before, if there is one, and this one (or in this one).
     fn composite(
         &self,
-        near: (&Self::Sheet, &SheetBuffer),
+        near: Option<(&Self::Sheet, &SheetBuffer)>,
         far: (&Self::Sheet, &SheetBuffer),
         canvas: &mut Canvas<'_>,
     );
@@ -150,7 +150,6 @@ pub(crate) fn render<S: Simd, M: Mode>(
     let mut work = TileWork::default();
     let mut bricks = plan.lists.of(tile).peekable();
     let mut index = 0;
-    let mut near_sheet = None;
     while index <= plan.projector.sheets.count && !scratch.blocks.none_left() {
         if scratch.open.is_empty() && scratch.near.touched.is_empty() {
             // Nothing is open: the next brick's first sheet is the next that matters.
@@ -179,10 +178,10 @@ pub(crate) fn render<S: Simd, M: Mode>(
             blocks: &mut scratch.blocks,
             termination: plan.settings.termination as f32,
         };
-        let near = near_sheet.unwrap_or(sheet);
-        mode.composite((&near, &scratch.near), (&sheet, &scratch.far), &mut canvas);
+        let before = index.checked_sub(1).map(|before| mode.sheet(before));
+        let near = before.as_ref().map(|before| (before, &scratch.near));
+        mode.composite(near, (&sheet, &scratch.far), &mut canvas);
         std::mem::swap(&mut scratch.near, &mut scratch.far);
-        near_sheet = Some(sheet);
         work.splat += splatted - start;
         work.shade += splatted.elapsed();
         index += 1;
