@@ -15,7 +15,8 @@ pub struct SheetStack {
 }
 
 impl SheetStack {
-    /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera; a perspective
+    /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera; a
+    /// perspective
     /// camera sees nothing nearer than half a sheet.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [first, last] = depths(corners, reach, 0.5 * spacing, screen);
@@ -62,12 +63,6 @@ impl SheetStack {
 fn depths(corners: &[DVec3], reach: f64, near: f64, screen: &ScreenFromCamera) -> [f64; 2] {
     let z = |pick: fn(f64, f64) -> f64| corners.iter().map(|p| p.z).reduce(pick).unwrap_or(0.0);
     let (first, last) = (z(f64::min) - reach, z(f64::max) + reach);
-    [
-        if screen.perspective {
-            first.max(near)
-        } else {
-            first
-        },
-        last,
-    ]
+    let nearest = if screen.perspective { near } else { 0.0 };
+    [first.max(nearest), last]
 }
