@@ -15,9 +15,8 @@ pub struct SheetStack {
 }
 
 impl SheetStack {
-    /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera; a
-    /// perspective
-    /// camera sees nothing nearer than half a sheet.
+    /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera. A
+    /// perspective camera sees nothing nearer than half a sheet.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [first, last] = depths(corners, reach, 0.5 * spacing, screen);
         let count = if last < first {

@@ -183,8 +183,9 @@ fn colour_converges_with_the_square_of_the_sheet_thickness() {
             (squares.sum::<f64>() / 1024.0).sqrt()
         });
         println!("{classification:?}: errors {errors:?} at {thicknesses:?}");
+        // Second order: a quarter of the thickness leaves a sixteenth of the error; demanded is a twelfth.
         assert!(
-            errors.windows(2).all(|pair| pair[1] < pair[0] / 3.5),
+            errors[1] < errors[0] && errors[2] < errors[0] / 12.0,
             "{errors:?}"
         );
     }

@@ -312,3 +312,48 @@ fn the_inside_of_a_volume_is_seen_without_artefacts() {
         }
     }
 }
+
+#[test]
+fn faces_of_a_volume_whose_background_is_not_its_minimum_stay_invisible() {
+    // Signed data: the sums S and W both fall beyond the faces, and their quotient must stay 0 there.
+    let grid = Grid::centred([20, 20, 20], DVec3::ONE).unwrap();
+    let mut samples = vec![0.0f32; 8000];
+    samples[(10 * 20 + 10) * 20 + 9] = 1.0;
+    samples[(10 * 20 + 10) * 20 + 11] = -1.0;
+    let volume = Volume::new(
+        grid,
+        Samples::F32(samples),
+        Rescale::default(),
+        LengthUnit::Unknown,
+    )
+    .unwrap();
+    let opacity = [(-0.3, 0.5), (-0.2, 0.0), (0.2, 0.0), (0.3, 0.5)];
+    let opacity = opacity
+        .map(|(value, opacity)| OpacityPoint::new(value, opacity))
+        .to_vec();
+    let tf = TransferFunction::new(vec![ColorPoint::new(0.0, [1.0; 3])], opacity, None).unwrap();
+    let scene = Scene::new(volume, tf);
+    for direction in [DVec3::Y, DVec3::new(0.5, 1.0, -0.4)] {
+        for camera in [
+            orthographic(DVec3::ZERO, direction, 36.0),
+            perspective(DVec3::ZERO, direction, 60.0, 36.0),
+        ] {
+            let frame = render(&scene, &camera, &settings(96));
+            let alpha = |x: usize, y: usize| frame.image.pixel(x, y)[3];
+            assert!(
+                (40..56).any(|i| alpha(i, 48) > 0.1 || alpha(48, i) > 0.1),
+                "the middle is seen"
+            );
+            for y in 0..96usize {
+                for x in 0..96usize {
+                    let apart = x.abs_diff(48).max(y.abs_diff(48)) > 16;
+                    assert!(
+                        !apart || alpha(x, y) == 0.0,
+                        "{direction}: {x} {y}: {}",
+                        alpha(x, y)
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,8 +1,8 @@
 //! Shade: post-classification between two neighbouring planes.
 //!
 //! On both planes the pixel has the sums `S` (value), `W` (weight) and the analytic gradient of S (the derivative of
-//! the EWA filter). Along the pixel's ray S is the cubic Hermite polynomial of both ends' values and derivatives,
-//! `O(dz^4)` where the papers' sheets are constant, W runs linearly, and `v = S / W`. The interval is cut where v
+//! the EWA filter). Along the pixel's ray `v = S / W` is the cubic Hermite polynomial of both ends' values and derivatives,
+//! `O(dz^4)` where the papers' sheets are constant; W runs linearly. The interval is cut where v
 //! bends, each piece being classified by the integral tables for a linear value and lit where its material is: the gradient
 //! runs linearly between the ends, but for its part along the ray, which is the polynomial's derivative (with the
 //! linear part alone, or light interpolated instead of gradients, sheets show as wood grain on slopes).
@@ -20,6 +20,9 @@ fn coverage(weight: f32) -> f32 {
 
 /// Weights below this have no coverage.
 pub(crate) const NO_COVERAGE: f32 = 0.01;
+
+/// Weights below this lie so far outside the volume that their values count for nothing.
+const FADED: f32 = 0.15;
 
 /// One end of an interval.
 #[derive(Debug, Clone, Copy)]
@@ -68,7 +71,7 @@ impl Interval {
 
 /// The field between two planes along one ray.
 struct Profile {
-    /// Hermite coefficients of S over u in 0..1.
+    /// Hermite coefficients of the value over u in 0..1.
     cubic: [f32; 4],
     weights: [f32; 2],
     own_weights: [f32; 2],
@@ -80,14 +83,23 @@ struct Profile {
 impl Profile {
     #[inline(always)]
     fn new(near: &End, far: &End, interval: Interval, spacing: f32) -> Self {
-        let rise = far.sum - near.sum;
-        let (start, end) = (
-            interval.along(near.gradient) * spacing,
-            interval.along(far.gradient) * spacing,
-        );
+        // v' = (S' - v W') / W; W' matters beyond the volume's faces, where W runs nearly linearly.
+        let fall = far.weight - near.weight;
+        let value_and_slope = |end: &End, other: &End| {
+            if end.weight < FADED.min(other.weight) {
+                return (other.sum / other.weight.max(NO_COVERAGE), 0.0);
+            }
+            let value = end.sum / end.weight;
+            (
+                value,
+                (interval.along(end.gradient) * spacing - value * fall) / end.weight,
+            )
+        };
+        let ((v0, start), (v1, end)) = (value_and_slope(near, far), value_and_slope(far, near));
+        let rise = v1 - v0;
         Self {
             cubic: [
-                near.sum,
+                v0,
                 start,
                 3.0 * rise - 2.0 * start - end,
                 start + end - 2.0 * rise,
@@ -104,7 +116,9 @@ impl Profile {
     #[inline(always)]
     fn gradient(&self, u: f32) -> [f32; 3] {
         let [_, b, c, d] = self.cubic;
-        let along = (b + u * (2.0 * c + u * 3.0 * d)) / self.spacing;
+        let slope = b + u * (2.0 * c + u * 3.0 * d);
+        let fall = self.weights[1] - self.weights[0];
+        let along = (slope * self.weight(u) + self.value(u) * fall) / self.spacing;
         let [near, far] = self.gradients;
         let [x, y, z]: [f32; 3] = std::array::from_fn(|i| near[i] + u * (far[i] - near[i]));
         let missing = (along - self.interval.along([x, y, z])) / self.interval.ray_squared();
@@ -128,7 +142,7 @@ impl Profile {
     #[inline(always)]
     fn value(&self, u: f32) -> f32 {
         let [a, b, c, d] = self.cubic;
-        (a + u * (b + u * (c + u * d))) / self.weight(u).max(NO_COVERAGE)
+        a + u * (b + u * (c + u * d))
     }
 }
 
