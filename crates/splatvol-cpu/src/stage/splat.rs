@@ -30,7 +30,7 @@ pub(crate) trait Payload: Copy {
 const SLOPE_Y: usize = 3;
 
 /// Data with its analytic gradient: value, weight, derivatives to screen x, screen y, depth.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DataPayload {
     /// Kernel coefficient.
     pub coefficient: f32,
@@ -41,7 +41,7 @@ pub(crate) struct DataPayload {
 }
 
 /// Five numbers that scale with the weight.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ColorPayload(pub [f32; CHANNELS]);
 
 impl Payload for DataPayload {
@@ -101,126 +101,179 @@ fn pixel_range(centre: f32, reach: f32, low: usize, high: usize) -> (usize, usiz
     }
 }
 
-/// Adds a slice to a tile's sheet.
-#[inline(always)]
-pub(crate) fn splat<S: Simd, P: Payload>(
-    simd: S,
-    (sheet, rect): (&mut SheetBuffer, &TileRect),
-    slice: &Slice,
+/// A slice ready to be added to a tile's sheet: its pixels and, where its conic is diagonal, the factors of its rows and
+/// columns.
+///
+/// Getting ready is a long chain of dependent instructions, longer than a processor looks ahead; so slices are made
+/// ready a batch at a time, side by side, before their pixels are added.
+#[derive(Debug, Clone)]
+pub(crate) struct Stamp<P> {
+    slice: Slice,
     payload: P,
-) {
-    let [cx, cy] = slice.centre;
-    let [rx, ry] = slice.half_extent;
-    let (x0, x1) = pixel_range(cx, rx, rect.x0, rect.x1);
-    let (y0, y1) = pixel_range(cy, ry, rect.y0, rect.y1);
-    if x0 >= x1 || y0 >= y1 {
-        return;
-    }
-    sheet.touched = sheet.touched.join(Touched {
-        x0: x0 - rect.x0,
-        y0: y0 - rect.y0,
-        x1: x1 - rect.x0,
-        y1: y1 - rect.y0,
-    });
-    let rows = &mut sheet.rows[y0 - rect.y0..y1 - rect.y0];
-    let area = Area {
-        first_column: x0 - rect.x0,
-        end_column: x1 - rect.x0,
-        first: [rect.x0, y0],
-    };
-    if slice.conic[1] == 0.0 {
-        splat_separable(simd, rows, area, slice, payload);
-    } else {
-        splat_general(simd, rows, area, slice, payload);
-    }
+    /// Columns and rows of the tile, ends excluded.
+    area: Touched,
+    /// Image coordinates of the tile's first pixel.
+    origin: [usize; 2],
+    /// Weights of the columns, from the tile's first column on.
+    columns: [f32; PITCH],
+    /// `exp(-yy dy^2 / 2)` of the rows, from the area's first row on.
+    rows: [f32; PITCH],
+    /// `-yy dy` times that.
+    slopes: [f32; PITCH],
 }
 
-/// The part of a tile that a slice touches.
-#[derive(Debug, Clone, Copy)]
-struct Area {
-    /// Columns of the tile.
-    first_column: usize,
-    end_column: usize,
-    /// Image coordinates of column 0 and of the first row.
-    first: [usize; 2],
-}
-
-impl Area {
-    /// Columns where vectors begin, at multiples of their length.
-    #[inline(always)]
-    fn vectors(&self, length: usize) -> impl Iterator<Item = usize> {
-        (self.first_column / length * length..self.end_column).step_by(length)
+impl<P: Payload> Stamp<P> {
+    /// A stamp to be made ready.
+    pub(crate) fn blank(payload: P) -> Self {
+        let slice = Slice {
+            centre: [0.0; 2],
+            conic: [1.0, 0.0, 1.0],
+            half_extent: [0.0; 2],
+            weight: 0.0,
+            depth: 0.0,
+        };
+        Self {
+            slice,
+            payload,
+            area: Touched::default(),
+            origin: [0; 2],
+            columns: [0.0; PITCH],
+            rows: [0.0; PITCH],
+            slopes: [0.0; PITCH],
+        }
     }
 
-    /// Offsets of a vector's pixel centres from the slice's, and which of them lie in its box.
+    /// Takes a slice; false where it touches no pixel centre of the tile.
     #[inline(always)]
-    fn offsets<S: Simd>(&self, simd: S, column: usize, slice: &Slice) -> (S::f32s, S::mask32s) {
-        let first = (self.first[0] + column) as f32 + 0.5 - slice.centre[0];
-        let dx = S::f32s::from_fn(simd, |lane| lane as f32) + first;
-        (
-            dx,
-            dx.abs().simd_le(S::f32s::simd_from(simd, slice.half_extent[0])),
+    pub(crate) fn prepare<S: Simd>(&mut self, simd: S, rect: &TileRect, slice: &Slice, payload: P) -> bool {
+        let ([cx, cy], [rx, ry]) = (slice.centre, slice.half_extent);
+        let (x0, x1) = pixel_range(cx, rx, rect.x0, rect.x1);
+        let (y0, y1) = pixel_range(cy, ry, rect.y0, rect.y1);
+        if x0 >= x1 || y0 >= y1 {
+            return false;
+        }
+        self.area = Touched {
+            x0: x0 - rect.x0,
+            y0: y0 - rect.y0,
+            x1: x1 - rect.x0,
+            y1: y1 - rect.y0,
+        };
+        self.origin = [rect.x0, rect.y0];
+        self.slice = *slice;
+        self.payload = payload;
+        if self.is_separable() {
+            self.separate(simd);
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn is_separable(&self) -> bool {
+        self.slice.conic[1] == 0.0
+    }
+
+    /// Tile columns where vectors begin, at multiples of their length.
+    #[inline(always)]
+    fn vectors(&self, length: usize) -> impl Iterator<Item = usize> + use<P> {
+        (self.area.x0 / length * length..self.area.x1).step_by(length)
+    }
+
+    /// Offsets of a vector's pixel centres from the slice's.
+    #[inline(always)]
+    fn column_offsets<S: Simd>(&self, simd: S, column: usize) -> S::f32s {
+        let first = (self.origin[0] + column) as f32 + 0.5 - self.slice.centre[0];
+        S::f32s::from_fn(simd, |lane| lane as f32) + first
+    }
+
+    /// Offset of the area's i-th row of pixel centres from the slice's.
+    #[inline(always)]
+    fn row_offset(&self, row: usize) -> f32 {
+        (self.origin[1] + self.area.y0 + row) as f32 + 0.5 - self.slice.centre[1]
+    }
+
+    /// Weights of pixels, of those within the slice's box: lanes outside it get none.
+    #[inline(always)]
+    fn weights<S: Simd>(&self, simd: S, dx: S::f32s, exponent: S::f32s) -> S::f32s {
+        let inside = dx
+            .abs()
+            .simd_le(S::f32s::simd_from(simd, self.slice.half_extent[0]));
+        inside.select(
+            exp(simd, exponent) * self.slice.weight,
+            S::f32s::simd_from(simd, 0.0),
         )
     }
 
-    /// Offset of a row's pixel centres from the slice's.
     #[inline(always)]
-    fn row_offset(&self, row: usize, slice: &Slice) -> f32 {
-        (self.first[1] + row) as f32 + 0.5 - slice.centre[1]
+    fn separate<S: Simd>(&mut self, simd: S) {
+        let [xx, _, yy] = self.slice.conic;
+        let lanes = S::f32s::from_fn(simd, |lane| lane as f32);
+        for first in (0..self.area.y1 - self.area.y0).step_by(S::f32s::LEN) {
+            let dy = lanes + self.row_offset(first);
+            let factor = exp(simd, dy * dy * (-0.5 * yy));
+            factor.store_slice(&mut self.rows[first..first + S::f32s::LEN]);
+            (factor * dy * -yy).store_slice(&mut self.slopes[first..first + S::f32s::LEN]);
+        }
+        for column in self.vectors(S::f32s::LEN) {
+            let dx = self.column_offsets(simd, column);
+            let weights = self.weights(simd, dx, dx * dx * (-0.5 * xx));
+            weights.store_slice(&mut self.columns[column..column + S::f32s::LEN]);
+        }
     }
-}
 
-#[inline(always)]
-fn splat_separable<S: Simd, P: Payload>(simd: S, rows: &mut [Row], area: Area, slice: &Slice, payload: P) {
-    let [xx, _, yy] = slice.conic;
-    let zero = S::f32s::simd_from(simd, 0.0);
-    let lanes = S::f32s::from_fn(simd, |lane| lane as f32);
-    let (mut factors, mut slopes) = ([0.0; PITCH], [0.0; PITCH]);
-    for first in (0..rows.len()).step_by(S::f32s::LEN) {
-        let dy = lanes + area.row_offset(first, slice);
-        let factor = exp(simd, dy * dy * (-0.5 * yy));
-        factor.store_slice(&mut factors[first..first + S::f32s::LEN]);
-        (factor * dy * -yy).store_slice(&mut slopes[first..first + S::f32s::LEN]);
+    /// Adds the slice to the sheet.
+    #[inline(always)]
+    pub(crate) fn add<S: Simd>(&self, simd: S, sheet: &mut SheetBuffer) {
+        sheet.touched = sheet.touched.join(self.area);
+        let rows = &mut sheet.rows[self.area.y0..self.area.y1];
+        if self.is_separable() {
+            self.add_separable(simd, rows);
+        } else {
+            self.add_general(simd, rows);
+        }
     }
-    for column in area.vectors(S::f32s::LEN) {
-        let (dx, inside) = area.offsets(simd, column, slice);
-        let weight = inside.select(exp(simd, dx * dx * (-0.5 * xx)) * slice.weight, zero);
-        let columns = payload.columns::<S>(weight, dx);
-        for (row, (factor, slope)) in rows.iter_mut().zip(factors.iter().zip(&slopes)) {
-            for (channel, value) in columns.into_iter().enumerate() {
-                let factor = if P::HAS_GRADIENT && channel == SLOPE_Y {
-                    *slope
-                } else {
-                    *factor
-                };
-                let pixels = &mut row.0[channel][column..column + S::f32s::LEN];
-                let before = S::f32s::from_slice(simd, pixels);
-                value
-                    .mul_add(S::f32s::simd_from(simd, factor), before)
-                    .store_slice(pixels);
+
+    #[inline(always)]
+    fn add_separable<S: Simd>(&self, simd: S, rows: &mut [Row]) {
+        for column in self.vectors(S::f32s::LEN) {
+            let dx = self.column_offsets(simd, column);
+            let weights = S::f32s::from_slice(simd, &self.columns[column..column + S::f32s::LEN]);
+            let columns = self.payload.columns::<S>(weights, dx);
+            for (row, (factor, slope)) in rows.iter_mut().zip(self.rows.iter().zip(&self.slopes)) {
+                for (channel, value) in columns.into_iter().enumerate() {
+                    let is_slope = P::HAS_GRADIENT && channel == SLOPE_Y;
+                    let factor = S::f32s::simd_from(simd, if is_slope { *slope } else { *factor });
+                    let pixels = &mut row.0[channel][column..column + S::f32s::LEN];
+                    value
+                        .mul_add(factor, S::f32s::from_slice(simd, pixels))
+                        .store_slice(pixels);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_general<S: Simd>(&self, simd: S, rows: &mut [Row]) {
+        let [xx, xy, yy] = self.slice.conic;
+        for column in self.vectors(S::f32s::LEN) {
+            let dx = self.column_offsets(simd, column);
+            for (i, row) in rows.iter_mut().enumerate() {
+                let dy = self.row_offset(i);
+                let along_x = dx * dx * (-0.5 * xx);
+                let exponent = dx.mul_add(S::f32s::simd_from(simd, -xy * dy), along_x) - 0.5 * yy * dy * dy;
+                let weights = self.weights(simd, dx, exponent);
+                for (channel, value) in self
+                    .payload
+                    .channels::<S>(weights, dx, dy)
+                    .into_iter()
+                    .enumerate()
+                {
+                    let pixels = &mut row.0[channel][column..column + S::f32s::LEN];
+                    (S::f32s::from_slice(simd, pixels) + value).store_slice(pixels);
+                }
             }
         }
     }
 }
 
-#[inline(always)]
-fn splat_general<S: Simd, P: Payload>(simd: S, rows: &mut [Row], area: Area, slice: &Slice, payload: P) {
-    let [xx, xy, yy] = slice.conic;
-    let zero = S::f32s::simd_from(simd, 0.0);
-    for column in area.vectors(S::f32s::LEN) {
-        let (dx, inside) = area.offsets(simd, column, slice);
-        let along_x = dx * dx * (-0.5 * xx);
-        for (i, row) in rows.iter_mut().enumerate() {
-            let dy = area.row_offset(i, slice);
-            let exponent = dx.mul_add(S::f32s::simd_from(simd, -xy * dy), along_x) - 0.5 * yy * dy * dy;
-            let weight = inside.select(exp(simd, exponent) * slice.weight, zero);
-            for (channel, value) in payload.channels::<S>(weight, dx, dy).into_iter().enumerate() {
-                let pixels = &mut row.0[channel][column..column + S::f32s::LEN];
-                (S::f32s::from_slice(simd, pixels) + value).store_slice(pixels);
-            }
-        }
-    }
-}
-
-// The rows of a tile, rounded up to vectors, fit a slice's row factors.
+// The rows of a tile, rounded up to vectors, fit a stamp's rows.
 const _: () = assert!(MAX_EDGE <= PITCH);

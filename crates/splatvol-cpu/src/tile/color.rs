@@ -1,9 +1,8 @@
 //! Pre-classification and X-ray: classified, lit voxels are integrated over slabs.
 
-use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 use splatvol_core::bin::TileRect;
-use splatvol_core::footprint::SlabSlicer;
+use splatvol_core::footprint::{SlabSlicer, Slice};
 use splatvol_scene::Compositing;
 
 use super::{Canvas, Fate, Mode};
@@ -11,7 +10,7 @@ use crate::plan::FramePlan;
 use crate::stage::activate::OpenVoxel;
 use crate::stage::shade::Phong;
 use crate::stage::sheet_buffer::SheetBuffer;
-use crate::stage::splat::{ColorPayload, splat};
+use crate::stage::splat::ColorPayload;
 
 /// Splats extinction and emission; composites slab by slab.
 #[derive(Debug)]
@@ -66,6 +65,7 @@ type Slab = [f32; 2];
 
 impl Mode for ColorMode<'_> {
     type Payload = [f32; 4];
+    type Splat = ColorPayload;
     type Sheet = Slab;
 
     fn sheet(&self, index: usize) -> Slab {
@@ -105,23 +105,13 @@ impl Mode for ColorMode<'_> {
     }
 
     #[inline(always)]
-    fn splat<S: Simd>(
-        &self,
-        simd: S,
-        slab: &Slab,
-        voxel: &OpenVoxel<[f32; 4]>,
-        target: (&mut SheetBuffer, &TileRect),
-    ) {
-        let Some(slice) = self.slicer.slice(voxel.centre, *slab) else {
-            return;
-        };
+    fn slice(&self, slab: &Slab, voxel: &OpenVoxel<[f32; 4]>) -> Option<(Slice, ColorPayload)> {
+        let slice = self.slicer.slice(voxel.centre, *slab)?;
         let [extinction, r, g, b] = voxel.payload;
-        splat(
-            simd,
-            target,
-            &slice,
+        Some((
+            slice,
             ColorPayload([extinction, r, g, b, extinction * slice.depth]),
-        );
+        ))
     }
 
     fn composite(

@@ -1,9 +1,8 @@
 //! Post-classification and maximum intensity: data is sampled on planes.
 
-use fearless_simd::Simd;
 use glam::Vec3;
 use splatvol_core::bin::TileRect;
-use splatvol_core::footprint::PlaneSlicer;
+use splatvol_core::footprint::{PlaneSlicer, Slice};
 use splatvol_scene::Compositing;
 
 use super::{Canvas, Fate, Mode};
@@ -11,7 +10,7 @@ use crate::plan::FramePlan;
 use crate::stage::activate::OpenVoxel;
 use crate::stage::shade::{End, Interval, NO_COVERAGE, Phong, Shader};
 use crate::stage::sheet_buffer::{SheetBuffer, Touched};
-use crate::stage::splat::{DataPayload, splat};
+use crate::stage::splat::DataPayload;
 
 /// Splats kernel coefficients; classifies pairs of planes.
 #[derive(Debug)]
@@ -130,6 +129,7 @@ impl PixelRay {
 
 impl Mode for DataMode<'_> {
     type Payload = f32;
+    type Splat = DataPayload;
     type Sheet = Plane;
 
     fn sheet(&self, index: usize) -> Plane {
@@ -160,13 +160,7 @@ impl Mode for DataMode<'_> {
     }
 
     #[inline(always)]
-    fn splat<S: Simd>(
-        &self,
-        simd: S,
-        Plane { slicer, .. }: &Plane,
-        voxel: &OpenVoxel<f32>,
-        target: (&mut SheetBuffer, &TileRect),
-    ) {
+    fn slice(&self, Plane { slicer, .. }: &Plane, voxel: &OpenVoxel<f32>) -> Option<(Slice, DataPayload)> {
         let [x, y, z] = voxel.centre;
         let offset = slicer.offset(z);
         let slice = slicer.slice([x, y], offset);
@@ -175,7 +169,7 @@ impl Mode for DataMode<'_> {
             conic: slice.conic,
             depth_derivative: slicer.depth_derivative(offset),
         };
-        splat(simd, target, &slice, payload);
+        Some((slice, payload))
     }
 
     fn composite(

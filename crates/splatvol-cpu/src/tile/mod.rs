@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use fearless_simd::Simd;
 use splatvol_core::bin::TileRect;
+use splatvol_core::footprint::Slice;
 
 pub(crate) use color::ColorMode;
 pub(crate) use data::DataMode;
@@ -16,11 +17,14 @@ use crate::stage::activate::{OpenVoxel, activate};
 use crate::stage::composite::{OpenBlocks, Pixel};
 use crate::stage::resolve::{Resolved, resolve};
 use crate::stage::sheet_buffer::SheetBuffer;
+use crate::stage::splat::{Payload, Stamp};
 
 /// What voxels splat and what becomes of a sheet: the difference between pre- and post-classification.
 pub(crate) trait Mode: Sync {
     /// What a voxel splats.
     type Payload: Copy + Send;
+    /// What a slice adds to the sheet's channels.
+    type Splat: Payload + Default;
     /// A sheet's plane or slab.
     type Sheet: Copy;
 
@@ -34,14 +38,8 @@ pub(crate) trait Mode: Sync {
     /// neighbouring voxels' answers are too mixed to be predicted.
     fn meets(&self, sheet: &Self::Sheet, voxel: &OpenVoxel<Self::Payload>, rect: &TileRect) -> Fate;
 
-    /// Splats the slice of a voxel that the sheet meets.
-    fn splat<S: Simd>(
-        &self,
-        simd: S,
-        sheet: &Self::Sheet,
-        voxel: &OpenVoxel<Self::Payload>,
-        target: (&mut SheetBuffer, &TileRect),
-    );
+    /// The slice of a voxel that the sheet meets, and what it adds.
+    fn slice(&self, sheet: &Self::Sheet, voxel: &OpenVoxel<Self::Payload>) -> Option<(Slice, Self::Splat)>;
 
     /// Composites what lies between the sheet before, if there is one, and this one (or in this one).
     fn composite(
@@ -92,18 +90,22 @@ impl Canvas<'_> {
     }
 }
 
+/// Slices that are made ready together.
+const BATCH: usize = 8;
+
 /// A thread's scratch memory.
 #[derive(Debug)]
-pub(crate) struct Scratch<P> {
+pub(crate) struct Scratch<M: Mode> {
     near: SheetBuffer,
     far: SheetBuffer,
-    open: Vec<OpenVoxel<P>>,
-    met: Vec<OpenVoxel<P>>,
+    open: Vec<OpenVoxel<M::Payload>>,
+    met: Vec<OpenVoxel<M::Payload>>,
+    stamps: Vec<Stamp<M::Splat>>,
     pixels: Vec<Pixel>,
     blocks: OpenBlocks,
 }
 
-impl<P> Scratch<P> {
+impl<M: Mode> Scratch<M> {
     /// Scratch for tiles of `edge` pixels.
     pub(crate) fn new(edge: usize) -> Self {
         Self {
@@ -111,6 +113,7 @@ impl<P> Scratch<P> {
             far: SheetBuffer::new(edge),
             open: Vec::new(),
             met: Vec::new(),
+            stamps: vec![Stamp::blank(M::Splat::default()); BATCH],
             pixels: Vec::new(),
             blocks: OpenBlocks::default(),
         }
@@ -143,7 +146,7 @@ pub(crate) fn render<S: Simd, M: Mode>(
     plan: &FramePlan<'_>,
     tile: usize,
     mode: &M,
-    scratch: &mut Scratch<M::Payload>,
+    scratch: &mut Scratch<M>,
 ) -> (Vec<Resolved>, TileWork) {
     let rect = plan.tiles.rect(tile);
     scratch.reset(&rect);
@@ -203,11 +206,17 @@ fn splat_open<S: Simd, M: Mode>(
     simd: S,
     mode: &M,
     sheet: &M::Sheet,
-    scratch: &mut Scratch<M::Payload>,
+    scratch: &mut Scratch<M>,
     first: usize,
     rect: &TileRect,
 ) -> u64 {
-    let Scratch { open, met, far, .. } = scratch;
+    let Scratch {
+        open,
+        met,
+        far,
+        stamps,
+        ..
+    } = scratch;
     met.clear();
     met.extend_from_slice(&open[first..]);
     let (mut count, mut kept) = (0, first);
@@ -220,8 +229,16 @@ fn splat_open<S: Simd, M: Mode>(
         kept += usize::from(!fate.past);
     }
     open.truncate(kept);
-    for voxel in &met[..count] {
-        mode.splat(simd, sheet, voxel, (&mut *far, rect));
+    for batch in met[..count].chunks(BATCH) {
+        let mut ready = 0;
+        for voxel in batch {
+            if let Some((slice, splat)) = mode.slice(sheet, voxel) {
+                ready += usize::from(stamps[ready].prepare(simd, rect, &slice, splat));
+            }
+        }
+        for stamp in &stamps[..ready] {
+            stamp.add(simd, far);
+        }
     }
     count as u64
 }
