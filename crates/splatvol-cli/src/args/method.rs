@@ -12,6 +12,9 @@ const LIGHT: &str = "Lighting";
 /// How the picture is made.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct MethodArgs {
+    /// Quality or speed: what sheets, filter and kernel are unless their own flags say so [default: best]
+    #[arg(long, value_name = "NAME", help_heading = METHOD)]
+    pub(crate) preset: Option<PresetName>,
     /// How sheets become a picture [default: image-sheets]
     #[arg(long, help_heading = METHOD)]
     pub(crate) compositing: Option<CompositingName>,
@@ -64,6 +67,15 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
           allow_hyphen_values = true, conflicts_with = "no_shade")]
     pub(crate) light: Option<Triple>,
+}
+
+/// Whole settings by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PresetName {
+    /// Nearest to the exact integral
+    Best,
+    /// A softer picture in less time
+    Fast,
 }
 
 /// How sheets become a picture.

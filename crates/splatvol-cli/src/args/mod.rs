@@ -23,7 +23,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use input::InputArgs;
 pub(crate) use look::LookArgs;
-pub(crate) use method::{ClassificationName, CompositingName, FilterName, MethodArgs};
+pub(crate) use method::{ClassificationName, CompositingName, FilterName, MethodArgs, PresetName};
 pub(crate) use render::{Background, RenderArgs};
 
 /// Volume rendering by splatting.

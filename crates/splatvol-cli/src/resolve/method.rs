@@ -2,7 +2,7 @@
 
 use splatvol::{Classification, Compositing, Filter, ImageSize, Kernel, Lighting, RenderSettings};
 
-use crate::args::{ClassificationName, CompositingName, FilterName, MethodArgs};
+use crate::args::{ClassificationName, CompositingName, FilterName, MethodArgs, PresetName};
 use crate::failure::{During, Failure, Step};
 
 /// Side of a picture unless asked otherwise, pixels.
@@ -18,7 +18,7 @@ pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> C
     }
 }
 
-/// The settings: flags over those of an earlier picture, over defaults and what the data want.
+/// The settings: flags over a preset, over those of an earlier picture, over defaults and what the data want.
 pub(crate) fn resolve(
     args: &MethodArgs,
     size: Option<ImageSize>,
@@ -33,6 +33,9 @@ pub(crate) fn resolve(
             ..RenderSettings::default()
         },
     };
+    if let Some(name) = args.preset {
+        settings = preset(name, &settings);
+    }
     settings.compositing = compositing(args, like);
     if let Some(size) = size {
         settings.size = size;
@@ -50,6 +53,30 @@ pub(crate) fn resolve(
     settings.lighting = lighting(args, settings.lighting);
     settings.validate().during(Step::Usage)?;
     Ok(settings)
+}
+
+/// The settings of a preset, for a picture that shows the same as with the settings `shown`: a preset says how well,
+/// not what.
+fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
+    let quality = match name {
+        PresetName::Best => RenderSettings::default(),
+        PresetName::Fast => RenderSettings {
+            kernel: Kernel::Gaussian {
+                sigma: 0.64,
+                radius: 2.0,
+            },
+            sheet_thickness: 1.0,
+            filter: Filter::Ewa { pixel_sigma: 0.55 },
+            ..RenderSettings::default()
+        },
+    };
+    RenderSettings {
+        size: shown.size,
+        compositing: shown.compositing,
+        classification: shown.classification,
+        lighting: shown.lighting,
+        ..quality
+    }
 }
 
 fn set<T>(field: &mut T, value: Option<T>) {
@@ -125,6 +152,43 @@ mod tests {
             ..MethodArgs::default()
         });
         assert_eq!(filtered.filter, Filter::default());
+    }
+
+    #[test]
+    fn a_preset_beats_the_earlier_picture_and_loses_to_flags() {
+        let like = RenderSettings {
+            lighting: None,
+            sheet_thickness: 3.0,
+            prefilter: false,
+            ..RenderSettings::default()
+        };
+        let args = MethodArgs {
+            preset: Some(PresetName::Fast),
+            filter: Some(FilterName::None),
+            kernel_sigma: Some(0.7),
+            ..MethodArgs::default()
+        };
+        let settings = resolve(&args, None, Some(&like), None).unwrap();
+        let fast = preset(PresetName::Fast, &like);
+        assert_eq!(settings.sheet_thickness, fast.sheet_thickness);
+        assert_eq!(settings.filter, Filter::None);
+        // What is shown stays the picture's.
+        assert_eq!((settings.prefilter, settings.lighting), (true, None));
+        let (Kernel::Gaussian { sigma, .. }, Kernel::Gaussian { sigma: of_fast, .. }) =
+            (settings.kernel, fast.kernel);
+        assert!(sigma == 0.7 && of_fast != 0.7);
+        let args = MethodArgs {
+            preset: Some(PresetName::Best),
+            ..MethodArgs::default()
+        };
+        let settings = resolve(&args, None, Some(&like), None).unwrap();
+        assert_eq!(
+            settings,
+            RenderSettings {
+                lighting: None,
+                ..RenderSettings::default()
+            }
+        );
     }
 
     #[test]

@@ -167,6 +167,36 @@ fn every_method_renders() {
 }
 
 #[test]
+fn presets_set_the_method_and_are_remembered() {
+    let sandbox = Sandbox::new();
+    let picture = |name: &str| png(&sandbox.path(name));
+    sandbox.run(&format!("{TINY} -o default.png")).succeeds();
+    sandbox
+        .run(&format!("{TINY} --preset best -o best.png"))
+        .succeeds();
+    sandbox
+        .run(&format!("{TINY} --preset fast -o fast.png"))
+        .succeeds();
+    assert_eq!(picture("default.png"), picture("best.png"));
+    assert_ne!(picture("default.png"), picture("fast.png"));
+    sandbox.run("render --like fast.png -o again.png").succeeds();
+    assert_eq!(sandbox.bytes("fast.png"), sandbox.bytes("again.png"));
+    sandbox
+        .run("render --like fast.png --preset best -o like-best.png")
+        .succeeds();
+    assert_eq!(picture("best.png"), picture("like-best.png"));
+    sandbox
+        .run(&format!(
+            "{TINY} --preset fast --sheet-thickness 0.25 -o flag.png"
+        ))
+        .succeeds();
+    assert_ne!(picture("fast.png"), picture("flag.png"));
+    sandbox
+        .run(&format!("{TINY} --preset slow"))
+        .fails(2, &["best", "fast"]);
+}
+
+#[test]
 fn the_picture_of_a_file_is_that_of_the_sample() {
     let sandbox = Sandbox::new();
     sandbox.run("sample slab --size 20 -o slab.nrrd").succeeds();
