@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         Command::Sample(args) => commands::sample::run(args, &terminal),
         Command::Convert(args) => commands::convert::run(args, &terminal),
         Command::Compare(args) => commands::compare::run(args, &terminal),
+        Command::Bench(args) => commands::bench::run(args, &terminal),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,6 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use splatvol::transfer_function::linear_from_srgb;
+use splatvol::{Frame, Image};
+use splatvol_io::{ImageFormat, encode_image};
 
 use crate::failure::{During, Failure, Step};
 
@@ -64,6 +67,38 @@ impl Target {
             }),
         }
     }
+}
+
+/// The picture format of a file's extension.
+pub(crate) fn picture_format(path: &Path) -> Result<ImageFormat, Failure> {
+    ImageFormat::from_path(path).ok_or_else(|| {
+        Failure::usage(format!(
+            "{}: no picture format has this extension",
+            path.display()
+        ))
+        .hint("use .png or .exr")
+    })
+}
+
+/// A frame as a picture file: EXR keeps alpha and depth; a PNG is laid over the background (sRGB, straight alpha).
+pub(crate) fn encode_frame(
+    frame: &Frame,
+    format: ImageFormat,
+    background: Option<[f64; 4]>,
+    metadata: &[(String, String)],
+) -> Result<Vec<u8>, Failure> {
+    match (format, background) {
+        (ImageFormat::Exr, _) => encode_image(&frame.image, Some(&frame.depth), format, metadata),
+        (_, None) => encode_image(&frame.image, None, format, metadata),
+        (_, Some(background)) => encode_image(&over(&frame.image, background), None, format, metadata),
+    }
+    .during(Step::Output)
+}
+
+/// A picture over a background (sRGB, straight alpha).
+pub(crate) fn over(image: &Image, [r, g, b, a]: [f64; 4]) -> Image {
+    let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
+    image.over([r, g, b, a as f32])
 }
 
 fn exists(path: &Path) -> Failure {

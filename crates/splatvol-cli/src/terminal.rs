@@ -1,5 +1,6 @@
 //! What is said on stderr: warnings, notes, and progress bars where a person is watching.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -40,7 +41,7 @@ impl Terminal {
     }
 
     /// A bar from 0 to 1; hidden in pipes and where quiet.
-    pub(crate) fn progress(&self, label: &'static str) -> Progress {
+    pub(crate) fn progress(&self, label: impl Into<Cow<'static, str>>) -> Progress {
         if self.verbosity.quiet || !std::io::stderr().is_terminal() {
             return Progress(ProgressBar::hidden());
         }

@@ -9,6 +9,7 @@
     reason = "likewise: brackets are optional parts, not links"
 )]
 
+mod bench;
 mod camera;
 mod input;
 mod look;
@@ -20,6 +21,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use input::InputArgs;
 pub(crate) use look::LookArgs;
@@ -72,6 +74,8 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Measure how two pictures or volumes differ
     Compare(CompareArgs),
+    /// Measure how long pictures take, and check that they are as expected
+    Bench(Box<BenchArgs>),
 }
 
 /// Flags of every command that writes a file.

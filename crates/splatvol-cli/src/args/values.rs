@@ -13,16 +13,16 @@ pub(crate) type Triple = [f64; 3];
 /// Samples along x, y, z.
 pub(crate) type Dims = [usize; 3];
 
-/// Named backgrounds, sRGB.
-const COLORS: [(&str, [f64; 3]); 4] = [
-    ("black", [0.0, 0.0, 0.0]),
-    ("white", [1.0, 1.0, 1.0]),
-    ("gray", [0.5, 0.5, 0.5]),
+/// Named backgrounds, sRGB and alpha.
+const COLORS: [(&str, [f64; 4]); 4] = [
+    ("black", [0.0, 0.0, 0.0, 1.0]),
+    ("white", [1.0, 1.0, 1.0, 1.0]),
+    ("gray", [0.5, 0.5, 0.5, 1.0]),
     ("charcoal", CHARCOAL),
 ];
 
 /// The default background: dark enough for translucent shells to glow, light enough for dark material to stand out.
-pub(crate) const CHARCOAL: [f64; 3] = [0.094, 0.098, 0.110];
+pub(crate) const CHARCOAL: [f64; 4] = [0.094, 0.098, 0.110, 1.0];
 
 fn numbers<T: FromStr>(text: &str, separators: &[char]) -> Option<Vec<T>> {
     text.split(separators)
@@ -35,6 +35,13 @@ pub(crate) fn triple(text: &str) -> Result<Triple, String> {
         .and_then(|values| <Triple>::try_from(values).ok())
         .filter(|values| values.iter().all(|v| v.is_finite()))
         .ok_or_else(|| "expected three numbers: X,Y,Z".to_owned())
+}
+
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite())
+        .ok_or_else(|| "expected a number".to_owned())
 }
 
 pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
@@ -99,8 +106,8 @@ pub(crate) fn background(text: &str) -> Result<Background, String> {
     if name == "none" || name == "transparent" {
         return Ok(Background::None);
     }
-    if let Some((_, [r, g, b])) = COLORS.iter().find(|(known, _)| *known == name) {
-        return Ok(Background::Color([*r, *g, *b, 1.0]));
+    if let Some((_, color)) = COLORS.iter().find(|(known, _)| *known == name) {
+        return Ok(Background::Color(*color));
     }
     let found = match name.strip_prefix('#') {
         Some(hex) => hex_color(hex),

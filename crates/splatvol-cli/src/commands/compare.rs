@@ -1,6 +1,7 @@
 //! `splatvol compare`: how far two pictures or volumes are apart.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Serialize;
 use splatvol::{Image, Volume};
@@ -57,7 +58,7 @@ fn volumes(args: &CompareArgs, terminal: &Terminal) -> Result<(), Failure> {
             "-o makes a picture of the differences between pictures, not volumes",
         ));
     }
-    let read = |name: &str| -> Result<Volume, Failure> {
+    let read = |name: &str| -> Result<Arc<Volume>, Failure> {
         let recipe = input::recipe(Some(name), &InputArgs::default(), None)?;
         Ok(input::load(&recipe, false, None, terminal)?.volume)
     };

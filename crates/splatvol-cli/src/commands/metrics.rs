@@ -66,7 +66,7 @@ impl PictureDifference {
 }
 
 /// 8-bit sRGB over black.
-fn codes(image: &Image) -> RgbImage {
+pub(crate) fn codes(image: &Image) -> RgbImage {
     let mut codes = RgbImage::new(image.size().width(), image.size().height());
     for (code, pixel) in codes.pixels_mut().zip(&image.pixels) {
         let encode = |c: f32| (255.0 * srgb_from_linear(f64::from(c.clamp(0.0, 1.0)))).round() as u8;

@@ -3,18 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene, View};
-use splatvol_io::{ImageFormat, encode_image};
+use splatvol::{Camera, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene};
+use splatvol_io::ImageFormat;
 
-use crate::args::{Background, Fit, RenderArgs, values};
+use crate::args::{Background, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
-use crate::output::Target;
+use crate::output::{Target, encode_frame, picture_format};
 use crate::recipe::{CameraRecipe, InputRecipe, Recipe, command_line};
 use crate::resolve::camera::Surroundings;
 use crate::resolve::input::Input;
 use crate::resolve::look::Look;
-use crate::resolve::{camera, input, look, method, visible};
+use crate::resolve::{camera, input, look, method};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -101,13 +100,7 @@ impl Outputs {
         };
         let format = match &picture {
             Target::Stdout => ImageFormat::Png8,
-            Target::File(path) => ImageFormat::from_path(path).ok_or_else(|| {
-                Failure::usage(format!(
-                    "{}: no picture format has this extension",
-                    path.display()
-                ))
-                .hint("use .png or .exr")
-            })?,
+            Target::File(path) => picture_format(path)?,
         };
         let stats = args.stats.as_deref().map(Target::new);
         if picture == Target::Stdout && stats == Some(Target::Stdout) {
@@ -124,29 +117,13 @@ impl Outputs {
         })
     }
 
-    /// EXR keeps alpha and depth; a PNG is laid over the background.
     fn write(&self, frame: &Frame, recipe: &Recipe, overwrite: bool) -> Result<(), Failure> {
-        let metadata = recipe.metadata()?;
-        let bytes = match (self.format, recipe.background) {
-            (ImageFormat::Exr, _) => {
-                encode_image(&frame.image, Some(&frame.depth), ImageFormat::Exr, &metadata)
-            }
-            (_, background) => {
-                let format = if recipe.bits == 16 {
-                    ImageFormat::Png16
-                } else {
-                    ImageFormat::Png8
-                };
-                match background {
-                    None => encode_image(&frame.image, None, format, &metadata),
-                    Some([r, g, b, a]) => {
-                        let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
-                        encode_image(&frame.image.over([r, g, b, a as f32]), None, format, &metadata)
-                    }
-                }
-            }
+        let format = match self.format {
+            ImageFormat::Png8 if recipe.bits == 16 => ImageFormat::Png16,
+            format => format,
         };
-        self.picture.write(&bytes.during(Step::Output)?, overwrite)
+        let bytes = encode_frame(frame, format, recipe.background, &recipe.metadata()?)?;
+        self.picture.write(&bytes, overwrite)
     }
 }
 
@@ -186,26 +163,23 @@ impl Resolved {
         let like_settings = like.map(|like| &like.settings);
         let compositing = method::compositing(&args.method, like_settings);
         let look = match like.filter(|like| keeps_look(args, like, compositing)) {
-            Some(like) => Look {
-                transfer_function: like.transfer_function.clone(),
-                classification: None,
-            },
+            Some(like) => Look::from(like.transfer_function.clone()),
             None => {
                 let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look));
                 look::resolve(&asked, input, compositing, terminal)?
             }
         };
         let settings = method::resolve(&args.method, args.size, like_settings, look.classification)?;
-        let preferred = input.sample.and_then(|sample| sample.preferred_view());
-        let surroundings = Surroundings {
-            outline: &|| match args.camera.fit.unwrap_or_default() {
-                Fit::Visible => visible::visible_outline(&input.volume, &look.transfer_function),
-                Fit::Volume => input.volume.grid().corners().to_vec(),
-            },
-            aspect: settings.size.aspect(),
-            preferred: preferred.unwrap_or(View::Iso),
-        };
-        let camera = camera::resolve(&args.camera, &surroundings, like.map(|like| &like.camera))?;
+        let camera = camera::resolve(
+            &args.camera,
+            &Surroundings::new(
+                &args.camera,
+                input,
+                &look.transfer_function,
+                settings.size.aspect(),
+            ),
+            like.map(|like| &like.camera),
+        )?;
         Ok(Self {
             look,
             settings,
@@ -219,10 +193,7 @@ impl Resolved {
             (Some(Background::None), _) => None,
             (Some(Background::Color(color)), _) => Some(color),
             (None, Some(like)) => like.background,
-            (None, None) => {
-                let [r, g, b] = values::CHARCOAL;
-                Some([r, g, b, 1.0])
-            }
+            (None, None) => Some(values::CHARCOAL),
         };
         let recipe = Recipe {
             version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -1,10 +1,12 @@
 //! The camera: explicit, framed automatically, or an earlier picture's.
 
 use glam::{DQuat, DVec3};
-use splatvol::{Camera, Projection, View};
+use splatvol::{Camera, Projection, TransferFunction, View};
 
 use super::framing::framing;
-use crate::args::{CameraArgs, ViewName};
+use super::input::Input;
+use super::visible;
+use crate::args::{CameraArgs, Fit, ViewName};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::CameraRecipe;
 
@@ -14,11 +16,34 @@ const FOV_DEGREES: f64 = 30.0;
 /// What an automatic camera goes by.
 pub(crate) struct Surroundings<'a> {
     /// World positions that bound what is to be shown.
-    pub(crate) outline: &'a dyn Fn() -> Vec<DVec3>,
+    outline: Box<dyn Fn() -> Vec<DVec3> + 'a>,
     /// Width over height of the picture.
-    pub(crate) aspect: f64,
+    aspect: f64,
     /// Where to look from unless asked otherwise.
-    pub(crate) preferred: View,
+    preferred: View,
+}
+
+impl<'a> Surroundings<'a> {
+    /// Those of a volume as it looks.
+    pub(crate) fn new(
+        args: &CameraArgs,
+        input: &'a Input,
+        transfer_function: &'a TransferFunction,
+        aspect: f64,
+    ) -> Self {
+        let fit = args.fit.unwrap_or_default();
+        Self {
+            outline: Box::new(move || match fit {
+                Fit::Visible => visible::visible_outline(&input.volume, transfer_function),
+                Fit::Volume => input.volume.grid().corners().to_vec(),
+            }),
+            aspect,
+            preferred: input
+                .sample
+                .and_then(|sample| sample.preferred_view())
+                .unwrap_or(View::Iso),
+        }
+    }
 }
 
 /// The camera that the flags ask for. Offsets (azimuth, elevation, zoom) and projection apply to an earlier picture's
@@ -33,7 +58,8 @@ pub(crate) fn resolve(
         Some(like) => from_recipe(args, like)?,
         None => framed(args, surroundings, like.map(|like| like.projection))?,
     };
-    zoomed(args, orbited(args, base)?)
+    let turned = orbited(base, args.azimuth.unwrap_or(0.0), args.elevation.unwrap_or(0.0))?;
+    zoomed(args, turned)
 }
 
 fn from_recipe(args: &CameraArgs, like: &CameraRecipe) -> Result<Camera, Failure> {
@@ -104,8 +130,8 @@ fn upright(forward: DVec3) -> DVec3 {
     if along_z { DVec3::Y } else { DVec3::Z }
 }
 
-fn orbited(args: &CameraArgs, camera: Camera) -> Result<Camera, Failure> {
-    let (azimuth, elevation) = (args.azimuth.unwrap_or(0.0), args.elevation.unwrap_or(0.0));
+/// The camera moved around its target: to its right and upwards, degrees.
+pub(crate) fn orbited(camera: Camera, azimuth: f64, elevation: f64) -> Result<Camera, Failure> {
     if azimuth == 0.0 && elevation == 0.0 {
         return Ok(camera);
     }
@@ -166,14 +192,14 @@ mod tests {
 
     fn camera(args: &CameraArgs, like: Option<&CameraRecipe>) -> Camera {
         let surroundings = Surroundings {
-            outline: &|| {
+            outline: Box::new(|| {
                 Bounds {
                     min: DVec3::NEG_ONE,
                     max: DVec3::ONE,
                 }
                 .corners()
                 .to_vec()
-            },
+            }),
             aspect: 1.0,
             preferred: View::Front,
         };

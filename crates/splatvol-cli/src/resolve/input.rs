@@ -1,6 +1,7 @@
 //! The input volume: a file or a built-in sample.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context;
 use glam::DVec3;
@@ -15,7 +16,7 @@ use crate::terminal::Terminal;
 
 /// A volume, and what is known about it.
 pub(crate) struct Input {
-    pub(crate) volume: Volume,
+    pub(crate) volume: Arc<Volume>,
     pub(crate) description: Description,
     /// Which sample it is, if it is one.
     pub(crate) sample: Option<Sample>,
@@ -74,7 +75,7 @@ pub(crate) fn load(
         terminal.warn(format!("{}: {warning}", recipe.reference));
     }
     Ok(Input {
-        volume: loaded.volume,
+        volume: Arc::new(loaded.volume),
         description: loaded.description,
         sample: None,
     })
@@ -104,7 +105,7 @@ fn generate(text: &str) -> Result<Input, Failure> {
         ..Description::default()
     };
     Ok(Input {
-        volume,
+        volume: Arc::new(volume),
         description,
         sample: Some(sample),
     })

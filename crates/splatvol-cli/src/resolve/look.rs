@@ -22,6 +22,15 @@ pub(crate) struct Look {
     pub(crate) classification: Option<Classification>,
 }
 
+impl From<TransferFunction> for Look {
+    fn from(transfer_function: TransferFunction) -> Self {
+        Self {
+            transfer_function,
+            classification: None,
+        }
+    }
+}
+
 /// Resolves the flags for a volume that is composited in a certain way.
 pub(crate) fn resolve(
     args: &LookArgs,
@@ -48,10 +57,6 @@ fn chosen(
     compositing: Compositing,
     terminal: &Terminal,
 ) -> Result<Look, Failure> {
-    let plain = |transfer_function| Look {
-        transfer_function,
-        classification: None,
-    };
     let volume = &input.volume;
     let map = args
         .cmap
@@ -60,22 +65,22 @@ fn chosen(
         .transpose()
         .during(Step::Usage)?;
     if let Some(path) = &args.tf {
-        return from_file(path, args.clim, volume.value_range(), terminal).map(plain);
+        return from_file(path, args.clim, volume.value_range(), terminal).map(Look::from);
     }
     let [low, high] = args.clim.unwrap_or(volume.value_range());
     if let Some(value) = args.iso {
         let width = ((high - low) / 50.0).max(f64::MIN_POSITIVE);
         let surface = TransferFunction::isosurface(value, width, SURFACE).during(Step::Usage)?;
         return match map {
-            Some(map) => colored(&surface, map, [low, high]).map(plain),
-            None => Ok(plain(surface)),
+            Some(map) => colored(&surface, map, [low, high]).map(Look::from),
+            None => Ok(surface.into()),
         };
     }
     if args.opacity.is_none() && args.clim.is_none() {
         if compositing == Compositing::Mip && map.is_none() {
             return TransferFunction::gray_ramp([low, high], 1.0)
                 .during(Step::Usage)
-                .map(plain);
+                .map(Look::from);
         }
         if compositing != Compositing::Mip {
             return automatic(input, map, terminal);
@@ -94,7 +99,7 @@ fn chosen(
     };
     TransferFunction::from_map_and_opacity(range, map, curve, None)
         .during(Step::Usage)
-        .map(plain)
+        .map(Look::from)
 }
 
 /// A file's transfer function. `clim` is what its 0..1 stand for, or where its ends are moved to if it has data values.

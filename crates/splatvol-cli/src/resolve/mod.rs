@@ -2,9 +2,10 @@
 //!
 //! An explicit flag beats the picture given with `--like`, which beats what is chosen from the data.
 
+pub(crate) mod around;
 pub(crate) mod camera;
 mod framing;
 pub(crate) mod input;
 pub(crate) mod look;
 pub(crate) mod method;
-pub(crate) mod visible;
+mod visible;

@@ -1,0 +1,137 @@
+//! `splatvol bench`.
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use splatvol::{ImageSize, Projection};
+
+use super::{CameraArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
+use crate::commands::bench::scenes::FIXED_SCENES;
+
+const CASES: &str = "Cases";
+const MEASUREMENT: &str = "Measurement";
+const OUTPUT: &str = "Output";
+
+/// Raw arguments of `bench`.
+#[derive(Debug, Clone, Args)]
+#[command(
+    after_help = "Without INPUT, fixed scenes are rendered in all combinations of look, classification, projection and
+threads, and their pictures are compared with those recorded of them. Of a given INPUT, or under flags that
+change the picture, nothing is expected. Unless camera flags say otherwise the camera sees the whole grid, from
+0.90,0.25,0.35 with 0,1,0 up. One renderer makes all frames of a case: what it can keep between frames, it keeps.
+
+Exit codes: as splatvol; 4 also where a picture is not as recorded.
+
+Examples:
+  splatvol bench
+  splatvol bench --quick
+  splatvol bench --scenes shells:256 --looks opaque --projection perspective --threads 2 --json times.json
+  splatvol bench scan.nii.gz --preset fast --threads 1,4
+  splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -"
+)]
+pub(crate) struct BenchArgs {
+    /// Volumes: files, or sample:NAME[:SIZE] [default: the fixed scenes]
+    #[arg(value_name = "INPUT")]
+    pub(crate) inputs: Vec<String>,
+    /// Fixed scenes to run [default: shells:256,head:256,head:512]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES, conflicts_with = "inputs",
+          value_parser = PossibleValuesParser::new(FIXED_SCENES.map(|scene| scene.name)))]
+    pub(crate) scenes: Vec<String>,
+    /// Run the small fixed scenes only, in small pictures
+    #[arg(long, help_heading = CASES, conflicts_with_all = ["inputs", "scenes"])]
+    pub(crate) quick: bool,
+    /// Transfer functions [default: all for fixed scenes, for INPUT that of splatvol render]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES,
+          conflicts_with_all = ["tf", "cmap", "opacity", "iso"])]
+    pub(crate) looks: Vec<LookName>,
+    /// Projections [default: all for fixed scenes, perspective for INPUT]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES,
+          conflicts_with_all = ["camera_fov", "orthographic"])]
+    pub(crate) projection: Vec<ProjectionName>,
+    /// Numbers of threads; 0 takes one per processor [default: 1,0]
+    #[arg(long, value_name = "N", value_delimiter = ',', help_heading = CASES)]
+    pub(crate) threads: Vec<usize>,
+    /// Frames that are measured
+    #[arg(long, value_name = "N", default_value_t = 9, help_heading = MEASUREMENT,
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) frames: u32,
+    /// Frames before them, which are not
+    #[arg(long, value_name = "N", default_value_t = 2, help_heading = MEASUREMENT)]
+    pub(crate) warm_up: u32,
+    /// Turn of the camera about the picture's up axis per frame
+    #[arg(long, value_name = "DEGREES", default_value_t = 1.0, help_heading = MEASUREMENT,
+          allow_negative_numbers = true, value_parser = values::finite)]
+    pub(crate) orbit: f64,
+    /// Picture size, pixels: WxH, W,H or N [default: 512x512; 128x128 for the small scenes]
+    #[arg(long, value_name = "WxH", value_parser = values::image_size, help_heading = OUTPUT)]
+    pub(crate) size: Option<ImageSize>,
+    /// Write settings, times, counts and checksums as JSON to this file, or to stdout (-) instead of the table
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) json: Option<PathBuf>,
+    /// Write the first measured frame of the first case: .png or .exr
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) picture: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) write: WriteArgs,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    #[command(flatten)]
+    pub(crate) read: InputArgs,
+    /// Compare the fixed scenes' pictures with those recorded in this file, instead of with those built in
+    #[arg(long, value_name = "FILE", hide = true, conflicts_with = "inputs")]
+    pub(crate) expected: Option<PathBuf>,
+    /// Record the pictures of all fixed scenes, or of those selected, as expected from now on, in this file
+    #[arg(long, value_name = "FILE", hide = true, conflicts_with_all = ["inputs", "quick"])]
+    pub(crate) update_expected: Option<PathBuf>,
+}
+
+impl BenchArgs {
+    /// Whether flags neither name other volumes than the fixed scenes nor change their pictures.
+    pub(crate) fn keeps_fixed_pictures(&self) -> bool {
+        let method = MethodArgs {
+            // Selects among the fixed cases.
+            classification: self.method.classification,
+            ..MethodArgs::default()
+        };
+        self.inputs.is_empty()
+            && self.size.is_none()
+            && self.camera == CameraArgs::default()
+            && self.look.is_empty()
+            && self.method == method
+    }
+}
+
+/// Transfer functions of benchmarks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum LookName {
+    /// A surface: from clear to opaque over 4 % of the data's window
+    Opaque,
+    /// Fog: opacity rises linearly over nearly all of the window
+    Translucent,
+    /// What splatvol render shows
+    #[value(skip)]
+    AsRender,
+}
+
+/// Kinds of projection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProjectionName {
+    Perspective,
+    Orthographic,
+}
+
+impl From<Projection> for ProjectionName {
+    fn from(projection: Projection) -> Self {
+        match projection {
+            Projection::Perspective { .. } => Self::Perspective,
+            Projection::Orthographic { .. } => Self::Orthographic,
+        }
+    }
+}

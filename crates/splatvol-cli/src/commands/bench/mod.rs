@@ -1,0 +1,255 @@
+//! `splatvol bench`: render fixed or given scenes again and again, time them, and check their pictures.
+//!
+//! [`scenes`] says what is run, [`looks`] how it looks, [`measure`] runs and times it, [`checksum`] compares its
+//! pictures with those recorded in `expected.json`, [`report`] says what came out. After a change that is meant to
+//! change pictures they are recorded anew by
+//! `cargo run --release -- bench --update-expected crates/splatvol-cli/src/commands/bench/expected.json`.
+
+mod checksum;
+mod looks;
+mod measure;
+mod process;
+mod report;
+pub(crate) mod scenes;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use splatvol::{ImageSize, Scene};
+
+use self::checksum::{Check, Checksum, Expected};
+use self::looks::Window;
+use self::measure::{Course, Measured, Subject, measure, median};
+use self::report::{CaseReport, Report, Table};
+use self::scenes::{SceneChoice, Variant};
+use crate::args::values::CHARCOAL;
+use crate::args::{BenchArgs, LookName, MethodArgs, ProjectionName};
+use crate::failure::{During, Failure, Step};
+use crate::output::{Target, encode_frame, picture_format};
+use crate::recipe::CameraRecipe;
+use crate::resolve::around::around;
+use crate::resolve::camera::Surroundings;
+use crate::resolve::input::Input;
+use crate::resolve::look::Look;
+use crate::resolve::{camera, input, look, method};
+use crate::terminal::Terminal;
+
+pub(crate) fn run(args: &BenchArgs, terminal: &Terminal) -> Result<(), Failure> {
+    let bench = Bench::new(args, terminal)?;
+    let report = bench.run()?;
+    if let Some(path) = &args.update_expected {
+        return update(path, args, &report, terminal);
+    }
+    if let Some(json) = &args.json {
+        let mut text = serde_json::to_string_pretty(&report).during(Step::Output)?;
+        text.push('\n');
+        Target::new(json).write(text.as_bytes(), args.write.overwrite)?;
+    }
+    let complaints = report.complaints();
+    if complaints.is_empty() {
+        return Ok(());
+    }
+    let message = format!("pictures are not as expected:\n  {}", complaints.join("\n  "));
+    Err(anyhow::Error::msg(message)).during(Step::Render)
+}
+
+/// Records the pictures in the file that the program is built from.
+fn update(path: &Path, args: &BenchArgs, report: &Report, terminal: &Terminal) -> Result<(), Failure> {
+    let mut expected = Expected::recorded(args.expected.as_deref())?;
+    let names = scenes::fixed_names();
+    expected.retain(|case| names.iter().any(|name| name == case));
+    for case in &report.cases {
+        expected.record(&case.name, &case.picture);
+    }
+    expected.write(path)?;
+    terminal.note(format!(
+        "recorded {} pictures in {}",
+        report.cases.len(),
+        path.display()
+    ));
+    Ok(())
+}
+
+/// A run of the command.
+struct Bench<'a> {
+    args: &'a BenchArgs,
+    terminal: &'a Terminal,
+    course: Course,
+    variants: Vec<Variant>,
+    table: Table,
+    /// Where nothing is expected of the pictures, `None`.
+    expected: Option<Expected>,
+}
+
+impl<'a> Bench<'a> {
+    /// Refuses early what would be refused after the work.
+    fn new(args: &'a BenchArgs, terminal: &'a Terminal) -> Result<Self, Failure> {
+        let keeps_pictures = args.keeps_fixed_pictures();
+        if args.update_expected.is_some() && !keeps_pictures {
+            return Err(Failure::usage(
+                "--update-expected: other flags change the pictures of the fixed scenes",
+            ));
+        }
+        let picture = args.picture.as_deref();
+        picture.map(picture_format).transpose()?;
+        for output in [picture, args.json.as_deref()].into_iter().flatten() {
+            Target::new(output).check(args.write.overwrite)?;
+        }
+        let recording = args.update_expected.is_some();
+        Ok(Self {
+            args,
+            terminal,
+            course: Course {
+                frames: if recording { 1 } else { args.frames },
+                warm_up: if recording { 0 } else { args.warm_up },
+                orbit: args.orbit,
+            },
+            variants: scenes::variants(args),
+            table: Table::new(&scenes::scenes(args)),
+            expected: (keeps_pictures && !recording)
+                .then(|| Expected::recorded(args.expected.as_deref()))
+                .transpose()?,
+        })
+    }
+
+    /// Runs all cases, and prints each when it is done.
+    fn run(&self) -> Result<Report, Failure> {
+        let mut cases = Vec::new();
+        self.print(&self.table.head())?;
+        for scene in scenes::scenes(self.args) {
+            let recipe = input::recipe(Some(&scene.reference), &self.args.read, None)?;
+            let input = input::load(&recipe, self.args.read.strict, None, self.terminal)?;
+            for variant in &self.variants {
+                let subject = self.subject(&scene, &input, variant)?;
+                let (case, measured) = self.case(&scene, variant, &subject)?;
+                if cases.is_empty() {
+                    self.write_picture(&measured)?;
+                }
+                self.print(&self.table.line(&case))?;
+                cases.push(case);
+            }
+        }
+        let mut threads: Vec<usize> = cases.iter().map(|case| case.threads).collect();
+        threads.sort_unstable();
+        threads.dedup();
+        Ok(Report {
+            version: env!("CARGO_PKG_VERSION"),
+            simd: cases
+                .first()
+                .map_or_else(String::new, |case| case.statistics.simd.clone()),
+            processors: scenes::processors(),
+            threads,
+            course: self.course,
+            cases,
+        })
+    }
+
+    fn subject(&self, scene: &SceneChoice, input: &Input, variant: &Variant) -> Result<Subject, Failure> {
+        let args = self.args;
+        let method = MethodArgs {
+            classification: variant.classification,
+            ..args.method.clone()
+        };
+        let window = || Window::new(input, &args.look);
+        let look = match variant.look {
+            LookName::Opaque => Look::from(window().opaque().during(Step::Usage)?),
+            LookName::Translucent => Look::from(window().translucent().during(Step::Usage)?),
+            LookName::AsRender => {
+                let compositing = method::compositing(&method, None);
+                look::resolve(&args.look, input, compositing, self.terminal)?
+            }
+        };
+        let size = match args.size {
+            Some(size) => size,
+            None => ImageSize::new(scene.side, scene.side).during(Step::Usage)?,
+        };
+        let settings = method::resolve(&method, Some(size), None, look.classification)?;
+        let projection = variant.projection.unwrap_or(ProjectionName::Perspective);
+        let around = around(input.volume.grid(), projection, size.aspect()).during(Step::Usage)?;
+        let camera = camera::resolve(
+            &args.camera,
+            &Surroundings::new(&args.camera, input, &look.transfer_function, size.aspect()),
+            Some(&CameraRecipe::from(&around)),
+        )?;
+        Ok(Subject {
+            scene: Scene::new(Arc::clone(&input.volume), look.transfer_function),
+            camera,
+            settings,
+            threads: variant.threads,
+        })
+    }
+
+    fn case(
+        &self,
+        scene: &SceneChoice,
+        variant: &Variant,
+        subject: &Subject,
+    ) -> Result<(CaseReport, Measured), Failure> {
+        let classification = subject.settings.classification;
+        let projection = subject.camera.projection().into();
+        let name = scenes::case_name(&scene.name, variant.look, classification, projection);
+        process::reset_peak_memory();
+        let measured = {
+            let bar = self
+                .terminal
+                .progress(format!("{name}, {} threads", subject.threads));
+            measure(subject, &self.course, &|share| bar.set(share))?
+        };
+        let peak_memory_bytes = process::peak_memory();
+        let picture = Checksum::new(&measured.first.image);
+        let check = match &self.expected {
+            Some(expected) => expected.check(&name, &picture),
+            None => Check::Unchecked,
+        };
+        let case = CaseReport {
+            name,
+            input: scene.reference.clone(),
+            dims: subject.scene.volume.grid().dims(),
+            look: variant.look,
+            threads: subject.threads,
+            settings: subject.settings,
+            camera: CameraRecipe::from(&subject.camera),
+            transfer_function: subject.scene.transfer_function.clone(),
+            median_wall_ms: median(&measured.wall_ms),
+            median_cpu_ms: measured.cpu_ms.as_deref().map(median),
+            wall_ms: measured.wall_ms.clone(),
+            cpu_ms: measured.cpu_ms.clone(),
+            statistics: measured.statistics.clone(),
+            peak_memory_bytes,
+            picture,
+            check,
+        };
+        Ok((case, measured))
+    }
+
+    fn write_picture(&self, measured: &Measured) -> Result<(), Failure> {
+        let Some(path) = &self.args.picture else {
+            return Ok(());
+        };
+        let bytes = encode_frame(&measured.first, picture_format(path)?, Some(CHARCOAL), &[])?;
+        Target::File(path.clone()).write(&bytes, self.args.write.overwrite)
+    }
+
+    /// Prints a line of the table, unless the standard output is for the JSON.
+    fn print(&self, line: &str) -> Result<(), Failure> {
+        if self.args.json.as_deref() == Some(Path::new("-")) {
+            return Ok(());
+        }
+        Target::Stdout.write(format!("{line}\n").as_bytes(), false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_fixed_cases_are_recorded_and_no_others() {
+        let recorded = Expected::recorded(None)
+            .map_err(|failure| format!("{failure:?}"))
+            .unwrap();
+        let mut fixed = scenes::fixed_names();
+        fixed.sort();
+        assert_eq!(recorded.names(), fixed);
+    }
+}

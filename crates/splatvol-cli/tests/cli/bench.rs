@@ -1,0 +1,197 @@
+//! `splatvol bench`, end to end.
+
+use serde_json::Value;
+
+use crate::sandbox::{Sandbox, png};
+
+const ONE_FRAME: &str = "--frames 1 --warm-up 0";
+const ONE_SCENE: &str =
+    "bench --scenes shells:64 --looks opaque --classification pre --projection orthographic";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn the_small_scenes_look_as_recorded() {
+    let sandbox = Sandbox::new();
+    let run = sandbox
+        .run(&format!("bench --quick --threads 0 {ONE_FRAME} --json a.json"))
+        .succeeds();
+    let report = json(&String::from_utf8(sandbox.bytes("a.json")).unwrap());
+    let cases = report["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 16);
+    for case in cases {
+        assert_eq!(case["verdict"], "agrees", "{case}");
+        assert_eq!(case["settings"]["size"], serde_json::json!([128, 128]));
+    }
+    // A head and a line per case.
+    assert_eq!(run.stdout().lines().count(), 17, "{}", run.stdout());
+    assert_eq!(run.stdout().matches("as recorded").count(), 16);
+    let names = cases.iter().map(|case| case["name"].as_str().unwrap());
+    let names: std::collections::BTreeSet<_> = names.collect();
+    assert_eq!(names.len(), 16);
+    assert!(names.contains("head:64/translucent/pre/perspective"), "{names:?}");
+}
+
+#[test]
+fn every_frame_is_measured_and_threads_do_not_change_pictures() {
+    let sandbox = Sandbox::new();
+    let run = sandbox
+        .run(&format!(
+            "{ONE_SCENE} --threads 1,3 --frames 4 --warm-up 1 --json -"
+        ))
+        .succeeds();
+    let report = json(&run.stdout());
+    assert_eq!(report["threads"], serde_json::json!([1, 3]));
+    assert_eq!(
+        [&report["frames"], &report["warm_up"], &report["orbit_degrees"]].map(|n| n.as_f64().unwrap()),
+        [4.0, 1.0, 1.0]
+    );
+    let cases = report["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 2);
+    for (case, threads) in cases.iter().zip([1, 3]) {
+        assert_eq!(case["name"], "shells:64/opaque/pre/orthographic");
+        assert_eq!(case["threads"], threads);
+        assert_eq!(case["statistics"]["threads"], threads);
+        let wall = case["wall_ms"].as_array().unwrap();
+        assert_eq!(wall.len(), 4);
+        assert!(wall.contains(&case["median_wall_ms"]));
+        assert!(wall.iter().all(|time| time.as_f64().unwrap() > 0.0));
+        // Kept from the frame before: the samples' coefficients.
+        assert!(case["statistics"]["seconds"]["prefilter"].as_f64().unwrap() < 1e-3);
+        if cfg!(target_os = "linux") {
+            assert_eq!(case["cpu_ms"].as_array().unwrap().len(), 4);
+            assert!(case["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
+        }
+    }
+    assert_eq!(cases[0]["picture"]["sha256"], cases[1]["picture"]["sha256"]);
+    assert!(sandbox.files().is_empty());
+}
+
+#[test]
+fn other_pictures_than_recorded_fail_by_name() {
+    let sandbox = Sandbox::new();
+    let run = format!("{ONE_SCENE} --threads 2 {ONE_FRAME} --expected e.json");
+    sandbox.write("e.json", "{}");
+    sandbox
+        .run(&run)
+        .fails(4, &["shells:64/opaque/pre/orthographic", "nothing is recorded"]);
+    sandbox
+        .run(&format!("{ONE_SCENE} --expected e.json --update-expected e.json"))
+        .succeeds();
+    sandbox.run(&run).succeeds();
+    // A brighter middle: cell 3, 4.
+    let mut recorded = json(&String::from_utf8(sandbox.bytes("e.json")).unwrap());
+    let mean = &mut recorded["shells:64/opaque/pre/orthographic"][3 * (4 * 8 + 3)];
+    *mean = Value::from(mean.as_f64().unwrap() - 0.25);
+    sandbox.write("e.json", recorded.to_string());
+    let failed = sandbox.run(&format!("{run} --json a.json"));
+    let failed = failed.fails(
+        4,
+        &["shells:64/opaque/pre/orthographic", "0.2500", "column 3, row 4"],
+    );
+    assert!(failed.stdout().contains("DIFFERS"), "{}", failed.stdout());
+    let case = &json(&String::from_utf8(sandbox.bytes("a.json")).unwrap())["cases"][0];
+    assert_eq!(
+        (&case["verdict"], &case["cell"]),
+        (&"differs".into(), &serde_json::json!([3, 4]))
+    );
+    // Flags that change the picture: nothing is expected.
+    sandbox.run(&format!("{run} --size 40")).succeeds();
+    sandbox.run(&format!("{run} --no-shade")).succeeds();
+}
+
+#[test]
+fn the_first_frame_is_the_picture_that_render_makes() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample shells --size 24 -o shells.nrrd").succeeds();
+    sandbox.write(
+        "tf.json",
+        r#"[{"Name":"t","ColorSpace":"RGB","RGBPoints":[0,1,0,0,255,0,0,1],"Points":[0,0,0.5,0,255,0.8,0.5,0]}]"#,
+    );
+    for flags in [
+        "--tf tf.json --camera-pos 30,40,50 --camera-target 0,1,0 --camera-up 0,1,0 --camera-fov 35 --ambient 0.2 --diffuse 0.7",
+        "--view left --orthographic --preset fast --cmap magma --opacity linear",
+        "--fit volume --classification pre --no-shade",
+    ] {
+        sandbox
+            .run(&format!("render shells.nrrd --size 40x30 {flags} -o a.png -w"))
+            .succeeds();
+        let run = sandbox
+            .run(&format!(
+                "bench shells.nrrd --size 40x30 {flags} --threads 2 --frames 2 --json - --picture b.png -w"
+            ))
+            .succeeds();
+        assert_eq!(
+            png(&sandbox.path("a.png")),
+            png(&sandbox.path("b.png")),
+            "{flags}"
+        );
+        let report = json(&run.stdout());
+        let cases = report["cases"].as_array().unwrap();
+        assert_eq!(cases.len(), 1);
+        assert_eq!(cases[0]["wall_ms"].as_array().unwrap().len(), 2);
+        assert_eq!(cases[0]["verdict"], "unchecked");
+    }
+}
+
+#[test]
+fn looks_are_made_for_any_volume() {
+    let sandbox = Sandbox::new();
+    let run = sandbox
+        .run(&format!(
+            "bench sample:ball:20 sample:slab:20 --looks translucent,opaque --threads 1 --size 24 {ONE_FRAME} --json -"
+        ))
+        .succeeds();
+    let report = json(&run.stdout());
+    let cases = report["cases"].as_array().unwrap();
+    let names: Vec<_> = cases.iter().map(|case| case["name"].as_str().unwrap()).collect();
+    assert_eq!(
+        names,
+        [
+            "sample:ball:20/translucent/post/perspective",
+            "sample:ball:20/opaque/post/perspective",
+            "sample:slab:20/translucent/post/perspective",
+            "sample:slab:20/opaque/post/perspective",
+        ]
+    );
+    for case in cases {
+        let means = case["picture"]["fingerprint"].as_array().unwrap();
+        assert!(
+            means.iter().any(|mean| *mean != means[0]),
+            "an empty picture: {case}"
+        );
+    }
+}
+
+#[test]
+fn mistakes_are_named_with_their_exit_code() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a.json", "{}");
+    for (arguments, code, words) in [
+        ("bench --scenes shell", 2, &["shell", "shells:256"][..]),
+        ("bench sample:ball --quick", 2, &["--quick"]),
+        ("bench --frames 0", 2, &["--frames"]),
+        ("bench --orbit nan", 2, &["--orbit"]),
+        ("bench --looks opaque --iso 3", 2, &["--looks", "--iso"]),
+        (
+            "bench --projection perspective --orthographic",
+            2,
+            &["--orthographic"],
+        ),
+        (
+            "bench --size 30 --update-expected a.json",
+            2,
+            &["--update-expected"],
+        ),
+        ("bench sample:ball --picture a.gif", 2, &["a.gif", ".png or .exr"]),
+        ("bench sample:ball --kernel-sigma 99", 2, &["kernel sigma", "99"]),
+        ("bench absent.nrrd", 3, &["absent.nrrd"]),
+        ("bench --quick --expected absent.json", 3, &["absent.json"]),
+        ("bench sample:ball --json a.json", 5, &["a.json already exists"]),
+    ] {
+        sandbox.run(arguments).fails(code, words);
+    }
+    assert_eq!(sandbox.files(), ["a.json"]);
+}
