@@ -92,7 +92,7 @@ fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
         }
         (Some(FilterName::None), None) => Ok(Filter::None),
         (_, Some(pixel_sigma)) => Ok(Filter::Ewa { pixel_sigma }),
-        (Some(FilterName::Ewa), None) if old == Filter::None => Ok(Filter::default()),
+        (Some(FilterName::Ewa), None) if !matches!(old, Filter::Ewa { .. }) => Ok(Filter::default()),
         _ => Ok(old),
     }
 }
