@@ -7,7 +7,7 @@ from PIL import Image
 
 import quality
 import scenes
-from splatvol_renderer import CONVERGED
+from splatvol_renderer import CONVERGED, TERMINATION
 from vtk_renderer import REFERENCE_STEP, VtkRenderer
 
 LIGHTING = scenes.Lighting()
@@ -92,7 +92,7 @@ class Comparison:
 
     def _show_fixed_point(self, scene):
         mapper = self.vtk.fixed_point(scene.volume)
-        self.vtk.show(scene.volume, scene.transfer_function, LIGHTING, mapper)
+        self.vtk.show(scene.transfer_function, LIGHTING, mapper)
 
     def _vtk_pictures(self, scene, analytic):
         self._show_fixed_point(scene)
@@ -103,16 +103,20 @@ class Comparison:
 
     def _splatvol_pictures(self, scene, analytic):
         arguments = self.splatvol.scene(scene.volume, scene.transfer_function, LIGHTING, scene.camera)
-        picture, settings = self.splatvol.picture(arguments)
-        if not analytic:
-            return picture, self.splatvol.picture(arguments, *CONVERGED)[0]
-        # Opacities keep their world length. So do gradients, which splatvol counts per voxel.
-        truth = scenes.marschner_lobb(SPLATVOL_REFINEMENT, whole_voxels=True)
+        picture = self.splatvol.picture(arguments)[0]
+        if analytic:
+            return picture, self._splatvol_truth(scene)
+        return picture, self.splatvol.picture(arguments, *CONVERGED)[0]
+
+    def _splatvol_truth(self, scene):
+        """The function itself, whatever preset and flags are compared with it."""
+        exact = self.splatvol.with_defaults()
+        look = scene.transfer_function, LIGHTING, scene.camera
+        settings = exact.picture(exact.scene(scene.volume, *look))[1]
+        # Opacities keep their world length. So must gradients, which splatvol counts per voxel.
         floor = settings["settings"]["lighting"]["gradient-floor"] / SPLATVOL_REFINEMENT
-        like = self.splatvol.like(settings, floor)
-        fine = self.splatvol.scene(truth, scene.transfer_function, LIGHTING, scene.camera)
-        more = ["--like", like, "--sheet-thickness", "0.5"]
-        return picture, self.splatvol.picture(fine, *more, *CONVERGED[2:])[0]
+        fine = exact.scene(scenes.marschner_lobb(SPLATVOL_REFINEMENT, whole_voxels=True), *look)
+        return exact.picture(fine, "--like", exact.like(settings, floor), *TERMINATION)[0]
 
     def _save(self, case, name, picture):
         if self.args.pictures:

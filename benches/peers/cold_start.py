@@ -34,7 +34,7 @@ image = reader.GetOutput()
 values = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(image.GetDimensions()[::-1])
 volume = scenes.volume(sys.argv[1], values, image.GetSpacing())
 renderer = vtk_renderer.VtkRenderer(int(sys.argv[3]), int(sys.argv[4]))
-renderer.show(volume, scenes.transfer_function(volume, "semi"), scenes.Lighting(), renderer.fixed_point(volume))
+renderer.show(scenes.transfer_function(volume, "semi"), scenes.Lighting(), renderer.fixed_point(volume))
 Image.fromarray(renderer.frame(scenes.camera(volume, "side", False))).save(sys.argv[2])
 print("written", flush=True)
 """

@@ -10,7 +10,8 @@ from PIL import Image, PngImagePlugin
 import scenes
 import timing
 
-CONVERGED = ["--sheet-thickness", "0.125", "--termination", "0.0001"]
+TERMINATION = ["--termination", "0.0001"]
+CONVERGED = ["--sheet-thickness", "0.125", *TERMINATION]
 """The same kernel, but thin sheets and (nearly) no early end."""
 SETTINGS = "splatvol.settings"
 """The text of a PNG from which `--like` takes settings."""
@@ -33,6 +34,10 @@ class Splatvol:
         if done.returncode != 0:
             raise SplatvolError(f"{' '.join(command)}\n{done.stderr.decode(errors='replace').strip()}")
         return done.stdout
+
+    def with_defaults(self):
+        """The same program without the user's flags."""
+        return Splatvol(self.program, self.folder, self.size, self.threads)
 
     def version(self):
         """As `--version` says."""

@@ -62,7 +62,7 @@ class VtkRenderer:
             raise VtkError("VTK has no off-screen OpenGL, which even its CPU mapper needs to deliver pictures "
                            "(Debian: apt install libegl1 libgl1-mesa-dri)")
 
-    def show(self, volume, transfer_function, lighting, mapper):
+    def show(self, transfer_function, lighting, mapper):
         """Makes the volume the only thing in the scene, and returns it."""
         actor = vtkVolume()
         actor.SetMapper(mapper)
@@ -103,7 +103,7 @@ class VtkRenderer:
         mapper = vtkOpenGLGPUVolumeRayCastMapper()
         mapper.UseJitteringOff()
         _configured(mapper, volume.values.astype(np.float32), volume, step)
-        actor = self.show(volume, transfer_function, lighting, mapper)
+        actor = self.show(transfer_function, lighting, mapper)
         shader = actor.GetShaderProperty()
         for original, replacement in REFERENCE_LIGHT.items():
             shader.AddFragmentShaderReplacement(original, False, replacement, True)
