@@ -13,19 +13,35 @@ pub struct GaussianKernel {
     pub sigma: f64,
     /// Cut-off along each axis, voxels.
     pub radius: f64,
-    /// Sum of `exp(-j^2 / 2 sigma^2)` over the integers within the radius.
-    lattice_sum: f64,
+    /// What is subtracted from the profile: its value at the radius, or zero.
+    pub edge: f64,
+    /// Sum of the profile over the integers within the radius.
+    pub lattice_sum: f64,
 }
 
 impl GaussianKernel {
     /// The kernel that the settings ask for.
     pub fn new(kernel: Kernel) -> Self {
         let Kernel::Gaussian { sigma, radius } = kernel;
+        Self::with_edge(sigma, radius, 0.0)
+    }
+
+    /// The same less its value at the radius, so that it ends without a step: with sigma 0.605 and radius 2 its sum over
+    /// the lattice ripples by 1e-3 where the cut kernel's ripples by 5e-3.
+    pub fn windowed(kernel: Kernel) -> Self {
+        let Kernel::Gaussian { sigma, radius } = kernel;
+        Self::with_edge(sigma, radius, profile(radius, sigma))
+    }
+
+    fn with_edge(sigma: f64, radius: f64, edge: f64) -> Self {
         let reach = radius.floor() as i32;
-        let lattice_sum = (-reach..=reach).map(|j| profile(f64::from(j), sigma)).sum();
+        let lattice_sum = (-reach..=reach)
+            .map(|j| profile(f64::from(j), sigma) - edge)
+            .sum();
         Self {
             sigma,
             radius,
+            edge,
             lattice_sum,
         }
     }
@@ -41,7 +57,7 @@ impl GaussianKernel {
         if offset > self.radius {
             0.0
         } else {
-            profile(offset, self.sigma) / self.lattice_sum
+            (profile(offset, self.sigma) - self.edge) / self.lattice_sum
         }
     }
 

@@ -21,3 +21,4 @@ pub mod kernel;
 pub mod normal;
 mod prefilter;
 pub mod sheets;
+pub mod visibility;

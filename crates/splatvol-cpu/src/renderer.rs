@@ -65,6 +65,16 @@ struct Prepared {
     bricks: BrickGrid,
 }
 
+#[derive(Debug)]
+struct DataState {
+    volume: Arc<Volume>,
+    tf: splatvol_scene::TransferFunction,
+    kernel: Kernel,
+    coefficients: Coefficients,
+    store: splatvol_core::visibility::BrickStore,
+    shade: crate::data::shade::ShadeTable,
+}
+
 /// Renders scenes; keeps what it derives from a volume between frames.
 #[derive(Debug)]
 pub struct Renderer {
@@ -72,6 +82,7 @@ pub struct Renderer {
     tile_edge: usize,
     level: Level,
     prepared: Option<Prepared>,
+    data: Option<DataState>,
     statistics: RenderStatistics,
 }
 
@@ -99,6 +110,7 @@ impl Renderer {
             tile_edge,
             level: Level::new(),
             prepared: None,
+            data: None,
             statistics,
         })
     }
@@ -135,6 +147,13 @@ impl Renderer {
         } else {
             Content::Field(settings.prefilter.then_some(settings.kernel))
         };
+        if settings.gradient == splatvol_scene::Gradient::Differences
+            && settings.compositing == Compositing::ImageSheets
+            && settings.classification == splatvol_scene::Classification::Post
+            && scene.volume.statistics().non_finite == 0
+        {
+            return Ok(self.render_data(scene, camera, settings, progress));
+        }
         let Self { pool, prepared, .. } = self;
         let prepared = pool.install(|| prepare(prepared, &scene.volume, content));
         seconds.prefilter = start.elapsed().as_secs_f64();
@@ -199,6 +218,153 @@ impl Renderer {
             slices: tiles.iter().map(|(_, work)| work.slices).sum(),
         };
         Ok(frame)
+    }
+
+    fn render_data(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Frame {
+        let start = Instant::now();
+        let mut seconds = StageSeconds::default();
+        if self.data.as_ref().is_none_or(|d| {
+            !Arc::ptr_eq(&d.volume, &scene.volume)
+                || d.tf != scene.transfer_function
+                || d.kernel != settings.kernel
+        }) {
+            let keep = self
+                .data
+                .take()
+                .filter(|d| Arc::ptr_eq(&d.volume, &scene.volume) && d.kernel == settings.kernel);
+            let data = self.pool.install(|| {
+                let coefficients = match keep {
+                    Some(d) => d.coefficients,
+                    None => {
+                        Coefficients::new(
+                            &scene.volume,
+                            Use::Field(Some(&GaussianKernel::windowed(settings.kernel))),
+                        )
+                        .0
+                    }
+                };
+                seconds.prefilter = start.elapsed().as_secs_f64();
+                let table = ClassificationTable::new(
+                    &scene.transfer_function,
+                    scene.volume.value_range(),
+                    scene.unit_distance(),
+                );
+                let levels = splatvol_core::visibility::VisibleLevels::new(&table);
+                let background = splatvol_core::visibility::background(&scene.volume, &levels);
+                let store = splatvol_core::visibility::BrickStore::new(
+                    &scene.volume,
+                    &coefficients,
+                    &levels,
+                    background,
+                );
+                let hull = levels.hull().unwrap_or([f32::INFINITY; 2]);
+                let shade = crate::data::shade::ShadeTable::new(&table, hull);
+                DataState {
+                    volume: Arc::clone(&scene.volume),
+                    tf: scene.transfer_function.clone(),
+                    kernel: settings.kernel,
+                    coefficients,
+                    store,
+                    shade,
+                }
+            });
+            self.data = Some(data);
+            seconds.classify = start.elapsed().as_secs_f64() - seconds.prefilter;
+        }
+        let binned = Instant::now();
+        let data = self.data.as_ref().expect("just made");
+        let plan = self.pool.install(|| {
+            crate::data::frame::plan(
+                (scene.volume.grid(), data.coefficients.margin),
+                (&data.store, &data.shade),
+                (camera, settings),
+                std::env::var("TE").map_or(128, |t| t.parse().unwrap()),
+            )
+        });
+        seconds.bin = binned.elapsed().as_secs_f64();
+        let tiled = Instant::now();
+        let count = plan.tiles.len();
+        let done = AtomicUsize::new(0);
+        let level = self.level;
+        let size = settings.size;
+        let tiles: Vec<_> = self.pool.install(|| {
+            (0..count)
+                .into_par_iter()
+                .with_max_len(1)
+                .map_init(crate::data::tile::DataScratch::default, |scratch, index| {
+                    let work =
+                        dispatch!(level, simd => crate::data::tile::render(simd, &plan, index, scratch));
+                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    progress(done as f64 / count as f64);
+                    let c = &scratch.canvas;
+                    let rect = plan.tiles.rect(index);
+                    let mut out = Vec::with_capacity((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
+                    for y in 0..rect.y1 - rect.y0 {
+                        for x in 0..rect.x1 - rect.x0 {
+                            let i = y * c.pitch + x;
+                            out.push((
+                                [c.color[0][i], c.color[1][i], c.color[2][i]],
+                                c.transmittance[i],
+                                c.depth_sum[i],
+                            ));
+                        }
+                    }
+                    (out, work)
+                })
+                .collect()
+        });
+        seconds.tiles = tiled.elapsed().as_secs_f64();
+        let mut frame = Frame {
+            image: Image::filled(size, [0.0; 4]),
+            depth: vec![f32::INFINITY; size.pixel_count()],
+            optical_depth: vec![0.0; size.pixel_count()],
+        };
+        let width = size.width() as usize;
+        for (index, (pixels, _)) in tiles.iter().enumerate() {
+            let rect = plan.tiles.rect(index);
+            for (y, row) in (rect.y0..rect.y1).zip(pixels.chunks(rect.x1 - rect.x0)) {
+                for (x, (color, t, d)) in (rect.x0..rect.x1).zip(row) {
+                    let alpha = 1.0 - t;
+                    frame.image.pixels[y * width + x] = [color[0], color[1], color[2], alpha];
+                    frame.depth[y * width + x] = if alpha > 0.0 { d / alpha } else { f32::INFINITY };
+                    frame.optical_depth[y * width + x] = -t.max(f32::MIN_POSITIVE).ln();
+                }
+            }
+        }
+        seconds.total = start.elapsed().as_secs_f64();
+        let sum = |pick: fn(&crate::data::tile::DataWork) -> std::time::Duration| {
+            tiles.iter().map(|(_, w)| pick(w).as_secs_f64()).sum::<f64>()
+        };
+        seconds.splat = sum(|w| w.splat);
+        seconds.shade = sum(|w| w.shade);
+        if std::env::var("SV").is_ok() {
+            eprintln!(
+                "prefilter {:.4} classify {:.4} bin {:.4} | activate {:.4} splat {:.4} take {:.4} shade {:.4} | tiles {:.4} total {:.4} | bricks {} needed {} tested {} voxels {} size {} ellipses {} groups {}",
+                seconds.prefilter,
+                seconds.classify,
+                seconds.bin,
+                sum(|w| w.activate),
+                sum(|w| w.splat),
+                sum(|w| w.take),
+                sum(|w| w.shade),
+                seconds.tiles,
+                seconds.total,
+                plan.store.first.len(),
+                plan.store.needed,
+                tiles.iter().map(|t| t.1.tested).sum::<u64>(),
+                tiles.iter().map(|t| t.1.voxels).sum::<u64>(),
+                plan.size,
+                plan.ellipses,
+                plan.groups
+            );
+        }
+        frame
     }
 
     /// Times and counts of the last frame.

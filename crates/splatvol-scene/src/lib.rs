@@ -38,7 +38,7 @@ pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
 pub use scene::Scene;
-pub use settings::{Classification, Compositing, Filter, Kernel, RenderSettings};
+pub use settings::{Classification, Compositing, Filter, Gradient, Kernel, RenderSettings};
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,
 };

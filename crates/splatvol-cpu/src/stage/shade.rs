@@ -7,10 +7,12 @@
 //! runs linearly between the ends, but for its part along the ray, which is the polynomial's derivative (with the
 //! linear part alone, or light interpolated instead of gradients, sheets show as wood grain on slopes).
 
+use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::classification::ClassificationTable;
 use splatvol_scene::Lighting;
 
 use super::composite::Pixel;
+use super::simd_exp::{exp2, log2};
 
 /// Coverage from the weight on the volume's own samples (docs/numerics.md): 1 inside, 0 outside, symmetric about 1/2.
 #[inline(always)]
@@ -295,6 +297,29 @@ impl Phong {
         }
     }
 
+    /// Diffuse and specular factors of sixteen pixels with these gradients (camera space, per world length).
+    #[inline(always)]
+    pub(crate) fn lanes<S: Simd>(&self, simd: S, gradient: [f32x16<S>; 3]) -> (f32x16<S>, f32x16<S>) {
+        let [x, y, z] = gradient;
+        let per_voxel = self.spacing * self.spacing;
+        let squared = ((x * x + y * y + z * z) * per_voxel).max(f32x16::splat(simd, 1e-12));
+        let surface = squared / (squared + self.floor_squared);
+        let inverse = f32x16::splat(simd, self.spacing) / squared.sqrt();
+        let facing = (dot(gradient, self.towards_light).abs() * inverse).min(f32x16::splat(simd, 1.0));
+        let diffuse = (surface * (facing - 1.0) + 1.0) * self.diffuse + self.ambient;
+        if self.specular == 0.0 {
+            return (diffuse, f32x16::splat(simd, 0.0));
+        }
+        // Clamped so that the power does not become denormal.
+        let shining = (dot(gradient, self.half_way).abs() * inverse)
+            .min(f32x16::splat(simd, 1.0))
+            .max(f32x16::splat(simd, 1e-3));
+        (
+            diffuse,
+            exp2(simd, log2(simd, shining) * self.power) * surface * self.specular,
+        )
+    }
+
     /// Light on material with this gradient (camera space, per world length).
     #[inline(always)]
     pub(crate) fn at(&self, gradient: [f32; 3]) -> Lit {
@@ -320,4 +345,9 @@ impl Phong {
             },
         }
     }
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: [f32x16<S>; 3], [x, y, z]: [f32; 3]) -> f32x16<S> {
+    a[0] * x + a[1] * y + a[2] * z
 }

@@ -3,7 +3,7 @@
 //! `exp(x) = 2^n exp(r)`, n the nearest integer to `x log2(e)`, `|r| <= ln(2) / 2`, a polynomial for `exp(r)` (Cephes'
 //! expf, relative error 2e-7). Smaller exponents are clamped: denormal results would slow everything behind.
 
-use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16, prelude::*, u32x16};
 
 const LN2_HIGH: f32 = 0.693_359_4;
 const LN2_LOW: f32 = -2.121_944_4e-4;
@@ -22,6 +22,58 @@ pub(crate) fn exp<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let series = p.mul_add(r * r, r + 1.0);
     let power: S::u32s = (n + 127.0).to_int::<S::u32s>();
     series * (power << 23).bitcast::<S::f32s>()
+}
+
+/// `2^max(x, -126)` per lane for x up to 126; relative error 2e-7.
+#[inline(always)]
+pub(crate) fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    let x = x.max(f32x16::splat(simd, -126.0));
+    let n = x.round_ties_even();
+    let r = x - n;
+    let mut p = f32x16::splat(simd, 1.327_647_2e-3);
+    for coefficient in [9.675_541e-3, 5.550_713e-2, 2.402_212e-1, 6.931_472e-1, 1.0] {
+        p = p.mul_add(r, f32x16::splat(simd, coefficient));
+    }
+    let power: u32x16<S> = (n + 127.0).to_int();
+    p * (power << 23).bitcast::<f32x16<S>>()
+}
+
+/// `2^x` per lane for x from -126 to 126, not clamped; relative error 3e-6.
+///
+/// Adding 1.5 * 2^23 leaves the nearest integer in the lowest bits, from where it is shifted into the exponent.
+#[inline(always)]
+pub(crate) fn exp2_quick<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    const ROUND: f32 = 12_582_912.0;
+    let shifted = x + ROUND;
+    let r = x - (shifted - ROUND);
+    let mut p = f32x16::splat(simd, 9.570_101e-3);
+    for coefficient in [5.591_786e-2, 2.402_474_5e-1, 6.931_218e-1, 9.999_993e-1] {
+        p = p.mul_add(r, f32x16::splat(simd, coefficient));
+    }
+    (p.bitcast::<u32x16<S>>() + (shifted.bitcast::<u32x16<S>>() << 23)).bitcast::<f32x16<S>>()
+}
+
+/// `log2` per lane of positive normal numbers; absolute error 3e-6.
+#[inline(always)]
+pub(crate) fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    // The exponent such that the mantissa lies within sqrt(1/2) .. sqrt(2).
+    const SQRT_HALF: u32 = 0x3f35_04f3;
+    let bits = x.bitcast::<u32x16<S>>();
+    let shifted = bits - SQRT_HALF;
+    let exponent = (shifted.bitcast::<i32x16<S>>() >> 23).to_float::<f32x16<S>>();
+    let mantissa = ((shifted & 0x007f_ffff) + SQRT_HALF).bitcast::<f32x16<S>>();
+    let f = mantissa - 1.0;
+    let mut p = f32x16::splat(simd, -2.065_916_4e-1);
+    for coefficient in [
+        3.221_547_6e-1,
+        -3.674_9e-1,
+        4.793_480_2e-1,
+        -7.211_318_6e-1,
+        1.442_713_5,
+    ] {
+        p = p.mul_add(f, f32x16::splat(simd, coefficient));
+    }
+    p.mul_add(f, exponent)
 }
 
 #[cfg(test)]

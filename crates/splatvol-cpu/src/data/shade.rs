@@ -1,0 +1,361 @@
+//! Shade: two neighbouring planes, classified, lit and composited sixteen pixels at a time.
+//!
+//! Along a pixel's ray the value is the cubic through both planes with the slopes that the planes beside them give
+//! (Catmull and Rom); it is cut in the middle, and each half takes its mean extinction from the integral of the transfer
+//! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
+//! across the ray and the cubic's slope along it.
+
+use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
+use splatvol_core::classification::ClassificationTable;
+
+use super::plane::{HALO, Plane, Span};
+use crate::stage::shade::Phong;
+use crate::stage::simd_exp::exp2_quick;
+
+/// Cells of the table per normalised value.
+const PER_VALUE: f32 = 1024.0;
+const FIRST: f32 = -0.25;
+/// Cells, a power of two: indices are masked instead of checked.
+const CELLS: usize = 2048;
+
+/// The transfer function, ready for vectors.
+#[derive(Debug, Clone)]
+pub(crate) struct ShadeTable {
+    /// Per cell: integral of the extinction up to it, extinction, and linear colour as three 16-bit numbers in two words.
+    cells: Box<[[f32; 4]; CELLS]>,
+    /// Values outside are invisible.
+    pub hull: [f32; 2],
+}
+
+/// A value's classification.
+#[derive(Debug, Clone, Copy)]
+struct Classified<S: Simd> {
+    /// Integral of the extinction from the table's first value on.
+    integral: f32x16<S>,
+    extinction: f32x16<S>,
+    /// Red above green; blue.
+    packed: [u32x16<S>; 2],
+}
+
+impl<S: Simd> Classified<S> {
+    /// Linear colour, in 65535ths.
+    #[inline(always)]
+    fn color(&self) -> [f32x16<S>; 3] {
+        let [red_green, blue] = self.packed;
+        [
+            (red_green >> 16).to_float(),
+            (red_green & 0xffff).to_float(),
+            blue.to_float(),
+        ]
+    }
+}
+
+impl ShadeTable {
+    pub(crate) fn new(table: &ClassificationTable, hull: [f32; 2]) -> Self {
+        let mut sum = 0.0f64;
+        let node = |i: usize| FIRST + i as f32 / PER_VALUE;
+        let mut cells = Box::new([[0.0; 4]; CELLS]);
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let [extinction, ..] = table.mean(node(i), node(i + 1));
+            let [r, g, b] = table
+                .color(node(i) + 0.5 / PER_VALUE)
+                .map(|c| (c.clamp(0.0, 1.0) * 65535.0).round() as u32);
+            *cell = [
+                sum as f32,
+                extinction,
+                f32::from_bits(r << 16 | g),
+                f32::from_bits(b),
+            ];
+            sum += f64::from(extinction / PER_VALUE);
+        }
+        Self { cells, hull }
+    }
+
+    /// Looks sixteen values up. Rows are put together in registers: vectors read from memory just written in pieces
+    /// would have to wait for it.
+    #[inline(always)]
+    fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Classified<S> {
+        let top = CELLS as f32 - 0.01;
+        let position = ((value - FIRST) * PER_VALUE)
+            .max(splat(simd, 0.0))
+            .min(splat(simd, top));
+        let cells: u32x16<S> = position.to_int();
+        let cells = cells.as_slice();
+        let a = self.four(simd, [cells[0], cells[1], cells[2], cells[3]]);
+        let b = self.four(simd, [cells[4], cells[5], cells[6], cells[7]]);
+        let c = self.four(simd, [cells[8], cells[9], cells[10], cells[11]]);
+        let d = self.four(simd, [cells[12], cells[13], cells[14], cells[15]]);
+        let (even, odd) = simd.deinterleave_f32x16(a, b);
+        let (more_even, more_odd) = simd.deinterleave_f32x16(c, d);
+        let (integral, red_green) = simd.deinterleave_f32x16(even, more_even);
+        let (extinction, blue) = simd.deinterleave_f32x16(odd, more_odd);
+        let within = position.fract() * (1.0 / PER_VALUE);
+        Classified {
+            integral: within.mul_add(extinction, integral),
+            extinction,
+            packed: [red_green.bitcast(), blue.bitcast()],
+        }
+    }
+
+    #[inline(always)]
+    fn four<S: Simd>(&self, simd: S, [a, b, c, d]: [u32; 4]) -> f32x16<S> {
+        let mask = CELLS - 1;
+        let a = f32x4::from_slice(simd, &self.cells[a as usize & mask]);
+        let b = f32x4::from_slice(simd, &self.cells[b as usize & mask]);
+        let c = f32x4::from_slice(simd, &self.cells[c as usize & mask]);
+        let d = f32x4::from_slice(simd, &self.cells[d as usize & mask]);
+        a.combine(b).combine(c.combine(d))
+    }
+}
+
+/// What the pixels of a tile have so far, channel by channel.
+#[derive(Debug, Default)]
+pub(crate) struct Canvas {
+    pub transmittance: Vec<f32>,
+    pub color: [Vec<f32>; 3],
+    pub depth_sum: Vec<f32>,
+    pub pitch: usize,
+}
+
+impl Canvas {
+    pub(crate) fn reset(&mut self, [width, height]: [usize; 2]) {
+        self.pitch = width.next_multiple_of(16);
+        let length = self.pitch * height;
+        let Self {
+            transmittance,
+            color: [r, g, b],
+            depth_sum,
+            ..
+        } = self;
+        for (plane, value) in [
+            (transmittance, 1.0),
+            (r, 0.0),
+            (g, 0.0),
+            (b, 0.0),
+            (depth_sum, 0.0),
+        ] {
+            plane.clear();
+            plane.resize(length, value);
+        }
+    }
+}
+
+/// Four neighbouring planes; the interval is between the second and the third.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Interval<'a> {
+    pub planes: [&'a Plane; 4],
+    /// Camera depth of the second plane, and raster points per world length on the second and third.
+    pub depth: f32,
+    pub scales: [f32; 2],
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &plane[at..at + 16])
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
+    f32x16::splat(simd, value)
+}
+
+/// Lane numbers, and a half.
+const MIDDLES: [f32; 16] = [
+    0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5,
+];
+
+/// Mean extinction while the value runs from a to b: the integrals' difference quotient, or, where that would cancel, the
+/// extinction at a.
+#[inline(always)]
+fn mean_extinction<S: Simd>(simd: S, rise: f32x16<S>, a: &Classified<S>, b: &Classified<S>) -> f32x16<S> {
+    let thin = rise.abs().simd_lt(splat(simd, 1e-4));
+    let quotient = (b.integral - a.integral) / thin.select(splat(simd, 1.0), rise);
+    thin.select(a.extinction, quotient).max(splat(simd, 0.0))
+}
+
+/// Central difference between points i and j of both planes, per world length, between the planes.
+#[inline(always)]
+fn across<S: Simd>(
+    simd: S,
+    planes: [&[f32]; 2],
+    scales: [f32; 2],
+    (i, j): (usize, usize),
+    u: f32x16<S>,
+) -> f32x16<S> {
+    let a = (load(simd, planes[0], i) - load(simd, planes[0], j)) * (0.5 * scales[0]);
+    let b = (load(simd, planes[1], i) - load(simd, planes[1], j)) * (0.5 * scales[1]);
+    (b - a).mul_add(u, a)
+}
+
+impl<'a> Interval<'a> {
+    /// Rows above, at and below a point and the points beside it, of each plane.
+    #[inline(always)]
+    fn around(&self, at: usize) -> [&'a [f32]; 4] {
+        let [a, b, c, d] = self.planes;
+        let range = at - a.pitch - 1..at + a.pitch + 17;
+        [
+            &a.values[range.clone()],
+            &b.values[range.clone()],
+            &c.values[range.clone()],
+            &d.values[range],
+        ]
+    }
+}
+
+/// Constants of a frame.
+#[derive(Debug, Clone)]
+pub(crate) struct PlaneShader<'a> {
+    pub table: &'a ShadeTable,
+    pub phong: Option<Phong>,
+    /// Distance between planes, world length.
+    pub spacing: f32,
+    pub background: f32,
+    /// Ray of a pixel at image x, y: `(x + 1/2 - principal) * per_pixel` per depth, 0 where parallel.
+    pub principal: [f32; 2],
+    pub per_pixel: f32,
+    pub termination: f32,
+}
+
+impl PlaneShader<'_> {
+    /// Shades an interval; true where it finished pixels. `origin`: image coordinates of the tile's first pixel; `span`: pixels of the tile.
+    #[inline(always)]
+    pub(crate) fn shade<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        (origin, span): ([usize; 2], Span),
+        canvas: &mut Canvas,
+    ) -> bool {
+        let mut any_finished = false;
+        for y in span.y0..span.y1 {
+            let mut x = span.x0 / 16 * 16;
+            while x < span.x1 {
+                any_finished |= self.sixteen(simd, interval, origin, [x, y], canvas);
+                x += 16;
+            }
+        }
+        any_finished
+    }
+
+    #[inline(always)]
+    fn sixteen<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        origin: [usize; 2],
+        [x, y]: [usize; 2],
+        canvas: &mut Canvas,
+    ) -> bool {
+        let pitch = interval.planes[1].pitch;
+        let at = (y + HALO) * pitch + x + HALO;
+        let [before, near, far, after] = interval.around(at);
+        let here = pitch + 1;
+        let (v0, v1) = (
+            load(simd, near, here) + self.background,
+            load(simd, far, here) + self.background,
+        );
+        let (low, high) = (v0.min(v1), v0.max(v1));
+        let slack = (high - low) * 0.25 + 1e-3;
+        let may_show = (high + slack).simd_ge(splat(simd, self.table.hull[0]))
+            & (low - slack).simd_le(splat(simd, self.table.hull[1]));
+        let pixel = y * canvas.pitch + x;
+        let transmittance = load(simd, &canvas.transmittance, pixel);
+        let open = transmittance.simd_ge(splat(simd, self.termination));
+        if (may_show & open).to_bitmask() == 0 {
+            return false;
+        }
+        let rise = v1 - v0;
+        let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
+        let whole = mean_extinction(simd, rise, &ends[0], &ends[1]);
+        let [cx, cy] = self.principal;
+        let ray_x = (f32x16::from_slice(simd, &MIDDLES) + ((origin[0] + x) as f32 - cx)) * self.per_pixel;
+        let ray_y = ((origin[1] + y) as f32 + 0.5 - cy) * self.per_pixel;
+        let ray_squared = ray_x * ray_x + (1.0 + ray_y * ray_y);
+        let length = ray_squared.sqrt() * self.spacing;
+        let before = load(simd, before, here) + self.background;
+        let after = load(simd, after, here) + self.background;
+        let (m0, m1) = ((v1 - before) * 0.5, (after - v0) * 0.5);
+        let near_color = ends[0].color();
+        let far_color = ends[1].color();
+
+        // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
+        let thick = (whole * length).simd_gt(splat(simd, THICK)) & open;
+        let (through, color, share_of_far);
+        let open_transmittance = open.select(transmittance, splat(simd, 0.0));
+        if thick.any_true() || !(whole.simd_gt(splat(simd, 0.0)) & open).any_true() {
+            let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
+            let middle = self.table.classify(simd, vm);
+            let first = mean_extinction(simd, vm - v0, &ends[0], &middle);
+            let second = mean_extinction(simd, v1 - vm, &middle, &ends[1]);
+            let total = first + second;
+            if !(total.simd_gt(splat(simd, 0.0)) & open).any_true() {
+                return false;
+            }
+            let half = length * (-0.5 * std::f32::consts::LOG2_E);
+            let front = exp2_quick(simd, (first * half).max(splat(simd, -100.0)));
+            let back = exp2_quick(simd, (second * half).max(splat(simd, -100.0)));
+            through = front * back;
+            let (front, back) = (1.0 - front, front * (1.0 - back));
+            let middle = middle.color();
+            let between = front + back;
+            color = [
+                (near_color[0] * front + middle[0] * between + far_color[0] * back) * 0.5,
+                (near_color[1] * front + middle[1] * between + far_color[1] * back) * 0.5,
+                (near_color[2] * front + middle[2] * between + far_color[2] * back) * 0.5,
+            ];
+            share_of_far = second / total.max(splat(simd, 1e-30));
+        } else {
+            through = exp2_quick(simd, whole * length * -std::f32::consts::LOG2_E);
+            // Emission runs from end to end like the extinction.
+            let total = ends[0].extinction + ends[1].extinction;
+            share_of_far =
+                (total.simd_gt(splat(simd, 0.0))).select(ends[1].extinction / total, splat(simd, 0.5));
+            let (b, a) = (
+                (1.0 - through) * share_of_far,
+                (1.0 - through) * (1.0 - share_of_far),
+            );
+            color = [
+                near_color[0] * a + far_color[0] * b,
+                near_color[1] * a + far_color[1] * b,
+                near_color[2] * a + far_color[2] * b,
+            ];
+        }
+        // Where the material is.
+        let u = share_of_far * 0.5 + 0.25;
+        let (diffuse, specular) = match &self.phong {
+            None => (splat(simd, 1.0), splat(simd, 0.0)),
+            Some(phong) => {
+                let gx = across(simd, [near, far], interval.scales, (here + 1, here - 1), u);
+                let gy = across(
+                    simd,
+                    [near, far],
+                    interval.scales,
+                    (here + pitch, here - pitch),
+                    u,
+                );
+                let v = u * (1.0 - u);
+                let slope =
+                    (v * 6.0).mul_add(rise, (u * 3.0 - 2.0) * u * m1 + (u * (u * 3.0 - 4.0) + 1.0) * m0);
+                let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
+                phong.lanes(simd, [gx, gy, gz])
+            }
+        };
+        let share = open_transmittance * (1.0 - through);
+        let diffuse = open_transmittance * diffuse * (1.0 / 65535.0);
+        let shine = specular * share;
+        for c in 0..3 {
+            let plane = &mut canvas.color[c][pixel..pixel + 16];
+            (color[c].mul_add(diffuse, shine) + load(simd, plane, 0)).store_slice(plane);
+        }
+        let depth = u.mul_add(self.spacing, splat(simd, interval.depth));
+        let plane = &mut canvas.depth_sum[pixel..pixel + 16];
+        depth.mul_add(share, load(simd, plane, 0)).store_slice(plane);
+        let left = transmittance * through;
+        open.select(left, transmittance)
+            .store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+        (open & left.simd_lt(splat(simd, self.termination))).any_true()
+    }
+}
+
+/// Optical depth from which an interval is cut in halves.
+const THICK: f32 = 0.25;

@@ -1,0 +1,315 @@
+//! Splat: voxels into the ring of sheets, each once into all the sheets that it reaches.
+//!
+//! With `u` the offset of the footprint's centre from a raster point in its middle and `i, j` whole raster points from
+//! there, a Gaussian footprint of exponents `a, c, b` (xx, xy, yy, negative, to base 2) is
+//!
+//! `2^(a (i-u)^2 + c (i-u)(j-v) + b (j-v)^2) = C(i, j) p^i q^j 2^(a u^2 + c u v + b v^2)`,
+//! `C(i, j) = 2^(a i^2 + c i j + b j^2)`, `p = 2^(-2 a u - c v)`, `q = 2^(-2 b v - c u)`:
+//!
+//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs two exponentials of
+//! vectors whatever its size and shape, and every weight is exact: no table of phases, no rounding of positions. Where C
+//! is a product of a column and a row (radial kernels) each vector of pixels costs one multiply-add, otherwise one
+//! multiplication more.
+
+use fearless_simd::{f32x4, f32x8, f32x16, prelude::*};
+
+use super::ring::{PITCH, Row};
+use super::sheet::{GroupShape, Lanes16};
+use crate::stage::simd_exp::{exp2, exp2_quick};
+
+/// Voxels that wait to be splatted.
+pub(crate) const CAPACITY: usize = 1024;
+
+/// A column of the records: vectors may be stored behind the last one.
+pub(crate) type Column<T> = [T; CAPACITY + 16];
+
+/// Voxels of a slab, ready to be splatted.
+#[derive(Debug)]
+pub(crate) struct Records {
+    pub len: usize,
+    /// Camera space.
+    pub x: Column<f32>,
+    pub y: Column<f32>,
+    pub z: Column<f32>,
+    /// Coefficient.
+    pub value: Column<f32>,
+    /// Raster coordinates of the principal point from the footprint's middle.
+    pub origin_x: Column<f32>,
+    pub origin_y: Column<f32>,
+    /// First block of the footprint, and its row.
+    pub column: Column<u32>,
+    pub row: Column<u32>,
+}
+
+impl Default for Records {
+    fn default() -> Self {
+        const ZERO: Column<f32> = [0.0; CAPACITY + 16];
+        Self {
+            len: 0,
+            x: ZERO,
+            y: ZERO,
+            z: ZERO,
+            value: ZERO,
+            origin_x: ZERO,
+            origin_y: ZERO,
+            column: [0; CAPACITY + 16],
+            row: [0; CAPACITY + 16],
+        }
+    }
+}
+
+/// What all voxels of a frame share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SplatConstants {
+    /// Drift of the footprint's centre per depth.
+    pub slope: [f32; 2],
+    /// Raster coordinates of the principal point, from the ring's first point.
+    pub principal: [f32; 2],
+    /// `-log2(e) / 2 s^2`, s the kernel's standard deviation in depth.
+    pub depth_exponent: f32,
+    /// What is subtracted from the kernel's profile in depth, so that it ends without a step.
+    pub depth_edge: f32,
+}
+
+/// Largest footprint, blocks along an edge.
+pub(crate) const MAX_BLOCKS: usize = 8;
+
+/// The footprint of a voxel in the middle of a raster point: C(i, j) block by block, or its columns and rows.
+#[derive(Debug)]
+pub(crate) struct Stencil {
+    blocks: [[Lanes16; MAX_BLOCKS]; MAX_BLOCKS],
+    columns: [Lanes16; MAX_BLOCKS],
+    rows: [Lanes16; MAX_BLOCKS],
+}
+
+impl Default for Stencil {
+    fn default() -> Self {
+        let row = [Lanes16::default(); MAX_BLOCKS];
+        Self {
+            blocks: [row; MAX_BLOCKS],
+            columns: row,
+            rows: row,
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, lanes: &Lanes16) -> f32x16<S> {
+    f32x16::from_slice(simd, &lanes.0)
+}
+
+/// Each lane's column and row in a block.
+const COLUMN: [f32; 16] = [
+    0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0,
+];
+const ROW: [f32; 16] = [
+    0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
+];
+
+impl Stencil {
+    /// Stencil of a slab's footprints of `size` blocks.
+    #[inline(always)]
+    pub(crate) fn prepare<S: Simd>(&mut self, simd: S, shape: &GroupShape, size: usize, ellipses: bool) {
+        let (xx, xy, yy) = (
+            load(simd, &shape.xx),
+            load(simd, &shape.xy),
+            load(simd, &shape.yy),
+        );
+        let middle = middle_block(size) as f32 * 2.0;
+        for row in 0..size {
+            let j = f32x16::from_slice(simd, &ROW) + (2 * row) as f32 - middle;
+            exp2(simd, yy * j * j).store_slice(&mut self.rows[row].0);
+            let i = f32x16::from_slice(simd, &COLUMN) + (2 * row) as f32 - middle;
+            exp2(simd, xx * i * i).store_slice(&mut self.columns[row].0);
+            if ellipses {
+                for column in 0..size {
+                    let i = f32x16::from_slice(simd, &COLUMN) + (2 * column) as f32 - middle;
+                    let exponent = xx * i * i + xy * i * j + yy * j * j;
+                    exp2(simd, exponent).store_slice(&mut self.blocks[row][column].0);
+                }
+            }
+        }
+    }
+}
+
+/// The block whose first raster point is a footprint's origin.
+pub(crate) const fn middle_block(size: usize) -> usize {
+    size / 2
+}
+
+/// Voxels whose powers are computed together: a voxel's chain of dependent instructions is longer than a processor
+/// looks ahead, but those of different voxels run side by side.
+const BATCH: usize = 16;
+
+/// Powers of a batch: exponents first.
+#[derive(Debug)]
+pub(crate) struct Powers {
+    /// `p, p^-2, q, q^-2`, four sheets each.
+    steps: [Lanes16; BATCH],
+    /// `2^(a u^2 + c u v + b v^2)` and the profile in depth, twice.
+    weights: [Lanes16; BATCH],
+}
+
+impl Default for Powers {
+    fn default() -> Self {
+        Self {
+            steps: [Lanes16::default(); BATCH],
+            weights: [Lanes16::default(); BATCH],
+        }
+    }
+}
+
+/// Splats all records into a group of sheets; footprints are `SIZE` x `SIZE` blocks.
+#[inline(always)]
+pub(crate) fn splat<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+    simd: S,
+    constants: &SplatConstants,
+    (shape, stencil): (&GroupShape, &Stencil),
+    records: &Records,
+    powers: &mut Powers,
+    rows: &mut [Row],
+) {
+    let total = records.len.min(CAPACITY);
+    let mut first = 0;
+    while first < total {
+        let count = (total - first).min(BATCH);
+        exponents::<S, ELLIPSES>(simd, constants, shape, (records, first, count), powers);
+        for lanes in &mut powers.steps[..count] {
+            exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
+        }
+        for lanes in &mut powers.weights[..count] {
+            exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
+        }
+        let peak = load(simd, &shape.peak);
+        for n in 0..count {
+            let column = (records.column[first + n] as usize).min(PITCH - SIZE);
+            let place = records.row[first + n] as usize;
+            let Some(rows) = rows
+                .get_mut(place..)
+                .and_then(|rows| rows.first_chunk_mut::<SIZE>())
+            else {
+                continue;
+            };
+            let (lateral, depth) = load(simd, &powers.weights[n]).split();
+            let profile = (depth - constants.depth_edge).max(f32x8::splat(simd, 0.0));
+            let weight = lateral * profile;
+            let weight = weight.combine(weight) * (peak * records.value[first + n]);
+            add::<S, SIZE, ELLIPSES>(simd, &powers.steps[n], weight, stencil, (rows, column));
+        }
+        first += count;
+    }
+}
+
+/// Exponents of a batch.
+#[inline(always)]
+fn exponents<S: Simd, const ELLIPSES: bool>(
+    simd: S,
+    constants: &SplatConstants,
+    shape: &GroupShape,
+    (records, first, count): (&Records, usize, usize),
+    powers: &mut Powers,
+) {
+    let depth = load(simd, &shape.depth);
+    let scale = load(simd, &shape.scale);
+    let (xx, xy, yy) = (
+        load(simd, &shape.xx),
+        load(simd, &shape.xy),
+        load(simd, &shape.yy),
+    );
+    // p, p^-2 of columns in the lower half, q, q^-2 of rows in the upper one.
+    let factor = f32x16::from_slice(
+        simd,
+        &[
+            -2.0, -2.0, -2.0, -2.0, 4.0, 4.0, 4.0, 4.0, -2.0, -2.0, -2.0, -2.0, 4.0, 4.0, 4.0, 4.0,
+        ],
+    );
+    let upper = f32x16::from_slice(simd, &ROW).simd_gt(f32x16::splat(simd, 0.5));
+    let own = factor * upper.select(yy, xx);
+    let other = factor * xy * 0.5;
+    for n in 0..count {
+        let record = first + n;
+        let dz = depth - records.z[record];
+        let (mut x, mut y) = (
+            f32x16::splat(simd, records.x[record]),
+            f32x16::splat(simd, records.y[record]),
+        );
+        if ELLIPSES {
+            x = dz.mul_add(constants.slope[0], x);
+            y = dz.mul_add(constants.slope[1], y);
+        }
+        let u = x.mul_add(scale, f32x16::splat(simd, records.origin_x[record]));
+        let v = y.mul_add(scale, f32x16::splat(simd, records.origin_y[record]));
+        let mut steps = own * upper.select(v, u);
+        let mut lateral = (u * u).mul_add(xx, v * v * yy);
+        if ELLIPSES {
+            steps = other.mul_add(upper.select(u, v), steps);
+            lateral = (u * v).mul_add(xy, lateral);
+        }
+        steps.store_slice(&mut powers.steps[n].0);
+        upper
+            .select(dz * dz * constants.depth_exponent, lateral)
+            .store_slice(&mut powers.weights[n].0);
+    }
+}
+
+/// Adds a voxel's footprint to its blocks.
+#[inline(always)]
+fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+    simd: S,
+    steps: &Lanes16,
+    weight: f32x16<S>,
+    stencil: &Stencil,
+    (blocks, first): (&mut [Row; SIZE], usize),
+) {
+    let middle = middle_block(SIZE);
+    let (columns, rows) = load(simd, steps).split();
+    let ((p, p_back), (q, q_back)) = (columns.split(), rows.split());
+    let one = f32x4::splat(simd, 1.0);
+    // Powers of the middle block's columns and rows, and what leads to the blocks beside it.
+    let half = one.combine(p);
+    let mut across = [half.combine(half); SIZE];
+    let both = p.combine(p);
+    let p = both.combine(both);
+    let p_forward = p * p;
+    let both = p_back.combine(p_back);
+    let p_back = both.combine(both);
+    for b in middle + 1..SIZE {
+        across[b] = across[b - 1] * p_forward;
+    }
+    for b in (0..middle).rev() {
+        across[b] = across[b + 1] * p_back;
+    }
+    let both = q.combine(q);
+    let q_wide = both.combine(both);
+    let q_forward = q_wide * q_wide;
+    let back = q_back.combine(q_back);
+    let q_back = back.combine(back);
+    let ones = one.combine(one);
+    let mut down = [ones.combine(both) * weight; SIZE];
+    for r in middle + 1..SIZE {
+        down[r] = down[r - 1] * q_forward;
+    }
+    for r in (0..middle).rev() {
+        down[r] = down[r + 1] * q_back;
+    }
+    if !ELLIPSES {
+        for b in 0..SIZE {
+            across[b] = across[b] * load(simd, &stencil.columns[b]);
+            down[b] = down[b] * load(simd, &stencil.rows[b]);
+        }
+    }
+    for r in 0..SIZE {
+        let line = &mut blocks[r].0[first..first + SIZE];
+        for c in 0..SIZE {
+            let block = &mut line[c].0;
+            let weights = if ELLIPSES {
+                across[c] * load(simd, &stencil.blocks[r][c])
+            } else {
+                across[c]
+            };
+            weights
+                .mul_add(down[r], f32x16::from_slice(simd, block))
+                .store_slice(block);
+        }
+    }
+}
