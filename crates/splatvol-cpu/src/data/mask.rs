@@ -92,6 +92,12 @@ impl OpenMask {
         }
     }
 
+    /// Whether any of sixteen pixels beginning at (x, y), x a multiple of sixteen, is open.
+    #[inline(always)]
+    pub(crate) fn sixteen_open(&self, x: usize, y: usize) -> bool {
+        self.open[(MARGIN + y / BLOCK) & (ROWS - 1)] >> (MARGIN + x / BLOCK) & 0xf != 0
+    }
+
     /// True when the tile is finished.
     pub(crate) fn none_left(&self) -> bool {
         self.open == [0; ROWS]

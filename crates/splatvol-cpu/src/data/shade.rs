@@ -8,7 +8,9 @@
 use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
 use splatvol_core::classification::ClassificationTable;
 
+use super::mask::OpenMask;
 use super::plane::{HALO, Plane, Span};
+use super::sheet::Lanes16;
 use crate::stage::shade::Phong;
 use crate::stage::simd_exp::exp2_quick;
 
@@ -164,8 +166,8 @@ const MIDDLES: [f32; 16] = [
     0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5,
 ];
 
-/// Mean extinction while the value runs from a to b: the integrals' difference quotient, or, where that would cancel, the
-/// extinction at a.
+/// Mean extinction while the value rises by `rise` from a to b: the integrals' difference quotient, or, where that would
+/// cancel, the extinction at a.
 #[inline(always)]
 fn mean_extinction<S: Simd>(simd: S, rise: f32x16<S>, a: &Classified<S>, b: &Classified<S>) -> f32x16<S> {
     let thin = rise.abs().simd_lt(splat(simd, 1e-4));
@@ -216,60 +218,128 @@ pub(crate) struct PlaneShader<'a> {
     pub termination: f32,
 }
 
+/// Vectors that are shaded together: the chain of dependent instructions of one is longer than a processor looks ahead,
+/// but those of several run side by side, stage by stage.
+const BATCH: usize = 8;
+
+/// What the stages hand on, per vector.
+#[derive(Debug)]
+pub(crate) struct ShadeBatch {
+    /// First pixel of each vector.
+    places: [[usize; 2]; BATCH],
+    len: usize,
+    /// Transmittance of the interval.
+    through: [Lanes16; BATCH],
+    /// Colour times opacity, in 65535ths.
+    color: [[Lanes16; 3]; BATCH],
+    /// Where the material lies in the interval, 0 to 1.
+    place: [Lanes16; BATCH],
+    /// Gradient, then diffuse and specular factors.
+    light: [[Lanes16; 3]; BATCH],
+}
+
+impl Default for ShadeBatch {
+    fn default() -> Self {
+        const ZERO: Lanes16 = Lanes16([0.0; 16]);
+        Self {
+            places: [[0; 2]; BATCH],
+            len: 0,
+            through: [ZERO; BATCH],
+            color: [[ZERO; 3]; BATCH],
+            place: [ZERO; BATCH],
+            light: [[ZERO; 3]; BATCH],
+        }
+    }
+}
+
+/// What a tile is shaded with.
+#[derive(Debug)]
+pub(crate) struct ShadeTarget<'a> {
+    /// Image coordinates of the tile's first pixel.
+    pub origin: [usize; 2],
+    /// Pixels of the tile to shade.
+    pub span: Span,
+    pub mask: &'a OpenMask,
+    pub canvas: &'a mut Canvas,
+    pub batch: &'a mut ShadeBatch,
+}
+
 impl PlaneShader<'_> {
-    /// Shades an interval; true where it finished pixels. `origin`: image coordinates of the tile's first pixel; `span`: pixels of the tile.
+    /// Shades an interval; true where it finished pixels.
     #[inline(always)]
-    pub(crate) fn shade<S: Simd>(
-        &self,
-        simd: S,
-        interval: &Interval<'_>,
-        (origin, span): ([usize; 2], Span),
-        canvas: &mut Canvas,
-    ) -> bool {
+    pub(crate) fn shade<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) -> bool {
         let mut any_finished = false;
+        let span = target.span;
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
-                any_finished |= self.sixteen(simd, interval, origin, [x, y], canvas);
+                if target.mask.sixteen_open(x, y) && self.may_show(simd, interval, [x, y]) {
+                    target.batch.places[target.batch.len % BATCH] = [x, y];
+                    target.batch.len += 1;
+                    if target.batch.len == BATCH {
+                        any_finished |= self.flush(simd, interval, target);
+                    }
+                }
                 x += 16;
             }
+        }
+        self.flush(simd, interval, target) | any_finished
+    }
+
+    /// Whether any of sixteen pixels can hold visible values.
+    #[inline(always)]
+    fn may_show<S: Simd>(&self, simd: S, interval: &Interval<'_>, [x, y]: [usize; 2]) -> bool {
+        let [_, near, far, _] = interval.planes;
+        let at = (y + HALO) * near.pitch + x + HALO;
+        let (v0, v1) = (load(simd, &near.values, at), load(simd, &far.values, at));
+        let (low, high) = (v0.min(v1), v0.max(v1));
+        let slack = (high - low) * 0.25 + (1e-3 + self.background);
+        let [first, last] = self.table.hull;
+        ((high + slack).simd_ge(splat(simd, first)) & (low - slack).simd_le(splat(simd, last - 2.0 * self.background)))
+            .any_true()
+    }
+
+    #[inline(always)]
+    fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) -> bool {
+        let count = std::mem::take(&mut target.batch.len).min(BATCH);
+        for n in 0..count {
+            self.classify(simd, interval, target, n);
+        }
+        if let Some(phong) = &self.phong {
+            for light in &mut target.batch.light[..count] {
+                let gradient = [load(simd, &light[0].0, 0), load(simd, &light[1].0, 0), load(simd, &light[2].0, 0)];
+                let (diffuse, specular) = phong.lanes(simd, gradient);
+                diffuse.store_slice(&mut light[0].0);
+                specular.store_slice(&mut light[1].0);
+            }
+        }
+        let mut any_finished = false;
+        for n in 0..count {
+            any_finished |= self.composite(simd, interval.depth, target, n);
         }
         any_finished
     }
 
+    /// Opacity, colour and gradient of the batch's n-th vector.
     #[inline(always)]
-    fn sixteen<S: Simd>(
-        &self,
-        simd: S,
-        interval: &Interval<'_>,
-        origin: [usize; 2],
-        [x, y]: [usize; 2],
-        canvas: &mut Canvas,
-    ) -> bool {
+    fn classify<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>, n: usize) {
+        let [x, y] = target.batch.places[n];
         let pitch = interval.planes[1].pitch;
-        let at = (y + HALO) * pitch + x + HALO;
-        let [before, near, far, after] = interval.around(at);
+        let [before, near, far, after] = interval.around((y + HALO) * pitch + x + HALO);
         let here = pitch + 1;
-        let (v0, v1) = (
-            load(simd, near, here) + self.background,
-            load(simd, far, here) + self.background,
-        );
-        let (low, high) = (v0.min(v1), v0.max(v1));
-        let slack = (high - low) * 0.25 + 1e-3;
-        let may_show = (high + slack).simd_ge(splat(simd, self.table.hull[0]))
-            & (low - slack).simd_le(splat(simd, self.table.hull[1]));
-        let pixel = y * canvas.pitch + x;
-        let transmittance = load(simd, &canvas.transmittance, pixel);
-        let open = transmittance.simd_ge(splat(simd, self.termination));
-        if (may_show & open).to_bitmask() == 0 {
-            return false;
-        }
+        let (v0, v1) = (load(simd, near, here) + self.background, load(simd, far, here) + self.background);
         let rise = v1 - v0;
         let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
-        let whole = mean_extinction(simd, rise, &ends[0], &ends[1]);
+        // One division for the mean extinction and the far end's share.
+        let flat = rise.abs().simd_lt(splat(simd, 1e-4));
+        let width = flat.select(splat(simd, 1.0), rise);
+        let both = (ends[0].extinction + ends[1].extinction).max(splat(simd, 1e-20));
+        let inverse = splat(simd, 1.0) / (width * both);
+        let quotient = (ends[1].integral - ends[0].integral) * both * inverse;
+        let whole = flat.select(ends[0].extinction, quotient).max(splat(simd, 0.0));
         let [cx, cy] = self.principal;
-        let ray_x = (f32x16::from_slice(simd, &MIDDLES) + ((origin[0] + x) as f32 - cx)) * self.per_pixel;
-        let ray_y = ((origin[1] + y) as f32 + 0.5 - cy) * self.per_pixel;
+        let ray_x = (f32x16::from_slice(simd, &MIDDLES) + ((target.origin[0] + x) as f32 - cx)) * self.per_pixel;
+        let ray_y = ((target.origin[1] + y) as f32 + 0.5 - cy) * self.per_pixel;
         let ray_squared = ray_x * ray_x + (1.0 + ray_y * ray_y);
         let length = ray_squared.sqrt() * self.spacing;
         let before = load(simd, before, here) + self.background;
@@ -279,18 +349,14 @@ impl PlaneShader<'_> {
         let far_color = ends[1].color();
 
         // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
-        let thick = (whole * length).simd_gt(splat(simd, THICK)) & open;
+        let thick = (whole * length).simd_gt(splat(simd, THICK));
         let (through, color, share_of_far);
-        let open_transmittance = open.select(transmittance, splat(simd, 0.0));
-        if thick.any_true() || !(whole.simd_gt(splat(simd, 0.0)) & open).any_true() {
+        if thick.any_true() || !whole.simd_gt(splat(simd, 0.0)).any_true() {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
             let first = mean_extinction(simd, vm - v0, &ends[0], &middle);
             let second = mean_extinction(simd, v1 - vm, &middle, &ends[1]);
             let total = first + second;
-            if !(total.simd_gt(splat(simd, 0.0)) & open).any_true() {
-                return false;
-            }
             let half = length * (-0.5 * std::f32::consts::LOG2_E);
             let front = exp2_quick(simd, (first * half).max(splat(simd, -100.0)));
             let back = exp2_quick(simd, (second * half).max(splat(simd, -100.0)));
@@ -322,37 +388,50 @@ impl PlaneShader<'_> {
         }
         // Where the material is.
         let u = share_of_far * 0.5 + 0.25;
-        let (diffuse, specular) = match &self.phong {
-            None => (splat(simd, 1.0), splat(simd, 0.0)),
-            Some(phong) => {
-                let gx = across(simd, [near, far], interval.scales, (here + 1, here - 1), u);
-                let gy = across(
-                    simd,
-                    [near, far],
-                    interval.scales,
-                    (here + pitch, here - pitch),
-                    u,
-                );
-                let v = u * (1.0 - u);
-                let slope =
-                    (v * 6.0).mul_add(rise, (u * 3.0 - 2.0) * u * m1 + (u * (u * 3.0 - 4.0) + 1.0) * m0);
-                let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
-                phong.lanes(simd, [gx, gy, gz])
-            }
-        };
-        let share = open_transmittance * (1.0 - through);
-        let diffuse = open_transmittance * diffuse * (1.0 / 65535.0);
-        let shine = specular * share;
+        let batch = &mut target.batch;
+        through.store_slice(&mut batch.through[n].0);
+        for c in 0..3 {
+            color[c].store_slice(&mut batch.color[n][c].0);
+        }
+        u.store_slice(&mut batch.place[n].0);
+        if self.phong.is_none() {
+            splat(simd, 1.0).store_slice(&mut batch.light[n][0].0);
+            splat(simd, 0.0).store_slice(&mut batch.light[n][1].0);
+            return;
+        }
+        let gx = across(simd, [near, far], interval.scales, (here + 1, here - 1), u);
+        let gy = across(simd, [near, far], interval.scales, (here + pitch, here - pitch), u);
+        let v = u * (1.0 - u);
+        let slope = (v * 6.0).mul_add(rise, (u * 3.0 - 2.0) * u * m1 + (u * (u * 3.0 - 4.0) + 1.0) * m0);
+        let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
+        gx.store_slice(&mut batch.light[n][0].0);
+        gy.store_slice(&mut batch.light[n][1].0);
+        gz.store_slice(&mut batch.light[n][2].0);
+    }
+
+    /// Puts the batch's n-th vector behind what its pixels have; true where it finished some.
+    #[inline(always)]
+    fn composite<S: Simd>(&self, simd: S, near_depth: f32, target: &mut ShadeTarget<'_>, n: usize) -> bool {
+        let ShadeTarget { batch, canvas, .. } = target;
+        let [x, y] = batch.places[n];
+        let pixel = y * canvas.pitch + x;
+        let through = load(simd, &batch.through[n].0, 0);
+        let transmittance = load(simd, &canvas.transmittance, pixel);
+        let open = transmittance.simd_ge(splat(simd, self.termination));
+        let before = open.select(transmittance, splat(simd, 0.0));
+        let share = before * (1.0 - through);
+        let diffuse = before * load(simd, &batch.light[n][0].0, 0) * (1.0 / 65535.0);
+        let shine = load(simd, &batch.light[n][1].0, 0) * share;
         for c in 0..3 {
             let plane = &mut canvas.color[c][pixel..pixel + 16];
-            (color[c].mul_add(diffuse, shine) + load(simd, plane, 0)).store_slice(plane);
+            let color = load(simd, &batch.color[n][c].0, 0);
+            (color.mul_add(diffuse, shine) + load(simd, plane, 0)).store_slice(plane);
         }
-        let depth = u.mul_add(self.spacing, splat(simd, interval.depth));
+        let depth = load(simd, &batch.place[n].0, 0).mul_add(self.spacing, splat(simd, near_depth));
         let plane = &mut canvas.depth_sum[pixel..pixel + 16];
         depth.mul_add(share, load(simd, plane, 0)).store_slice(plane);
         let left = transmittance * through;
-        open.select(left, transmittance)
-            .store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+        open.select(left, transmittance).store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
         (open & left.simd_lt(splat(simd, self.termination))).any_true()
     }
 }

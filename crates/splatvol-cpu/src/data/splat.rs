@@ -11,9 +11,9 @@
 //! is a product of a column and a row (radial kernels) each vector of pixels costs one multiply-add, otherwise one
 //! multiplication more.
 
-use fearless_simd::{f32x4, f32x8, f32x16, prelude::*};
+use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 
-use super::ring::{PITCH, Row};
+use super::ring::{Area, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
 use crate::stage::simd_exp::{exp2, exp2_quick};
 
@@ -39,6 +39,9 @@ pub(crate) struct Records {
     /// First block of the footprint, and its row.
     pub column: Column<u32>,
     pub row: Column<u32>,
+    /// First and last column and row of the footprints, and of their first blocks.
+    low: [Lanes16; 2],
+    high: [Lanes16; 2],
 }
 
 impl Default for Records {
@@ -54,6 +57,36 @@ impl Default for Records {
             origin_y: ZERO,
             column: [0; CAPACITY + 16],
             row: [0; CAPACITY + 16],
+            low: [NONE_LOW; 2],
+            high: [NONE_HIGH; 2],
+        }
+    }
+}
+
+const NONE_LOW: Lanes16 = Lanes16([f32::INFINITY; 16]);
+const NONE_HIGH: Lanes16 = Lanes16([-1.0; 16]);
+
+impl Records {
+    /// Notes the first blocks of footprints that are about to be added.
+    #[inline(always)]
+    pub(crate) fn join<S: Simd>(&mut self, simd: S, which: mask32x16<S>, column: f32x16<S>, row: f32x16<S>) {
+        let (low, high) = (f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, -1.0));
+        for (axis, first) in [column, row].into_iter().enumerate() {
+            let (at_least, at_most) = (load(simd, &self.low[axis]), load(simd, &self.high[axis]));
+            at_least.min(which.select(first, low)).store_slice(&mut self.low[axis].0);
+            at_most.max(which.select(first, high)).store_slice(&mut self.high[axis].0);
+        }
+    }
+
+    /// Blocks that the footprints cover, and forgets them.
+    pub(crate) fn take_area(&mut self, size: usize) -> Area {
+        let low = std::mem::replace(&mut self.low, [NONE_LOW; 2]).map(|l| l.0.into_iter().fold(f32::INFINITY, f32::min));
+        let high = std::mem::replace(&mut self.high, [NONE_HIGH; 2]).map(|h| h.0.into_iter().fold(-1.0, f32::max));
+        Area {
+            x0: low[0] as usize,
+            y0: low[1] as usize,
+            x1: high[0] as usize + size,
+            y1: high[1] as usize + size,
         }
     }
 }

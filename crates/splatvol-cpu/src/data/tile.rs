@@ -12,7 +12,7 @@ use super::mask::OpenMask;
 use super::order::DepthOrder;
 use super::plane::{HALO, Plane, Span};
 use super::ring::{Area, BLOCK_EDGE, LANES, SheetRing};
-use super::shade::{Canvas, Interval, PlaneShader};
+use super::shade::{Canvas, Interval, PlaneShader, ShadeBatch, ShadeTarget};
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SplatConstants, Stencil, middle_block, splat};
 
@@ -81,6 +81,7 @@ pub(crate) struct DataScratch {
     values: Vec<SortedValues>,
     free: Vec<u32>,
     mask: OpenMask,
+    batch: ShadeBatch,
 }
 
 /// Work done by a tile.
@@ -283,9 +284,14 @@ fn shade<S: Simd>(
         depth: frame.sheets[near].depth,
         scales: [frame.sheets[near].scale, frame.sheets[near + 1].scale],
     };
-    frame
-        .shader
-        .shade(simd, &interval, ([rect.x0, rect.y0], span), &mut scratch.canvas)
+    let mut target = ShadeTarget {
+        origin: [rect.x0, rect.y0],
+        span,
+        mask: &scratch.mask,
+        canvas: &mut scratch.canvas,
+        batch: &mut scratch.batch,
+    };
+    frame.shader.shade(simd, &interval, &mut target)
 }
 
 /// Which voxels enter a sheet and touch the tile.
@@ -340,6 +346,14 @@ fn activate<S: Simd>(
         brick.next += count;
         work.tested += u64::from(count);
         let value = f32x16::from_slice(simd, &values[next..next + 16]);
+        let needed = entering & value.simd_eq(value);
+        let last = count < 16 || brick.next as usize >= BRICK_VOXELS;
+        if !needed.any_true() {
+            if last {
+                return;
+            }
+            continue;
+        }
         let x = f32x16::from_slice(simd, &order.x[next..next + 16]) + x0;
         let y = f32x16::from_slice(simd, &order.y[next..next + 16]) + y0;
         let z = depth + z0;
@@ -351,8 +365,7 @@ fn activate<S: Simd>(
         let v = dz
             .mul_add(constants.slope[1], y)
             .mul_add(scale, f32x16::splat(simd, py));
-        let mut wanted = entering
-            & value.simd_eq(value)
+        let mut wanted = needed
             & (u + rx).simd_ge(f32x16::splat(simd, window.low))
             & (u - rx).simd_le(f32x16::splat(simd, window.high[0]))
             & (v + ry).simd_ge(f32x16::splat(simd, window.low))
@@ -377,6 +390,7 @@ fn activate<S: Simd>(
             let column = ((u - rx).ceil() * 0.5).floor();
             let row = ((v - ry).ceil() * 0.5).floor();
             let middle = 2.0 * middle_block(window.blocks) as f32;
+            records.join(simd, wanted, column, row);
             let at = records.len.min(CAPACITY);
             let range = at..at + 16;
             x.compress(wanted).store_slice(&mut records.x[range.clone()]);
@@ -400,7 +414,7 @@ fn activate<S: Simd>(
                 .store_slice(&mut records.row[range]);
             records.len = at + found;
         }
-        if count < 16 || brick.next as usize >= BRICK_VOXELS {
+        if last {
             return;
         }
     }
@@ -427,16 +441,7 @@ fn flush<S: Simd>(
         return;
     }
     work.voxels += records.len as u64;
-    let mut area = Area::EMPTY;
-    for (&column, &row) in records.column[..records.len].iter().zip(&records.row) {
-        let (x, y) = (column as usize, row as usize);
-        area = area.join(Area {
-            x0: x,
-            y0: y,
-            x1: x + size,
-            y1: y + size,
-        });
-    }
+    let area = records.take_area(size);
     for touched in &mut ring.touched {
         *touched = touched.join(area);
     }

@@ -273,6 +273,8 @@ pub(crate) struct Phong {
     diffuse: f32,
     specular: f32,
     power: f32,
+    /// What is raised to the power at least.
+    least_shining: f32,
     floor_squared: f32,
     towards_light: [f32; 3],
     half_way: [f32; 3],
@@ -290,6 +292,7 @@ impl Phong {
             diffuse: lighting.diffuse as f32,
             specular: lighting.specular as f32,
             power: lighting.specular_power as f32,
+            least_shining: (-100.0 / lighting.specular_power).exp2() as f32,
             floor_squared: lighting.gradient_floor.powi(2) as f32,
             towards_light: light.as_vec3().to_array(),
             half_way: half_way.as_vec3().to_array(),
@@ -303,21 +306,42 @@ impl Phong {
         let [x, y, z] = gradient;
         let per_voxel = self.spacing * self.spacing;
         let squared = ((x * x + y * y + z * z) * per_voxel).max(f32x16::splat(simd, 1e-12));
-        let surface = squared / (squared + self.floor_squared);
-        let inverse = f32x16::splat(simd, self.spacing) / squared.sqrt();
+        // One division for both the inverse length and the surfaceness.
+        let (length, floored) = (squared.sqrt(), squared + self.floor_squared);
+        let quotient = f32x16::splat(simd, 1.0) / (length * floored);
+        let surface = squared * length * quotient;
+        let inverse = floored * quotient * self.spacing;
         let facing = (dot(gradient, self.towards_light).abs() * inverse).min(f32x16::splat(simd, 1.0));
         let diffuse = (surface * (facing - 1.0) + 1.0) * self.diffuse + self.ambient;
         if self.specular == 0.0 {
             return (diffuse, f32x16::splat(simd, 0.0));
         }
-        // Clamped so that the power does not become denormal.
-        let shining = (dot(gradient, self.half_way).abs() * inverse)
-            .min(f32x16::splat(simd, 1.0))
-            .max(f32x16::splat(simd, 1e-3));
+        let shining = (dot(gradient, self.half_way).abs() * inverse).min(f32x16::splat(simd, 1.0));
         (
             diffuse,
-            exp2(simd, log2(simd, shining) * self.power) * surface * self.specular,
+            self.gloss(simd, shining) * surface * self.specular,
         )
+    }
+
+    /// `shining^power`; whole powers by squaring.
+    #[inline(always)]
+    fn gloss<S: Simd>(&self, simd: S, shining: f32x16<S>) -> f32x16<S> {
+        // Where the power would be below 2^-100, it is 2^-100: not denormal.
+        let base = shining.max(f32x16::splat(simd, self.least_shining));
+        if self.power.fract() != 0.0 || self.power > 256.0 {
+            return exp2(simd, log2(simd, base) * self.power);
+        }
+        let (mut exponent, mut square, mut product) = (self.power as u32, base, f32x16::splat(simd, 1.0));
+        loop {
+            if exponent & 1 != 0 {
+                product *= square;
+            }
+            exponent >>= 1;
+            if exponent == 0 {
+                return product;
+            }
+            square *= square;
+        }
     }
 
     /// Light on material with this gradient (camera space, per world length).
