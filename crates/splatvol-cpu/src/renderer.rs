@@ -152,7 +152,10 @@ impl Renderer {
             && settings.classification == splatvol_scene::Classification::Post
             && scene.volume.statistics().non_finite == 0
         {
-            return Ok(self.render_data(scene, camera, settings, progress));
+            let margin = scene.volume.grid().dims().map(|n| usize::from(n > 1));
+            if let Some(view) = crate::data::frame::View::new(scene.volume.grid(), margin, camera, settings) {
+                return Ok(self.render_data(scene, view, settings, progress));
+            }
         }
         let Self { pool, prepared, .. } = self;
         let prepared = pool.install(|| prepare(prepared, &scene.volume, content));
@@ -223,7 +226,7 @@ impl Renderer {
     fn render_data(
         &mut self,
         scene: &Scene,
-        camera: &Camera,
+        view: crate::data::frame::View,
         settings: &RenderSettings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Frame {
@@ -244,7 +247,7 @@ impl Renderer {
                     None => {
                         Coefficients::new(
                             &scene.volume,
-                            Use::Field(Some(&GaussianKernel::windowed(settings.kernel))),
+                            Use::Field(Some(&GaussianKernel::new(settings.kernel))),
                         )
                         .0
                     }
@@ -281,9 +284,10 @@ impl Renderer {
         let data = self.data.as_ref().expect("just made");
         let plan = self.pool.install(|| {
             crate::data::frame::plan(
-                (scene.volume.grid(), data.coefficients.margin),
+                &view,
+                scene.volume.grid(),
                 (&data.store, &data.shade),
-                (camera, settings),
+                (settings, data.coefficients.margin),
                 std::env::var("TE").map_or(128, |t| t.parse().unwrap()),
             )
         });
@@ -359,7 +363,7 @@ impl Renderer {
                 plan.store.needed,
                 tiles.iter().map(|t| t.1.tested).sum::<u64>(),
                 tiles.iter().map(|t| t.1.voxels).sum::<u64>(),
-                plan.size,
+                plan.step,
                 plan.ellipses,
                 plan.groups
             );

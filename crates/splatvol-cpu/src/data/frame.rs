@@ -10,98 +10,140 @@ use splatvol_core::sheets::SheetStack;
 use splatvol_core::visibility::BrickStore;
 use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
 
+use super::border::Border;
 use super::order::DepthOrder;
 use super::ring::LANES;
 use super::shade::{PlaneShader, ShadeTable};
 use super::sheet::{Raster, shapes};
-use super::splat::{MAX_BLOCKS, SplatConstants};
+use super::splat::SplatConstants;
 use super::tile::DataFrame;
 use crate::stage::shade::Phong;
 
-/// Standard deviations at which footprints are cut that a low-pass or an ellipse has deprived of the kernel's own window.
-const GAUSSIAN_CUT: f64 = 3.4;
+/// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
+const CUT: f64 = 3.4;
+/// Widest standard deviation of a footprint, raster points, that the largest blocks hold.
+const WIDEST: f64 = 2.3;
+/// Narrowest standard deviation of a footprint, raster points, that a spline of a coarse raster reproduces.
+const NARROWEST: f64 = 0.9;
+/// Widest angle between a pixel's ray and the axis, as a tangent.
+const STEEPEST: f64 = 0.75;
 
-/// Plans a frame.
-pub(crate) fn plan<'a>(
-    (grid, margin): (&Grid, [usize; 3]),
-    (store, table): (&'a BrickStore, &'a ShadeTable),
-    (camera, settings): (&Camera, &RenderSettings),
-    tile_edge: usize,
-) -> DataFrame<'a> {
-    let screen = camera.screen_from_camera(settings.size);
-    let first_point = -DVec3::from_array(margin.map(|m| m as f64));
-    let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
-    let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
-    let linear = camera_from_voxel.matrix3;
-    let kernel = GaussianKernel::windowed(settings.kernel);
-    let shape = FootprintShape::new(
-        linear * linear.transpose() * kernel.sigma.powi(2),
-        1.0,
-        kernel.cut(),
-    );
-    let per_voxel = shape.depth_sigma / kernel.sigma;
-    let reach = kernel.radius * per_voxel;
-    let spacing = settings.sheet_thickness * per_voxel;
-    let groups = ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize;
-    let stack = SheetStack::covering(&corners(grid, camera_from_voxel), reach, spacing, &screen);
-    let edge = kernel.edge;
+/// What of a frame does not depend on the volume's content.
+#[derive(Debug, Clone)]
+pub(crate) struct View {
+    camera_from_lattice: DAffine3,
+    screen: ScreenFromCamera,
+    shape: FootprintShape,
+    kernel: GaussianKernel,
+    stack: SheetStack,
+    raster: Raster,
+    reach: f64,
+    spread: f64,
+    groups: usize,
+}
+
+impl View {
+    /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
+    /// too wide an angle.
+    pub(crate) fn new(grid: &Grid, margin: [usize; 3], camera: &Camera, settings: &RenderSettings) -> Option<Self> {
+        let screen = camera.screen_from_camera(settings.size);
+        let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
+        let first_point = -DVec3::from_array(margin.map(|m| m as f64));
+        let linear = camera_from_voxel.matrix3;
+        let kernel = GaussianKernel::windowed(settings.kernel);
+        let shape = FootprintShape::new(linear * linear.transpose() * kernel.sigma.powi(2), 1.0, kernel.cut());
+        let per_voxel = shape.depth_sigma / kernel.sigma;
+        let reach = kernel.radius * per_voxel;
+        let spacing = settings.sheet_thickness * per_voxel;
+        let groups = ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize;
+        let stack = SheetStack::covering(&corners(grid, camera_from_voxel), reach, spacing, &screen);
+        let steepest = if screen.perspective {
+            let corner = screen.centre.max(DVec2::new(settings.size.width() as f64, settings.size.height() as f64) - screen.centre);
+            corner.length() / screen.scale
+        } else {
+            0.0
+        };
+        let raster = raster(settings, &kernel, &shape, [&stack.plane(0), &stack.plane(stack.count)].map(|z| screen.scale_at(*z)))?;
+        let within = steepest <= STEEPEST && groups <= MAX_GROUPS && stack.count <= MAX_SHEETS;
+        within.then_some(Self {
+            camera_from_lattice: camera_from_voxel * DAffine3::from_translation(first_point),
+            screen,
+            shape,
+            kernel,
+            stack,
+            raster,
+            reach,
+            spread: 0.5 * steepest * spacing,
+            groups,
+        })
+    }
+}
+
+/// Groups of four sheets that a voxel may reach.
+const MAX_GROUPS: usize = 8;
+/// Sheets of a frame.
+const MAX_SHEETS: usize = 1 << 16;
+
+/// How footprints are rasterised between the nearest and the farthest scale, pixels per world length.
+fn raster(settings: &RenderSettings, kernel: &GaussianKernel, shape: &FootprintShape, scales: [f64; 2]) -> Option<Raster> {
     let (low_pass, matched) = match settings.filter {
         Filter::None => (0.0, false),
         Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
         Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
     };
-    let step = 1;
+    let [xx, xy, yy] = shape.lateral_covariance;
+    let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+    let filtered = |variance: f64| if matched { variance.max(low_pass) } else { variance + low_pass };
+    let widest = filtered((mean + difference) * scales[0] * scales[0]).sqrt();
+    let narrowest = filtered((mean - difference) * scales[1] * scales[1]).sqrt();
+    let step = ((widest / WIDEST).log2().ceil().max(0.0)).exp2();
+    if !step.is_finite() || step > 64.0 || (step > 1.0 && narrowest / step < NARROWEST) {
+        return None;
+    }
+    // Without low-pass a footprint narrower than this would fall between the pixels.
+    if low_pass == 0.0 && narrowest / step < 0.4 {
+        return None;
+    }
+    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
+    Some(Raster { step: step as usize, low_pass, matched, peak: 1.0 / (lateral * lateral * kernel.lattice_sum) })
+}
+
+/// Plans a frame.
+pub(crate) fn plan<'a>(
+    view: &View,
+    grid: &Grid,
+    (store, table): (&'a BrickStore, &'a ShadeTable),
+    (settings, margin): (&RenderSettings, [usize; 3]),
+    tile_edge: usize,
+) -> DataFrame<'a> {
+    let View { camera_from_lattice, screen, ref shape, kernel, stack, raster, reach, spread, groups } = *view;
     let [xx, xy, yy] = shape.lateral_covariance;
     let drift = shape.lateral_slope.abs().max_element();
-    let round = xy == 0.0 && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
-    let widest = screen.scale_at(stack.plane(stack.count));
-    let filtered = low_pass
-        > if matched {
-            xx.min(yy) * widest * widest
-        } else {
-            0.0
-        };
-    let ellipses = !round;
-    let windowed = round && !filtered;
-    let raster = Raster {
-        step,
-        low_pass,
-        matched,
-        peak: kernel.lattice_sum.powi(-3),
-    };
-    let sheets = shapes(&shape, &screen, &raster, &stack);
-    let cut = if windowed { kernel.cut() } else { GAUSSIAN_CUT };
-    let nearest = sheets
-        .iter()
-        .find(|s| s.scale.is_finite())
-        .copied()
-        .unwrap_or_default();
-    let half_extent = nearest.half_extent(cut as f32);
+    let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
+    let sheets = shapes(shape, &screen, &raster, &stack);
+    let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
+    let cut = if changed || !round { CUT } else { kernel.cut() };
+    let half_extent = sheets[0].half_extent(cut as f32).map(|half| half + spread as f32 * sheets[0].scale);
     let points = half_extent[0].max(half_extent[1]);
-    let size = MAX_BLOCKS;
     let projection = BrickProjection {
         camera_from_lattice,
         screen,
-        shape: &shape,
+        shape,
         stack,
         reach,
-        margin: f64::from(points),
+        margin: f64::from(points) * raster.step as f64,
     };
-    let tiles = TileGrid::new(settings.size, tile_edge);
+    let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
     let bricks: Vec<ProjectedBrick> = (0..store.first.len())
         .into_par_iter()
         .with_min_len(256)
         .filter_map(|i| projection.project(store, i))
         .collect();
-    let mean_spacing = grid.mean_spacing();
-    let per_pixel = if screen.perspective {
-        1.0 / screen.scale as f32
-    } else {
-        0.0
-    };
+    let per_pixel = 1.0 / screen.scale as f32;
+    let camera_from_voxel = camera_from_lattice * DAffine3::from_translation(DVec3::from_array(margin.map(|m| m as f64)));
     DataFrame {
         store,
-        order: DepthOrder::new(linear),
+        order: DepthOrder::new(camera_from_lattice.matrix3),
         camera_from_lattice,
         stack,
         sheets,
@@ -109,26 +151,28 @@ pub(crate) fn plan<'a>(
         lists: TileLists::new(bricks, &tiles),
         constants: SplatConstants {
             slope: shape.lateral_slope.as_vec2().to_array(),
-            principal: [0.0; 2],
+            principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
             depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
-            depth_edge: edge as f32,
+            depth_edge: kernel.edge as f32,
         },
         shader: PlaneShader {
             table,
-            phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
-            spacing: spacing as f32,
+            phong: settings.lighting.as_ref().map(|l| Phong::new(l, grid.mean_spacing())),
+            spacing: stack.spacing as f32,
             background: store.background,
             principal: screen.centre.as_vec2().to_array(),
-            per_pixel,
+            per_pixel: if screen.perspective { per_pixel } else { 0.0 },
+            plane_per_pixel: per_pixel,
             termination: settings.termination as f32,
+            border: Border::new(camera_from_voxel, grid.dims(), margin, kernel.sigma),
         },
+        step: raster.step,
         depth_reach: reach as f32,
         half_extent,
         cut: cut as f32,
-        size,
-        ellipses,
+        spread: spread as f32,
+        ellipses: !round,
         groups,
-        principal: (screen.centre / step as f64 - 0.5).as_vec2().to_array(),
     }
 }
 

@@ -1,4 +1,6 @@
 //! Post-classification: coefficients are splatted to planes, four at a time, and each pair of planes is shaded.
+pub(crate) mod activate;
+pub(crate) mod border;
 pub(crate) mod frame;
 pub(crate) mod mask;
 pub(crate) mod order;
@@ -8,3 +10,4 @@ pub(crate) mod shade;
 pub(crate) mod sheet;
 pub(crate) mod splat;
 pub(crate) mod tile;
+pub(crate) mod upsample;

@@ -7,7 +7,7 @@ use super::ring::{Area, BLOCK_EDGE, Block, LANES, SheetRing};
 /// Pixels around a tile whose values its pixels' derivatives need; even, as blocks are.
 pub(crate) const HALO: usize = 2;
 /// Vectors may read and write this far behind a row.
-const PADDING: usize = 32;
+const PADDING: usize = 64;
 
 /// A rectangle of pixels; empty where x0 >= x1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,9 +5,11 @@
 //! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
 //! across the ray and the cubic's slope along it.
 
+use glam::Vec3A;
 use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
 use splatvol_core::classification::ClassificationTable;
 
+use super::border::{Border, BorderPlane};
 use super::mask::OpenMask;
 use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
@@ -146,9 +148,12 @@ impl Canvas {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interval<'a> {
     pub planes: [&'a Plane; 4],
-    /// Camera depth of the second plane, and raster points per world length on the second and third.
-    pub depth: f32,
+    /// Camera depths of the second and third plane, and pixels per world length there.
+    pub depths: [f32; 2],
     pub scales: [f32; 2],
+    /// Where they leave the volume, and whether they do within the tile.
+    pub borders: [BorderPlane; 2],
+    pub is_near_border: bool,
 }
 
 #[inline(always)]
@@ -215,7 +220,10 @@ pub(crate) struct PlaneShader<'a> {
     /// Ray of a pixel at image x, y: `(x + 1/2 - principal) * per_pixel` per depth, 0 where parallel.
     pub principal: [f32; 2],
     pub per_pixel: f32,
+    /// Width of a pixel, world length, where rays are parallel.
+    pub plane_per_pixel: f32,
     pub termination: f32,
+    pub border: Border,
 }
 
 /// Vectors that are shaded together: the chain of dependent instructions of one is longer than a processor looks ahead,
@@ -295,8 +303,26 @@ impl PlaneShader<'_> {
         let (low, high) = (v0.min(v1), v0.max(v1));
         let slack = (high - low) * 0.25 + (1e-3 + self.background);
         let [first, last] = self.table.hull;
-        ((high + slack).simd_ge(splat(simd, first)) & (low - slack).simd_le(splat(simd, last - 2.0 * self.background)))
-            .any_true()
+        let may = (high + slack).simd_ge(splat(simd, first)) & (low - slack).simd_le(splat(simd, last - 2.0 * self.background));
+        // Near the border sums are still to be divided by their weights.
+        may.any_true()
+            || (interval.is_near_border
+                && (high - low).simd_gt(splat(simd, 0.0)).any_true()
+                && self.border.is_near(&interval.borders[0], [x, y]))
+    }
+
+    /// The planes' border for a tile that begins at an image position.
+    pub(crate) fn borders(&self, depths: [f32; 2], origin: [usize; 2]) -> [BorderPlane; 2] {
+        depths.map(|depth| {
+            let scale = if self.per_pixel > 0.0 { self.per_pixel * depth } else { self.plane_per_pixel };
+            let [cx, cy] = self.principal;
+            let first = Vec3A::new(
+                (origin[0] as f32 + 0.5 - cx) * scale,
+                (origin[1] as f32 + 0.5 - cy) * scale,
+                depth,
+            );
+            self.border.on_plane(first, Vec3A::X * scale, Vec3A::Y * scale)
+        })
     }
 
     #[inline(always)]
@@ -315,7 +341,7 @@ impl PlaneShader<'_> {
         }
         let mut any_finished = false;
         for n in 0..count {
-            any_finished |= self.composite(simd, interval.depth, target, n);
+            any_finished |= self.composite(simd, interval.depths[0], target, n);
         }
         any_finished
     }
@@ -327,7 +353,17 @@ impl PlaneShader<'_> {
         let pitch = interval.planes[1].pitch;
         let [before, near, far, after] = interval.around((y + HALO) * pitch + x + HALO);
         let here = pitch + 1;
-        let (v0, v1) = (load(simd, near, here) + self.background, load(simd, far, here) + self.background);
+        let (mut s0, mut s1) = (load(simd, near, here), load(simd, far, here));
+        let (mut sb, mut sa) = (load(simd, before, here), load(simd, after, here));
+        let mut coverage = [splat(simd, 1.0); 2];
+        if interval.is_near_border && interval.borders.iter().any(|plane| self.border.is_near(plane, [x, y])) {
+            let near = self.border.at(simd, &interval.borders[0], [x, y]);
+            let far = self.border.at(simd, &interval.borders[1], [x, y]);
+            (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
+            (s1, sa) = (s1 * far.per_weight, sa * far.per_weight);
+            coverage = [near.coverage, far.coverage];
+        }
+        let (v0, v1) = (s0 + self.background, s1 + self.background);
         let rise = v1 - v0;
         let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
         // One division for the mean extinction and the far end's share.
@@ -342,20 +378,21 @@ impl PlaneShader<'_> {
         let ray_y = ((target.origin[1] + y) as f32 + 0.5 - cy) * self.per_pixel;
         let ray_squared = ray_x * ray_x + (1.0 + ray_y * ray_y);
         let length = ray_squared.sqrt() * self.spacing;
-        let before = load(simd, before, here) + self.background;
-        let after = load(simd, after, here) + self.background;
+        let (before, after) = (sb + self.background, sa + self.background);
+        let covered = (coverage[0] + coverage[1]) * 0.5;
         let (m0, m1) = ((v1 - before) * 0.5, (after - v0) * 0.5);
         let near_color = ends[0].color();
         let far_color = ends[1].color();
 
         // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
+        let whole = whole * covered;
         let thick = (whole * length).simd_gt(splat(simd, THICK));
         let (through, color, share_of_far);
         if thick.any_true() || !whole.simd_gt(splat(simd, 0.0)).any_true() {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
-            let first = mean_extinction(simd, vm - v0, &ends[0], &middle);
-            let second = mean_extinction(simd, v1 - vm, &middle, &ends[1]);
+            let first = mean_extinction(simd, vm - v0, &ends[0], &middle) * (coverage[0] + covered) * 0.5;
+            let second = mean_extinction(simd, v1 - vm, &middle, &ends[1]) * (covered + coverage[1]) * 0.5;
             let total = first + second;
             let half = length * (-0.5 * std::f32::consts::LOG2_E);
             let front = exp2_quick(simd, (first * half).max(splat(simd, -100.0)));

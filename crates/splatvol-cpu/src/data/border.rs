@@ -1,0 +1,124 @@
+//! Border: where the volume ends (docs/numerics.md, `q`).
+//!
+//! Per axis the kernel's share on the box is `Phi((x + 1/2) / s) - Phi((x - n + 1/2) / s)`, and its share on the lattice,
+//! which continues the box by a margin, is the same with the margin added. Only vectors of pixels that come near a face
+//! are asked for; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` errs by less than 2e-4.
+
+use fearless_simd::{f32x16, prelude::*};
+use glam::{Affine3A, DAffine3, Vec3, Vec3A};
+
+use crate::stage::simd_exp::exp2;
+
+/// The volume's box as camera space sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct Border {
+    /// Voxels from the box's first corner.
+    corner_from_camera: Affine3A,
+    /// Voxels along x, y, z.
+    size: Vec3,
+    /// Lattice points beyond the box along x, y, z.
+    margin: Vec3,
+    /// Standard deviation of the kernel, voxels.
+    sigma: f32,
+}
+
+/// Shares of the kernel at sixteen points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shares<S: Simd> {
+    /// Coverage, 0 to 1.
+    pub coverage: f32x16<S>,
+    /// One over the share on the lattice.
+    pub per_weight: f32x16<S>,
+}
+
+/// Standard deviations from a face beyond which it does not matter.
+const REACH: f32 = 3.4;
+
+impl Border {
+    pub(crate) fn new(camera_from_voxel: DAffine3, dims: [usize; 3], margin: [usize; 3], sigma: f64) -> Self {
+        let inverse = camera_from_voxel.inverse();
+        Self {
+            corner_from_camera: Affine3A::from_mat3_translation(
+                inverse.matrix3.as_mat3(),
+                inverse.translation.as_vec3() + 0.5,
+            ),
+            size: Vec3::from_array(dims.map(|n| n as f32)),
+            margin: Vec3::from_array(margin.map(|n| n as f32)),
+            sigma: sigma as f32,
+        }
+    }
+
+    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space.
+    pub(crate) fn on_plane(&self, first: Vec3A, step_x: Vec3A, step_y: Vec3A) -> BorderPlane {
+        let step = |v| self.corner_from_camera.transform_vector3a(v);
+        BorderPlane {
+            first: self.corner_from_camera.transform_point3a(first),
+            step_x: step(step_x),
+            step_y: step(step_y),
+        }
+    }
+
+    /// Whether all points between two of a plane lie well inside the box.
+    #[inline(always)]
+    fn holds(&self, from: Vec3A, to: Vec3A) -> bool {
+        let near = Vec3A::splat(REACH * self.sigma);
+        from.min(to).cmpge(near).all() && (Vec3A::from(self.size) - from.max(to)).cmpge(near).all()
+    }
+
+    /// Whether sixteen pixels of a plane from (x, y) on come near the border.
+    #[inline(always)]
+    pub(crate) fn is_near(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> bool {
+        let from = plane.at(x, y);
+        !self.holds(from, from + plane.step_x * 15.0)
+    }
+
+    /// Whether any of a rectangle's pixels does.
+    pub(crate) fn is_near_any(&self, plane: &BorderPlane, [width, height]: [usize; 2]) -> bool {
+        let (top, bottom) = (plane.at(0, 0), plane.at(0, height));
+        let across = plane.step_x * width as f32;
+        !(self.holds(top, top + across) && self.holds(bottom, bottom + across))
+    }
+
+    /// Shares at sixteen pixels of a plane from (x, y) on.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, simd: S, plane: &BorderPlane, [x, y]: [usize; 2]) -> Shares<S> {
+        let (from, step) = (plane.at(x, y), plane.step_x);
+        let lanes = f32x16::from_slice(simd, &LANES);
+        let one = f32x16::splat(simd, 1.0);
+        let (mut own, mut all) = (one, one);
+        for axis in 0..3 {
+            let x = (lanes * step[axis] + from[axis]) * (1.0 / self.sigma);
+            let (size, margin) = (self.size[axis] / self.sigma, self.margin[axis] / self.sigma);
+            own = own * (cumulative(simd, x) + cumulative(simd, size - x) - 1.0);
+            all = all * (cumulative(simd, x + margin) + cumulative(simd, size + margin - x) - 1.0);
+        }
+        let coverage = ((own - 0.5) * (1.0 / 0.98) + 0.5).max(f32x16::splat(simd, 0.0)).min(one);
+        Shares { coverage, per_weight: one / all.max(f32x16::splat(simd, 0.15)) }
+    }
+}
+
+/// A plane's pixels, in voxels from the box's first corner.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BorderPlane {
+    first: Vec3A,
+    step_x: Vec3A,
+    step_y: Vec3A,
+}
+
+impl BorderPlane {
+    #[inline(always)]
+    fn at(&self, x: usize, y: usize) -> Vec3A {
+        self.first + self.step_x * x as f32 + self.step_y * y as f32
+    }
+}
+
+const LANES: [f32; 16] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Standard normal cumulative distribution.
+#[inline(always)]
+fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    let x = x.max(f32x16::splat(simd, -5.0)).min(f32x16::splat(simd, 5.0));
+    let exponent = (x * x * -0.1018 - 2.3048) * x;
+    let one = f32x16::splat(simd, 1.0);
+    one / (one + exp2(simd, exponent))
+}
