@@ -139,33 +139,47 @@ impl Projector<'_> {
 pub struct TileLists {
     offsets: Vec<u32>,
     entries: Vec<u32>,
+    next: Vec<u32>,
     /// Projected bricks, by front sheet, then by brick; what the lists' entries index.
     pub bricks: Vec<ProjectedBrick>,
 }
 
 impl TileLists {
     /// Sorts projected bricks into tiles.
-    pub fn new(mut bricks: Vec<ProjectedBrick>, tiles: &TileGrid) -> Self {
-        bricks.sort_unstable_by_key(|b| (b.front_sheet, b.active.brick));
-        let mut offsets = vec![0u32; tiles.len() + 1];
-        for brick in &bricks {
+    pub fn new(bricks: Vec<ProjectedBrick>, tiles: &TileGrid) -> Self {
+        let mut lists = Self::default();
+        lists.fill(bricks, tiles);
+        lists
+    }
+
+    /// The same in memory that is there.
+    pub fn fill(&mut self, bricks: impl IntoIterator<Item = ProjectedBrick>, tiles: &TileGrid) {
+        let Self {
+            offsets,
+            entries,
+            next,
+            bricks: sorted,
+        } = self;
+        sorted.clear();
+        sorted.extend(bricks);
+        sorted.sort_unstable_by_key(|b| (b.front_sheet, b.active.brick));
+        offsets.clear();
+        offsets.resize(tiles.len() + 1, 0);
+        for brick in &*sorted {
             for_each_tile(&brick.rect, tiles, |tile| offsets[tile + 1] += 1);
         }
         for tile in 0..tiles.len() {
             offsets[tile + 1] += offsets[tile];
         }
-        let mut next = offsets.clone();
-        let mut entries = vec![0u32; offsets[tiles.len()] as usize];
-        for (index, brick) in bricks.iter().enumerate() {
+        next.clear();
+        next.extend_from_slice(offsets);
+        entries.clear();
+        entries.resize(offsets[tiles.len()] as usize, 0);
+        for (index, brick) in sorted.iter().enumerate() {
             for_each_tile(&brick.rect, tiles, |tile| {
                 entries[next[tile] as usize] = index as u32;
                 next[tile] += 1;
             });
-        }
-        Self {
-            offsets,
-            entries,
-            bricks,
         }
     }
 

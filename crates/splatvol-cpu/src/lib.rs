@@ -22,5 +22,6 @@ mod stage;
 mod statistics;
 mod tile;
 
-pub use renderer::{EngineConfig, EngineError, Renderer};
+pub(crate) use renderer::level_name;
+pub use renderer::{EngineConfig, EngineError, Renderer, SimdLevel};
 pub use statistics::{RenderStatistics, StageSeconds};

@@ -10,8 +10,13 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{Camera, Compositing, Frame, Image, Kernel, RenderSettings, Scene, SceneError, Volume};
+use splatvol_scene::{
+    Camera, Classification, Compositing, Frame, Gradient, Image, ImageSize, Kernel, RenderSettings, Scene,
+    SceneError, Volume,
+};
 
+use crate::data::engine::{DataEngine, Run};
+use crate::data::frame::View;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -23,8 +28,60 @@ use crate::tile::{self, ColorMode, DataMode, Mode, Scratch, TileWork};
 pub struct EngineConfig {
     /// Worker threads; `None` takes one per logical processor.
     pub threads: Option<usize>,
-    /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes 64. Does not change the picture.
+    /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes the fastest. Does not change the picture.
     pub tile_edge: Option<usize>,
+    /// Instructions to use; `None` takes the best that the processor has. Pictures differ by less than 1e-5.
+    pub simd: Option<SimdLevel>,
+}
+
+/// Vector instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SimdLevel {
+    /// What every processor of the architecture has: SSE2 on x86-64, NEON on AArch64.
+    Baseline,
+    /// AVX2 with FMA.
+    Avx2,
+    /// AVX-512.
+    Avx512,
+}
+
+impl SimdLevel {
+    /// All levels.
+    pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
+
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        self.level().is_some()
+    }
+
+    fn level(self) -> Option<Level> {
+        match self {
+            Self::Baseline => Some(Level::baseline()),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => Level::new().as_avx2().map(Level::Avx2),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx512 => Level::new().as_avx512().map(Level::Avx512),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            Self::Avx2 | Self::Avx512 => None,
+        }
+    }
+}
+
+/// A level's name, for people.
+pub(crate) fn level_name(level: Level) -> &'static str {
+    match level {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx512(_) => "AVX-512",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx2(_) => "AVX2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse4_2(_) => "SSE4.2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse2(_) => "SSE2",
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(_) => "NEON",
+        _ => "scalar",
+    }
 }
 
 /// Why an engine cannot start.
@@ -38,6 +95,12 @@ pub enum EngineError {
         threads: Option<usize>,
         /// What the system said.
         reason: String,
+    },
+    /// Instructions that the processor lacks.
+    #[error("this processor has no {simd:?} instructions")]
+    Simd {
+        /// What was asked for.
+        simd: SimdLevel,
     },
     /// A tile edge outside its domain.
     #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 64)")]
@@ -65,24 +128,14 @@ struct Prepared {
     bricks: BrickGrid,
 }
 
-#[derive(Debug)]
-struct DataState {
-    volume: Arc<Volume>,
-    tf: splatvol_scene::TransferFunction,
-    kernel: Kernel,
-    coefficients: Coefficients,
-    store: splatvol_core::visibility::BrickStore,
-    shade: crate::data::shade::ShadeTable,
-}
-
 /// Renders scenes; keeps what it derives from a volume between frames.
 #[derive(Debug)]
 pub struct Renderer {
     pool: rayon::ThreadPool,
-    tile_edge: usize,
+    tile_edge: Option<usize>,
     level: Level,
     prepared: Option<Prepared>,
-    data: Option<DataState>,
+    data: DataEngine,
     statistics: RenderStatistics,
 }
 
@@ -92,10 +145,16 @@ impl Renderer {
     /// # Errors
     /// Threads that the system refuses, or a tile edge outside its domain.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
-        let tile_edge = config.tile_edge.unwrap_or(64);
-        if !tile_edge.is_multiple_of(16) || !(16..=MAX_EDGE).contains(&tile_edge) {
-            return Err(EngineError::TileEdge { edge: tile_edge });
+        if let Some(edge) = config
+            .tile_edge
+            .filter(|edge| !edge.is_multiple_of(16) || !(16..=MAX_EDGE).contains(edge))
+        {
+            return Err(EngineError::TileEdge { edge });
         }
+        let level = match config.simd {
+            None => Level::new(),
+            Some(simd) => simd.level().ok_or(EngineError::Simd { simd })?,
+        };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(config.threads.unwrap_or(0))
             .thread_name(|i| format!("splatvol-{i}"))
@@ -107,10 +166,10 @@ impl Renderer {
         let statistics = RenderStatistics::default();
         Ok(Self {
             pool,
-            tile_edge,
-            level: Level::new(),
+            tile_edge: config.tile_edge,
+            level,
             prepared: None,
-            data: None,
+            data: DataEngine::default(),
             statistics,
         })
     }
@@ -139,7 +198,19 @@ impl Renderer {
         settings: &RenderSettings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, SceneError> {
-        settings.validate()?;
+        let mut frame = empty_frame(settings.size);
+        self.render_into_with_progress(scene, camera, settings, &mut frame, progress)?;
+        Ok(frame)
+    }
+
+    /// Renders slice by slice, with analytic gradients, slabs, or maxima.
+    fn render_slices(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Frame {
         let start = Instant::now();
         let mut seconds = StageSeconds::default();
         let content = if splats_color(settings) {
@@ -147,16 +218,6 @@ impl Renderer {
         } else {
             Content::Field(settings.prefilter.then_some(settings.kernel))
         };
-        if settings.gradient == splatvol_scene::Gradient::Differences
-            && settings.compositing == Compositing::ImageSheets
-            && settings.classification == splatvol_scene::Classification::Post
-            && scene.volume.statistics().non_finite == 0
-        {
-            let margin = scene.volume.grid().dims().map(|n| usize::from(n > 1));
-            if let Some(view) = crate::data::frame::View::new(scene.volume.grid(), margin, camera, settings) {
-                return Ok(self.render_data(scene, view, settings, progress));
-            }
-        }
         let Self { pool, prepared, .. } = self;
         let prepared = pool.install(|| prepare(prepared, &scene.volume, content));
         seconds.prefilter = start.elapsed().as_secs_f64();
@@ -183,7 +244,7 @@ impl Renderer {
                 (&prepared.coefficients, &prepared.bricks),
                 (&table, unit_distance),
                 (camera, settings),
-                self.tile_edge,
+                self.tile_edge.unwrap_or(MAX_EDGE),
             )
         });
         seconds.bin = binned.elapsed().as_secs_f64();
@@ -212,7 +273,7 @@ impl Renderer {
         self.statistics = RenderStatistics {
             seconds,
             threads: self.pool.current_num_threads(),
-            simd: format!("{:?}", self.level),
+            simd: level_name(self.level).to_owned(),
             bricks: plan.bricks.len(),
             active_bricks: plan.active_bricks,
             sheets: plan.projector.sheets.count,
@@ -220,155 +281,48 @@ impl Renderer {
             voxels: tiles.iter().map(|(_, work)| work.voxels).sum(),
             slices: tiles.iter().map(|(_, work)| work.slices).sum(),
         };
-        Ok(frame)
+        frame
     }
 
-    fn render_data(
+    /// Renders one frame into memory that is there: frames of a volume allocate nothing but for the first two, where
+    /// gradients are differences ([`RenderSettings::fast`]).
+    ///
+    /// # Errors
+    /// Settings outside their domain.
+    pub fn render_into(
         &mut self,
         scene: &Scene,
-        view: crate::data::frame::View,
+        camera: &Camera,
         settings: &RenderSettings,
+        frame: &mut Frame,
+    ) -> Result<(), SceneError> {
+        self.render_into_with_progress(scene, camera, settings, frame, &|_| {})
+    }
+
+    fn render_into_with_progress(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        frame: &mut Frame,
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Frame {
-        let start = Instant::now();
-        let mut seconds = StageSeconds::default();
-        if self.data.as_ref().is_none_or(|d| {
-            !Arc::ptr_eq(&d.volume, &scene.volume)
-                || d.tf != scene.transfer_function
-                || d.kernel != settings.kernel
-        }) {
-            let keep = self
-                .data
-                .take()
-                .filter(|d| Arc::ptr_eq(&d.volume, &scene.volume) && d.kernel == settings.kernel);
-            let data = self.pool.install(|| {
-                let coefficients = match keep {
-                    Some(d) => d.coefficients,
-                    None => {
-                        Coefficients::new(
-                            &scene.volume,
-                            Use::Field(Some(&GaussianKernel::new(settings.kernel))),
-                        )
-                        .0
-                    }
-                };
-                seconds.prefilter = start.elapsed().as_secs_f64();
-                let table = ClassificationTable::new(
-                    &scene.transfer_function,
-                    scene.volume.value_range(),
-                    scene.unit_distance(),
-                );
-                let levels = splatvol_core::visibility::VisibleLevels::new(&table);
-                let background = splatvol_core::visibility::background(&scene.volume, &levels);
-                let store = splatvol_core::visibility::BrickStore::new(
-                    &scene.volume,
-                    &coefficients,
-                    &levels,
-                    background,
-                );
-                let hull = levels.hull().unwrap_or([f32::INFINITY; 2]);
-                let shade = crate::data::shade::ShadeTable::new(&table, hull);
-                DataState {
-                    volume: Arc::clone(&scene.volume),
-                    tf: scene.transfer_function.clone(),
-                    kernel: settings.kernel,
-                    coefficients,
-                    store,
-                    shade,
-                }
-            });
-            self.data = Some(data);
-            seconds.classify = start.elapsed().as_secs_f64() - seconds.prefilter;
-        }
-        let binned = Instant::now();
-        let data = self.data.as_ref().expect("just made");
-        let plan = self.pool.install(|| {
-            crate::data::frame::plan(
-                &view,
-                scene.volume.grid(),
-                (&data.store, &data.shade),
-                (settings, data.coefficients.margin),
-                std::env::var("TE").map_or(128, |t| t.parse().unwrap()),
-            )
-        });
-        seconds.bin = binned.elapsed().as_secs_f64();
-        let tiled = Instant::now();
-        let count = plan.tiles.len();
-        let done = AtomicUsize::new(0);
-        let level = self.level;
-        let size = settings.size;
-        let tiles: Vec<_> = self.pool.install(|| {
-            (0..count)
-                .into_par_iter()
-                .with_max_len(1)
-                .map_init(crate::data::tile::DataScratch::default, |scratch, index| {
-                    let work =
-                        dispatch!(level, simd => crate::data::tile::render(simd, &plan, index, scratch));
-                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-                    progress(done as f64 / count as f64);
-                    let c = &scratch.canvas;
-                    let rect = plan.tiles.rect(index);
-                    let mut out = Vec::with_capacity((rect.x1 - rect.x0) * (rect.y1 - rect.y0));
-                    for y in 0..rect.y1 - rect.y0 {
-                        for x in 0..rect.x1 - rect.x0 {
-                            let i = y * c.pitch + x;
-                            out.push((
-                                [c.color[0][i], c.color[1][i], c.color[2][i]],
-                                c.transmittance[i],
-                                c.depth_sum[i],
-                            ));
-                        }
-                    }
-                    (out, work)
-                })
-                .collect()
-        });
-        seconds.tiles = tiled.elapsed().as_secs_f64();
-        let mut frame = Frame {
-            image: Image::filled(size, [0.0; 4]),
-            depth: vec![f32::INFINITY; size.pixel_count()],
-            optical_depth: vec![0.0; size.pixel_count()],
+    ) -> Result<(), SceneError> {
+        settings.validate()?;
+        let Some(view) = data_view(scene, camera, settings) else {
+            *frame = self.render_slices(scene, camera, settings, progress);
+            return Ok(());
         };
-        let width = size.width() as usize;
-        for (index, (pixels, _)) in tiles.iter().enumerate() {
-            let rect = plan.tiles.rect(index);
-            for (y, row) in (rect.y0..rect.y1).zip(pixels.chunks(rect.x1 - rect.x0)) {
-                for (x, (color, t, d)) in (rect.x0..rect.x1).zip(row) {
-                    let alpha = 1.0 - t;
-                    frame.image.pixels[y * width + x] = [color[0], color[1], color[2], alpha];
-                    frame.depth[y * width + x] = if alpha > 0.0 { d / alpha } else { f32::INFINITY };
-                    frame.optical_depth[y * width + x] = -t.max(f32::MIN_POSITIVE).ln();
-                }
-            }
+        if frame.image.size() != settings.size {
+            *frame = empty_frame(settings.size);
         }
-        seconds.total = start.elapsed().as_secs_f64();
-        let sum = |pick: fn(&crate::data::tile::DataWork) -> std::time::Duration| {
-            tiles.iter().map(|(_, w)| pick(w).as_secs_f64()).sum::<f64>()
+        let run = Run {
+            pool: &self.pool,
+            level: self.level,
+            tile_edge: self.tile_edge,
+            progress,
         };
-        seconds.splat = sum(|w| w.splat);
-        seconds.shade = sum(|w| w.shade);
-        if std::env::var("SV").is_ok() {
-            eprintln!(
-                "prefilter {:.4} classify {:.4} bin {:.4} | activate {:.4} splat {:.4} take {:.4} shade {:.4} | tiles {:.4} total {:.4} | bricks {} needed {} tested {} voxels {} size {} ellipses {} groups {}",
-                seconds.prefilter,
-                seconds.classify,
-                seconds.bin,
-                sum(|w| w.activate),
-                sum(|w| w.splat),
-                sum(|w| w.take),
-                sum(|w| w.shade),
-                seconds.tiles,
-                seconds.total,
-                plan.store.first.len(),
-                plan.store.needed,
-                tiles.iter().map(|t| t.1.tested).sum::<u64>(),
-                tiles.iter().map(|t| t.1.voxels).sum::<u64>(),
-                plan.step,
-                plan.ellipses,
-                plan.groups
-            );
-        }
-        frame
+        self.statistics = self.data.render(run, scene, (&view, settings), frame);
+        Ok(())
     }
 
     /// Times and counts of the last frame.
@@ -429,13 +383,35 @@ impl TileRun<'_> {
     }
 }
 
-fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {
-    let size = plan.settings.size;
-    let mut frame = Frame {
+/// A frame of nothing.
+fn empty_frame(size: ImageSize) -> Frame {
+    Frame {
         image: Image::filled(size, [0.0; 4]),
         depth: vec![f32::INFINITY; size.pixel_count()],
         optical_depth: vec![0.0; size.pixel_count()],
-    };
+    }
+}
+
+/// The view of the fast engine, where it can render what is asked for.
+fn data_view(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Option<View> {
+    let can = settings.gradient == Gradient::Differences
+        && settings.compositing == Compositing::ImageSheets
+        && settings.classification == Classification::Post
+        && scene.volume.statistics().non_finite == 0;
+    if !can {
+        return None;
+    }
+    View::new(
+        scene.volume.grid(),
+        DataEngine::margin(&scene.volume),
+        camera,
+        settings,
+    )
+}
+
+fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {
+    let size = plan.settings.size;
+    let mut frame = empty_frame(size);
     for (tile, (pixels, _)) in tiles.iter().enumerate() {
         store(&mut frame, &plan.tiles.rect(tile), pixels);
     }

@@ -11,8 +11,12 @@ pub struct StageSeconds {
     pub classify: f64,
     /// Bricks projected and sorted into tile lists.
     pub bin: f64,
+    /// Voxels found and brought into camera space, summed over threads (part of `splat` where gradients are analytic).
+    pub activate: f64,
     /// Voxels to sheets, summed over threads.
     pub splat: f64,
+    /// Finished sheets taken out of the ring, summed over threads (none where gradients are analytic).
+    pub take: f64,
     /// Sheets classified, lit and composited, summed over threads.
     pub shade: f64,
     /// The whole tile loop, wall clock.

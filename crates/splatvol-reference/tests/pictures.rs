@@ -28,7 +28,7 @@ fn settings(compositing: Compositing, classification: Classification) -> RenderS
             radius: 3.0,
         },
         lighting: None,
-        ..RenderSettings::default()
+        ..RenderSettings::best()
     }
 }
 

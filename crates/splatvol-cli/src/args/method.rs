@@ -24,7 +24,10 @@ pub(crate) struct MethodArgs {
     /// Thickness of a sheet, voxels
     #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Thickness of a sheet, voxels", |s| s.sheet_thickness))]
     pub(crate) sheet_thickness: Option<f64>,
-    /// Low-pass filter in the picture [default: ewa]
+    /// Gradients that light the sheets [default: differences]
+    #[arg(long, help_heading = METHOD)]
+    pub(crate) gradient: Option<GradientName>,
+    /// Low-pass filter in the picture [default: matched]
     #[arg(long, help_heading = METHOD)]
     pub(crate) filter: Option<FilterName>,
     /// Standard deviation of the EWA filter, pixels
@@ -99,8 +102,21 @@ pub(crate) enum ClassificationName {
 /// Low-pass filter in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FilterName {
+    /// Footprints as they are
     None,
+    /// Every footprint is widened
     Ewa,
+    /// Footprints narrower than the filter are widened to it
+    Matched,
+}
+
+/// Where the gradient that lights a sheet comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GradientName {
+    /// Derivatives of the footprints, splatted along with them
+    Analytic,
+    /// Differences between the pixels of neighbouring sheets
+    Differences,
 }
 
 /// A help text that names the settings' own default.

@@ -25,7 +25,9 @@ pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use input::InputArgs;
 pub(crate) use look::LookArgs;
-pub(crate) use method::{ClassificationName, CompositingName, FilterName, MethodArgs, PresetName};
+pub(crate) use method::{
+    ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName,
+};
 pub(crate) use render::{Background, RenderArgs};
 
 /// Volume rendering by splatting.

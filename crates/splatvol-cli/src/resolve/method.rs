@@ -1,8 +1,8 @@
 //! The render settings.
 
-use splatvol::{Classification, Compositing, Filter, ImageSize, Kernel, Lighting, RenderSettings};
+use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Kernel, Lighting, RenderSettings};
 
-use crate::args::{ClassificationName, CompositingName, FilterName, MethodArgs, PresetName};
+use crate::args::{ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName};
 use crate::failure::{During, Failure, Step};
 
 /// Side of a picture unless asked otherwise, pixels.
@@ -49,6 +49,11 @@ pub(crate) fn resolve(
     set(&mut settings.termination, args.termination);
     settings.filter = filter(args, settings.filter)?;
     settings.kernel = kernel(args, settings.kernel);
+    match args.gradient {
+        Some(GradientName::Analytic) => settings.gradient = Gradient::Analytic,
+        Some(GradientName::Differences) => settings.gradient = Gradient::Differences,
+        None => {}
+    }
     settings.prefilter = !args.no_prefilter && (args.prefilter || settings.prefilter);
     settings.lighting = lighting(args, settings.lighting);
     settings.validate().during(Step::Usage)?;
@@ -59,16 +64,8 @@ pub(crate) fn resolve(
 /// not what.
 fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
     let quality = match name {
-        PresetName::Best => RenderSettings::default(),
-        PresetName::Fast => RenderSettings {
-            kernel: Kernel::Gaussian {
-                sigma: 0.64,
-                radius: 2.0,
-            },
-            sheet_thickness: 1.0,
-            filter: Filter::Ewa { pixel_sigma: 0.55 },
-            ..RenderSettings::default()
-        },
+        PresetName::Best => RenderSettings::best(),
+        PresetName::Fast => RenderSettings::fast(),
     };
     RenderSettings {
         size: shown.size,
@@ -86,14 +83,24 @@ fn set<T>(field: &mut T, value: Option<T>) {
 }
 
 fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
+    let width = match old {
+        Filter::None => Filter::default().pixel_sigma(),
+        Filter::Ewa { pixel_sigma } | Filter::Matched { pixel_sigma } => pixel_sigma,
+    };
     match (args.filter, args.pixel_sigma) {
         (Some(FilterName::None), Some(_)) => {
             Err(Failure::usage("--pixel-sigma has no meaning with --filter none"))
         }
         (Some(FilterName::None), None) => Ok(Filter::None),
-        (_, Some(pixel_sigma)) => Ok(Filter::Ewa { pixel_sigma }),
-        (Some(FilterName::Ewa), None) if !matches!(old, Filter::Ewa { .. }) => Ok(Filter::default()),
-        _ => Ok(old),
+        (Some(FilterName::Ewa), Some(pixel_sigma)) => Ok(Filter::Ewa { pixel_sigma }),
+        (Some(FilterName::Matched), Some(pixel_sigma)) => Ok(Filter::Matched { pixel_sigma }),
+        (Some(FilterName::Ewa), None) => Ok(Filter::Ewa { pixel_sigma: width }),
+        (Some(FilterName::Matched), None) => Ok(Filter::Matched { pixel_sigma: width }),
+        (None, Some(pixel_sigma)) => Ok(match old {
+            Filter::Matched { .. } => Filter::Matched { pixel_sigma },
+            Filter::None | Filter::Ewa { .. } => Filter::Ewa { pixel_sigma },
+        }),
+        (None, None) => Ok(old),
     }
 }
 

@@ -86,14 +86,30 @@ impl Border {
         let lanes = f32x16::from_slice(simd, &LANES);
         let one = f32x16::splat(simd, 1.0);
         let (mut own, mut all) = (one, one);
+        let to = from + step * 15.0;
         for axis in 0..3 {
+            let (low, high) = (from[axis].min(to[axis]), from[axis].max(to[axis]));
+            if low >= REACH * self.sigma && self.size[axis] - high >= REACH * self.sigma {
+                continue;
+            }
             let x = (lanes * step[axis] + from[axis]) * (1.0 / self.sigma);
             let (size, margin) = (self.size[axis] / self.sigma, self.margin[axis] / self.sigma);
-            own = own * (cumulative(simd, x) + cumulative(simd, size - x) - 1.0);
-            all = all * (cumulative(simd, x + margin) + cumulative(simd, size + margin - x) - 1.0);
+            // Of a box that is not thin only the nearer face matters.
+            let near = x.min(size - x);
+            own = own * cumulative(simd, near);
+            all = all * cumulative(simd, near + margin);
+            if size < 2.0 * REACH {
+                own = own * cumulative(simd, size - near);
+                all = all * cumulative(simd, size + margin - near);
+            }
         }
-        let coverage = ((own - 0.5) * (1.0 / 0.98) + 0.5).max(f32x16::splat(simd, 0.0)).min(one);
-        Shares { coverage, per_weight: one / all.max(f32x16::splat(simd, 0.15)) }
+        let coverage = ((own - 0.5) * (1.0 / 0.98) + 0.5)
+            .max(f32x16::splat(simd, 0.0))
+            .min(one);
+        Shares {
+            coverage,
+            per_weight: one / all.max(f32x16::splat(simd, 0.15)),
+        }
     }
 }
 
@@ -112,7 +128,9 @@ impl BorderPlane {
     }
 }
 
-const LANES: [f32; 16] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+const LANES: [f32; 16] = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
 
 /// Standard normal cumulative distribution.
 #[inline(always)]

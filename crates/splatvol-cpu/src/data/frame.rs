@@ -14,7 +14,7 @@ use super::border::Border;
 use super::order::DepthOrder;
 use super::ring::LANES;
 use super::shade::{PlaneShader, ShadeTable};
-use super::sheet::{Raster, shapes};
+use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
 use super::tile::DataFrame;
 use crate::stage::shade::Phong;
@@ -40,30 +40,47 @@ pub(crate) struct View {
     reach: f64,
     spread: f64,
     groups: usize,
+    margin: [usize; 3],
 }
 
 impl View {
     /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
     /// too wide an angle.
-    pub(crate) fn new(grid: &Grid, margin: [usize; 3], camera: &Camera, settings: &RenderSettings) -> Option<Self> {
+    pub(crate) fn new(
+        grid: &Grid,
+        margin: [usize; 3],
+        camera: &Camera,
+        settings: &RenderSettings,
+    ) -> Option<Self> {
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
         let first_point = -DVec3::from_array(margin.map(|m| m as f64));
         let linear = camera_from_voxel.matrix3;
         let kernel = GaussianKernel::windowed(settings.kernel);
-        let shape = FootprintShape::new(linear * linear.transpose() * kernel.sigma.powi(2), 1.0, kernel.cut());
+        let shape = FootprintShape::new(
+            linear * linear.transpose() * kernel.sigma.powi(2),
+            1.0,
+            kernel.cut(),
+        );
         let per_voxel = shape.depth_sigma / kernel.sigma;
         let reach = kernel.radius * per_voxel;
         let spacing = settings.sheet_thickness * per_voxel;
         let groups = ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize;
         let stack = SheetStack::covering(&corners(grid, camera_from_voxel), reach, spacing, &screen);
         let steepest = if screen.perspective {
-            let corner = screen.centre.max(DVec2::new(settings.size.width() as f64, settings.size.height() as f64) - screen.centre);
+            let corner = screen
+                .centre
+                .max(DVec2::new(settings.size.width() as f64, settings.size.height() as f64) - screen.centre);
             corner.length() / screen.scale
         } else {
             0.0
         };
-        let raster = raster(settings, &kernel, &shape, [&stack.plane(0), &stack.plane(stack.count)].map(|z| screen.scale_at(*z)))?;
+        let raster = raster(
+            settings,
+            &kernel,
+            &shape,
+            [&stack.plane(0), &stack.plane(stack.count)].map(|z| screen.scale_at(*z)),
+        )?;
         let within = steepest <= STEEPEST && groups <= MAX_GROUPS && stack.count <= MAX_SHEETS;
         within.then_some(Self {
             camera_from_lattice: camera_from_voxel * DAffine3::from_translation(first_point),
@@ -75,7 +92,20 @@ impl View {
             reach,
             spread: 0.5 * steepest * spacing,
             groups,
+            margin,
         })
+    }
+}
+
+impl View {
+    /// Sheets from front to back.
+    pub(crate) fn sheets(&self) -> usize {
+        self.stack.count
+    }
+
+    /// Sheets that a voxel is splatted into.
+    pub(crate) fn sheets_per_voxel(&self) -> u64 {
+        (self.groups * LANES) as u64
     }
 }
 
@@ -85,7 +115,12 @@ const MAX_GROUPS: usize = 8;
 const MAX_SHEETS: usize = 1 << 16;
 
 /// How footprints are rasterised between the nearest and the farthest scale, pixels per world length.
-fn raster(settings: &RenderSettings, kernel: &GaussianKernel, shape: &FootprintShape, scales: [f64; 2]) -> Option<Raster> {
+fn raster(
+    settings: &RenderSettings,
+    kernel: &GaussianKernel,
+    shape: &FootprintShape,
+    scales: [f64; 2],
+) -> Option<Raster> {
     let (low_pass, matched) = match settings.filter {
         Filter::None => (0.0, false),
         Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
@@ -93,7 +128,13 @@ fn raster(settings: &RenderSettings, kernel: &GaussianKernel, shape: &FootprintS
     };
     let [xx, xy, yy] = shape.lateral_covariance;
     let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
-    let filtered = |variance: f64| if matched { variance.max(low_pass) } else { variance + low_pass };
+    let filtered = |variance: f64| {
+        if matched {
+            variance.max(low_pass)
+        } else {
+            variance + low_pass
+        }
+    };
     let widest = filtered((mean + difference) * scales[0] * scales[0]).sqrt();
     let narrowest = filtered((mean - difference) * scales[1] * scales[1]).sqrt();
     let step = ((widest / WIDEST).log2().ceil().max(0.0)).exp2();
@@ -105,74 +146,111 @@ fn raster(settings: &RenderSettings, kernel: &GaussianKernel, shape: &FootprintS
         return None;
     }
     let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
-    Some(Raster { step: step as usize, low_pass, matched, peak: 1.0 / (lateral * lateral * kernel.lattice_sum) })
+    Some(Raster {
+        step: step as usize,
+        low_pass,
+        matched,
+        peak: 1.0 / (lateral * lateral * kernel.lattice_sum),
+    })
 }
 
-/// Plans a frame.
-pub(crate) fn plan<'a>(
-    view: &View,
-    grid: &Grid,
-    (store, table): (&'a BrickStore, &'a ShadeTable),
-    (settings, margin): (&RenderSettings, [usize; 3]),
-    tile_edge: usize,
-) -> DataFrame<'a> {
-    let View { camera_from_lattice, screen, ref shape, kernel, stack, raster, reach, spread, groups } = *view;
-    let [xx, xy, yy] = shape.lateral_covariance;
-    let drift = shape.lateral_slope.abs().max_element();
-    let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
-    let sheets = shapes(shape, &screen, &raster, &stack);
-    let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
-    let cut = if changed || !round { CUT } else { kernel.cut() };
-    let half_extent = sheets[0].half_extent(cut as f32).map(|half| half + spread as f32 * sheets[0].scale);
-    let points = half_extent[0].max(half_extent[1]);
-    let projection = BrickProjection {
-        camera_from_lattice,
-        screen,
-        shape,
-        stack,
-        reach,
-        margin: f64::from(points) * raster.step as f64,
-    };
-    let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
-    let bricks: Vec<ProjectedBrick> = (0..store.first.len())
-        .into_par_iter()
-        .with_min_len(256)
-        .filter_map(|i| projection.project(store, i))
-        .collect();
-    let per_pixel = 1.0 / screen.scale as f32;
-    let camera_from_voxel = camera_from_lattice * DAffine3::from_translation(DVec3::from_array(margin.map(|m| m as f64)));
-    DataFrame {
-        store,
-        order: DepthOrder::new(camera_from_lattice.matrix3),
-        camera_from_lattice,
-        stack,
-        sheets,
-        tiles,
-        lists: TileLists::new(bricks, &tiles),
-        constants: SplatConstants {
-            slope: shape.lateral_slope.as_vec2().to_array(),
-            principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
-            depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
-            depth_edge: kernel.edge as f32,
-        },
-        shader: PlaneShader {
-            table,
-            phong: settings.lighting.as_ref().map(|l| Phong::new(l, grid.mean_spacing())),
-            spacing: stack.spacing as f32,
-            background: store.background,
-            principal: screen.centre.as_vec2().to_array(),
-            per_pixel: if screen.perspective { per_pixel } else { 0.0 },
-            plane_per_pixel: per_pixel,
-            termination: settings.termination as f32,
-            border: Border::new(camera_from_voxel, grid.dims(), margin, kernel.sigma),
-        },
-        step: raster.step,
-        depth_reach: reach as f32,
-        half_extent,
-        cut: cut as f32,
-        spread: spread as f32,
-        ellipses: !round,
-        groups,
+/// A frame's plan in memory that the next one uses again.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    order: DepthOrder,
+    sheets: Vec<SheetShape>,
+    projected: Vec<Option<ProjectedBrick>>,
+    lists: TileLists,
+}
+
+impl Plan {
+    /// Plans a frame.
+    pub(crate) fn update<'a>(
+        &'a mut self,
+        view: &View,
+        grid: &Grid,
+        (store, table): (&'a BrickStore, &'a ShadeTable),
+        settings: &RenderSettings,
+        tile_edge: usize,
+    ) -> DataFrame<'a> {
+        let View {
+            camera_from_lattice,
+            screen,
+            ref shape,
+            kernel,
+            stack,
+            raster,
+            reach,
+            spread,
+            groups,
+            margin,
+        } = *view;
+        let [xx, xy, yy] = shape.lateral_covariance;
+        let drift = shape.lateral_slope.abs().max_element();
+        let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
+        self.sheets.clear();
+        self.sheets
+            .extend((0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i))));
+        let sheets = &self.sheets;
+        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
+        let cut = if changed || !round { CUT } else { kernel.cut() };
+        let half_extent = sheets[0]
+            .half_extent(cut as f32)
+            .map(|half| half + spread as f32 * sheets[0].scale);
+        let points = half_extent[0].max(half_extent[1]);
+        let projection = BrickProjection {
+            camera_from_lattice,
+            screen,
+            shape,
+            stack,
+            reach,
+            margin: f64::from(points) * raster.step as f64,
+        };
+        let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
+        self.projected.resize(store.first.len(), None);
+        let projected = self.projected.par_iter_mut().enumerate().with_min_len(256);
+        projected.for_each(|(i, brick)| *brick = projection.project(store, i));
+        self.lists.fill(self.projected.iter().flatten().copied(), &tiles);
+        self.order.update(camera_from_lattice.matrix3);
+        let per_pixel = 1.0 / screen.scale as f32;
+        let camera_from_voxel =
+            camera_from_lattice * DAffine3::from_translation(DVec3::from_array(margin.map(|m| m as f64)));
+        DataFrame {
+            store,
+            order: &self.order,
+            camera_from_lattice,
+            stack,
+            sheets,
+            tiles,
+            lists: &self.lists,
+            constants: SplatConstants {
+                slope: shape.lateral_slope.as_vec2().to_array(),
+                principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
+                depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
+                depth_edge: kernel.edge as f32,
+            },
+            shader: PlaneShader {
+                table,
+                phong: settings
+                    .lighting
+                    .as_ref()
+                    .map(|l| Phong::new(l, grid.mean_spacing())),
+                spacing: stack.spacing as f32,
+                background: store.background,
+                principal: screen.centre.as_vec2().to_array(),
+                per_pixel: if screen.perspective { per_pixel } else { 0.0 },
+                plane_per_pixel: per_pixel,
+                termination: settings.termination as f32,
+                border: Border::new(camera_from_voxel, grid.dims(), margin, kernel.sigma),
+            },
+            step: raster.step,
+            depth_reach: reach as f32,
+            half_extent,
+            cut: cut as f32,
+            spread: spread as f32,
+            ellipses: !round,
+            groups,
+        }
     }
 }
 

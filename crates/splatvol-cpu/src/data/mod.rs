@@ -1,6 +1,7 @@
 //! Post-classification: coefficients are splatted to planes, four at a time, and each pair of planes is shaded.
 pub(crate) mod activate;
 pub(crate) mod border;
+pub(crate) mod engine;
 pub(crate) mod frame;
 pub(crate) mod mask;
 pub(crate) mod order;

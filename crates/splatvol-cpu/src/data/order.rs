@@ -23,24 +23,28 @@ pub(crate) struct DepthOrder {
 
 impl DepthOrder {
     /// Order under the linear part of camera from voxel.
-    pub(crate) fn new(camera_from_voxel: DMat3) -> Self {
+    pub(crate) fn update(&mut self, camera_from_voxel: DMat3) {
         let offset = |i: usize| {
             let at = [i % BRICK, i / BRICK % BRICK, i / (BRICK * BRICK)];
             camera_from_voxel * glam::DVec3::from_array(at.map(|a| a as f64))
         };
-        let mut order: [usize; BRICK_VOXELS] = std::array::from_fn(|i| i);
-        order.sort_by(|&a, &b| offset(a).z.total_cmp(&offset(b).z).then(a.cmp(&b)));
-        let mut sorted = Self {
+        let mut order: [(f64, u16); BRICK_VOXELS] = std::array::from_fn(|i| (offset(i).z, i as u16));
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (place, &(depth, voxel)) in order.iter().enumerate() {
+            let at = offset(usize::from(voxel));
+            self.voxel[place] = voxel;
+            (self.x[place], self.y[place], self.depth[place]) = (at.x as f32, at.y as f32, depth as f32);
+        }
+    }
+}
+
+impl Default for DepthOrder {
+    fn default() -> Self {
+        Self {
             voxel: [0; BRICK_VOXELS + PADDING],
             x: [0.0; BRICK_VOXELS + PADDING],
             y: [0.0; BRICK_VOXELS + PADDING],
             depth: [f32::INFINITY; BRICK_VOXELS + PADDING],
-        };
-        for (place, &voxel) in order.iter().enumerate() {
-            let at = offset(voxel);
-            sorted.voxel[place] = voxel as u16;
-            (sorted.x[place], sorted.y[place], sorted.depth[place]) = (at.x as f32, at.y as f32, at.z as f32);
         }
-        sorted
     }
 }

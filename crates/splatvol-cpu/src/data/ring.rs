@@ -52,8 +52,6 @@ impl Area {
 
 /// Blocks from one row to the next: the widest tile with footprints on both sides; odd, so that rows do not share cache sets.
 pub(crate) const PITCH: usize = 91;
-/// Largest edge of a tile, pixels.
-pub(crate) const MAX_EDGE: usize = 128;
 
 /// A row of blocks.
 #[derive(Debug, Clone, Copy)]

@@ -5,8 +5,8 @@
 //! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
 //! across the ray and the cubic's slope along it.
 
-use glam::Vec3A;
 use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
+use glam::Vec3A;
 use splatvol_core::classification::ClassificationTable;
 
 use super::border::{Border, BorderPlane};
@@ -275,7 +275,12 @@ pub(crate) struct ShadeTarget<'a> {
 impl PlaneShader<'_> {
     /// Shades an interval; true where it finished pixels.
     #[inline(always)]
-    pub(crate) fn shade<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) -> bool {
+    pub(crate) fn shade<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &mut ShadeTarget<'_>,
+    ) -> bool {
         let mut any_finished = false;
         let span = target.span;
         for y in span.y0..span.y1 {
@@ -303,7 +308,8 @@ impl PlaneShader<'_> {
         let (low, high) = (v0.min(v1), v0.max(v1));
         let slack = (high - low) * 0.25 + (1e-3 + self.background);
         let [first, last] = self.table.hull;
-        let may = (high + slack).simd_ge(splat(simd, first)) & (low - slack).simd_le(splat(simd, last - 2.0 * self.background));
+        let may = (high + slack).simd_ge(splat(simd, first))
+            & (low - slack).simd_le(splat(simd, last - 2.0 * self.background));
         // Near the border sums are still to be divided by their weights.
         may.any_true()
             || (interval.is_near_border
@@ -314,7 +320,11 @@ impl PlaneShader<'_> {
     /// The planes' border for a tile that begins at an image position.
     pub(crate) fn borders(&self, depths: [f32; 2], origin: [usize; 2]) -> [BorderPlane; 2] {
         depths.map(|depth| {
-            let scale = if self.per_pixel > 0.0 { self.per_pixel * depth } else { self.plane_per_pixel };
+            let scale = if self.per_pixel > 0.0 {
+                self.per_pixel * depth
+            } else {
+                self.plane_per_pixel
+            };
             let [cx, cy] = self.principal;
             let first = Vec3A::new(
                 (origin[0] as f32 + 0.5 - cx) * scale,
@@ -333,7 +343,11 @@ impl PlaneShader<'_> {
         }
         if let Some(phong) = &self.phong {
             for light in &mut target.batch.light[..count] {
-                let gradient = [load(simd, &light[0].0, 0), load(simd, &light[1].0, 0), load(simd, &light[2].0, 0)];
+                let gradient = [
+                    load(simd, &light[0].0, 0),
+                    load(simd, &light[1].0, 0),
+                    load(simd, &light[2].0, 0),
+                ];
                 let (diffuse, specular) = phong.lanes(simd, gradient);
                 diffuse.store_slice(&mut light[0].0);
                 specular.store_slice(&mut light[1].0);
@@ -356,7 +370,12 @@ impl PlaneShader<'_> {
         let (mut s0, mut s1) = (load(simd, near, here), load(simd, far, here));
         let (mut sb, mut sa) = (load(simd, before, here), load(simd, after, here));
         let mut coverage = [splat(simd, 1.0); 2];
-        if interval.is_near_border && interval.borders.iter().any(|plane| self.border.is_near(plane, [x, y])) {
+        if interval.is_near_border
+            && interval
+                .borders
+                .iter()
+                .any(|plane| self.border.is_near(plane, [x, y]))
+        {
             let near = self.border.at(simd, &interval.borders[0], [x, y]);
             let far = self.border.at(simd, &interval.borders[1], [x, y]);
             (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
@@ -374,7 +393,8 @@ impl PlaneShader<'_> {
         let quotient = (ends[1].integral - ends[0].integral) * both * inverse;
         let whole = flat.select(ends[0].extinction, quotient).max(splat(simd, 0.0));
         let [cx, cy] = self.principal;
-        let ray_x = (f32x16::from_slice(simd, &MIDDLES) + ((target.origin[0] + x) as f32 - cx)) * self.per_pixel;
+        let ray_x =
+            (f32x16::from_slice(simd, &MIDDLES) + ((target.origin[0] + x) as f32 - cx)) * self.per_pixel;
         let ray_y = ((target.origin[1] + y) as f32 + 0.5 - cy) * self.per_pixel;
         let ray_squared = ray_x * ray_x + (1.0 + ray_y * ray_y);
         let length = ray_squared.sqrt() * self.spacing;
@@ -437,7 +457,13 @@ impl PlaneShader<'_> {
             return;
         }
         let gx = across(simd, [near, far], interval.scales, (here + 1, here - 1), u);
-        let gy = across(simd, [near, far], interval.scales, (here + pitch, here - pitch), u);
+        let gy = across(
+            simd,
+            [near, far],
+            interval.scales,
+            (here + pitch, here - pitch),
+            u,
+        );
         let v = u * (1.0 - u);
         let slope = (v * 6.0).mul_add(rise, (u * 3.0 - 2.0) * u * m1 + (u * (u * 3.0 - 4.0) + 1.0) * m0);
         let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
@@ -468,7 +494,8 @@ impl PlaneShader<'_> {
         let plane = &mut canvas.depth_sum[pixel..pixel + 16];
         depth.mul_add(share, load(simd, plane, 0)).store_slice(plane);
         let left = transmittance * through;
-        open.select(left, transmittance).store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+        open.select(left, transmittance)
+            .store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
         (open & left.simd_lt(splat(simd, self.termination))).any_true()
     }
 }

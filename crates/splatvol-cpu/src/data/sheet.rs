@@ -4,7 +4,6 @@
 //! is where the sheet cuts the line through the voxel along the kernel's conjugate axis: exact in perspective.
 
 use splatvol_core::footprint::FootprintShape;
-use splatvol_core::sheets::SheetStack;
 use splatvol_scene::ScreenFromCamera;
 
 use super::ring::LANES;
@@ -118,16 +117,4 @@ impl GroupShape {
             peak: Lanes16::of_sheets(|l| if four[l].1 { four[l].0.peak } else { 0.0 }),
         }
     }
-}
-
-/// Shapes of all sheets.
-pub(crate) fn shapes(
-    shape: &FootprintShape,
-    screen: &ScreenFromCamera,
-    raster: &Raster,
-    stack: &SheetStack,
-) -> Vec<SheetShape> {
-    (0..=stack.count)
-        .map(|i| SheetShape::new(shape, screen, raster, stack.plane(i)))
-        .collect()
 }

@@ -73,15 +73,21 @@ impl Records {
         let (low, high) = (f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, -1.0));
         for (axis, first) in [column, row].into_iter().enumerate() {
             let (at_least, at_most) = (load(simd, &self.low[axis]), load(simd, &self.high[axis]));
-            at_least.min(which.select(first, low)).store_slice(&mut self.low[axis].0);
-            at_most.max(which.select(first, high)).store_slice(&mut self.high[axis].0);
+            at_least
+                .min(which.select(first, low))
+                .store_slice(&mut self.low[axis].0);
+            at_most
+                .max(which.select(first, high))
+                .store_slice(&mut self.high[axis].0);
         }
     }
 
     /// Blocks that the footprints cover, and forgets them.
     pub(crate) fn take_area(&mut self, size: usize) -> Area {
-        let low = std::mem::replace(&mut self.low, [NONE_LOW; 2]).map(|l| l.0.into_iter().fold(f32::INFINITY, f32::min));
-        let high = std::mem::replace(&mut self.high, [NONE_HIGH; 2]).map(|h| h.0.into_iter().fold(-1.0, f32::max));
+        let low = std::mem::replace(&mut self.low, [NONE_LOW; 2])
+            .map(|l| l.0.into_iter().fold(f32::INFINITY, f32::min));
+        let high =
+            std::mem::replace(&mut self.high, [NONE_HIGH; 2]).map(|h| h.0.into_iter().fold(-1.0, f32::max));
         Area {
             x0: low[0] as usize,
             y0: low[1] as usize,

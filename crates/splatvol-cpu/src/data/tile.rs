@@ -22,12 +22,12 @@ use super::upsample::{RASTER_HALO, Upsampler};
 #[derive(Debug)]
 pub(crate) struct DataFrame<'a> {
     pub store: &'a BrickStore,
-    pub order: DepthOrder,
+    pub order: &'a DepthOrder,
     pub camera_from_lattice: DAffine3,
     pub stack: SheetStack,
-    pub sheets: Vec<SheetShape>,
+    pub sheets: &'a [SheetShape],
     pub tiles: TileGrid,
-    pub lists: TileLists,
+    pub lists: &'a TileLists,
     pub constants: SplatConstants,
     pub shader: PlaneShader<'a>,
     /// Pixels from one raster point to the next.
@@ -48,7 +48,9 @@ pub(crate) struct DataFrame<'a> {
 impl DataFrame<'_> {
     /// How far footprints reach on a sheet, raster points.
     fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
-        shape.half_extent(self.cut).map(|half| half + self.spread * shape.scale)
+        shape
+            .half_extent(self.cut)
+            .map(|half| half + self.spread * shape.scale)
     }
 }
 
@@ -70,7 +72,6 @@ pub(crate) struct DataScratch {
     raster: Plane,
     upsampler: Upsampler,
     planes: [Plane; 4],
-    pub canvas: Canvas,
     open: Vec<OpenBrick>,
     values: Vec<SortedValues>,
     free: Vec<u32>,
@@ -135,10 +136,10 @@ impl DataScratch {
         if frame.step > 1 {
             self.raster.reset(place.raster);
         }
-        self.canvas.reset(place.size);
         self.free.extend(self.open.drain(..).map(|brick| brick.values));
         let [rx, ry] = frame.half_extent;
-        self.mask.reset(place.size, (rx.max(ry) + 2.0) * frame.step as f32);
+        self.mask
+            .reset(place.size, (rx.max(ry) + 2.0) * frame.step as f32);
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
     }
@@ -157,15 +158,27 @@ impl DataScratch {
         }
         let first = glam::DVec3::from_array(frame.store.first[index].map(f64::from));
         let corner = frame.camera_from_lattice.transform_point3(first);
-        self.open.push(OpenBrick { values, next: 0, corner: corner.as_vec3().to_array(), reach });
+        self.open.push(OpenBrick {
+            values,
+            next: 0,
+            corner: corner.as_vec3().to_array(),
+            reach,
+        });
     }
 }
 
-/// Renders one tile into the scratch memory's canvas.
+/// Renders one tile into its canvas.
 #[inline(always)]
-pub(crate) fn render<S: Simd>(simd: S, frame: &DataFrame<'_>, tile: usize, scratch: &mut DataScratch) -> DataWork {
+pub(crate) fn render<S: Simd>(
+    simd: S,
+    frame: &DataFrame<'_>,
+    tile: usize,
+    canvas: &mut Canvas,
+    scratch: &mut DataScratch,
+) -> DataWork {
     let place = Place::new(frame, tile);
     scratch.reset(frame, &place);
+    canvas.reset(place.size);
     let mut work = DataWork::default();
     let mut bricks = frame.lists.of(tile).peekable();
     let mut sheet = 0usize;
@@ -192,8 +205,10 @@ pub(crate) fn render<S: Simd>(simd: S, frame: &DataFrame<'_>, tile: usize, scrat
         scratch.planes.rotate_left(1);
         take(simd, frame, &place, sheet, scratch);
         let taken = Instant::now();
-        if sheet >= 2 && shade(simd, frame, sheet - 2, &place, scratch) {
-            scratch.mask.update(simd, &scratch.canvas, place.size[1], frame.shader.termination);
+        if sheet >= 2 && shade(simd, frame, sheet - 2, &place, (canvas, scratch)) {
+            scratch
+                .mask
+                .update(simd, canvas, place.size[1], frame.shader.termination);
         }
         work.activate += (entered - start).saturating_sub(work.splat - splat_before);
         work.take += taken - entered;
@@ -220,7 +235,10 @@ fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
         scale: shape.scale,
         half,
         low: first.map(|first| first - needed),
-        high: [first[0] + points[0] - 1.0 + needed, first[1] + points[1] - 1.0 + needed],
+        high: [
+            first[0] + points[0] - 1.0 + needed,
+            first[1] + points[1] - 1.0 + needed,
+        ],
         ring: first.map(|first| first - ring),
         tile: first,
         step: frame.step as f32,
@@ -246,9 +264,21 @@ fn enter<S: Simd>(
             scratch.free.push(brick.values);
             continue;
         }
-        let DataScratch { values, mask, records, .. } = scratch;
+        let DataScratch {
+            values,
+            mask,
+            records,
+            ..
+        } = scratch;
         let sorted = &values[brick.values as usize];
-        let tested = activate(simd, (&frame.order, &frame.constants), window, (&mut brick, sorted), mask, records);
+        let tested = activate(
+            simd,
+            (frame.order, &frame.constants),
+            window,
+            (&mut brick, sorted),
+            mask,
+            records,
+        );
         work.tested += u64::from(tested);
         if records.len > CAPACITY - BRICK_VOXELS - 16 {
             flush(simd, (frame, window.blocks, sheet), &mut prepared, scratch, work);
@@ -279,11 +309,18 @@ fn flush<S: Simd>(
     let start = Instant::now();
     if !std::mem::replace(prepared, true) {
         for (group, (shape, stencil)) in scratch.groups.iter_mut().zip(&mut scratch.stencils).enumerate() {
-            *shape = GroupShape::new(&frame.sheets, sheet as isize, group, frame.groups);
+            *shape = GroupShape::new(frame.sheets, sheet as isize, group, frame.groups);
             stencil.prepare(simd, shape, size, frame.ellipses);
         }
     }
-    let DataScratch { ring, records, powers, stencils, groups, .. } = scratch;
+    let DataScratch {
+        ring,
+        records,
+        powers,
+        stencils,
+        groups,
+        ..
+    } = scratch;
     let constants = &frame.constants;
     work.voxels += records.len as u64;
     let area = records.take_area(size);
@@ -312,7 +349,13 @@ fn flush<S: Simd>(
 #[inline(always)]
 fn take<S: Simd>(simd: S, frame: &DataFrame<'_>, place: &Place, sheet: usize, scratch: &mut DataScratch) {
     let slot = sheet % (frame.groups * LANES);
-    let DataScratch { ring, raster, upsampler, planes: [.., last], .. } = scratch;
+    let DataScratch {
+        ring,
+        raster,
+        upsampler,
+        planes: [.., last],
+        ..
+    } = scratch;
     if frame.step == 1 {
         last.take(simd, ring, slot, MAX_BLOCKS, place.raster);
     } else {
@@ -323,8 +366,16 @@ fn take<S: Simd>(simd: S, frame: &DataFrame<'_>, place: &Place, sheet: usize, sc
 
 /// Shades the interval behind a sheet; true where it finished pixels.
 #[inline(always)]
-fn shade<S: Simd>(simd: S, frame: &DataFrame<'_>, near: usize, place: &Place, scratch: &mut DataScratch) -> bool {
-    let DataScratch { planes, mask, canvas, batch, .. } = scratch;
+fn shade<S: Simd>(
+    simd: S,
+    frame: &DataFrame<'_>,
+    near: usize,
+    place: &Place,
+    (canvas, scratch): (&mut Canvas, &mut DataScratch),
+) -> bool {
+    let DataScratch {
+        planes, mask, batch, ..
+    } = scratch;
     let filled = |plane: &Plane| plane.filled.unwrap_or(Span::EMPTY);
     let span = filled(&planes[1]).join(filled(&planes[2]));
     if span.is_empty() || near + 1 >= frame.sheets.len() {
@@ -334,11 +385,16 @@ fn shade<S: Simd>(simd: S, frame: &DataFrame<'_>, near: usize, place: &Place, sc
     let depths = [frame.sheets[near].depth, frame.sheets[near + 1].depth];
     let borders = frame.shader.borders(depths, [place.rect.x0, place.rect.y0]);
     let interval = Interval {
-        is_near_border: borders.iter().any(|plane| frame.shader.border.is_near_any(plane, place.size)),
+        is_near_border: borders
+            .iter()
+            .any(|plane| frame.shader.border.is_near_any(plane, place.size)),
         borders,
         planes: [&planes[0], &planes[1], &planes[2], &planes[3]],
         depths,
-        scales: [frame.sheets[near].scale * step, frame.sheets[near + 1].scale * step],
+        scales: [
+            frame.sheets[near].scale * step,
+            frame.sheets[near + 1].scale * step,
+        ],
     };
     let mut target = ShadeTarget {
         origin: [place.rect.x0, place.rect.y0],

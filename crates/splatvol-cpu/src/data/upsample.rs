@@ -33,7 +33,13 @@ fn around(plane: &Plane, y: usize) -> [&[f32]; 3] {
 impl Upsampler {
     /// Pixels of a tile of `size`, with a halo, from its raster of every `step`-th pixel.
     #[inline(always)]
-    pub(crate) fn run<S: Simd>(&mut self, simd: S, raster: &Plane, pixels: &mut Plane, (size, step): ([usize; 2], usize)) {
+    pub(crate) fn run<S: Simd>(
+        &mut self,
+        simd: S,
+        raster: &Plane,
+        pixels: &mut Plane,
+        (size, step): ([usize; 2], usize),
+    ) {
         pixels.clear();
         if raster.filled.is_none() {
             return;
@@ -69,9 +75,17 @@ fn subdivide<S: Simd>(simd: S, coarse: &Plane, fine: &mut Plane, [width, height]
         while x < x1 {
             let at = x / 2 + RASTER_HALO / 2;
             let (left, middle, right) = if y % 2 == 0 {
-                (even(simd, [above, here, below], at - 1), even(simd, [above, here, below], at), even(simd, [above, here, below], at + 1))
+                (
+                    even(simd, [above, here, below], at - 1),
+                    even(simd, [above, here, below], at),
+                    even(simd, [above, here, below], at + 1),
+                )
             } else {
-                (odd(simd, [here, below], at - 1), odd(simd, [here, below], at), odd(simd, [here, below], at + 1))
+                (
+                    odd(simd, [here, below], at - 1),
+                    odd(simd, [here, below], at),
+                    odd(simd, [here, below], at + 1),
+                )
             };
             let evens = (left + right + middle * 6.0) * 0.125;
             let odds = (middle + right) * 0.5;
@@ -82,7 +96,12 @@ fn subdivide<S: Simd>(simd: S, coarse: &Plane, fine: &mut Plane, [width, height]
         }
     }
     if x0 < x1 && y0 < y1 {
-        fine.filled = Some(Span { x0, y0, x1: x0 + (x1 - x0).next_multiple_of(32), y1 });
+        fine.filled = Some(Span {
+            x0,
+            y0,
+            x1: x0 + (x1 - x0).next_multiple_of(32),
+            y1,
+        });
     }
 }
 
@@ -110,13 +129,22 @@ fn evaluate<S: Simd>(simd: S, coefficients: &Plane, pixels: &mut Plane, [width, 
         let target = &mut pixels.values[y * pixels.pitch..(y + 1) * pixels.pitch];
         let mut x = x0;
         while x < x1 {
-            let (left, middle, right) = (smooth(simd, rows, x + SHIFT - 1), smooth(simd, rows, x + SHIFT), smooth(simd, rows, x + SHIFT + 1));
+            let (left, middle, right) = (
+                smooth(simd, rows, x + SHIFT - 1),
+                smooth(simd, rows, x + SHIFT),
+                smooth(simd, rows, x + SHIFT + 1),
+            );
             ((left + right + middle * 4.0) * (1.0 / 6.0)).store_slice(&mut target[x..x + 16]);
             x += 16;
         }
     }
     if x0 < x1 && y0 < y1 {
-        pixels.filled = Some(Span { x0, y0, x1: x0 + (x1 - x0).next_multiple_of(16), y1 });
+        pixels.filled = Some(Span {
+            x0,
+            y0,
+            x1: x0 + (x1 - x0).next_multiple_of(16),
+            y1,
+        });
     }
 }
 

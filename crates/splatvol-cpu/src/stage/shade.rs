@@ -317,10 +317,7 @@ impl Phong {
             return (diffuse, f32x16::splat(simd, 0.0));
         }
         let shining = (dot(gradient, self.half_way).abs() * inverse).min(f32x16::splat(simd, 1.0));
-        (
-            diffuse,
-            self.gloss(simd, shining) * surface * self.specular,
-        )
+        (diffuse, self.gloss(simd, shining) * surface * self.specular)
     }
 
     /// `shining^power`; whole powers by squaring.

@@ -18,7 +18,7 @@ pub(crate) const PROJECTIONS: [Projection; 2] = [
 pub(crate) fn settings(pixels: u32) -> RenderSettings {
     RenderSettings {
         size: ImageSize::new(pixels, pixels).unwrap(),
-        ..RenderSettings::default()
+        ..RenderSettings::best()
     }
 }
 
