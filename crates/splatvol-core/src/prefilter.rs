@@ -22,7 +22,12 @@ pub(crate) struct AxisSolver {
 impl AxisSolver {
     /// Factorises the operator of `count` samples.
     pub(crate) fn new(kernel: &GaussianKernel, count: usize) -> Self {
-        let band = kernel.reach().min(count - 1).max(1);
+        // A windowed kernel is zero at an integer radius.
+        let reach = (1..=kernel.reach())
+            .rev()
+            .find(|&j| kernel.tap(j) != 0.0)
+            .unwrap_or(1);
+        let band = reach.min(count - 1).max(1);
         let element = |i: usize, j: usize| kernel.tap(i.abs_diff(j));
         let (mut lower, mut diagonal) = (vec![0.0f64; count * band], vec![0.0f64; count]);
         for i in 0..count {
@@ -52,39 +57,80 @@ impl AxisSolver {
         }
     }
 
-    /// Solves along the first index of `rows`: `count` rows of equal length, `stride` apart, all columns at once.
-    fn solve_rows(&self, data: &mut [f32], stride: usize, length: usize) {
-        let count = self.weights.len();
+    /// Solves along the first index of `data`: rows of equal length, `stride` apart, all columns at once. The rows are
+    /// those of the whole axis from row `first` on; where that leaves rows out, what is solved is wrong by the share that
+    /// [`halo`](Self::halo) bounds, falling with the distance from the cut.
+    #[inline(always)]
+    pub(crate) fn solve_rows(&self, data: &mut [f32], first: usize, stride: usize, length: usize) {
+        let count = data.len().div_ceil(stride).min(self.weights.len() - first);
         for i in 0..count {
             let (before, row) = data.split_at_mut(i * stride);
-            row[..length]
-                .iter_mut()
-                .for_each(|value| *value *= self.weights[i]);
-            for j in 1..=self.band.min(i) {
-                subtract(
-                    &mut row[..length],
-                    &before[(i - j) * stride..][..length],
-                    self.lower[i * self.band + j - 1],
-                );
+            let row = &mut row[..length];
+            let own = first + i;
+            let known = |j: usize| &before[(i - j) * stride..][..length];
+            let lower = |j: usize| self.lower[own * self.band + j - 1];
+            if i == 0 {
+                row.iter_mut().for_each(|value| *value *= self.weights[own]);
+            } else {
+                scale_and_subtract(row, self.weights[own], known(1), lower(1));
+            }
+            for j in 2..=self.band.min(i) {
+                subtract(row, known(j), lower(j));
             }
         }
         for i in (0..count).rev() {
             let (rows, after) = data.split_at_mut((i + 1) * stride);
             let row = &mut rows[i * stride..][..length];
-            row.iter_mut()
-                .for_each(|value| *value *= self.inverse_diagonal[i]);
-            for j in 1..=self.band.min(count - 1 - i) {
-                let factor = self.lower[(i + j) * self.band + j - 1];
-                subtract(row, &after[(j - 1) * stride..][..length], factor);
+            let own = first + i;
+            let known = |j: usize| &after[(j - 1) * stride..][..length];
+            let lower = |j: usize| self.lower[(own + j) * self.band + j - 1];
+            if i + 1 == count {
+                row.iter_mut()
+                    .for_each(|value| *value *= self.inverse_diagonal[own]);
+            } else {
+                scale_and_subtract(row, self.inverse_diagonal[own], known(1), lower(1));
+            }
+            for j in 2..=self.band.min(count - 1 - i) {
+                subtract(row, known(j), lower(j));
             }
         }
     }
+
+    /// Rows that a part needs beyond what it is solved for, so that the cut's share falls below `share`.
+    pub(crate) fn halo(&self, share: f64) -> usize {
+        let count = self.weights.len();
+        // What an error of 1 in one row does to the rows behind it, at the middle of the axis or beyond.
+        let first = count / 2;
+        let mut response = vec![1.0f64];
+        while response.len() < count {
+            let i = response.len();
+            let row = (first + i).min(count - 1) * self.band;
+            let next: f64 = (1..=self.band.min(i))
+                .map(|j| -f64::from(self.lower[row + j - 1]) * response[i - j])
+                .sum();
+            response.push(next);
+            if response[i + 1 - self.band.min(i + 1)..]
+                .iter()
+                .all(|r| r.abs() < share)
+            {
+                break;
+            }
+        }
+        response.len()
+    }
 }
 
-#[inline]
+#[inline(always)]
 fn subtract(row: &mut [f32], other: &[f32], factor: f32) {
     for (value, known) in row.iter_mut().zip(other) {
         *value -= factor * known;
+    }
+}
+
+#[inline(always)]
+fn scale_and_subtract(row: &mut [f32], scale: f32, other: &[f32], factor: f32) {
+    for (value, known) in row.iter_mut().zip(other) {
+        *value = *value * scale - factor * known;
     }
 }
 
@@ -98,17 +144,17 @@ pub(crate) fn solve(values: &mut [f32], dims: [usize; 3], kernel: &GaussianKerne
         for rows in slice.chunks_mut(nx * BLOCK) {
             let lines = rows.len() / nx;
             transpose(rows, &mut block, nx, lines);
-            along_x.solve_rows(&mut block, BLOCK, lines);
+            along_x.solve_rows(&mut block, 0, BLOCK, lines);
             transpose_back(&block, rows, nx, lines);
         }
-        along_y.solve_rows(slice, nx, nx);
+        along_y.solve_rows(slice, 0, nx, nx);
     });
     solve_along_z(values, [nx, ny, nz], &along_z);
 }
 
-const BLOCK: usize = 32;
+pub(crate) const BLOCK: usize = 32;
 
-fn transpose(rows: &[f32], block: &mut [f32], nx: usize, lines: usize) {
+pub(crate) fn transpose(rows: &[f32], block: &mut [f32], nx: usize, lines: usize) {
     for line in 0..lines {
         for x in 0..nx {
             block[x * BLOCK + line] = rows[line * nx + x];
@@ -116,7 +162,7 @@ fn transpose(rows: &[f32], block: &mut [f32], nx: usize, lines: usize) {
     }
 }
 
-fn transpose_back(block: &[f32], rows: &mut [f32], nx: usize, lines: usize) {
+pub(crate) fn transpose_back(block: &[f32], rows: &mut [f32], nx: usize, lines: usize) {
     for line in 0..lines {
         for x in 0..nx {
             rows[line * nx + x] = block[x * BLOCK + line];
@@ -144,7 +190,7 @@ fn solve_along_z(values: &mut [f32], [nx, ny, nz]: [usize; 3], solver: &AxisSolv
                 for z in 0..nz {
                     rows.extend_from_slice(&values[z * plane + start + first..][..width]);
                 }
-                solver.solve_rows(&mut rows, width, width);
+                solver.solve_rows(&mut rows, 0, width, width);
                 rows
             })
             .collect();

@@ -21,15 +21,21 @@ pub const BRICK_VOXELS: usize = BRICK * BRICK * BRICK;
 const CELL_OVERSHOOT: f32 = 0.15;
 
 /// Differences from the background (normalised values) that the outer half of a kernel may leave out.
-const TOLERANCE: f32 = 0.006;
+pub(crate) const TOLERANCE: f32 = 0.006;
 
 /// Values that cannot be told apart by visibility.
-const LEVELS: usize = 2048;
+pub(crate) const LEVELS: usize = 2048;
 const FIRST: f32 = -0.5;
 const PER_VALUE: f32 = LEVELS as f32 / 2.0;
 
+/// The level of a normalised value; a missing value's is 0.
+#[inline(always)]
+pub(crate) fn level_of(value: f32) -> i16 {
+    ((value - FIRST) * PER_VALUE).clamp(0.0, (LEVELS - 1) as f32) as i16
+}
+
 /// Number of visible levels below each level: whether a range of values holds a visible one is one difference.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleLevels {
     below: Vec<u16>,
 }
@@ -75,6 +81,40 @@ impl VisibleLevels {
 
     fn is_visible(&self, value: f32) -> bool {
         self.any(value, value)
+    }
+
+    /// Whether any level from `low` to `high` is visible.
+    #[inline(always)]
+    pub(crate) fn any_of(&self, [low, high]: [i16; 2]) -> bool {
+        self.below[high as usize + 1] > self.below[low as usize]
+    }
+
+    /// Whether all levels from `low` to `high` are visible.
+    #[inline(always)]
+    pub(crate) fn all_of(&self, [low, high]: [i16; 2]) -> bool {
+        usize::from(self.below[high as usize + 1] - self.below[low as usize]) == (high - low + 1) as usize
+    }
+
+    /// Levels that are visible in one and not in the other.
+    pub(crate) fn difference(&self, other: &Self) -> Self {
+        let mut below = vec![0u16; LEVELS + 1];
+        for i in 0..LEVELS {
+            let differs = self.below[i + 1] - self.below[i] != other.below[i + 1] - other.below[i];
+            below[i + 1] = below[i] + u16::from(differs);
+        }
+        Self { below }
+    }
+
+    /// Runs of visible levels, ascending: first and last of each.
+    pub(crate) fn intervals(&self) -> Vec<[i16; 2]> {
+        let mut intervals: Vec<[i16; 2]> = Vec::new();
+        for level in (0..LEVELS as i16).filter(|&level| self.any_of([level; 2])) {
+            match intervals.last_mut() {
+                Some(last) if last[1] + 1 == level => last[1] = level,
+                _ => intervals.push([level; 2]),
+            }
+        }
+        intervals
     }
 }
 
@@ -337,26 +377,45 @@ impl Needs {
     }
 }
 
-/// The most common invisible value of a volume, normalised; where all values are visible, 0.
-pub fn background(volume: &Volume, levels: &VisibleLevels) -> f32 {
+/// How common the values of a volume are.
+#[derive(Debug, Clone)]
+pub struct Histogram {
+    counts: Vec<u32>,
+}
+
+impl Histogram {
     const BINS: usize = 256;
     const SAMPLES: usize = 1 << 16;
-    let [low, high] = volume.value_range();
-    let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
-    let rescale = volume.rescale();
-    let mut counts = [0u32; BINS];
-    with_samples!(volume.samples(), data => {
-        let step = (data.len() / SAMPLES).max(1) | 1;
-        for sample in data.iter().step_by(step) {
-            let value = (rescale.apply(widen(*sample)) - low) * scale;
-            if value.is_finite() && levels.is_visible(value as f32) == false {
-                counts[((value * (BINS - 1) as f64).round() as usize).min(BINS - 1)] += 1;
+
+    /// From up to 65 536 samples, evenly spread.
+    pub fn new(volume: &Volume) -> Self {
+        let [low, high] = volume.value_range();
+        let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
+        let rescale = volume.rescale();
+        let mut counts = vec![0; Self::BINS];
+        with_samples!(volume.samples(), data => {
+            let step = (data.len() / Self::SAMPLES).max(1) | 1;
+            for sample in data.iter().step_by(step) {
+                let value = (rescale.apply(widen(*sample)) - low) * scale;
+                if value.is_finite() {
+                    counts[((value * (Self::BINS - 1) as f64).round() as usize).min(Self::BINS - 1)] += 1;
+                }
             }
-        }
-    });
-    let most = counts
-        .iter()
-        .enumerate()
-        .max_by_key(|(bin, count)| (**count, BINS - bin));
-    most.map_or(0.0, |(bin, _)| bin as f32 / (BINS - 1) as f32)
+        });
+        Self { counts }
+    }
+
+    /// The most common invisible value, normalised; where all values are visible, 0.
+    pub fn background(&self, levels: &VisibleLevels) -> f32 {
+        let value = |bin: usize| bin as f32 / (Self::BINS - 1) as f32;
+        let most = (0..Self::BINS)
+            .filter(|&bin| self.counts[bin] > 0 && !levels.is_visible(value(bin)))
+            .max_by_key(|&bin| (self.counts[bin], Self::BINS - bin));
+        most.map_or(0.0, value)
+    }
+}
+
+/// The most common invisible value of a volume, normalised; where all values are visible, 0.
+pub fn background(volume: &Volume, levels: &VisibleLevels) -> f32 {
+    Histogram::new(volume).background(levels)
 }

@@ -1,0 +1,359 @@
+//! The field of a volume in bricks: coefficients of the voxels that a transfer function needs, and no others.
+//!
+//! | once per | is done | and kept |
+//! |---|---|---|
+//! | volume | ranges of samples per brick, a histogram | 4 bytes per brick |
+//! | transfer function | visible cells where visible levels changed, needed voxels around what changed | 1 bit per voxel |
+//! | brick needed | its chunk's coefficients, from the samples | 2 bytes per voxel |
+//!
+//! What a store holds depends on the volume, the kernel and the last transfer function only, to the bit, and not on the
+//! transfer functions before. [`crate::visibility`] says which voxels are needed.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use splatvol_scene::{Volume, with_samples};
+
+use crate::brick::BRICK;
+use crate::kernel::GaussianKernel;
+use crate::visibility::{BRICK_VOXELS, Histogram, VisibleLevels};
+
+mod cells;
+mod chunk;
+mod lattice;
+mod needs;
+#[cfg(test)]
+mod tests;
+
+use cells::{CellBits, LevelRange, Verdict};
+use chunk::{CHUNK, ChunkSolver, Scratch, StoredBrick};
+use lattice::{Lattice, Stored};
+use needs::Needs;
+
+/// Bricks of a volume (128 MiB) up to which those not needed now are kept, once solved, for the next transfer function.
+const KEEP_ALL: usize = 1 << 17;
+
+/// Bricks that hold needed voxels, and their coefficients.
+#[derive(Debug, Clone)]
+pub struct FieldStore {
+    volume: Arc<Volume>,
+    lattice: Lattice,
+    solver: ChunkSolver,
+    histogram: Histogram,
+    /// Bricks along x, y, z.
+    bricks: [usize; 3],
+    ranges: Vec<LevelRange>,
+    cells: Vec<CellBits>,
+    /// Whether bricks that are not needed now stay.
+    keep_all: bool,
+    /// What the cells were found with.
+    levels: Option<VisibleLevels>,
+    chunks: Vec<Chunk>,
+    /// Chunk and place in it of each needed brick.
+    needed: Vec<[u32; 2]>,
+    background: f32,
+    voxels: usize,
+}
+
+/// What is known of a chunk.
+#[derive(Debug, Clone, Default)]
+struct Chunk {
+    /// Places of the bricks in `stored`, ascending.
+    held: u128,
+    stored: Vec<StoredBrick>,
+    needed: Vec<NeededBrick>,
+}
+
+#[derive(Debug, Clone)]
+struct NeededBrick {
+    place: u32,
+    mask: CellBits,
+    voxels: u32,
+}
+
+impl FieldStore {
+    /// Reads a volume through; nothing is needed yet.
+    pub fn new(volume: Arc<Volume>, kernel: &GaussianKernel) -> Self {
+        let lattice = Lattice::new(&volume);
+        let bricks = lattice.dims.map(|n| n.div_ceil(BRICK));
+        let count = bricks.iter().product();
+        let mut ranges = vec![[0; 2]; count];
+        with_samples!(volume.samples(), data => ranges
+            .par_chunks_mut(bricks[0] * bricks[1])
+            .enumerate()
+            .for_each(|(bz, layer)| cells::layer_ranges(&lattice, data, bz, layer)));
+        let chunks: usize = (0..3).map(|a| bricks[a].div_ceil(CHUNK[a])).product();
+        Self {
+            solver: ChunkSolver::new(kernel, &lattice),
+            histogram: Histogram::new(&volume),
+            bricks,
+            ranges,
+            cells: vec![[0; BRICK]; count],
+            keep_all: count <= KEEP_ALL,
+            levels: None,
+            chunks: vec![Chunk::default(); chunks],
+            needed: Vec::new(),
+            background: 0.0,
+            voxels: 0,
+            lattice,
+            volume,
+        }
+    }
+
+    /// Takes another transfer function: finds what is needed under it, and solves for what is not there.
+    pub fn update(&mut self, levels: &VisibleLevels) {
+        let background = self.histogram.background(levels);
+        let first_time = self.levels.is_none();
+        if self.levels.as_ref() == Some(levels) {
+            return;
+        }
+        let all_again = first_time || background != self.background;
+        let changed = self.levels.as_ref().map(|old| old.difference(levels));
+        let touched = self.find_cells(levels, changed.as_ref());
+        let mut chunks = std::mem::take(&mut self.chunks);
+        self.background = background;
+        self.levels = Some(levels.clone());
+        let store = &*self;
+        with_samples!(store.volume.samples(), data => chunks
+        .par_iter_mut()
+        .enumerate()
+        .with_max_len(4)
+        .for_each_init(Scratch::default, |scratch, (index, chunk)| {
+            let job = ChunkJob { store, data, touched: &touched, all_again };
+            job.update(index, chunk, scratch);
+        }));
+        self.chunks = chunks;
+        self.needed.clear();
+        self.voxels = 0;
+        for (index, chunk) in self.chunks.iter().enumerate() {
+            self.needed
+                .extend((0..chunk.needed.len()).map(|i| [index as u32, i as u32]));
+            self.voxels += chunk
+                .needed
+                .iter()
+                .map(|brick| brick.voxels as usize)
+                .sum::<usize>();
+        }
+    }
+
+    /// Number of bricks that hold needed voxels.
+    pub fn len(&self) -> usize {
+        self.needed.len()
+    }
+
+    /// Whether nothing is needed.
+    pub fn is_empty(&self) -> bool {
+        self.needed.is_empty()
+    }
+
+    /// First lattice point of a needed brick.
+    #[inline]
+    pub fn first(&self, index: usize) -> [u32; 3] {
+        let [chunk, i] = self.needed[index].map(|n| n as usize);
+        let first = self.chunk_first(chunk);
+        let offset = place(self.chunks[chunk].needed[i].place as usize);
+        std::array::from_fn(|a| ((first[a] + offset[a]) * BRICK) as u32)
+    }
+
+    /// Coefficients of a needed brick less the background, x fastest; NaN where a voxel is not needed.
+    #[inline(always)]
+    pub fn decode(&self, index: usize, out: &mut [f32; BRICK_VOXELS]) {
+        let [chunk, i] = self.needed[index].map(|n| n as usize);
+        let chunk = &self.chunks[chunk];
+        let brick = &chunk.needed[i];
+        chunk
+            .stored(brick.place)
+            .decode(&brick.mask, self.background, out);
+    }
+
+    /// The background b, normalised: an invisible value, the most common one.
+    pub fn background(&self) -> f32 {
+        self.background
+    }
+
+    /// Voxels that are needed.
+    pub fn needed_voxels(&self) -> usize {
+        self.voxels
+    }
+
+    /// Lattice points along x, y, z.
+    pub fn dims(&self) -> [usize; 3] {
+        self.lattice.dims
+    }
+
+    /// Lattice points before voxel 0 along x, y, z.
+    pub fn margin(&self) -> [usize; 3] {
+        self.lattice.margin
+    }
+
+    /// The volume.
+    pub fn volume(&self) -> &Arc<Volume> {
+        &self.volume
+    }
+
+    /// Memory held, bytes, the volume's own not included.
+    pub fn bytes(&self) -> usize {
+        let of_chunk = |chunk: &Chunk| {
+            size_of::<Chunk>()
+                + chunk.stored.capacity() * size_of::<StoredBrick>()
+                + chunk.needed.capacity() * size_of::<NeededBrick>()
+        };
+        self.ranges.len() * (size_of::<LevelRange>() + size_of::<CellBits>())
+            + self.needed.capacity() * size_of::<[u32; 2]>()
+            + self.chunks.iter().map(of_chunk).sum::<usize>()
+    }
+
+    /// Visible cells of the bricks whose levels changed; says which bricks' cells are others than before.
+    fn find_cells(&mut self, levels: &VisibleLevels, changed: Option<&VisibleLevels>) -> Vec<bool> {
+        let mut touched = vec![false; self.ranges.len()];
+        let intervals = levels.intervals();
+        let (lattice, bricks, ranges) = (&self.lattice, self.bricks, &self.ranges);
+        with_samples!(self.volume.samples(), data => self.cells
+        .par_iter_mut()
+        .zip(&mut touched)
+        .enumerate()
+        .with_min_len(64)
+        .for_each(|(brick, (cells, touched))| {
+            let range = ranges[brick];
+            let seen = cells::widened(range);
+            if changed.is_some_and(|changed| !changed.any_of(seen)) {
+                return;
+            }
+            let first = [brick % bricks[0], brick / bricks[0] % bricks[1], brick / (bricks[0] * bricks[1])]
+                .map(|b| b * BRICK);
+            let found = match cells::verdict(range, levels) {
+                Verdict::None => [0; BRICK],
+                Verdict::All => cells::existing(lattice, first),
+                Verdict::Mixed => {
+                    let from = intervals.partition_point(|interval| interval[1] < seen[0]);
+                    let to = intervals.partition_point(|interval| interval[0] <= seen[1]);
+                    cells::mixed(lattice, data, first, &intervals[from..to])
+                }
+            };
+            *touched = found != *cells;
+            *cells = found;
+        }));
+        touched
+    }
+
+    /// First brick of a chunk.
+    fn chunk_first(&self, chunk: usize) -> [usize; 3] {
+        let [nx, ny]: [usize; 2] = std::array::from_fn(|a| self.bricks[a].div_ceil(CHUNK[a]));
+        let at = [chunk % nx, chunk / nx % ny, chunk / (nx * ny)];
+        std::array::from_fn(|a| at[a] * CHUNK[a])
+    }
+
+    /// Indices of a brick and the 26 around it, x fastest; `None` outside.
+    fn around(&self, brick: [usize; 3]) -> [Option<usize>; 27] {
+        std::array::from_fn(|i| {
+            let mut at = [0; 3];
+            for (a, offset) in [i % 3, i / 3 % 3, i / 9].into_iter().enumerate() {
+                at[a] = (brick[a] + offset)
+                    .checked_sub(1)
+                    .filter(|&b| b < self.bricks[a])?;
+            }
+            Some((at[2] * self.bricks[1] + at[1]) * self.bricks[0] + at[0])
+        })
+    }
+}
+
+/// Where in its chunk the brick of a place is, in bricks.
+fn place(place: usize) -> [usize; 3] {
+    [
+        place % CHUNK[0],
+        place / CHUNK[0] % CHUNK[1],
+        place / (CHUNK[0] * CHUNK[1]),
+    ]
+}
+
+impl Chunk {
+    fn stored(&self, place: u32) -> &StoredBrick {
+        &self.stored[(self.held & ((1 << place) - 1)).count_ones() as usize]
+    }
+
+    /// Drops bricks other than those at `places`.
+    fn keep(&mut self, places: u128) {
+        if self.held & !places != 0 {
+            let mut held = (0..u128::BITS).filter(|place| self.held >> place & 1 != 0);
+            self.stored
+                .retain(|_| held.next().is_some_and(|place| places >> place & 1 != 0));
+            self.stored.shrink_to_fit();
+            self.held &= places;
+        }
+    }
+}
+
+/// The update of one chunk.
+struct ChunkJob<'a, T> {
+    store: &'a FieldStore,
+    data: &'a [T],
+    touched: &'a [bool],
+    all_again: bool,
+}
+
+impl<T: Stored> ChunkJob<'_, T> {
+    fn update(&self, index: usize, chunk: &mut Chunk, scratch: &mut Scratch) {
+        let store = self.store;
+        let first = store.chunk_first(index);
+        let mut old = std::mem::take(&mut chunk.needed).into_iter().peekable();
+        let mut again: Vec<(u32, Needs)> = Vec::new();
+        let mut wanted = 0u128;
+        for (at, offset) in (0..(CHUNK[0] * CHUNK[1] * CHUNK[2]) as u32).map(|at| (at, place(at as usize))) {
+            let brick: [usize; 3] = std::array::from_fn(|a| first[a] + offset[a]);
+            if (0..3).any(|a| brick[a] >= store.bricks[a]) {
+                continue;
+            }
+            let known = old.next_if(|brick| brick.place == at);
+            let around = store.around(brick);
+            if self.all_again || around.iter().flatten().any(|&i| self.touched[i]) {
+                let cells = around.map(|i| i.map(|i| &store.cells[i]).filter(|cells| **cells != [0; BRICK]));
+                if let Some(needs) = Needs::around(&cells) {
+                    again.push((at, needs));
+                    wanted |= 1 << at;
+                }
+            } else if let Some(known) = known {
+                wanted |= 1 << at;
+                chunk.needed.push(known);
+            }
+        }
+        if wanted & !chunk.held != 0 {
+            self.solve(first, wanted, chunk, scratch);
+        }
+        for (at, needs) in again {
+            let mask = chunk.stored(at).mask(&needs, store.background);
+            let voxels = mask.iter().map(|bits| bits.count_ones()).sum();
+            if voxels > 0 {
+                let brick = NeededBrick {
+                    place: at,
+                    mask,
+                    voxels,
+                };
+                chunk.needed.push(brick);
+            }
+        }
+        chunk.needed.sort_unstable_by_key(|brick| brick.place);
+        if !store.keep_all {
+            chunk.keep(wanted);
+        }
+    }
+
+    /// Solves for the chunk and stores the bricks that are wanted, those held before included.
+    fn solve(&self, first: [usize; 3], wanted: u128, chunk: &mut Chunk, scratch: &mut Scratch) {
+        let store = self.store;
+        let origin = first.map(|b| b * BRICK);
+        let solved = store.solver.solve(&store.lattice, self.data, origin, scratch);
+        let mut bricks = Vec::new();
+        chunk.held = 0;
+        for at in 0..u128::BITS {
+            let offset = place(at as usize);
+            let inside = (0..3).all(|a| first[a] + offset[a] < store.bricks[a]);
+            if inside && (store.keep_all || wanted >> at & 1 != 0) {
+                let from = (offset.map(|b| b * BRICK), origin);
+                bricks.push(solved.brick(scratch, &store.lattice, self.data, from));
+                chunk.held |= 1 << at;
+            }
+        }
+        bricks.shrink_to_fit();
+        chunk.stored = bricks;
+    }
+}

@@ -1,0 +1,182 @@
+//! Which cells of a brick can be seen: one bit per cell, from the ranges of their corners.
+//!
+//! Ranges are kept as levels of [`VisibleLevels`](crate::visibility::VisibleLevels), which order values as the values
+//! themselves do, in 16 bits: eight cells fit a vector register of the smallest machine. A brick's own range decides
+//! most bricks; only where some of its levels are visible and some are not does each cell count.
+
+use crate::brick::BRICK;
+use crate::visibility::{LEVELS, VisibleLevels};
+
+use super::lattice::{Lattice, Stored};
+
+/// Bit `8 y + x` of word z for each cell of a brick.
+pub(super) type CellBits = [u64; BRICK];
+
+/// Lattice points along the edge of a brick of cells.
+const POINTS: usize = BRICK + 1;
+
+/// Smallest and largest level of the points around a brick's cells.
+pub(super) type LevelRange = [i16; 2];
+
+/// What the reconstruction may leave a range of levels by: 5/32 of its width, the levels' own width included.
+#[inline(always)]
+fn slack(low: i16, high: i16) -> i16 {
+    ((high - low + 1) * 5 >> 5) + 1
+}
+
+/// A range with the reconstruction's overshoot.
+pub(super) fn widened([low, high]: LevelRange) -> LevelRange {
+    let slack = slack(low, high);
+    [(low - slack).max(0), (high + slack).min(LEVELS as i16 - 1)]
+}
+
+/// What a brick's range says of its cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Verdict {
+    None,
+    All,
+    Mixed,
+}
+
+pub(super) fn verdict(range: LevelRange, levels: &VisibleLevels) -> Verdict {
+    if !levels.any_of(widened(range)) {
+        Verdict::None
+    } else if levels.all_of(range) {
+        Verdict::All
+    } else {
+        Verdict::Mixed
+    }
+}
+
+/// Cells of the brick at `first` that exist.
+pub(super) fn existing(lattice: &Lattice, first: [usize; 3]) -> CellBits {
+    let [x, y, z]: [usize; 3] = std::array::from_fn(|a| {
+        let cells = lattice.dims[a].saturating_sub(1).max(1);
+        cells.saturating_sub(first[a]).min(BRICK)
+    });
+    let row = (1u64 << x) - 1;
+    let slice = (0..y).fold(0, |bits, y| bits | row << (BRICK * y));
+    std::array::from_fn(|i| if i < z { slice } else { 0 })
+}
+
+/// Level ranges of a layer of bricks, x fastest.
+pub(super) fn layer_ranges<T: Stored>(lattice: &Lattice, data: &[T], bz: usize, out: &mut [LevelRange]) {
+    let [nx, ny, nz] = lattice.dims;
+    let bricks_x = nx.div_ceil(BRICK);
+    let mut line = Vec::new();
+    for (by, row) in out.chunks_mut(bricks_x).enumerate() {
+        let (ys, zs) = (span(by, ny), span(bz, nz));
+        // Minima and maxima over the brick's rows, per x; then over each brick's columns.
+        let mut low: Vec<T> = Vec::new();
+        let mut high: Vec<T> = Vec::new();
+        for z in zs {
+            for y in ys.clone() {
+                let samples = lattice.row(data, [y, z]);
+                if low.is_empty() {
+                    low.extend_from_slice(samples);
+                    high.extend_from_slice(samples);
+                } else {
+                    join(&mut low, &mut high, samples);
+                }
+            }
+        }
+        line.clear();
+        line.extend(low.iter().zip(&high).map(|(&low, &high)| {
+            let (a, b) = (lattice.level(low), lattice.level(high));
+            // A row of missing samples stands for anything.
+            if lattice.any_missing {
+                [0, LEVELS as i16 - 1]
+            } else {
+                [a.min(b), a.max(b)]
+            }
+        }));
+        let mut points = [[0; 2]; POINTS];
+        for (bx, range) in row.iter_mut().enumerate() {
+            lattice.points(&line, bx * BRICK, &mut points);
+            *range = points
+                .iter()
+                .fold(points[0], |r, p| [r[0].min(p[0]), r[1].max(p[1])]);
+        }
+    }
+}
+
+#[inline(always)]
+fn join<T: Stored>(low: &mut [T], high: &mut [T], samples: &[T]) {
+    for ((low, high), &sample) in low.iter_mut().zip(high).zip(samples) {
+        *low = if sample < *low { sample } else { *low };
+        *high = if sample > *high { sample } else { *high };
+    }
+}
+
+/// Lattice points of the cells of a brick along an axis.
+fn span(brick: usize, count: usize) -> std::ops::Range<usize> {
+    brick * BRICK..(brick * BRICK + POINTS).min(count)
+}
+
+/// Visible cells of a brick, each by its own range. `intervals`: the visible levels.
+pub(super) fn mixed<T: Stored>(
+    lattice: &Lattice,
+    data: &[T],
+    first: [usize; 3],
+    intervals: &[LevelRange],
+) -> CellBits {
+    let mut low = [[[0i16; BRICK]; POINTS]; POINTS];
+    let mut high = low;
+    let [_, ny, nz] = lattice.dims;
+    for z in 0..POINTS {
+        for y in 0..POINTS {
+            let row = lattice.row(data, [(first[1] + y).min(ny - 1), (first[2] + z).min(nz - 1)]);
+            let mut samples = [row[0]; POINTS];
+            lattice.points(row, first[0], &mut samples);
+            let mut levels = [0i16; POINTS];
+            for (level, &sample) in levels.iter_mut().zip(&samples) {
+                *level = lattice.level(sample);
+            }
+            for x in 0..BRICK {
+                low[z][y][x] = levels[x].min(levels[x + 1]);
+                high[z][y][x] = levels[x].max(levels[x + 1]);
+            }
+        }
+    }
+    fold(&mut low, i16::min);
+    fold(&mut high, i16::max);
+    let mut bits = [0u64; BRICK];
+    for z in 0..BRICK {
+        for y in 0..BRICK {
+            let mut seen = [0u8; BRICK];
+            let (low, high) = (&low[z][y], &high[z][y]);
+            for interval in intervals {
+                for x in 0..BRICK {
+                    let slack = slack(low[x], high[x]);
+                    seen[x] |= u8::from(low[x] - slack <= interval[1] && high[x] + slack >= interval[0]);
+                }
+            }
+            bits[z] |= pack(seen) << (BRICK * y);
+        }
+    }
+    let existing = existing(lattice, first);
+    std::array::from_fn(|z| bits[z] & existing[z])
+}
+
+/// Joins each row with the next along y, then each slice with the next.
+#[inline(always)]
+fn fold(slices: &mut [[[i16; BRICK]; POINTS]; POINTS], join: impl Fn(i16, i16) -> i16 + Copy) {
+    for slice in slices.iter_mut() {
+        for y in 0..BRICK {
+            let next = slice[y + 1];
+            slice[y].iter_mut().zip(next).for_each(|(a, b)| *a = join(*a, b));
+        }
+    }
+    for z in 0..BRICK {
+        let next = slices[z + 1];
+        for (row, next) in slices[z].iter_mut().zip(next) {
+            row.iter_mut().zip(next).for_each(|(a, b)| *a = join(*a, b));
+        }
+    }
+}
+
+/// Eight zeros and ones as eight bits, the first lowest: the product moves bit 8 i to bit 56 + i.
+#[inline(always)]
+pub(super) fn pack(flags: [u8; 8]) -> u64 {
+    u64::from_le_bytes(flags).wrapping_mul(0x0102_0408_1020_4080) >> 56
+}

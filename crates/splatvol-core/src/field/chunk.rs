@@ -1,0 +1,276 @@
+//! Coefficients of a part of the lattice, and bricks of them in 16 bits.
+//!
+//! The interpolating coefficients of docs/numerics.md are the solution of banded systems along the axes
+//! ([`AxisSolver`]). An error in one row falls geometrically along the axis (by 0.27 per voxel for sigma 0.605, radius
+//! 2), so that a part of the lattice with a halo of some ten points on each side yields what the whole does, up to
+//! [`CUT_SHARE`]. At the lattice's own faces the part's system is the whole's, border included.
+
+use crate::brick::BRICK;
+use crate::kernel::GaussianKernel;
+use crate::prefilter::{AxisSolver, BLOCK, transpose};
+use crate::visibility::{BRICK_VOXELS, TOLERANCE};
+
+use super::cells::{CellBits, pack};
+use super::lattice::{Lattice, Stored};
+use super::needs::Needs;
+
+/// Bricks of a chunk along x, y, z: what is solved at once, with room for its halo in a processor's own cache.
+pub(super) const CHUNK: [usize; 3] = [8, 4, 4];
+/// Lattice points of a chunk along x, y, z.
+const SPAN: [usize; 3] = [CHUNK[0] * BRICK, CHUNK[1] * BRICK, CHUNK[2] * BRICK];
+/// What an error of 1 at the edge of the halo may still be inside.
+const CUT_SHARE: f64 = 1e-6;
+/// Stored in place of a coefficient that there is none of.
+const MISSING: u16 = u16::MAX;
+/// Largest stored coefficient.
+const STEPS: f32 = 65_534.0;
+
+/// Coefficients of a brick, `offset + scale * stored`: half a step, 1/131068 of their range in the brick, from the
+/// solution.
+#[derive(Debug, Clone)]
+pub(super) struct StoredBrick {
+    values: [u16; BRICK_VOXELS],
+    offset: f32,
+    scale: f32,
+    any_missing: bool,
+}
+
+impl StoredBrick {
+    /// From coefficients, NaN where there are none.
+    fn new(values: &[f32; BRICK_VOXELS]) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; BRICK], [f32::NEG_INFINITY; BRICK]);
+        let mut any_missing = false;
+        for row in values.chunks_exact(BRICK) {
+            for x in 0..BRICK {
+                // Comparisons with NaN are false.
+                low[x] = if row[x] < low[x] { row[x] } else { low[x] };
+                high[x] = if row[x] > high[x] { row[x] } else { high[x] };
+                any_missing |= row[x].is_nan();
+            }
+        }
+        let low = low.into_iter().fold(f32::INFINITY, f32::min);
+        let high = high.into_iter().fold(f32::NEG_INFINITY, f32::max);
+        let (offset, width) = if low <= high {
+            (low, high - low)
+        } else {
+            (0.0, 0.0)
+        };
+        let steps = if width > 0.0 { STEPS / width } else { 0.0 };
+        let mut stored = [MISSING; BRICK_VOXELS];
+        for (stored, value) in stored.iter_mut().zip(values) {
+            let step = ((value - offset) * steps + 0.5).min(STEPS) as i32;
+            *stored = if value.is_nan() { MISSING } else { step as u16 };
+        }
+        Self {
+            values: stored,
+            offset,
+            scale: width / STEPS,
+            any_missing,
+        }
+    }
+
+    /// Coefficients less the background where the mask has a bit, else NaN.
+    #[inline(always)]
+    pub(super) fn decode(&self, mask: &CellBits, background: f32, out: &mut [f32; BRICK_VOXELS]) {
+        let (scale, offset) = (self.scale, self.offset - background);
+        let rows = out.as_chunks_mut::<BRICK>().0.iter_mut();
+        for (i, (out, stored)) in rows.zip(self.values.as_chunks::<BRICK>().0).enumerate() {
+            let bits = (mask[i / BRICK] >> (BRICK * (i % BRICK))) as u8;
+            for x in 0..BRICK {
+                let value = f32::from(stored[x]) * scale + offset;
+                out[x] = if bits & 1 << x != 0 { value } else { f32::NAN };
+            }
+        }
+    }
+
+    /// Voxels that a reconstruction needs: all near ones, of the far ones those that differ from the background.
+    pub(super) fn mask(&self, needs: &Needs, background: f32) -> CellBits {
+        let (scale, offset) = (self.scale, self.offset - background);
+        let mut mask = needs.near;
+        if offset > TOLERANCE || offset + scale * STEPS < -TOLERANCE {
+            mask = needs.far;
+        } else if offset < -TOLERANCE || offset + scale * STEPS > TOLERANCE {
+            for (z, slice) in self.values.as_chunks::<{ BRICK * BRICK }>().0.iter().enumerate() {
+                let undecided = needs.far[z] & !needs.near[z];
+                if undecided != 0 {
+                    mask[z] |= undecided
+                        & slice_bits(slice, |stored| {
+                            (f32::from(stored) * scale + offset).abs() > TOLERANCE
+                        });
+                }
+            }
+        }
+        if self.any_missing {
+            for (bits, slice) in mask.iter_mut().zip(self.values.as_chunks().0) {
+                *bits &= slice_bits(slice, |stored| stored != MISSING);
+            }
+        }
+        mask
+    }
+}
+
+/// A bit for each of the 8 x 8 values that hold.
+#[inline(always)]
+fn slice_bits(slice: &[u16; BRICK * BRICK], holds: impl Fn(u16) -> bool) -> u64 {
+    let mut bits = 0;
+    for (y, row) in slice.as_chunks::<BRICK>().0.iter().enumerate() {
+        bits |= pack(row.map(|stored| u8::from(holds(stored)))) << (BRICK * y);
+    }
+    bits
+}
+
+/// Solves the lattice part by part.
+#[derive(Debug, Clone)]
+pub(super) struct ChunkSolver {
+    axes: [AxisSolver; 3],
+    halo: [usize; 3],
+}
+
+/// Memory of one thread.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    plane: Vec<f32>,
+    lines: Vec<f32>,
+    slab: Vec<f32>,
+}
+
+/// A chunk's points along an axis: those to solve for, and with the halo.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    from: usize,
+    to: usize,
+    outer_from: usize,
+    outer_to: usize,
+}
+
+impl Extent {
+    fn len(&self) -> usize {
+        self.to - self.from
+    }
+
+    fn outer(&self) -> usize {
+        self.outer_to - self.outer_from
+    }
+
+    fn skip(&self) -> usize {
+        self.from - self.outer_from
+    }
+}
+
+impl ChunkSolver {
+    pub(super) fn new(kernel: &GaussianKernel, lattice: &Lattice) -> Self {
+        let axes = lattice.dims.map(|count| AxisSolver::new(kernel, count));
+        let halo = std::array::from_fn(|a| axes[a].halo(CUT_SHARE));
+        Self { axes, halo }
+    }
+
+    /// Solves for the chunk that begins at lattice point `first`.
+    pub(super) fn solve<T: Stored>(
+        &self,
+        lattice: &Lattice,
+        data: &[T],
+        first: [usize; 3],
+        scratch: &mut Scratch,
+    ) -> Solved {
+        let extents: [Extent; 3] = std::array::from_fn(|a| {
+            let to = (first[a] + SPAN[a]).min(lattice.dims[a]);
+            Extent {
+                from: first[a],
+                to,
+                outer_from: first[a].saturating_sub(self.halo[a]),
+                outer_to: (to + self.halo[a]).min(lattice.dims[a]),
+            }
+        });
+        let [x, y, z] = extents;
+        let (width, plane) = (x.outer(), x.len() * y.len());
+        let Scratch {
+            plane: slice,
+            lines,
+            slab,
+        } = scratch;
+        slice.resize(width * y.outer(), 0.0);
+        lines.resize(width * BLOCK, 0.0);
+        slab.resize(plane * z.outer(), 0.0);
+        for (at, out) in (z.outer_from..z.outer_to).zip(slab.chunks_exact_mut(plane)) {
+            load(lattice, data, [x, y], at, slice);
+            self.axes[1].solve_rows(&mut slice[..width * y.outer()], y.outer_from, width, width);
+            let rows = &slice[y.skip() * width..][..y.len() * width];
+            transpose(rows, lines, width, y.len());
+            self.axes[0].solve_rows(&mut lines[..width * BLOCK], x.outer_from, BLOCK, y.len());
+            transpose_columns(&lines[x.skip() * BLOCK..], out, x.len());
+        }
+        self.axes[2].solve_rows(&mut slab[..plane * z.outer()], z.outer_from, plane, plane);
+        Solved {
+            size: [x, y, z].map(|e| e.len()),
+            skip: z.skip() * plane,
+        }
+    }
+}
+
+/// Where a chunk's coefficients lie in the scratch memory.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Solved {
+    size: [usize; 3],
+    skip: usize,
+}
+
+impl Solved {
+    /// The brick at a place of the chunk.
+    pub(super) fn brick<T: Stored>(
+        &self,
+        scratch: &Scratch,
+        lattice: &Lattice,
+        data: &[T],
+        ([x, y, z], first): ([usize; 3], [usize; 3]),
+    ) -> StoredBrick {
+        let mut values = [f32::NAN; BRICK_VOXELS];
+        let [nx, ny, nz] = self.size;
+        let width = BRICK.min(nx - x);
+        for dz in 0..BRICK.min(nz - z) {
+            for dy in 0..BRICK.min(ny - y) {
+                let start = self.skip + ((z + dz) * ny + y + dy) * nx + x;
+                let out = &mut values[(dz * BRICK + dy) * BRICK..][..BRICK];
+                out[..width].copy_from_slice(&scratch.slab[start..start + width]);
+                if lattice.any_missing {
+                    for (dx, value) in out[..width].iter_mut().enumerate() {
+                        let at = [first[0] + x + dx, first[1] + y + dy, first[2] + z + dz];
+                        if !lattice.filled(data, at).1 {
+                            *value = f32::NAN;
+                        }
+                    }
+                }
+            }
+        }
+        StoredBrick::new(&values)
+    }
+}
+
+/// Normalised values of a slice of a chunk.
+#[inline(always)]
+fn load<T: Stored>(lattice: &Lattice, data: &[T], [x, y]: [Extent; 2], z: usize, slice: &mut [f32]) {
+    let width = x.outer();
+    let first = lattice.row(data, [0, 0])[0];
+    let mut samples = vec![first; width];
+    for (y, out) in (y.outer_from..y.outer_to).zip(slice.chunks_exact_mut(width)) {
+        if lattice.any_missing {
+            for (x, value) in (x.outer_from..).zip(out) {
+                *value = lattice.filled(data, [x, y, z]).0;
+            }
+        } else {
+            lattice.points(lattice.row(data, [y, z]), x.outer_from, &mut samples);
+            for (value, &sample) in out.iter_mut().zip(&samples) {
+                *value = lattice.normalised(sample);
+            }
+        }
+    }
+}
+
+/// Columns of [`BLOCK`] lines back to rows, as many as `rows` holds.
+#[inline(always)]
+fn transpose_columns(lines: &[f32], rows: &mut [f32], width: usize) {
+    for (line, row) in rows.chunks_exact_mut(width).enumerate() {
+        for (x, value) in row.iter_mut().enumerate() {
+            *value = lines[x * BLOCK + line];
+        }
+    }
+}

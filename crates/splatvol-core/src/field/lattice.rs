@@ -1,0 +1,138 @@
+//! Samples as the lattice of a field: normalised, continued by one mirrored sample beyond each face.
+
+use splatvol_scene::Volume;
+
+use crate::visibility::level_of;
+
+/// A sample type.
+pub(super) trait Stored: Copy + PartialOrd + Send + Sync + Into<f64> {
+    /// What it exceeds a stored value by: exact in the small integer types, else by a difference in f64.
+    fn above(self, low: f64) -> f32;
+}
+
+macro_rules! small {
+    ($($t:ty),*) => {$(
+        impl Stored for $t {
+            #[inline(always)]
+            fn above(self, low: f64) -> f32 {
+                f32::from(self) - low as f32
+            }
+        }
+    )*};
+}
+
+macro_rules! large {
+    ($($t:ty),*) => {$(
+        impl Stored for $t {
+            #[inline(always)]
+            fn above(self, low: f64) -> f32 {
+                (f64::from(self) - low) as f32
+            }
+        }
+    )*};
+}
+
+small!(u8, i8, u16, i16);
+large!(u32, i32, f32, f64);
+
+/// Where a volume's samples lie on the lattice, and what they are worth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lattice {
+    /// Samples along x, y, z.
+    own: [usize; 3],
+    /// Lattice points along x, y, z.
+    pub dims: [usize; 3],
+    /// Lattice points before voxel 0.
+    pub margin: [usize; 3],
+    /// Stored value that is normalised to 0.
+    low: f64,
+    /// Normalised value per stored value.
+    factor: f32,
+    pub any_missing: bool,
+}
+
+impl Lattice {
+    pub(super) fn new(volume: &Volume) -> Self {
+        let own = volume.grid().dims();
+        let margin = own.map(|n| usize::from(n > 1));
+        let [low, high] = volume.value_range();
+        let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
+        let rescale = volume.rescale();
+        Self {
+            own,
+            dims: std::array::from_fn(|a| own[a] + 2 * margin[a]),
+            margin,
+            low: (low - rescale.intercept) / rescale.slope,
+            factor: (rescale.slope * scale) as f32,
+            any_missing: volume.statistics().non_finite > 0,
+        }
+    }
+
+    /// The sample that a lattice point is, along one axis.
+    #[inline]
+    fn sample(&self, axis: usize, point: usize) -> usize {
+        let last = self.own[axis] - 1;
+        let point = point.abs_diff(self.margin[axis]);
+        if point > last { 2 * last - point } else { point }
+    }
+
+    /// The samples of a lattice row.
+    #[inline(always)]
+    pub(super) fn row<'a, T>(&self, data: &'a [T], [y, z]: [usize; 2]) -> &'a [T] {
+        let start = (self.sample(2, z) * self.own[1] + self.sample(1, y)) * self.own[0];
+        &data[start..start + self.own[0]]
+    }
+
+    /// Lattice points `start ..` of a row of samples.
+    #[inline(always)]
+    pub(super) fn points<T: Copy>(&self, row: &[T], start: usize, out: &mut [T]) {
+        let margin = self.margin[0];
+        let (from, to) = (start.max(margin), (start + out.len()).min(margin + self.own[0]));
+        if from < to {
+            out[from - start..to - start].copy_from_slice(&row[from - margin..to - margin]);
+        }
+        for x in (start..from.min(start + out.len())).chain(to.max(start)..start + out.len()) {
+            out[x - start] = row[self.sample(0, x.min(self.dims[0] - 1))];
+        }
+    }
+
+    /// `(f - lo) / (hi - lo)`.
+    #[inline(always)]
+    pub(super) fn normalised<T: Stored>(&self, sample: T) -> f32 {
+        sample.above(self.low) * self.factor
+    }
+
+    #[inline(always)]
+    pub(super) fn level<T: Stored>(&self, sample: T) -> i16 {
+        level_of(self.normalised(sample))
+    }
+
+    /// Normalised value of a point; a missing sample is the mean of its finite face neighbours, 0 without any, and
+    /// marked by `false`.
+    pub(super) fn filled<T: Stored>(&self, data: &[T], [x, y, z]: [usize; 3]) -> (f32, bool) {
+        let at = |[x, y, z]: [usize; 3]| self.normalised(self.row(data, [y, z])[self.sample(0, x)]);
+        let own = at([x, y, z]);
+        if own.is_finite() {
+            return (own, true);
+        }
+        let (mut sum, mut found) = (0.0, 0);
+        for axis in 0..3 {
+            for forward in [false, true] {
+                let mut point = [x, y, z];
+                if forward && point[axis] + 1 < self.dims[axis] {
+                    point[axis] += 1;
+                } else if !forward && point[axis] > 0 {
+                    point[axis] -= 1;
+                } else {
+                    continue;
+                }
+                let value = at(point);
+                if value.is_finite() {
+                    sum += value;
+                    found += 1;
+                }
+            }
+        }
+        (if found == 0 { 0.0 } else { sum / found as f32 }, false)
+    }
+}

@@ -1,0 +1,280 @@
+//! Half-resolution volumes, for pictures in which a voxel is smaller than a pixel.
+//!
+//! Along an axis of n samples the half has `m = ceil(n / 2)` cells of `n / m` old spacings, so that both have the same
+//! box in world space, and each new sample is the mean of the old cells it covers, parts of cells by their length:
+//! 1/2, 1/2 where n is even, three weights where it is odd. Constants stay, the integral over the box stays, and linear
+//! data stay where they are (for odd n up to 1/16 of an old step). Missing samples are left out of the mean; a new
+//! sample is missing where all it covers are.
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use splatvol_scene::volume::widen;
+use splatvol_scene::{Grid, Rescale, Samples, SceneError, Volume, with_samples};
+
+/// Most old cells along an axis that a new one covers.
+const TAPS: usize = 3;
+
+/// A volume of half the samples along each axis (rounded up) in the same box.
+///
+/// Samples of 8 and 16 bits become `u16` that span the value range (error 8e-6 of it), all others `f32`.
+///
+/// # Errors
+/// A grid whose doubled spacing leaves the domain of [`Grid`].
+pub fn half(volume: &Volume) -> Result<Volume, SceneError> {
+    let old = volume.grid();
+    let dims = old.dims().map(|n| n.div_ceil(2));
+    let grid = Grid::from_affine(dims, old.world_from_voxel() * half_from_own(old.dims(), dims))?;
+    let [low, high] = volume.value_range();
+    let narrow = matches!(
+        volume.samples(),
+        Samples::U8(_) | Samples::I8(_) | Samples::U16(_) | Samples::I16(_)
+    );
+    let reduction = Reduction::new(volume, dims);
+    let count = grid.sample_count();
+    let (samples, rescale) = if narrow && high > low {
+        let mut data = vec![0u16; count];
+        let steps = f64::from(u16::MAX) / (high - low);
+        reduction.run(&mut data, |mean| (f64::from(mean) * steps).round() as u16);
+        let rescale = Rescale {
+            slope: (high - low) / f64::from(u16::MAX),
+            intercept: low,
+        };
+        (Samples::U16(data), rescale)
+    } else {
+        let mut data = vec![0.0f32; count];
+        reduction.run(&mut data, |mean| (f64::from(mean) + low) as f32);
+        (Samples::F32(data), Rescale::default())
+    };
+    Volume::new(grid, samples, rescale, volume.unit())
+}
+
+/// Old voxel coordinates of new ones: cell edges meet at -1/2.
+fn half_from_own(own: [usize; 3], dims: [usize; 3]) -> DAffine3 {
+    let ratio = DVec3::from_array(std::array::from_fn(|a| own[a] as f64 / dims[a] as f64));
+    DAffine3::from_translation(0.5 * (ratio - DVec3::ONE)) * DAffine3::from_scale(ratio)
+}
+
+/// The old samples that a new one is the mean of, along one axis.
+#[derive(Debug, Clone, Copy)]
+struct Cover {
+    first: usize,
+    weights: [f32; TAPS],
+}
+
+impl Cover {
+    fn all(own: usize, count: usize) -> Vec<Self> {
+        let ratio = own as f64 / count as f64;
+        let cover = |i: usize| {
+            let (from, to) = (i as f64 * ratio, (i + 1) as f64 * ratio);
+            let first = (from + 1e-9).floor() as usize;
+            let part = |tap: usize| {
+                let cell = (first + tap) as f64;
+                (to.min(cell + 1.0) - from.max(cell)).max(0.0) / ratio
+            };
+            Self {
+                first,
+                // Rounding leaves no weight of a cell that is only touched.
+                weights: std::array::from_fn(part).map(|w| if w < 1e-6 { 0.0 } else { w as f32 }),
+            }
+        };
+        (0..count).map(cover).collect()
+    }
+
+    fn taps(&self) -> impl Iterator<Item = (usize, f32)> {
+        let first = self.first;
+        self.weights
+            .into_iter()
+            .enumerate()
+            .filter(|(_, weight)| *weight > 0.0)
+            .map(move |(tap, weight)| (first + tap, weight))
+    }
+}
+
+/// Means of a volume's samples, less the smallest of the value range (so that f32 holds them).
+struct Reduction<'a> {
+    volume: &'a Volume,
+    dims: [usize; 3],
+    cover: [Vec<Cover>; 3],
+}
+
+/// Sums along x of one row of new samples: of values and, where samples may be missing, of weights.
+struct Sums {
+    values: Vec<f32>,
+    weights: Vec<f32>,
+}
+
+impl<'a> Reduction<'a> {
+    fn new(volume: &'a Volume, dims: [usize; 3]) -> Self {
+        let own = volume.grid().dims();
+        Self {
+            volume,
+            dims,
+            cover: std::array::from_fn(|a| Cover::all(own[a], dims[a])),
+        }
+    }
+
+    fn run<T: Send>(&self, data: &mut [T], store: impl Fn(f32) -> T + Sync) {
+        let [nx, ny, _] = self.dims;
+        let own = self.volume.grid().dims()[0];
+        let sums = || Sums {
+            values: vec![0.0; own],
+            weights: vec![0.0; own],
+        };
+        data.par_chunks_mut(nx * ny)
+            .enumerate()
+            .for_each_init(sums, |sums, (z, slice)| {
+                for (y, row) in slice.chunks_mut(nx).enumerate() {
+                    sums.gather(self, [y, z]);
+                    sums.reduce(self, row, &store);
+                }
+            });
+    }
+}
+
+impl Sums {
+    /// Sums over the rows that a row of new samples covers.
+    fn gather(&mut self, reduction: &Reduction<'_>, [y, z]: [usize; 2]) {
+        let own = reduction.volume.grid().dims();
+        let rescale = reduction.volume.rescale();
+        let [low, _] = reduction.volume.value_range();
+        let (slope, offset) = (rescale.slope, rescale.intercept - low);
+        let missing = reduction.volume.statistics().non_finite > 0;
+        self.values.fill(0.0);
+        self.weights.fill(0.0);
+        for (z, of_z) in reduction.cover[2][z].taps() {
+            for (y, of_y) in reduction.cover[1][y].taps() {
+                let start = (z * own[1] + y) * own[0];
+                let weight = of_z * of_y;
+                with_samples!(reduction.volume.samples(), data => {
+                    let row = &data[start..start + own[0]];
+                    if missing {
+                        let sums = self.values.iter_mut().zip(&mut self.weights);
+                        for ((value, sum), sample) in sums.zip(row) {
+                            let real = (widen(*sample) * slope + offset) as f32;
+                            if real.is_finite() {
+                                *value += weight * real;
+                                *sum += weight;
+                            }
+                        }
+                    } else {
+                        for (value, sample) in self.values.iter_mut().zip(row) {
+                            *value += weight * (widen(*sample) * slope + offset) as f32;
+                        }
+                    }
+                });
+            }
+        }
+        if !missing {
+            self.weights.fill(1.0);
+        }
+    }
+
+    /// Means along x.
+    fn reduce<T>(&self, reduction: &Reduction<'_>, row: &mut [T], store: &impl Fn(f32) -> T) {
+        for (out, cover) in row.iter_mut().zip(&reduction.cover[0]) {
+            let (mut value, mut weight) = (0.0, 0.0);
+            for (x, of_x) in cover.taps() {
+                value += of_x * self.values[x];
+                weight += of_x * self.weights[x];
+            }
+            *out = store(if weight > 0.0 { value / weight } else { f32::NAN });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use splatvol_scene::LengthUnit;
+    use splatvol_testing::random::Random;
+
+    fn volume(dims: [usize; 3], samples: Samples) -> Volume {
+        let grid = Grid::new(
+            dims,
+            DVec3::new(3.0, -1.0, 2.0),
+            DVec3::new(0.5, 1.0, 2.0),
+            glam::DMat3::from_rotation_y(0.3),
+        )
+        .unwrap();
+        Volume::new(
+            grid,
+            samples,
+            Rescale {
+                slope: -2.0,
+                intercept: 7.0,
+            },
+            LengthUnit::Millimetre,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn the_box_and_the_integral_stay() {
+        for dims in [[8, 6, 4], [7, 5, 9], [1, 3, 2], [1, 1, 1], [2, 33, 1]] {
+            let count: usize = dims.iter().product();
+            let mut random = Random::new(7);
+            let data: Vec<u8> = (0..count).map(|_| (random.unit() * 255.0) as u8).collect();
+            let full = volume(dims, Samples::U8(data));
+            let half = half(&full).unwrap();
+            for (a, b) in full.grid().corners().iter().zip(half.grid().corners()) {
+                assert!((*a - b).length() < 1e-12, "{dims:?} {a} {b}");
+            }
+            let integral =
+                |v: &Volume| v.statistics().mean * v.grid().sample_count() as f64 * v.grid().cell_volume();
+            let (a, b) = (integral(&full), integral(&half));
+            let range = 510.0 * full.grid().sample_count() as f64 * full.grid().cell_volume();
+            assert!((a - b).abs() < 1e-5 * range, "{dims:?} {a} {b}");
+        }
+    }
+
+    #[test]
+    fn ramps_stay_where_they_are_in_the_world() {
+        for dims in [[8, 6, 4], [9, 5, 7]] {
+            let odd = dims[0] % 2 == 1;
+            let steps = [3.0, -1.0, 2.0];
+            let value = |voxel: DVec3| DVec3::from_array(steps).dot(voxel);
+            let data = (0..dims.iter().product::<usize>())
+                .map(|i| {
+                    let at = [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])];
+                    value(DVec3::from_array(at.map(|c| c as f64))) as f32
+                })
+                .collect();
+            let full = volume(dims, Samples::F32(data));
+            let half = half(&full).unwrap();
+            let new = half.grid().dims();
+            let own_from_half = full.grid().world_from_voxel().inverse() * half.grid().world_from_voxel();
+            for i in 0..half.grid().sample_count() {
+                let at = [i % new[0], i / new[0] % new[1], i / (new[0] * new[1])];
+                let there = own_from_half.transform_point3(DVec3::from_array(at.map(|c| c as f64)));
+                let expected = full.rescale().apply(value(there));
+                let tolerance = if odd { 2.0 * 6.0 / 15.0 } else { 1e-4 };
+                assert!(
+                    (half.value(i) - expected).abs() < tolerance,
+                    "{dims:?} {at:?}: {} {expected}",
+                    half.value(i)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn constants_stay_and_missing_samples_have_no_share() {
+        let mut data = vec![4.0f32; 6 * 6 * 6];
+        data[0] = f32::NAN;
+        for z in 2..4 {
+            for y in 2..4 {
+                for x in 2..4 {
+                    data[(z * 6 + y) * 6 + x] = f32::INFINITY;
+                }
+            }
+        }
+        let half = half(&volume([6; 3], Samples::F32(data))).unwrap();
+        for i in 0..27 {
+            let value = half.value(i);
+            assert!(
+                if i == 13 { value.is_nan() } else { value == -1.0 },
+                "{i} {value}"
+            );
+        }
+    }
+}
