@@ -16,7 +16,6 @@ use splatvol_scene::{
 };
 
 use crate::data::engine::{DataEngine, Run};
-use crate::data::frame::View;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -274,6 +273,7 @@ impl Renderer {
             seconds,
             threads: self.pool.current_num_threads(),
             simd: level_name(self.level).to_owned(),
+            level: 0,
             bricks: plan.bricks.len(),
             active_bricks: plan.active_bricks,
             sheets: plan.projector.sheets.count,
@@ -308,10 +308,6 @@ impl Renderer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
         settings.validate()?;
-        let Some(view) = data_view(scene, camera, settings) else {
-            *frame = self.render_slices(scene, camera, settings, progress);
-            return Ok(());
-        };
         if frame.image.size() != settings.size {
             *frame = empty_frame(settings.size);
         }
@@ -321,7 +317,13 @@ impl Renderer {
             tile_edge: self.tile_edge,
             progress,
         };
-        self.statistics = self.data.render(run, scene, (&view, settings), frame);
+        if splats_at_once(scene, settings)
+            && let Some(statistics) = self.data.render(run, scene, (camera, settings), frame)
+        {
+            self.statistics = statistics;
+        } else {
+            *frame = self.render_slices(scene, camera, settings, progress);
+        }
         Ok(())
     }
 
@@ -392,21 +394,13 @@ fn empty_frame(size: ImageSize) -> Frame {
     }
 }
 
-/// The view of the fast engine, where it can render what is asked for.
-fn data_view(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Option<View> {
-    let can = settings.gradient == Gradient::Differences
+/// Whether the engine that splats into all sheets at once renders this.
+fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
+    settings.gradient == Gradient::Differences
         && settings.compositing == Compositing::ImageSheets
         && settings.classification == Classification::Post
-        && scene.volume.statistics().non_finite == 0;
-    if !can {
-        return None;
-    }
-    View::new(
-        scene.volume.grid(),
-        DataEngine::margin(&scene.volume),
-        camera,
-        settings,
-    )
+        && settings.prefilter
+        && scene.volume.statistics().non_finite == 0
 }
 
 fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {

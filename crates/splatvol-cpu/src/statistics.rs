@@ -34,6 +34,8 @@ pub struct RenderStatistics {
     pub threads: usize,
     /// SIMD level chosen at run time.
     pub simd: String,
+    /// Level of detail: 0 is the volume itself, each further one half of it.
+    pub level: usize,
     /// Bricks of the volume.
     pub bricks: usize,
     /// Bricks that can be seen with this transfer function.

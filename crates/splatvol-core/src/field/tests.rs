@@ -116,7 +116,9 @@ fn coefficients_are_those_of_the_whole_volume() {
                 worst = worst.max((a - b).abs());
                 assert!((a - b).abs() < demanded, "{dims:?} {i}: {a} {b}");
             }
-            println!("{dims:?} sigma {sigma}, noise {noise}: {worst:.1e}, coefficients {low:.1} to {high:.1}");
+            println!(
+                "{dims:?} sigma {sigma}, noise {noise}: {worst:.1e}, coefficients {low:.1} to {high:.1}"
+            );
         }
     }
 }

@@ -2,53 +2,36 @@
 //! changes, a new volume everything.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-use splatvol_core::classification::ClassificationTable;
-use splatvol_core::coefficients::{Coefficients, Use};
-use splatvol_core::kernel::GaussianKernel;
-use splatvol_core::visibility::{BrickStore, VisibleLevels, background};
-use splatvol_scene::{Frame, Kernel, RenderSettings, Scene, TransferFunction, Volume};
+use splatvol_scene::{Camera, Frame, RenderSettings, Scene};
 
 use super::frame::{Plan, View};
-use super::shade::{Canvas, ShadeTable};
+use super::level::{Detail, Pyramid};
+use super::resolve::{blend, resolve};
+use super::shade::Canvas;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
-/// Largest edge of a tile, pixels, and the default: few voxels lie in two tiles.
+/// Edge of a tile unless asked otherwise, pixels: few voxels lie in two tiles.
 const TILE_EDGE: usize = 128;
 
-/// A volume's coefficients for a kernel.
-#[derive(Debug)]
-struct Prepared {
-    volume: Arc<Volume>,
-    kernel: Kernel,
-    prefilter: bool,
-    coefficients: Coefficients,
-}
-
-/// What a transfer function makes of them.
-#[derive(Debug)]
-struct Classified {
-    transfer_function: TransferFunction,
-    unit_distance: f64,
-    store: BrickStore,
-    table: ShadeTable,
-}
+/// A tile's pixels and what they took.
+pub(crate) type Tile = Mutex<(Canvas, DataWork)>;
 
 /// State between frames.
 #[derive(Debug, Default)]
 pub(crate) struct DataEngine {
-    prepared: Option<Prepared>,
-    classified: Option<Classified>,
+    pyramid: Option<Pyramid>,
     plan: Plan,
     /// One per thread.
     scratch: Vec<Mutex<DataScratch>>,
-    /// One per tile.
-    tiles: Vec<Mutex<(Canvas, DataWork)>>,
+    tiles: Vec<Tile>,
+    /// The coarser level's frame, where two are blended.
+    coarser: Option<Frame>,
 }
 
 /// What a frame is rendered with.
@@ -61,134 +44,127 @@ pub(crate) struct Run<'a> {
 }
 
 impl DataEngine {
-    /// Lattice points that continue a volume beyond each face.
-    pub(crate) fn margin(volume: &Volume) -> [usize; 3] {
-        volume.grid().dims().map(|n| usize::from(n > 1))
-    }
-
-    /// Renders into a frame of the settings' size.
+    /// Renders into a frame of the settings' size; `None` where footprints of one frame would differ too much in size.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
         scene: &Scene,
-        (view, settings): (&View, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
-    ) -> RenderStatistics {
+    ) -> Option<RenderStatistics> {
         let start = Instant::now();
-        let mut seconds = StageSeconds::default();
-        let (tiles, active) = run.pool.install(|| {
-            self.prepare(scene, settings);
-            seconds.prefilter = start.elapsed().as_secs_f64();
-            self.classify(scene);
-            seconds.classify = start.elapsed().as_secs_f64() - seconds.prefilter;
-            let planned = Instant::now();
-            let edge = run.tile_edge.unwrap_or(TILE_EDGE);
-            let Some(Classified { store, table, .. }) = &self.classified else {
-                return (0, 0);
-            };
-            let plan = self
-                .plan
-                .update(view, scene.volume.grid(), (store, table), settings, edge);
-            seconds.bin = planned.elapsed().as_secs_f64();
-            let tiled = Instant::now();
-            let count = plan.tiles.len();
-            self.scratch
-                .resize_with(run.pool.current_num_threads(), Mutex::default);
-            if self.tiles.len() < count {
-                self.tiles.resize_with(count, Mutex::default);
-            }
-            tiles(run, &plan, &self.scratch, &self.tiles[..count]);
-            seconds.tiles = tiled.elapsed().as_secs_f64();
-            resolve(&plan, &self.tiles[..count], frame);
-            (count, plan.store.first.len())
-        });
+        let detail = Detail::new(&scene.volume, camera, settings.size);
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             simd: crate::level_name(run.level).to_owned(),
-            bricks: self
-                .prepared
-                .as_ref()
-                .map_or(0, |p| p.coefficients.dims.iter().map(|n| n.div_ceil(8)).product()),
-            active_bricks: active,
-            sheets: view.sheets(),
-            tiles,
+            level: detail.level,
             ..RenderStatistics::default()
         };
-        for tile in &self.tiles[..tiles] {
+        run.pool.install(|| {
+            self.level(
+                run,
+                scene,
+                (camera, settings),
+                detail.level,
+                frame,
+                &mut statistics,
+            )?;
+            if detail.coarser > 0.0 {
+                let mut coarser = self.coarser.take().unwrap_or_else(|| frame.clone());
+                if coarser.image.size() != frame.image.size() {
+                    coarser = frame.clone();
+                }
+                let rendered = self.level(
+                    run,
+                    scene,
+                    (camera, settings),
+                    detail.level + 1,
+                    &mut coarser,
+                    &mut statistics,
+                );
+                if rendered.is_some() {
+                    blend(frame, &coarser, detail.coarser);
+                }
+                self.coarser = Some(coarser);
+            }
+            Some(())
+        })?;
+        statistics.seconds.total = start.elapsed().as_secs_f64();
+        Some(statistics)
+    }
+
+    /// Renders one level of the volume.
+    fn level(
+        &mut self,
+        run: Run<'_>,
+        scene: &Scene,
+        (camera, settings): (&Camera, &RenderSettings),
+        level: usize,
+        frame: &mut Frame,
+        statistics: &mut RenderStatistics,
+    ) -> Option<()> {
+        let prepared = Instant::now();
+        if !self
+            .pyramid
+            .as_ref()
+            .is_some_and(|p| p.is_of(&scene.volume, settings.kernel))
+        {
+            // Freed before the new one is made.
+            self.pyramid = None;
+        }
+        let pyramid = self
+            .pyramid
+            .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
+        let view = View::new(pyramid.volume(level).grid(), camera, settings)?;
+        pyramid.classify(level, &scene.transfer_function, scene.unit_distance());
+        let (field, table) = pyramid.level(level)?;
+        let planned = Instant::now();
+        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
+        let spacing = scene.volume.grid().mean_spacing();
+        let plan = self.plan.update(&view, (field, table), (settings, spacing), edge);
+        let tiled = Instant::now();
+        let count = plan.tiles.len();
+        self.scratch
+            .resize_with(run.pool.current_num_threads(), Mutex::default);
+        if self.tiles.len() < count {
+            self.tiles.resize_with(count, Mutex::default);
+        }
+        let tiles = &self.tiles[..count];
+        render_tiles(run, &plan, &self.scratch, tiles);
+        resolve(&plan.tiles, tiles, frame);
+        let seconds = &mut statistics.seconds;
+        seconds.classify += (planned - prepared).as_secs_f64();
+        seconds.bin += (tiled - planned).as_secs_f64();
+        seconds.tiles += tiled.elapsed().as_secs_f64();
+        statistics.bricks += field.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
+        statistics.active_bricks += field.len();
+        statistics.sheets += view.sheets();
+        statistics.tiles += count;
+        for tile in tiles {
             let (_, work) = &*lock(tile);
-            seconds.activate += work.activate.as_secs_f64();
-            seconds.splat += work.splat.as_secs_f64();
-            seconds.take += work.take.as_secs_f64();
-            seconds.shade += work.shade.as_secs_f64();
-            statistics.voxels += work.voxels;
-            statistics.slices += work.voxels * view.sheets_per_voxel();
+            count_work(work, view.sheets_per_voxel(), statistics);
         }
-        seconds.total = start.elapsed().as_secs_f64();
-        statistics.seconds = seconds;
-        statistics
-    }
-
-    fn prepare(&mut self, scene: &Scene, settings: &RenderSettings) {
-        let is_right = |p: &Prepared| {
-            Arc::ptr_eq(&p.volume, &scene.volume)
-                && p.kernel == settings.kernel
-                && p.prefilter == settings.prefilter
-        };
-        if self.prepared.as_ref().is_some_and(is_right) {
-            return;
-        }
-        // Freed before the new ones are made.
-        (self.prepared, self.classified) = (None, None);
-        let kernel = GaussianKernel::new(settings.kernel);
-        let (coefficients, _) =
-            Coefficients::new(&scene.volume, Use::Field(settings.prefilter.then_some(&kernel)));
-        self.prepared = Some(Prepared {
-            volume: Arc::clone(&scene.volume),
-            kernel: settings.kernel,
-            prefilter: settings.prefilter,
-            coefficients,
-        });
-    }
-
-    fn classify(&mut self, scene: &Scene) {
-        let Some(Prepared { coefficients, .. }) = &self.prepared else {
-            return;
-        };
-        let unit_distance = scene.unit_distance();
-        let is_right = |c: &Classified| {
-            c.transfer_function == scene.transfer_function && c.unit_distance == unit_distance
-        };
-        if self.classified.as_ref().is_some_and(is_right) {
-            return;
-        }
-        let table = ClassificationTable::new(
-            &scene.transfer_function,
-            scene.volume.value_range(),
-            unit_distance,
-        );
-        let levels = VisibleLevels::new(&table);
-        let background = background(&scene.volume, &levels);
-        self.classified = Some(Classified {
-            transfer_function: scene.transfer_function.clone(),
-            unit_distance,
-            store: BrickStore::new(&scene.volume, coefficients, &levels, background),
-            table: ShadeTable::new(&table, levels.hull().unwrap_or([f32::INFINITY; 2])),
-        });
+        Some(())
     }
 }
 
+fn count_work(work: &DataWork, sheets_per_voxel: u64, statistics: &mut RenderStatistics) {
+    let seconds: &mut StageSeconds = &mut statistics.seconds;
+    seconds.activate += work.activate.as_secs_f64();
+    seconds.splat += work.splat.as_secs_f64();
+    seconds.take += work.take.as_secs_f64();
+    seconds.shade += work.shade.as_secs_f64();
+    statistics.voxels += work.voxels;
+    statistics.slices += work.voxels * sheets_per_voxel;
+}
+
 /// A lock whose holder cannot have left nonsense: what it guards is overwritten.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Renders all tiles; threads take the next one as they come free.
-fn tiles(
-    run: Run<'_>,
-    plan: &DataFrame<'_>,
-    scratch: &[Mutex<DataScratch>],
-    tiles: &[Mutex<(Canvas, DataWork)>],
-) {
+fn render_tiles(run: Run<'_>, plan: &DataFrame<'_>, scratch: &[Mutex<DataScratch>], tiles: &[Tile]) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
@@ -201,54 +177,4 @@ fn tiles(
             (run.progress)(done as f64 / tiles.len() as f64);
         }
     });
-}
-
-/// Copies the tiles' pixels to the frame.
-fn resolve(plan: &DataFrame<'_>, tiles: &[Mutex<(Canvas, DataWork)>], frame: &mut Frame) {
-    let grid = &plan.tiles;
-    let width = frame.image.size().width() as usize;
-    let band = width * grid.edge;
-    let bands = frame
-        .image
-        .pixels
-        .par_chunks_mut(band)
-        .zip(frame.depth.par_chunks_mut(band));
-    let bands = bands
-        .zip(frame.optical_depth.par_chunks_mut(band))
-        .with_max_len(1);
-    bands
-        .enumerate()
-        .for_each(|(row, ((pixels, depths), optical_depths))| {
-            for column in 0..grid.columns {
-                let index = row * grid.columns + column;
-                let rect = grid.rect(index);
-                let (canvas, _) = &*lock(&tiles[index]);
-                for y in 0..rect.y1 - rect.y0 {
-                    let target = y * width + rect.x0..y * width + rect.x1;
-                    let source = y * canvas.pitch..y * canvas.pitch + (rect.x1 - rect.x0);
-                    let [r, g, b] = &canvas.color;
-                    let colors = r[source.clone()]
-                        .iter()
-                        .zip(&g[source.clone()])
-                        .zip(&b[source.clone()]);
-                    let rest = canvas.transmittance[source.clone()]
-                        .iter()
-                        .zip(&canvas.depth_sum[source]);
-                    let targets = pixels[target.clone()].iter_mut().zip(&mut depths[target.clone()]);
-                    let targets = targets.zip(&mut optical_depths[target]);
-                    for (((pixel, depth), optical_depth), (((r, g), b), (t, sum))) in
-                        targets.zip(colors.zip(rest))
-                    {
-                        let alpha = 1.0 - t;
-                        *pixel = [*r, *g, *b, alpha];
-                        *depth = if alpha > 0.0 { sum / alpha } else { f32::INFINITY };
-                        *optical_depth = if alpha > 0.0 {
-                            -t.max(f32::MIN_POSITIVE).ln()
-                        } else {
-                            0.0
-                        };
-                    }
-                }
-            }
-        });
 }

@@ -4,10 +4,10 @@ use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
 use splatvol_core::brick::{ActiveBrick, BRICK};
+use splatvol_core::field::FieldStore;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::sheets::SheetStack;
-use splatvol_core::visibility::BrickStore;
 use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
 
 use super::border::Border;
@@ -46,12 +46,8 @@ pub(crate) struct View {
 impl View {
     /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
     /// too wide an angle.
-    pub(crate) fn new(
-        grid: &Grid,
-        margin: [usize; 3],
-        camera: &Camera,
-        settings: &RenderSettings,
-    ) -> Option<Self> {
+    pub(crate) fn new(grid: &Grid, camera: &Camera, settings: &RenderSettings) -> Option<Self> {
+        let margin = grid.dims().map(|n| usize::from(n > 1));
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
         let first_point = -DVec3::from_array(margin.map(|m| m as f64));
@@ -168,9 +164,8 @@ impl Plan {
     pub(crate) fn update<'a>(
         &'a mut self,
         view: &View,
-        grid: &Grid,
-        (store, table): (&'a BrickStore, &'a ShadeTable),
-        settings: &RenderSettings,
+        (store, table): (&'a FieldStore, &'a ShadeTable),
+        (settings, mean_spacing): (&RenderSettings, f64),
         tile_edge: usize,
     ) -> DataFrame<'a> {
         let View {
@@ -207,7 +202,7 @@ impl Plan {
             margin: f64::from(points) * raster.step as f64,
         };
         let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
-        self.projected.resize(store.first.len(), None);
+        self.projected.resize(store.len(), None);
         let projected = self.projected.par_iter_mut().enumerate().with_min_len(256);
         projected.for_each(|(i, brick)| *brick = projection.project(store, i));
         self.lists.fill(self.projected.iter().flatten().copied(), &tiles);
@@ -231,17 +226,19 @@ impl Plan {
             },
             shader: PlaneShader {
                 table,
-                phong: settings
-                    .lighting
-                    .as_ref()
-                    .map(|l| Phong::new(l, grid.mean_spacing())),
+                phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
                 spacing: stack.spacing as f32,
-                background: store.background,
+                background: store.background(),
                 principal: screen.centre.as_vec2().to_array(),
                 per_pixel: if screen.perspective { per_pixel } else { 0.0 },
                 plane_per_pixel: per_pixel,
                 termination: settings.termination as f32,
-                border: Border::new(camera_from_voxel, grid.dims(), margin, kernel.sigma),
+                border: Border::new(
+                    camera_from_voxel,
+                    store.volume().grid().dims(),
+                    margin,
+                    kernel.sigma,
+                ),
             },
             step: raster.step,
             depth_reach: reach as f32,
@@ -276,8 +273,8 @@ struct BrickProjection<'a> {
 }
 
 impl BrickProjection<'_> {
-    fn project(&self, store: &BrickStore, index: usize) -> Option<ProjectedBrick> {
-        let first = DVec3::from_array(store.first[index].map(f64::from));
+    fn project(&self, store: &FieldStore, index: usize) -> Option<ProjectedBrick> {
+        let first = DVec3::from_array(store.first(index).map(f64::from));
         let corner = self.camera_from_lattice.transform_point3(first);
         let linear = self.camera_from_lattice.matrix3 * (BRICK as f64 - 1.0);
         let (mut low, mut high) = (corner, corner);

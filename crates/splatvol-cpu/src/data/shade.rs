@@ -54,12 +54,21 @@ impl<S: Simd> Classified<S> {
     }
 }
 
+impl Default for ShadeTable {
+    fn default() -> Self {
+        Self {
+            cells: Box::new([[0.0; 4]; CELLS]),
+            hull: [f32::INFINITY; 2],
+        }
+    }
+}
+
 impl ShadeTable {
-    pub(crate) fn new(table: &ClassificationTable, hull: [f32; 2]) -> Self {
+    /// Takes another transfer function.
+    pub(crate) fn update(&mut self, table: &ClassificationTable, hull: [f32; 2]) {
         let mut sum = 0.0f64;
         let node = |i: usize| FIRST + i as f32 / PER_VALUE;
-        let mut cells = Box::new([[0.0; 4]; CELLS]);
-        for (i, cell) in cells.iter_mut().enumerate() {
+        for (i, cell) in self.cells.iter_mut().enumerate() {
             let [extinction, ..] = table.mean(node(i), node(i + 1));
             let [r, g, b] = table
                 .color(node(i) + 0.5 / PER_VALUE)
@@ -72,7 +81,7 @@ impl ShadeTable {
             ];
             sum += f64::from(extinction / PER_VALUE);
         }
-        Self { cells, hull }
+        self.hull = hull;
     }
 
     /// Looks sixteen values up. Rows are put together in registers: vectors read from memory just written in pieces

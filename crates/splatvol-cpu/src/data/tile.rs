@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 use fearless_simd::prelude::*;
 use glam::DAffine3;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
+use splatvol_core::field::FieldStore;
 use splatvol_core::sheets::SheetStack;
-use splatvol_core::visibility::{BRICK_VOXELS, BrickStore};
+use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, SortedValues, Window, activate};
 use super::mask::OpenMask;
@@ -21,7 +22,7 @@ use super::upsample::{RASTER_HALO, Upsampler};
 /// What the tiles of a frame share.
 #[derive(Debug)]
 pub(crate) struct DataFrame<'a> {
-    pub store: &'a BrickStore,
+    pub store: &'a FieldStore,
     pub order: &'a DepthOrder,
     pub camera_from_lattice: DAffine3,
     pub stack: SheetStack,
@@ -61,6 +62,16 @@ pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
     (points + 1).div_ceil(2).max(2)
 }
 
+/// A brick's values, x fastest.
+#[derive(Debug)]
+struct BrickValues([f32; BRICK_VOXELS]);
+
+impl Default for BrickValues {
+    fn default() -> Self {
+        Self([f32::NAN; BRICK_VOXELS])
+    }
+}
+
 /// A thread's memory.
 #[derive(Debug, Default)]
 pub(crate) struct DataScratch {
@@ -75,6 +86,7 @@ pub(crate) struct DataScratch {
     open: Vec<OpenBrick>,
     values: Vec<SortedValues>,
     free: Vec<u32>,
+    brick: BrickValues,
     mask: OpenMask,
     batch: ShadeBatch,
 }
@@ -151,12 +163,12 @@ impl DataScratch {
             self.values.push([f32::NAN; BRICK_VOXELS + 16]);
             self.values.len() as u32 - 1
         });
-        let stored = &frame.store.values[index];
+        frame.store.decode(index, &mut self.brick.0);
         let sorted = &mut self.values[values as usize];
         for (value, &voxel) in sorted.iter_mut().zip(&frame.order.voxel[..BRICK_VOXELS]) {
-            *value = stored[usize::from(voxel) % BRICK_VOXELS];
+            *value = self.brick.0[usize::from(voxel) % BRICK_VOXELS];
         }
-        let first = glam::DVec3::from_array(frame.store.first[index].map(f64::from));
+        let first = glam::DVec3::from_array(frame.store.first(index).map(f64::from));
         let corner = frame.camera_from_lattice.transform_point3(first);
         self.open.push(OpenBrick {
             values,

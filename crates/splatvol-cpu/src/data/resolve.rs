@@ -1,0 +1,86 @@
+//! Resolve: tiles to the frame, and frames of two levels into one.
+
+use rayon::prelude::*;
+use splatvol_core::bin::TileGrid;
+use splatvol_scene::Frame;
+
+use super::engine::{Tile, lock};
+use super::shade::Canvas;
+
+/// Copies the tiles' pixels to the frame.
+pub(crate) fn resolve(grid: &TileGrid, tiles: &[Tile], frame: &mut Frame) {
+    let width = frame.image.size().width() as usize;
+    let band = width * grid.edge;
+    let pixels = frame.image.pixels.par_chunks_mut(band);
+    let rest = frame
+        .depth
+        .par_chunks_mut(band)
+        .zip(frame.optical_depth.par_chunks_mut(band));
+    pixels
+        .zip(rest)
+        .with_max_len(1)
+        .enumerate()
+        .for_each(|(row, (pixels, (depths, optical_depths)))| {
+            for column in 0..grid.columns {
+                let index = row * grid.columns + column;
+                let rect = grid.rect(index);
+                let (canvas, _) = &*lock(&tiles[index]);
+                for y in 0..rect.y1 - rect.y0 {
+                    let target = y * width + rect.x0..y * width + rect.x1;
+                    let (depths, optical_depths) =
+                        (&mut depths[target.clone()], &mut optical_depths[target.clone()]);
+                    row_of(canvas, y, &mut pixels[target], depths, optical_depths);
+                }
+            }
+        });
+}
+
+/// A row of a tile.
+fn row_of(
+    canvas: &Canvas,
+    y: usize,
+    pixels: &mut [[f32; 4]],
+    depths: &mut [f32],
+    optical_depths: &mut [f32],
+) {
+    let source = y * canvas.pitch..y * canvas.pitch + pixels.len();
+    let [r, g, b] = &canvas.color;
+    let (r, g, b) = (&r[source.clone()], &g[source.clone()], &b[source.clone()]);
+    let (through, depth_sum) = (&canvas.transmittance[source.clone()], &canvas.depth_sum[source]);
+    for x in 0..pixels.len() {
+        let alpha = 1.0 - through[x];
+        pixels[x] = [r[x], g[x], b[x], alpha];
+        (depths[x], optical_depths[x]) = if alpha > 0.0 {
+            (depth_sum[x] / alpha, -through[x].max(f32::MIN_POSITIVE).ln())
+        } else {
+            (f32::INFINITY, 0.0)
+        };
+    }
+}
+
+/// Blends a share of another frame in; depths are weighted by opacity.
+pub(crate) fn blend(frame: &mut Frame, other: &Frame, share: f32) {
+    let mix = |a: f32, b: f32| a + (b - a) * share;
+    for (depth, (b, (own, others))) in frame.depth.iter_mut().zip(
+        other
+            .depth
+            .iter()
+            .zip(frame.image.pixels.iter().zip(&other.image.pixels)),
+    ) {
+        let (own, others) = (own[3] * (1.0 - share), others[3] * share);
+        let sum = |depth: f32, alpha: f32| if alpha > 0.0 { depth * alpha } else { 0.0 };
+        *depth = if own + others > 0.0 {
+            (sum(*depth, own) + sum(*b, others)) / (own + others)
+        } else {
+            f32::INFINITY
+        };
+    }
+    for (a, b) in frame.image.pixels.iter_mut().zip(&other.image.pixels) {
+        for (a, b) in a.iter_mut().zip(b) {
+            *a = mix(*a, *b);
+        }
+    }
+    for (a, b) in frame.optical_depth.iter_mut().zip(&other.optical_depth) {
+        *a = mix(*a, *b);
+    }
+}
