@@ -115,9 +115,9 @@ impl DataEngine {
         let pyramid = self
             .pyramid
             .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
-        let view = View::new(pyramid.volume(level).grid(), camera, settings)?;
         pyramid.classify(level, &scene.transfer_function, scene.unit_distance());
-        let (field, table) = pyramid.level(level)?;
+        let (field, table, bounds) = pyramid.level(level)?;
+        let view = View::new((field.volume().grid(), bounds), camera, settings)?;
         let planned = Instant::now();
         let edge = run.tile_edge.unwrap_or(TILE_EDGE);
         let spacing = scene.volume.grid().mean_spacing();

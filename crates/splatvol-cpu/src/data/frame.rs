@@ -22,9 +22,11 @@ use crate::stage::shade::Phong;
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
 const CUT: f64 = 3.4;
 /// Widest standard deviation of a footprint, raster points, that the largest blocks hold.
-const WIDEST: f64 = 2.3;
+const WIDEST: f64 = 4.6;
+/// Standard deviation of the nearest footprints beyond which a coarser raster costs less, raster points.
+const COMFORTABLE: f64 = 2.3;
 /// Narrowest standard deviation of a footprint, raster points, that a spline of a coarse raster reproduces.
-const NARROWEST: f64 = 0.9;
+const NARROWEST: f64 = 0.8;
 /// Widest angle between a pixel's ray and the axis, as a tangent.
 const STEEPEST: f64 = 0.75;
 
@@ -46,7 +48,11 @@ pub(crate) struct View {
 impl View {
     /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
     /// too wide an angle.
-    pub(crate) fn new(grid: &Grid, camera: &Camera, settings: &RenderSettings) -> Option<Self> {
+    pub(crate) fn new(
+        (grid, bounds): (&Grid, [DVec3; 2]),
+        camera: &Camera,
+        settings: &RenderSettings,
+    ) -> Option<Self> {
         let margin = grid.dims().map(|n| usize::from(n > 1));
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
@@ -62,7 +68,8 @@ impl View {
         let reach = kernel.radius * per_voxel;
         let spacing = settings.sheet_thickness * per_voxel;
         let groups = ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize;
-        let stack = SheetStack::covering(&corners(grid, camera_from_voxel), reach, spacing, &screen);
+        let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
+        let stack = SheetStack::covering(&corners(bounds, camera_from_lattice), reach, spacing, &screen);
         let steepest = if screen.perspective {
             let corner = screen
                 .centre
@@ -79,7 +86,7 @@ impl View {
         )?;
         let within = steepest <= STEEPEST && groups <= MAX_GROUPS && stack.count <= MAX_SHEETS;
         within.then_some(Self {
-            camera_from_lattice: camera_from_voxel * DAffine3::from_translation(first_point),
+            camera_from_lattice,
             screen,
             shape,
             kernel,
@@ -133,10 +140,14 @@ fn raster(
     };
     let widest = filtered((mean + difference) * scales[0] * scales[0]).sqrt();
     let narrowest = filtered((mean - difference) * scales[1] * scales[1]).sqrt();
-    let step = ((widest / WIDEST).log2().ceil().max(0.0)).exp2();
-    if !step.is_finite() || step > 64.0 || (step > 1.0 && narrowest / step < NARROWEST) {
+    // As coarse as the far end allows, but not coarser than the near end wants: then footprints are small.
+    let (finest, wanted) = ((widest / WIDEST).log2().ceil(), (widest / COMFORTABLE).log2().ceil());
+    let coarsest = (narrowest / NARROWEST).log2().floor();
+    let step = wanted.min(coarsest).clamp(0.0, 6.0);
+    if step < finest {
         return None;
     }
+    let step = step.exp2();
     // Without low-pass a footprint narrower than this would fall between the pixels.
     if low_pass == 0.0 && narrowest / step < 0.4 {
         return None;
@@ -251,13 +262,10 @@ impl Plan {
     }
 }
 
-fn corners(grid: &Grid, camera_from_voxel: DAffine3) -> [DVec3; 8] {
-    let last = DVec3::from_array(grid.dims().map(|n| n as f64 - 1.0));
+fn corners(bounds: [DVec3; 2], camera_from_lattice: DAffine3) -> [DVec3; 8] {
     std::array::from_fn(|i| {
-        let voxel = DVec3::from_array(std::array::from_fn(
-            |a| if i >> a & 1 == 0 { 0.0 } else { last[a] },
-        ));
-        camera_from_voxel.transform_point3(voxel)
+        let point = DVec3::from_array(std::array::from_fn(|a| bounds[i >> a & 1][a]));
+        camera_from_lattice.transform_point3(point)
     })
 }
 

@@ -6,6 +6,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+use splatvol_core::brick::BRICK;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::kernel::GaussianKernel;
@@ -27,6 +29,8 @@ struct Level {
     table: ShadeTable,
     transfer_function: Option<TransferFunction>,
     unit_distance: f64,
+    /// First and last lattice point of the bricks that are needed.
+    bounds: [DVec3; 2],
 }
 
 impl Level {
@@ -36,6 +40,7 @@ impl Level {
             table: ShadeTable::default(),
             transfer_function: None,
             unit_distance: 0.0,
+            bounds: [DVec3::ZERO; 2],
         }
     }
 
@@ -49,6 +54,12 @@ impl Level {
         self.field.update(&visible);
         self.table
             .update(&table, visible.hull().unwrap_or([f32::INFINITY; 2]));
+        let firsts = (0..self.field.len()).map(|i| DVec3::from_array(self.field.first(i).map(f64::from)));
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for first in firsts {
+            (low, high) = (low.min(first), high.max(first + (BRICK as f64 - 1.0)));
+        }
+        self.bounds = if self.field.is_empty() { [DVec3::ZERO; 2] } else { [low, high] };
         self.transfer_function = Some(transfer_function.clone());
         self.unit_distance = unit_distance;
     }
@@ -140,11 +151,9 @@ impl Pyramid {
         level.classify(transfer_function, unit_distance);
     }
 
-    /// A classified level.
-    pub(crate) fn level(&self, level: usize) -> Option<(&FieldStore, &ShadeTable)> {
-        self.levels
-            .get(level)?
-            .as_ref()
-            .map(|level| (&level.field, &level.table))
+    /// A classified level, with the first and last lattice point that matter.
+    pub(crate) fn level(&self, level: usize) -> Option<(&FieldStore, &ShadeTable, [DVec3; 2])> {
+        let level = self.levels.get(level)?.as_ref()?;
+        Some((&level.field, &level.table, level.bounds))
     }
 }

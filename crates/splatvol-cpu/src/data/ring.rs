@@ -51,7 +51,7 @@ impl Area {
 }
 
 /// Blocks from one row to the next: the widest tile with footprints on both sides; odd, so that rows do not share cache sets.
-pub(crate) const PITCH: usize = 91;
+pub(crate) const PITCH: usize = 101;
 
 /// A row of blocks.
 #[derive(Debug, Clone, Copy)]

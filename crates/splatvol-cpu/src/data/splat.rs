@@ -110,8 +110,8 @@ pub(crate) struct SplatConstants {
     pub depth_edge: f32,
 }
 
-/// Largest footprint, blocks along an edge.
-pub(crate) const MAX_BLOCKS: usize = 8;
+/// Largest footprint, blocks along an edge. Sizes between those that are compiled are rounded up.
+pub(crate) const MAX_BLOCKS: usize = 16;
 
 /// The footprint of a voxel in the middle of a raster point: C(i, j) block by block, or its columns and rows.
 #[derive(Debug)]

@@ -59,8 +59,12 @@ impl DataFrame<'_> {
 /// reach, less than a hundredth of the peak, may be left out where a footprint lies unfavourably.
 pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
     let points = (1.88 * x.max(y)).floor() as usize + 1;
-    (points + 1).div_ceil(2).max(2)
+    let blocks = (points + 1).div_ceil(2);
+    SIZES.into_iter().find(|&size| size >= blocks).unwrap_or(MAX_BLOCKS)
 }
+
+/// Sizes of footprints that are compiled, blocks along an edge.
+const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
 /// A brick's values, x fastest.
 #[derive(Debug)]
@@ -241,7 +245,7 @@ fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.size.map(|n| n.div_ceil(frame.step) as f32);
     Window {
-        blocks: blocks_of(half).min(MAX_BLOCKS),
+        blocks: blocks_of(half),
         depths: [plane - frame.depth_reach, plane + frame.depth_reach],
         depth: shape.depth,
         scale: shape.scale,
@@ -351,7 +355,7 @@ fn flush<S: Simd>(
                 }
             };
         }
-        by_size!(2 3 4 5 6 7 8);
+        by_size!(2 3 4 5 6 7 8 10 12 16);
     }
     records.len = 0;
     work.splat += start.elapsed();
