@@ -113,49 +113,57 @@ fn span(brick: usize, count: usize) -> std::ops::Range<usize> {
     brick * BRICK..(brick * BRICK + POINTS).min(count)
 }
 
-/// Visible cells of a brick, each by its own range. `intervals`: the visible levels.
-pub(super) fn mixed<T: Stored>(
-    lattice: &Lattice,
-    data: &[T],
-    first: [usize; 3],
-    intervals: &[LevelRange],
-) -> CellBits {
-    let mut low = [[[0i16; BRICK]; POINTS]; POINTS];
-    let mut high = low;
+/// Levels of the lattice points around a brick's cells, rows of sixteen (nine of them used).
+pub(super) type PointLevels = [[i16; 2 * BRICK]; POINTS * POINTS];
+
+/// Reads the points around a brick's cells; beyond the lattice its last points again.
+#[inline(always)]
+pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3], levels: &mut PointLevels) {
     let [_, ny, nz] = lattice.dims;
+    let mut samples = [data[0]; POINTS];
     for z in 0..POINTS {
         for y in 0..POINTS {
             let row = lattice.row(data, [(first[1] + y).min(ny - 1), (first[2] + z).min(nz - 1)]);
-            let mut samples = [row[0]; POINTS];
             lattice.points(row, first[0], &mut samples);
-            let mut levels = [0i16; POINTS];
-            for (level, &sample) in levels.iter_mut().zip(&samples) {
+            for (level, &sample) in levels[z * POINTS + y].iter_mut().zip(&samples) {
                 *level = lattice.level(sample);
             }
-            for x in 0..BRICK {
-                low[z][y][x] = levels[x].min(levels[x + 1]);
-                high[z][y][x] = levels[x].max(levels[x + 1]);
-            }
+        }
+    }
+}
+
+/// Visible cells between points, each by its own range. `intervals`: the visible levels.
+#[inline(always)]
+pub(super) fn visible(points: &PointLevels, intervals: &[LevelRange]) -> CellBits {
+    let mut low = [[[0i16; BRICK]; POINTS]; POINTS];
+    let mut high = low;
+    for (row, points) in points.iter().enumerate() {
+        let (low, high) = (
+            &mut low[row / POINTS][row % POINTS],
+            &mut high[row / POINTS][row % POINTS],
+        );
+        for x in 0..BRICK {
+            low[x] = points[x].min(points[x + 1]);
+            high[x] = points[x].max(points[x + 1]);
         }
     }
     fold(&mut low, i16::min);
     fold(&mut high, i16::max);
-    let mut bits = [0u64; BRICK];
-    for z in 0..BRICK {
+    std::array::from_fn(|z| {
+        let mut bits = 0;
         for y in 0..BRICK {
             let mut seen = [0u8; BRICK];
             let (low, high) = (&low[z][y], &high[z][y]);
-            for interval in intervals {
+            for [from, to] in intervals {
                 for x in 0..BRICK {
                     let slack = slack(low[x], high[x]);
-                    seen[x] |= u8::from(low[x] - slack <= interval[1] && high[x] + slack >= interval[0]);
+                    seen[x] |= u8::from(low[x] - slack <= *to) & u8::from(high[x] + slack >= *from);
                 }
             }
-            bits[z] |= pack(seen) << (BRICK * y);
+            bits |= pack(seen) << (BRICK * y);
         }
-    }
-    let existing = existing(lattice, first);
-    std::array::from_fn(|z| bits[z] & existing[z])
+        bits
+    })
 }
 
 /// Joins each row with the next along y, then each slice with the next.
