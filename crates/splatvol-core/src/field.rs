@@ -238,8 +238,7 @@ impl FieldStore {
                 Verdict::Mixed => {
                     let from = intervals.partition_point(|interval| interval[1] < seen[0]);
                     let to = intervals.partition_point(|interval| interval[0] <= seen[1]);
-                    let mut points = [[0; 16]; 81];
-                    vectorized!(lattice.simd, cells::read(lattice, data, first, &mut points));
+                    let points = vectorized!(lattice.simd, cells::read(lattice, data, first));
                     let found = vectorized!(lattice.simd, cells::visible(&points, &intervals[from..to]));
                     let existing = cells::existing(lattice, first);
                     std::array::from_fn(|z| found[z] & existing[z])
@@ -301,7 +300,12 @@ impl<'a> Surroundings<'a> {
     #[inline(always)]
     fn of(&self, [x, y, z]: [usize; 3]) -> [(Option<&'a CellBits>, bool); 27] {
         let start = (z * AROUND[1] + y) * AROUND[0] + x;
-        std::array::from_fn(|i| self.bricks[start + (i / 9 * AROUND[1] + i / 3 % 3) * AROUND[0] + i % 3])
+        let mut around = [(None, false); 27];
+        for (i, row) in around.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let from = start + (i / 3 * AROUND[1] + i % 3) * AROUND[0];
+            row.copy_from_slice(&self.bricks[from..from + 3]);
+        }
+        around
     }
 }
 

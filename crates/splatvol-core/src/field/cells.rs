@@ -113,23 +113,41 @@ fn span(brick: usize, count: usize) -> std::ops::Range<usize> {
     brick * BRICK..(brick * BRICK + POINTS).min(count)
 }
 
-/// Levels of the lattice points around a brick's cells, rows of sixteen (nine of them used).
-pub(super) type PointLevels = [[i16; 2 * BRICK]; POINTS * POINTS];
+/// Lattice points around a brick's cells, in whole vectors.
+const PADDED: usize = (POINTS * POINTS * POINTS).next_multiple_of(32);
+
+/// Levels of the lattice points around a brick's cells, rows of nine.
+pub(super) type PointLevels = [i16; PADDED];
 
 /// Reads the points around a brick's cells; beyond the lattice its last points again.
 #[inline(always)]
-pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3], levels: &mut PointLevels) {
+pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3]) -> PointLevels {
+    let lattice = *lattice;
     let [_, ny, nz] = lattice.dims;
-    let mut samples = [data[0]; POINTS];
-    for z in 0..POINTS {
-        for y in 0..POINTS {
-            let row = lattice.row(data, [(first[1] + y).min(ny - 1), (first[2] + z).min(nz - 1)]);
-            lattice.points(row, first[0], &mut samples);
-            for (level, &sample) in levels[z * POINTS + y].iter_mut().zip(&samples) {
-                *level = lattice.level(sample);
-            }
+    let mut samples = [data[0]; PADDED];
+    let rows = samples
+        .as_chunks_mut::<POINTS>()
+        .0
+        .iter_mut()
+        .take(POINTS * POINTS);
+    for (i, out) in rows.enumerate() {
+        let (y, z) = (first[1] + i % POINTS, first[2] + i / POINTS);
+        let row = lattice.row(data, [y.min(ny - 1), z.min(nz - 1)]);
+        // The usual case, copied without a call.
+        match row
+            .get(first[0].wrapping_sub(lattice.margin[0])..)
+            .and_then(<[T]>::first_chunk)
+        {
+            Some(points) => *out = *points,
+            None => lattice.points(row, first[0], out),
         }
     }
+    // All at once, which makes it a loop over vectors.
+    let mut levels = [0; PADDED];
+    for (level, &sample) in levels.iter_mut().zip(&samples) {
+        *level = lattice.level(sample);
+    }
+    levels
 }
 
 /// Visible cells between points, each by its own range. `intervals`: the visible levels.
@@ -137,7 +155,8 @@ pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3], 
 pub(super) fn visible(points: &PointLevels, intervals: &[LevelRange]) -> CellBits {
     let mut low = [[[0i16; BRICK]; POINTS]; POINTS];
     let mut high = low;
-    for (row, points) in points.iter().enumerate() {
+    let rows = points.as_chunks::<POINTS>().0.iter().take(POINTS * POINTS);
+    for (row, points) in rows.enumerate() {
         let (low, high) = (
             &mut low[row / POINTS][row % POINTS],
             &mut high[row / POINTS][row % POINTS],
@@ -149,8 +168,8 @@ pub(super) fn visible(points: &PointLevels, intervals: &[LevelRange]) -> CellBit
     }
     fold(&mut low, i16::min);
     fold(&mut high, i16::max);
-    std::array::from_fn(|z| {
-        let mut bits = 0;
+    let mut bits = [0u64; BRICK];
+    for z in 0..BRICK {
         for y in 0..BRICK {
             let mut seen = [0u8; BRICK];
             let (low, high) = (&low[z][y], &high[z][y]);
@@ -160,10 +179,10 @@ pub(super) fn visible(points: &PointLevels, intervals: &[LevelRange]) -> CellBit
                     seen[x] |= u8::from(low[x] - slack <= *to) & u8::from(high[x] + slack >= *from);
                 }
             }
-            bits |= pack(seen) << (BRICK * y);
+            bits[z] |= pack(seen) << (BRICK * y);
         }
-        bits
-    })
+    }
+    bits
 }
 
 /// Joins each row with the next along y, then each slice with the next.
