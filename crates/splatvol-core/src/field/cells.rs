@@ -21,7 +21,7 @@ pub(super) type LevelRange = [i16; 2];
 /// What the reconstruction may leave a range of levels by: 5/32 of its width, the levels' own width included.
 #[inline(always)]
 fn slack(low: i16, high: i16) -> i16 {
-    ((high - low + 1) * 5 >> 5) + 1
+    (((high - low + 1) * 5) >> 5) + 1
 }
 
 /// A range with the reconstruction's overshoot.
