@@ -18,6 +18,17 @@ use crate::brick::BRICK;
 use crate::kernel::GaussianKernel;
 use crate::visibility::{BRICK_VOXELS, Histogram, VisibleLevels};
 
+/// Runs plain loops, all of them inlined, compiled for the processor's vectors.
+macro_rules! vectorized {
+    ($level:expr, $work:expr) => {
+        fearless_simd::dispatch!($level, simd => fearless_simd::Simd::vectorize(
+            simd,
+            #[inline(always)]
+            || $work,
+        ))
+    };
+}
+
 mod cells;
 mod chunk;
 mod lattice;
@@ -227,7 +238,10 @@ impl FieldStore {
                 Verdict::Mixed => {
                     let from = intervals.partition_point(|interval| interval[1] < seen[0]);
                     let to = intervals.partition_point(|interval| interval[0] <= seen[1]);
-                    cells::mixed(lattice, data, first, &intervals[from..to])
+                    let points = vectorized!(lattice.simd, cells::read(lattice, data, first));
+                    let found = vectorized!(lattice.simd, cells::visible(&points, &intervals[from..to]));
+                    let existing = cells::existing(lattice, first);
+                    std::array::from_fn(|z| found[z] & existing[z])
                 }
             };
             *touched = found != *cells;
@@ -242,18 +256,56 @@ impl FieldStore {
         let at = [chunk % nx, chunk / nx % ny, chunk / (nx * ny)];
         std::array::from_fn(|a| at[a] * CHUNK[a])
     }
+}
 
-    /// Indices of a brick and the 26 around it, x fastest; `None` outside.
-    fn around(&self, brick: [usize; 3]) -> [Option<usize>; 27] {
-        std::array::from_fn(|i| {
-            let mut at = [0; 3];
-            for (a, offset) in [i % 3, i / 3 % 3, i / 9].into_iter().enumerate() {
-                at[a] = (brick[a] + offset)
-                    .checked_sub(1)
-                    .filter(|&b| b < self.bricks[a])?;
+/// The bricks of a chunk and those around it.
+struct Surroundings<'a> {
+    /// Visible cells, `None` without any, and whether they are others than before.
+    bricks: [(Option<&'a CellBits>, bool); AROUND[0] * AROUND[1] * AROUND[2]],
+    any_touched: bool,
+}
+
+/// Bricks of a chunk and around it along x, y, z.
+const AROUND: [usize; 3] = [CHUNK[0] + 2, CHUNK[1] + 2, CHUNK[2] + 2];
+
+impl<'a> Surroundings<'a> {
+    fn new(store: &'a FieldStore, touched: &[bool], first: [usize; 3]) -> Self {
+        let mut around = Self {
+            bricks: [(None, false); _],
+            any_touched: false,
+        };
+        let [nx, ny, nz] = store.bricks;
+        for (row, bricks) in around.bricks.chunks_exact_mut(AROUND[0]).enumerate() {
+            // Wraps below zero, which is outside too.
+            let y = (first[1] + row % AROUND[1]).wrapping_sub(1);
+            let z = (first[2] + row / AROUND[1]).wrapping_sub(1);
+            if y >= ny || z >= nz {
+                continue;
             }
-            Some((at[2] * self.bricks[1] + at[1]) * self.bricks[0] + at[0])
-        })
+            for (x, brick) in (first[0]..).zip(bricks) {
+                let x = x.wrapping_sub(1);
+                if x < nx {
+                    let index = (z * ny + y) * nx + x;
+                    let cells = &store.cells[index];
+                    let any = cells.iter().fold(0, |all, bits| all | bits) != 0;
+                    *brick = (any.then_some(cells), touched[index]);
+                    around.any_touched |= touched[index];
+                }
+            }
+        }
+        around
+    }
+
+    /// A brick of the chunk, in bricks from its first, and the 26 around it.
+    #[inline(always)]
+    fn of(&self, [x, y, z]: [usize; 3]) -> [(Option<&'a CellBits>, bool); 27] {
+        let start = (z * AROUND[1] + y) * AROUND[0] + x;
+        let mut around = [(None, false); 27];
+        for (i, row) in around.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let from = start + (i / 3 * AROUND[1] + i % 3) * AROUND[0];
+            row.copy_from_slice(&self.bricks[from..from + 3]);
+        }
+        around
     }
 }
 
@@ -295,19 +347,26 @@ impl<T: Stored> ChunkJob<'_, T> {
     fn update(&self, index: usize, chunk: &mut Chunk, scratch: &mut Scratch) {
         let store = self.store;
         let first = store.chunk_first(index);
+        let surroundings = Surroundings::new(store, self.touched, first);
+        if !self.all_again && !surroundings.any_touched {
+            return;
+        }
         let mut old = std::mem::take(&mut chunk.needed).into_iter().peekable();
         let mut again: Vec<(u32, Needs)> = Vec::new();
         let mut wanted = 0u128;
-        for (at, offset) in (0..(CHUNK[0] * CHUNK[1] * CHUNK[2]) as u32).map(|at| (at, place(at as usize))) {
-            let brick: [usize; 3] = std::array::from_fn(|a| first[a] + offset[a]);
-            if (0..3).any(|a| brick[a] >= store.bricks[a]) {
+        for at in 0..u128::BITS {
+            let offset = place(at as usize);
+            if (0..3).any(|a| first[a] + offset[a] >= store.bricks[a]) {
                 continue;
             }
             let known = old.next_if(|brick| brick.place == at);
-            let around = store.around(brick);
-            if self.all_again || around.iter().flatten().any(|&i| self.touched[i]) {
-                let cells = around.map(|i| i.map(|i| &store.cells[i]).filter(|cells| **cells != [0; BRICK]));
-                if let Some(needs) = Needs::around(&cells) {
+            let around = surroundings.of(offset);
+            if self.all_again || around.iter().any(|(_, touched)| *touched) {
+                let cells = around.map(|(cells, _)| cells);
+                if cells.iter().all(Option::is_none) {
+                    continue;
+                }
+                if let Some(needs) = vectorized!(store.lattice.simd, Needs::around(&cells)) {
                     again.push((at, needs));
                     wanted |= 1 << at;
                 }
@@ -320,7 +379,8 @@ impl<T: Stored> ChunkJob<'_, T> {
             self.solve(first, wanted, chunk, scratch);
         }
         for (at, needs) in again {
-            let mask = chunk.stored(at).mask(&needs, store.background);
+            let stored = chunk.stored(at);
+            let mask = vectorized!(store.lattice.simd, stored.mask(&needs, store.background));
             let voxels = mask.iter().map(|bits| bits.count_ones()).sum();
             if voxels > 0 {
                 let brick = NeededBrick {

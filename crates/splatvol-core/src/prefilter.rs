@@ -154,6 +154,7 @@ pub(crate) fn solve(values: &mut [f32], dims: [usize; 3], kernel: &GaussianKerne
 
 pub(crate) const BLOCK: usize = 32;
 
+#[inline(always)]
 pub(crate) fn transpose(rows: &[f32], block: &mut [f32], nx: usize, lines: usize) {
     for line in 0..lines {
         for x in 0..nx {
@@ -162,6 +163,7 @@ pub(crate) fn transpose(rows: &[f32], block: &mut [f32], nx: usize, lines: usize
     }
 }
 
+#[inline(always)]
 pub(crate) fn transpose_back(block: &[f32], rows: &mut [f32], nx: usize, lines: usize) {
     for line in 0..lines {
         for x in 0..nx {

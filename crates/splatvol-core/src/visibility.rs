@@ -28,10 +28,14 @@ pub(crate) const LEVELS: usize = 2048;
 const FIRST: f32 = -0.5;
 const PER_VALUE: f32 = LEVELS as f32 / 2.0;
 
-/// The level of a normalised value; a missing value's is 0.
+/// The level of a normalised value, up to a hundredth of a level; a missing value's is 0.
 #[inline(always)]
 pub(crate) fn level_of(value: f32) -> i16 {
-    ((value - FIRST) * PER_VALUE).clamp(0.0, (LEVELS - 1) as f32) as i16
+    // A float of 2^23 holds no fraction, and the low bits of its pattern are an integer: a conversion that, unlike `as`,
+    // is one addition in vectors.
+    const WHOLE: f32 = (1 << 23) as f32;
+    let level = ((value - FIRST) * PER_VALUE).max(0.0).min((LEVELS - 1) as f32);
+    (level - 0.49 + WHOLE).to_bits() as i16
 }
 
 /// Number of visible levels below each level: whether a range of values holds a visible one is one difference.

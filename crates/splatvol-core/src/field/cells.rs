@@ -21,7 +21,7 @@ pub(super) type LevelRange = [i16; 2];
 /// What the reconstruction may leave a range of levels by: 5/32 of its width, the levels' own width included.
 #[inline(always)]
 fn slack(low: i16, high: i16) -> i16 {
-    ((high - low + 1) * 5 >> 5) + 1
+    (((high - low + 1) * 5) >> 5) + 1
 }
 
 /// A range with the reconstruction's overshoot.
@@ -113,29 +113,57 @@ fn span(brick: usize, count: usize) -> std::ops::Range<usize> {
     brick * BRICK..(brick * BRICK + POINTS).min(count)
 }
 
-/// Visible cells of a brick, each by its own range. `intervals`: the visible levels.
-pub(super) fn mixed<T: Stored>(
-    lattice: &Lattice,
-    data: &[T],
-    first: [usize; 3],
-    intervals: &[LevelRange],
-) -> CellBits {
+/// Lattice points around a brick's cells, in whole vectors.
+const PADDED: usize = (POINTS * POINTS * POINTS).next_multiple_of(32);
+
+/// Levels of the lattice points around a brick's cells, rows of nine.
+pub(super) type PointLevels = [i16; PADDED];
+
+/// Reads the points around a brick's cells; beyond the lattice its last points again.
+#[inline(always)]
+pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3]) -> PointLevels {
+    let lattice = *lattice;
+    let [_, ny, nz] = lattice.dims;
+    let mut samples = [data[0]; PADDED];
+    let rows = samples
+        .as_chunks_mut::<POINTS>()
+        .0
+        .iter_mut()
+        .take(POINTS * POINTS);
+    for (i, out) in rows.enumerate() {
+        let (y, z) = (first[1] + i % POINTS, first[2] + i / POINTS);
+        let row = lattice.row(data, [y.min(ny - 1), z.min(nz - 1)]);
+        // The usual case, copied without a call.
+        match row
+            .get(first[0].wrapping_sub(lattice.margin[0])..)
+            .and_then(<[T]>::first_chunk)
+        {
+            Some(points) => *out = *points,
+            None => lattice.points(row, first[0], out),
+        }
+    }
+    // All at once, which makes it a loop over vectors.
+    let mut levels = [0; PADDED];
+    for (level, &sample) in levels.iter_mut().zip(&samples) {
+        *level = lattice.level(sample);
+    }
+    levels
+}
+
+/// Visible cells between points, each by its own range. `intervals`: the visible levels.
+#[inline(always)]
+pub(super) fn visible(points: &PointLevels, intervals: &[LevelRange]) -> CellBits {
     let mut low = [[[0i16; BRICK]; POINTS]; POINTS];
     let mut high = low;
-    let [_, ny, nz] = lattice.dims;
-    for z in 0..POINTS {
-        for y in 0..POINTS {
-            let row = lattice.row(data, [(first[1] + y).min(ny - 1), (first[2] + z).min(nz - 1)]);
-            let mut samples = [row[0]; POINTS];
-            lattice.points(row, first[0], &mut samples);
-            let mut levels = [0i16; POINTS];
-            for (level, &sample) in levels.iter_mut().zip(&samples) {
-                *level = lattice.level(sample);
-            }
-            for x in 0..BRICK {
-                low[z][y][x] = levels[x].min(levels[x + 1]);
-                high[z][y][x] = levels[x].max(levels[x + 1]);
-            }
+    let rows = points.as_chunks::<POINTS>().0.iter().take(POINTS * POINTS);
+    for (row, points) in rows.enumerate() {
+        let (low, high) = (
+            &mut low[row / POINTS][row % POINTS],
+            &mut high[row / POINTS][row % POINTS],
+        );
+        for x in 0..BRICK {
+            low[x] = points[x].min(points[x + 1]);
+            high[x] = points[x].max(points[x + 1]);
         }
     }
     fold(&mut low, i16::min);
@@ -145,17 +173,16 @@ pub(super) fn mixed<T: Stored>(
         for y in 0..BRICK {
             let mut seen = [0u8; BRICK];
             let (low, high) = (&low[z][y], &high[z][y]);
-            for interval in intervals {
+            for [from, to] in intervals {
                 for x in 0..BRICK {
                     let slack = slack(low[x], high[x]);
-                    seen[x] |= u8::from(low[x] - slack <= interval[1] && high[x] + slack >= interval[0]);
+                    seen[x] |= u8::from(low[x] - slack <= *to) & u8::from(high[x] + slack >= *from);
                 }
             }
             bits[z] |= pack(seen) << (BRICK * y);
         }
     }
-    let existing = existing(lattice, first);
-    std::array::from_fn(|z| bits[z] & existing[z])
+    bits
 }
 
 /// Joins each row with the next along y, then each slice with the next.

@@ -37,6 +37,7 @@ pub(super) struct StoredBrick {
 
 impl StoredBrick {
     /// From coefficients, NaN where there are none.
+    #[inline(always)]
     fn new(values: &[f32; BRICK_VOXELS]) -> Self {
         let (mut low, mut high) = ([f32::INFINITY; BRICK], [f32::NEG_INFINITY; BRICK]);
         let mut any_missing = false;
@@ -84,6 +85,7 @@ impl StoredBrick {
     }
 
     /// Voxels that a reconstruction needs: all near ones, of the far ones those that differ from the background.
+    #[inline(always)]
     pub(super) fn mask(&self, needs: &Needs, background: f32) -> CellBits {
         let (scale, offset) = (self.scale, self.offset - background);
         let mut mask = needs.near;
@@ -192,18 +194,33 @@ impl ChunkSolver {
         lines.resize(width * BLOCK, 0.0);
         slab.resize(plane * z.outer(), 0.0);
         for (at, out) in (z.outer_from..z.outer_to).zip(slab.chunks_exact_mut(plane)) {
-            load(lattice, data, [x, y], at, slice);
-            self.axes[1].solve_rows(&mut slice[..width * y.outer()], y.outer_from, width, width);
-            let rows = &slice[y.skip() * width..][..y.len() * width];
-            transpose(rows, lines, width, y.len());
-            self.axes[0].solve_rows(&mut lines[..width * BLOCK], x.outer_from, BLOCK, y.len());
-            transpose_columns(&lines[x.skip() * BLOCK..], out, x.len());
+            let slice = &mut slice[..width * y.outer()];
+            let lines = &mut lines[..width * BLOCK];
+            vectorized!(lattice.simd, load(lattice, data, [x, y], at, slice));
+            vectorized!(lattice.simd, self.solve_slice(slice, lines, [x, y], out));
         }
-        self.axes[2].solve_rows(&mut slab[..plane * z.outer()], z.outer_from, plane, plane);
+        let slab = &mut slab[..plane * z.outer()];
+        vectorized!(
+            lattice.simd,
+            self.axes[2].solve_rows(slab, z.outer_from, plane, plane)
+        );
         Solved {
             size: [x, y, z].map(|e| e.len()),
             skip: z.skip() * plane,
         }
+    }
+}
+
+impl ChunkSolver {
+    /// Solves a slice with its halo along y and x, and leaves the chunk's own points in `out`.
+    #[inline(always)]
+    fn solve_slice(&self, slice: &mut [f32], lines: &mut [f32], [x, y]: [Extent; 2], out: &mut [f32]) {
+        let width = x.outer();
+        self.axes[1].solve_rows(slice, y.outer_from, width, width);
+        let rows = &slice[y.skip() * width..][..y.len() * width];
+        transpose(rows, lines, width, y.len());
+        self.axes[0].solve_rows(lines, x.outer_from, BLOCK, y.len());
+        transpose_columns(&lines[x.skip() * BLOCK..], out, x.len());
     }
 }
 
@@ -241,7 +258,7 @@ impl Solved {
                 }
             }
         }
-        StoredBrick::new(&values)
+        vectorized!(lattice.simd, StoredBrick::new(&values))
     }
 }
 

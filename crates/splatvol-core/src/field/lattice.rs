@@ -1,5 +1,6 @@
 //! Samples as the lattice of a field: normalised, continued by one mirrored sample beyond each face.
 
+use fearless_simd::Level;
 use splatvol_scene::Volume;
 
 use crate::visibility::level_of;
@@ -49,6 +50,8 @@ pub(super) struct Lattice {
     /// Normalised value per stored value.
     factor: f32,
     pub any_missing: bool,
+    /// What loops over rows are compiled for.
+    pub simd: Level,
 }
 
 impl Lattice {
@@ -65,6 +68,7 @@ impl Lattice {
             low: (low - rescale.intercept) / rescale.slope,
             factor: (rescale.slope * scale) as f32,
             any_missing: volume.statistics().non_finite > 0,
+            simd: Level::new(),
         }
     }
 
@@ -83,15 +87,22 @@ impl Lattice {
         &data[start..start + self.own[0]]
     }
 
-    /// Lattice points `start ..` of a row of samples.
+    /// Lattice points `start ..` of a row of samples; beyond the lattice its last point.
     #[inline(always)]
     pub(super) fn points<T: Copy>(&self, row: &[T], start: usize, out: &mut [T]) {
         let margin = self.margin[0];
-        let (from, to) = (start.max(margin), (start + out.len()).min(margin + self.own[0]));
+        let end = start + out.len();
+        if start >= margin && end <= margin + row.len() {
+            for (out, &sample) in out.iter_mut().zip(&row[start - margin..end - margin]) {
+                *out = sample;
+            }
+            return;
+        }
+        let (from, to) = (start.max(margin), end.min(margin + row.len()));
         if from < to {
             out[from - start..to - start].copy_from_slice(&row[from - margin..to - margin]);
         }
-        for x in (start..from.min(start + out.len())).chain(to.max(start)..start + out.len()) {
+        for x in (start..from.min(end)).chain(to.max(start)..end) {
             out[x - start] = row[self.sample(0, x.min(self.dims[0] - 1))];
         }
     }
