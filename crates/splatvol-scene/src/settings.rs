@@ -158,7 +158,7 @@ impl RenderSettings {
             filter: Filter::Matched { pixel_sigma: 0.55 },
             gradient: Gradient::Differences,
             kernel: Kernel::Gaussian {
-                sigma: 0.605,
+                sigma: 0.64,
                 radius: 2.0,
             },
             ..Self::best()

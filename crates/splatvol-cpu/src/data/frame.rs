@@ -141,7 +141,10 @@ fn raster(
     let widest = filtered((mean + difference) * scales[0] * scales[0]).sqrt();
     let narrowest = filtered((mean - difference) * scales[1] * scales[1]).sqrt();
     // As coarse as the far end allows, but not coarser than the near end wants: then footprints are small.
-    let (finest, wanted) = ((widest / WIDEST).log2().ceil(), (widest / COMFORTABLE).log2().ceil());
+    let (finest, wanted) = (
+        (widest / WIDEST).log2().ceil(),
+        (widest / COMFORTABLE).log2().ceil(),
+    );
     let coarsest = (narrowest / NARROWEST).log2().floor();
     let step = wanted.min(coarsest).clamp(0.0, 6.0);
     if step < finest {

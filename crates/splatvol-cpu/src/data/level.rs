@@ -59,7 +59,11 @@ impl Level {
         for first in firsts {
             (low, high) = (low.min(first), high.max(first + (BRICK as f64 - 1.0)));
         }
-        self.bounds = if self.field.is_empty() { [DVec3::ZERO; 2] } else { [low, high] };
+        self.bounds = if self.field.is_empty() {
+            [DVec3::ZERO; 2]
+        } else {
+            [low, high]
+        };
         self.transfer_function = Some(transfer_function.clone());
         self.unit_distance = unit_distance;
     }

@@ -60,7 +60,10 @@ impl DataFrame<'_> {
 pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
     let points = (1.88 * x.max(y)).floor() as usize + 1;
     let blocks = (points + 1).div_ceil(2);
-    SIZES.into_iter().find(|&size| size >= blocks).unwrap_or(MAX_BLOCKS)
+    SIZES
+        .into_iter()
+        .find(|&size| size >= blocks)
+        .unwrap_or(MAX_BLOCKS)
 }
 
 /// Sizes of footprints that are compiled, blocks along an edge.
