@@ -17,11 +17,13 @@
 
 mod data;
 mod plan;
+mod progressive;
 mod renderer;
 mod stage;
 mod statistics;
 mod tile;
 
+pub use progressive::Pass;
 pub(crate) use renderer::level_name;
 pub use renderer::{EngineConfig, EngineError, Renderer, SimdLevel};
 pub use statistics::{RenderStatistics, StageSeconds};

@@ -11,7 +11,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{
-    Camera, Classification, Compositing, Frame, Gradient, Image, ImageSize, Kernel, RenderSettings, Scene,
+    Camera, Classification, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene,
     SceneError, Volume,
 };
 
@@ -36,7 +36,7 @@ pub struct EngineConfig {
 /// Vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SimdLevel {
-    /// What every processor of the architecture has: SSE2 on x86-64, NEON on AArch64.
+    /// What every processor of the architecture has: SSE2 on x86-64, NEON on 64-bit ARM.
     Baseline,
     /// AVX2 with FMA.
     Avx2,
@@ -197,7 +197,7 @@ impl Renderer {
         settings: &RenderSettings,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, SceneError> {
-        let mut frame = empty_frame(settings.size);
+        let mut frame = Frame::empty(settings.size);
         self.render_into_with_progress(scene, camera, settings, &mut frame, progress)?;
         Ok(frame)
     }
@@ -309,7 +309,7 @@ impl Renderer {
     ) -> Result<(), SceneError> {
         settings.validate()?;
         if frame.image.size() != settings.size {
-            *frame = empty_frame(settings.size);
+            *frame = Frame::empty(settings.size);
         }
         let run = Run {
             pool: &self.pool,
@@ -385,15 +385,6 @@ impl TileRun<'_> {
     }
 }
 
-/// A frame of nothing.
-fn empty_frame(size: ImageSize) -> Frame {
-    Frame {
-        image: Image::filled(size, [0.0; 4]),
-        depth: vec![f32::INFINITY; size.pixel_count()],
-        optical_depth: vec![0.0; size.pixel_count()],
-    }
-}
-
 /// Whether the engine that splats into all sheets at once renders this.
 fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
     settings.gradient == Gradient::Differences
@@ -405,7 +396,7 @@ fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
 
 fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {
     let size = plan.settings.size;
-    let mut frame = empty_frame(size);
+    let mut frame = Frame::empty(size);
     for (tile, (pixels, _)) in tiles.iter().enumerate() {
         store(&mut frame, &plan.tiles.rect(tile), pixels);
     }

@@ -139,3 +139,14 @@ pub struct Frame {
     /// Optical depth per pixel, row-major: `-ln` of the transmittance, exact also where alpha rounds to 1.
     pub optical_depth: Vec<f32>,
 }
+
+impl Frame {
+    /// A frame of nothing.
+    pub fn empty(size: ImageSize) -> Self {
+        Self {
+            image: Image::filled(size, [0.0; 4]),
+            depth: vec![f32::INFINITY; size.pixel_count()],
+            optical_depth: vec![0.0; size.pixel_count()],
+        }
+    }
+}

@@ -96,11 +96,11 @@ impl Border {
             let (size, margin) = (self.size[axis] / self.sigma, self.margin[axis] / self.sigma);
             // Of a box that is not thin only the nearer face matters.
             let near = x.min(size - x);
-            own = own * cumulative(simd, near);
-            all = all * cumulative(simd, near + margin);
+            own *= cumulative(simd, near);
+            all *= cumulative(simd, near + margin);
             if size < 2.0 * REACH {
-                own = own * cumulative(simd, size - near);
-                all = all * cumulative(simd, size + margin - near);
+                own *= cumulative(simd, size - near);
+                all *= cumulative(simd, size + margin - near);
             }
         }
         let coverage = ((own - 0.5) * (1.0 / 0.98) + 0.5)

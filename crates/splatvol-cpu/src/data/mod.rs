@@ -1,4 +1,21 @@
-//! Post-classification: coefficients are splatted to planes, four at a time, and each pair of planes is shaded.
+//! Post-classification, all sheets at once: the fast engine.
+//!
+//! | stage | module | what happens |
+//! |---|---|---|
+//! | level | `level` | the volume, or a half of it that suits the picture's scale, with what a transfer function needs of it |
+//! | plan | `frame` | kernel and camera to sheets and their raster; bricks to tiles |
+//! | activate | `activate`, `order`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
+//! | splat | `splat`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
+//! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
+//! | shade | `shade`, `border` | two planes: classified, lit, composited |
+//! | resolve | `resolve` | tiles to the frame, two levels into one |
+//!
+//! `engine` keeps what lasts from frame to frame, `tile` runs the stages of a tile.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "iterators over several arrays need closures, which do not inline into code for vectors"
+)]
+
 pub(crate) mod activate;
 pub(crate) mod border;
 pub(crate) mod engine;

@@ -161,7 +161,7 @@ fn take_four<S: Simd, const LANE: usize>(simd: S, blocks: [&Block; 4]) -> f32x16
         f32x16::from_slice(simd, &blocks[2].0),
         f32x16::from_slice(simd, &blocks[3].0),
     ];
-    let (low, high) = if LANE % 2 == 0 {
+    let (low, high) = if LANE.is_multiple_of(2) {
         (simd.unzip_low_f32x16(a, b), simd.unzip_low_f32x16(c, d))
     } else {
         (simd.unzip_high_f32x16(a, b), simd.unzip_high_f32x16(c, d))

@@ -333,8 +333,8 @@ fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
     }
     if !ELLIPSES {
         for b in 0..SIZE {
-            across[b] = across[b] * load(simd, &stencil.columns[b]);
-            down[b] = down[b] * load(simd, &stencil.rows[b]);
+            across[b] *= load(simd, &stencil.columns[b]);
+            down[b] *= load(simd, &stencil.rows[b]);
         }
     }
     for r in 0..SIZE {
