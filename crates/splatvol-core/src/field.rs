@@ -29,6 +29,8 @@ macro_rules! vectorized {
     };
 }
 
+#[cfg(test)]
+mod by_cell;
 mod cells;
 mod chunk;
 mod lattice;

@@ -11,8 +11,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{
-    Camera, Classification, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene,
-    SceneError, Volume,
+    Camera, Classification, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume,
 };
 
 use crate::data::engine::{DataEngine, Run};

@@ -6,10 +6,10 @@ use splatvol_scene::{
 };
 use splatvol_testing::random::Random;
 
+use super::by_cell::BrickStore;
 use super::*;
 use crate::classification::ClassificationTable;
 use crate::coefficients::{Coefficients, Use};
-use crate::visibility::BrickStore;
 
 fn kernel(sigma: f64, radius: f64) -> GaussianKernel {
     GaussianKernel::windowed(Kernel::Gaussian { sigma, radius })
