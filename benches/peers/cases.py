@@ -110,7 +110,7 @@ class Comparison:
 
     def _splatvol_truth(self, scene):
         """The function itself, whatever preset and flags are compared with it."""
-        exact = self.splatvol.with_defaults()
+        exact = self.splatvol.at_its_best()
         look = scene.transfer_function, LIGHTING, scene.camera
         settings = exact.picture(exact.scene(scene.volume, *look))[1]
         # Opacities keep their world length. So must gradients, which splatvol counts per voxel.

@@ -35,9 +35,9 @@ class Splatvol:
             raise SplatvolError(f"{' '.join(command)}\n{done.stderr.decode(errors='replace').strip()}")
         return done.stdout
 
-    def with_defaults(self):
-        """The same program without the user's flags."""
-        return Splatvol(self.program, self.folder, self.size, self.threads)
+    def at_its_best(self):
+        """The same program with its most exact method instead of the user's flags."""
+        return Splatvol(self.program, self.folder, self.size, self.threads, ["--preset=best"])
 
     def version(self):
         """As `--version` says."""
