@@ -23,11 +23,7 @@ pub(crate) fn check(root: &Path) -> Result<String> {
             "pub(crate) mod ",
             "crates/splatvol-cpu/src/stage/mod.rs",
         ),
-        (
-            "data::",
-            "pub(crate) mod ",
-            "crates/splatvol-cpu/src/data/mod.rs",
-        ),
+        ("data::", "pub(crate) mod ", "crates/splatvol-cpu/src/data/mod.rs"),
     ] {
         let source = read(file)?;
         let modules = modules(&source, declaration);

@@ -65,6 +65,7 @@ pub(crate) fn resolve(
 fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
     let quality = match name {
         PresetName::Best => RenderSettings::best(),
+        PresetName::Balanced => RenderSettings::balanced(),
         PresetName::Fast => RenderSettings::fast(),
     };
     RenderSettings {
@@ -193,7 +194,7 @@ mod tests {
             settings,
             RenderSettings {
                 lighting: None,
-                ..RenderSettings::default()
+                ..RenderSettings::best()
             }
         );
     }
@@ -210,7 +211,7 @@ mod tests {
         let Kernel::Gaussian {
             sigma: default_sigma,
             radius: default_radius,
-        } = Kernel::default();
+        } = RenderSettings::default().kernel;
         assert_eq!(sigma, 1.4);
         assert!((radius / sigma - default_radius / default_sigma).abs() < 1e-12);
         assert!(!settings.prefilter);

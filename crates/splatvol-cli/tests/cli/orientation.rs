@@ -40,7 +40,13 @@ fn psnr(a: &(u32, u32, Vec<u8>), b: &(u32, u32, Vec<u8>)) -> f64 {
 fn eight_voxel_orders_of_a_head_make_one_picture() {
     let Some(folder) = shared_volumes() else { return };
     let sandbox = Sandbox::new();
-    let of = |order: &str| picture(&sandbox, &folder.join(format!("nifti_space/{order}.nii.gz")), "");
+    let of = |order: &str| {
+        picture(
+            &sandbox,
+            &folder.join(format!("nifti_space/{order}.nii.gz")),
+            "--preset best",
+        )
+    };
     let first = of(ORDERS[0]);
     for order in &ORDERS[1..] {
         let psnr = psnr(&of(order), &first);

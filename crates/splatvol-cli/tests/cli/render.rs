@@ -177,7 +177,11 @@ fn presets_set_the_method_and_are_remembered() {
     sandbox
         .run(&format!("{TINY} --preset fast -o fast.png"))
         .succeeds();
-    assert_eq!(picture("default.png"), picture("best.png"));
+    sandbox
+        .run(&format!("{TINY} --preset balanced -o balanced.png"))
+        .succeeds();
+    assert_eq!(picture("default.png"), picture("balanced.png"));
+    assert_ne!(picture("default.png"), picture("best.png"));
     assert_ne!(picture("default.png"), picture("fast.png"));
     sandbox.run("render --like fast.png -o again.png").succeeds();
     assert_eq!(sandbox.bytes("fast.png"), sandbox.bytes("again.png"));
@@ -193,7 +197,7 @@ fn presets_set_the_method_and_are_remembered() {
     assert_ne!(picture("fast.png"), picture("flag.png"));
     sandbox
         .run(&format!("{TINY} --preset slow"))
-        .fails(2, &["best", "fast"]);
+        .fails(2, &["best", "balanced", "fast"]);
 }
 
 #[test]
