@@ -12,7 +12,7 @@ const LIGHT: &str = "Lighting";
 /// How the picture is made.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct MethodArgs {
-    /// Quality or speed: what sheets, filter and kernel are unless their own flags say so [default: best]
+    /// Quality or speed: what sheets, filter and kernel are unless their own flags say so [default: balanced]
     #[arg(long, value_name = "NAME", help_heading = METHOD)]
     pub(crate) preset: Option<PresetName>,
     /// How sheets become a picture [default: image-sheets]

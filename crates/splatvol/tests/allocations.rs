@@ -1,0 +1,109 @@
+//! Frames of the fast method allocate nothing once two have been rendered.
+
+#![allow(unsafe_code, reason = "an allocator that counts can only be written so")]
+#![allow(clippy::unwrap_used, reason = "a test")]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use common::PROJECTIONS;
+use glam::DVec3;
+use splatvol::{Camera, EngineConfig, ImageSize, RenderSettings, Renderer, Scene, View};
+use splatvol_samples::{Sample, SampleSize};
+
+/// The system's allocator, with a count.
+struct Counting;
+
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+static BYTES: AtomicUsize = AtomicUsize::new(0);
+/// Sizes of the first allocations counted.
+static SIZES: [AtomicUsize; 64] = [const { AtomicUsize::new(0) }; 64];
+
+fn count(bytes: usize) {
+    let index = COUNT.fetch_add(1, Ordering::Relaxed);
+    BYTES.fetch_add(bytes, Ordering::Relaxed);
+    if let Some(size) = SIZES.get(index) {
+        size.store(bytes, Ordering::Relaxed);
+    }
+}
+
+// SAFETY: every call goes to the system's allocator unchanged; counting touches only atomics.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size());
+        // SAFETY: the caller's promise about the layout is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count(layout.size());
+        // SAFETY: the caller's promise about the layout is passed on.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count(size);
+        // SAFETY: the block is the system's, for all blocks are; the rest is the caller's promise.
+        unsafe { System.realloc(block, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: the block is the system's, for all blocks are; the rest is the caller's promise.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// A camera on a circle around the volume.
+fn camera(scene: &Scene, frame: usize) -> Camera {
+    let framing = Camera::framing(&scene.volume.grid().bounds(), View::Iso, PROJECTIONS[0], 1.0).unwrap();
+    let turn = glam::DQuat::from_axis_angle(DVec3::Z, 0.05 * frame as f64);
+    let target = framing.target();
+    let position = target + turn * (framing.position() - target);
+    Camera::new(position, target, framing.up(), framing.projection()).unwrap()
+}
+
+#[test]
+fn frames_of_a_moving_camera_allocate_nothing() {
+    let volume = Sample::Shells.generate(Some(SampleSize::Longest(64))).unwrap();
+    let scene = Scene::new(volume, Sample::Shells.default_transfer_function().unwrap());
+    let settings = RenderSettings {
+        size: ImageSize::new(256, 256).unwrap(),
+        ..RenderSettings::fast()
+    };
+    let config = EngineConfig {
+        threads: Some(2),
+        ..EngineConfig::default()
+    };
+    let mut renderer = Renderer::new(config).unwrap();
+    let cameras: Vec<Camera> = (0..22).map(|frame| camera(&scene, frame)).collect();
+    let mut frame = renderer.render(&scene, &cameras[0], &settings).unwrap();
+    assert!(
+        renderer.statistics().seconds.take > 0.0,
+        "the fast engine rendered it"
+    );
+    renderer
+        .render_into(&scene, &cameras[1], &settings, &mut frame)
+        .unwrap();
+    let (mut counts, mut bytes) = ([0; 20], [0; 20]);
+    COUNT.store(0, Ordering::Relaxed);
+    BYTES.store(0, Ordering::Relaxed);
+    for (i, camera) in cameras[2..].iter().enumerate() {
+        renderer
+            .render_into(&scene, camera, &settings, &mut frame)
+            .unwrap();
+        (counts[i], bytes[i]) = (COUNT.load(Ordering::Relaxed), BYTES.load(Ordering::Relaxed));
+    }
+    let total = COUNT.load(Ordering::Relaxed);
+    let sizes: Vec<usize> = SIZES
+        .iter()
+        .map(|size| size.load(Ordering::Relaxed))
+        .take(total)
+        .collect();
+    println!("{total} allocations; after each frame {counts:?}, {bytes:?} bytes; sizes {sizes:?}");
+    assert_eq!(total, 0, "allocations of bytes: {sizes:?}");
+}

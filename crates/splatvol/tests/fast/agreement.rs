@@ -1,0 +1,94 @@
+//! The fast engine against the reference: four fields, both projections, lit and unlit. Without a low-pass, for the
+//! matched filter has no reference; kernel and everything else are the fast method's.
+//!
+//! Pictures have 256 x 256 pixels; the reference integrates every fourth along both axes.
+
+use splatvol::{
+    ColorPoint, Filter, Image, ImageSize, OpacityPoint, Projection, RenderSettings, Scene, TransferFunction,
+};
+use splatvol_reference::{ReferenceSettings, render_pixels};
+use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::fields::MarschnerLobb;
+use splatvol_testing::{Comparison, Tolerance, assert_images, sample};
+
+use crate::common::PROJECTIONS;
+use crate::support::{fast, framing, generated, name_of, noise, render, translucent};
+
+const PIXELS: u32 = 256;
+const STRIDE: u32 = 4;
+
+/// PSNR floors in dB: perspective lit, unlit, orthographic lit, unlit.
+type Floors = [f64; 4];
+
+fn scenes() -> Vec<(&'static str, Scene, Floors)> {
+    let surface = vec![OpacityPoint::new(0.47, 0.0), OpacityPoint::new(0.53, 0.6)];
+    let surface = TransferFunction::new(vec![ColorPoint::new(0.0, [0.9, 0.7, 0.4])], surface, None).unwrap();
+    let ball = Sample::Ball.generate(Some(SampleSize::Longest(32))).unwrap();
+    let marschner_lobb = sample(&MarschnerLobb::default(), &MarschnerLobb::grid(41));
+    vec![
+        (
+            "marschner-lobb",
+            Scene::new(marschner_lobb, surface),
+            [0.0, 0.0, 0.0, 0.0],
+        ),
+        ("head", generated(Sample::Head, 48), [0.0, 0.0, 0.0, 0.0]),
+        ("ball", Scene::new(ball, translucent()), [0.0, 0.0, 0.0, 0.0]),
+        ("noise", noise(), [0.0, 0.0, 0.0, 0.0]),
+    ]
+}
+
+/// Engine and reference on the same lattice of pixels.
+fn pictures(scene: &Scene, projection: Projection, settings: &RenderSettings) -> (Image, Image) {
+    let camera = framing(scene, projection, 1.0, 1.0);
+    let side = (PIXELS - STRIDE / 2).div_ceil(STRIDE);
+    let along = || (0..side).map(|i| STRIDE / 2 + i * STRIDE);
+    let pixels: Vec<(u32, u32)> = along().flat_map(|y| along().map(move |x| (x, y))).collect();
+    let frame = render(scene, &camera, settings);
+    let options = ReferenceSettings {
+        tolerance: 1e-4,
+        ..ReferenceSettings::default()
+    };
+    let exact = render_pixels(scene, &camera, settings, &options, &pixels).unwrap();
+    let size = ImageSize::new(side, side).unwrap();
+    let found = pixels
+        .iter()
+        .map(|&(x, y)| frame.image.pixel(x as usize, y as usize));
+    let expected = exact.iter().map(|pixel| pixel.rgba.map(|c| c as f32));
+    (
+        Image::from_pixels(size, found.collect()).unwrap(),
+        Image::from_pixels(size, expected.collect()).unwrap(),
+    )
+}
+
+#[test]
+fn pictures_agree_with_the_reference() {
+    for (name, scene, floors) in scenes() {
+        let mut floors = floors.into_iter();
+        for projection in PROJECTIONS {
+            for lit in [true, false] {
+                let base = fast(PIXELS, PIXELS);
+                let settings = RenderSettings {
+                    filter: Filter::None,
+                    lighting: base.lighting.filter(|_| lit),
+                    ..base
+                };
+                let (found, expected) = pictures(&scene, projection, &settings);
+                let figures = Comparison::of(&found, &expected);
+                let bias = figures.bias.into_iter().fold(0.0, |m: f64, b| m.max(b.abs()));
+                let light = if lit { "lit" } else { "unlit" };
+                let name = format!("fast-{name}-{}-{light}", name_of(projection));
+                println!(
+                    "{name}: {:.2} dB, largest {:.4}, bias {bias:.1e}, coarse share {:.2}",
+                    figures.psnr, figures.max_error, figures.coarse_share
+                );
+                let floor = floors.next().unwrap();
+                assert_images(
+                    &name,
+                    &found,
+                    &expected,
+                    Tolerance::psnr(floor).max_error(1.0).bias(1.0),
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! The engine that splats into all sheets at once ([`RenderSettings::fast`](splatvol::RenderSettings::fast)): the same
+//! bytes whatever runs it, close to the reference and to closed forms, smooth across levels of detail.
+//!
+//! Tolerances lie a little above what was measured; `--nocapture` prints the figures.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod agreement;
+mod close_ups;
+mod detail;
+mod determinism;
+mod laws;
+mod state;
+mod support;
