@@ -16,7 +16,10 @@
 #![forbid(unsafe_code)]
 
 mod data;
+#[doc(hidden)]
+pub mod kernels;
 mod plan;
+mod rasterize;
 mod renderer;
 mod stage;
 mod statistics;
