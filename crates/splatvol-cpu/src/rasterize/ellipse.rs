@@ -8,10 +8,10 @@
 
 use fearless_simd::{f32x8, f32x16, prelude::*};
 
-use super::Scratch;
 use super::place::{BATCH, Footprint, Places, Splats, Window, pixel_of_lane, weight_of_lane};
 use super::separable::half_vectors;
 use super::sheet::{LINE, Sheet};
+use super::{Scratch, small};
 use crate::stage::simd_exp::{exp2, exp2_quick};
 
 /// Rows from one start of the recurrence to the next.
@@ -31,6 +31,8 @@ pub(crate) fn splat<S: Simd, const CHANNELS: usize>(
 ) {
     if !is_tame(footprint) {
         splat_directly(simd, sheet, footprint, splats);
+    } else if CHANNELS == 1 && small::fits(footprint) {
+        small::splat_ellipses(simd, sheet, footprint, splats);
     } else if half_vectors::<S>(footprint, CHANNELS) {
         splat_by::<S, f32x8<S>, CHANNELS>(simd, sheet, footprint, splats, scratch);
     } else {
@@ -55,8 +57,7 @@ fn splat_by<S: Simd, V: SimdFloat<S, Element = f32>, const CHANNELS: usize>(
     splats: &Splats<'_, CHANNELS>,
     scratch: &mut Scratch,
 ) {
-    let pitch = sheet.pitch();
-    let Some(window) = Window::new(footprint, CHANNELS, V::LEN, (pitch, sheet.size()[1])) else {
+    let Some(window) = Window::new(footprint, sheet, V::LEN, true).map(Window::exact) else {
         return;
     };
     let bands = window.rows.div_ceil(BAND);
@@ -82,10 +83,10 @@ fn splat_by<S: Simd, V: SimdFloat<S, Element = f32>, const CHANNELS: usize>(
             }
         }
         let starts = (scratch.columns.as_slice(), scratch.rows.as_slice());
-        let batch = (&places, &window, count, CHANNELS);
+        let batch = (&places, &window, count);
         let mut strip = 0;
         while strip < window.vectors {
-            let target = (sheet.values_mut(), pitch);
+            let target = sheet.padded_mut();
             strip += match window.vectors - strip {
                 1 => add_strip::<S, V, 1>(simd, target, batch, starts, (curvature, strip)),
                 2 => add_strip::<S, V, 2>(simd, target, batch, starts, (curvature, strip)),
@@ -127,8 +128,8 @@ fn start<S: Simd, const CHANNELS: usize>(
 #[inline(always)]
 fn add_strip<S: Simd, V: SimdFloat<S, Element = f32>, const N: usize>(
     simd: S,
-    (values, pitch): (&mut [f32], usize),
-    (places, window, count, channels): (&Places, &Window, usize, usize),
+    values: &mut [f32],
+    (places, window, count): (&Places, &Window, usize),
     (starts, ratios): (&[f32], &[f32]),
     (curvature, strip): (f32, usize),
 ) -> usize {
@@ -136,8 +137,7 @@ fn add_strip<S: Simd, V: SimdFloat<S, Element = f32>, const N: usize>(
     let bands = window.rows.div_ceil(BAND);
     let curvature = V::simd_from(simd, curvature);
     for n in 0..count {
-        let (column, row, rows) = places.at(n, window, channels);
-        let first = column + strip * V::LEN;
+        let (mut lines, rows) = places.at(n, window, values);
         for band in 0..rows.div_ceil(BAND) {
             let lanes = (n * bands + band) * width + strip * V::LEN..;
             let starts = &starts[lanes.clone()][..N * V::LEN];
@@ -148,9 +148,8 @@ fn add_strip<S: Simd, V: SimdFloat<S, Element = f32>, const N: usize>(
                 value[v] = V::from_slice(simd, &starts[v * V::LEN..][..V::LEN]);
                 ratio[v] = V::from_slice(simd, &ratios[v * V::LEN..][..V::LEN]);
             }
-            let lines = values[(row + band * BAND) * pitch..].chunks_exact_mut(pitch);
-            for line in lines.take((rows - band * BAND).min(BAND)) {
-                let line = &mut line[first..first + N * V::LEN];
+            for line in lines.by_ref().take((rows - band * BAND).min(BAND)) {
+                let line = &mut line[strip * V::LEN..(strip + N) * V::LEN];
                 for v in 0..N {
                     let pixels = &mut line[v * V::LEN..(v + 1) * V::LEN];
                     (V::from_slice(simd, pixels) + value[v]).store_slice(pixels);
@@ -171,8 +170,7 @@ fn splat_directly<S: Simd, const CHANNELS: usize>(
     footprint: &Footprint,
     splats: &Splats<'_, CHANNELS>,
 ) {
-    let pitch = sheet.pitch();
-    let Some(window) = Window::new(footprint, CHANNELS, LINE, (pitch, sheet.size()[1])) else {
+    let Some(window) = Window::new(footprint, sheet, LINE, true).map(Window::exact) else {
         return;
     };
     let [xx, xy, yy] = footprint.exponents();
@@ -180,13 +178,12 @@ fn splat_directly<S: Simd, const CHANNELS: usize>(
     let mut places = Places::default();
     for n in 0..splats.len() {
         places.find(simd, &window, &splats.x[n..=n], &splats.y[n..=n]);
-        let (column, row, rows) = places.at(0, &window, CHANNELS);
         let weight = weight_of_lane(simd, &splats.weights[n]);
-        let lines = sheet.values_mut()[row * pitch..].chunks_exact_mut(pitch);
+        let (lines, rows) = places.at(0, &window, sheet.padded_mut());
         for (j, line) in lines.take(rows).enumerate() {
             let dy = places.dy[0] + j as f32;
             let mut dx = pixel_of_lane(simd, CHANNELS) + places.dx[0];
-            for pixels in line[column..column + window.lines * LINE].chunks_exact_mut(LINE) {
+            for pixels in line[..window.lines * LINE].chunks_exact_mut(LINE) {
                 let exponent = (dx * xx + xy * dy) * dx + yy * dy * dy;
                 let inside = dx.abs().simd_le(reach);
                 let factor = inside.select(exp2(simd, exponent), f32x16::splat(simd, 0.0));

@@ -17,11 +17,12 @@
 //! `data::splat` interleaves sheets instead of pixels and is faster for the footprints of volume views; these kernels have
 //! no bound on the radius.
 
-pub mod ellipse;
-pub mod lattice;
+pub(crate) mod ellipse;
+pub(crate) mod lattice;
 mod place;
-pub mod separable;
+pub(crate) mod separable;
 mod sheet;
+mod small;
 
 pub use place::{Footprint, Splats};
 pub use sheet::Sheet;

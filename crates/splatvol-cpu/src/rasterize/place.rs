@@ -2,7 +2,7 @@
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
-use super::sheet::LINE;
+use super::sheet::{LINE, Sheet};
 
 /// Splats that are made ready together.
 pub(crate) const BATCH: usize = 16;
@@ -12,8 +12,7 @@ pub(crate) const BATCH: usize = 16;
 pub struct Footprint {
     /// `xx, xy, yy` of `exp(-(xx dx^2 + 2 xy dx dy + yy dy^2) / 2)`, per pixel squared.
     pub conic: [f32; 3],
-    /// Half widths of the box that is filled, pixels. Columns of pixels whose centres lie within it are, and
-    /// `floor(2 reach) + 1` rows from the first whose centres do.
+    /// Half widths of the box around a splat's centre, pixels; pixels whose centres lie in it are filled.
     pub reach: [f32; 2],
 }
 
@@ -65,62 +64,76 @@ impl<const CHANNELS: usize> Splats<'_, CHANNELS> {
 /// What is reserved for every splat of a call: a window of whole vectors, the same for all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Window {
-    /// Pixels of a vector; windows begin at multiples of it.
+    /// Windows begin at multiples of so many pixels.
     align: usize,
+    channels: usize,
     /// Vectors of a row.
     pub vectors: usize,
     /// Cache lines that hold them.
     pub lines: usize,
     /// Rows that can lie inside the sheet.
     pub rows: usize,
-    /// Rows of a footprint.
-    span: f32,
+    /// Whether places have no other rows than those in reach, or as many rows each.
+    exact: bool,
     pub reach: [f32; 2],
     /// Last column where a window may begin, pixels.
     last: usize,
-    /// Rows of the sheet.
+    /// Floats from row to row of the sheet.
+    pub pitch: usize,
     height: usize,
 }
 
 impl Window {
-    /// For vectors of `length` floats, on a sheet of `pitch` floats per row. None where the sheet or the footprint has no
-    /// pixels.
-    pub(crate) fn new(
+    /// For vectors of `length` floats. None where the sheet or the footprint has no pixels.
+    pub(crate) fn new<const CHANNELS: usize>(
         footprint: &Footprint,
-        channels: usize,
+        sheet: &Sheet<CHANNELS>,
         length: usize,
-        (pitch, height): (usize, usize),
+        aligned: bool,
     ) -> Option<Self> {
         let [rx, ry] = footprint.reach;
-        if !(rx >= 0.0 && ry >= 0.0) || pitch == 0 || height == 0 {
+        let (pitch, [_, height]) = (sheet.pitch() / CHANNELS, sheet.size());
+        if !(rx > 0.0 && ry > 0.0) || pitch == 0 || height == 0 {
             return None;
         }
-        let align = length / channels;
-        let count = |reach: f32, most: usize| ((2.0 * reach) as usize).saturating_add(1).min(most);
-        let pitch = pitch / channels;
-        let vectors = (count(rx, pitch) + align - 1).div_ceil(align).min(pitch / align);
+        let pixels = length / CHANNELS;
+        let align = if aligned { pixels } else { 1 };
+        let width = points(rx).min(pitch) + align - 1;
+        let vectors = width.div_ceil(pixels).min(pitch / pixels);
         Some(Self {
             align,
+            channels: CHANNELS,
             vectors,
             lines: (vectors * length).div_ceil(LINE),
-            rows: count(ry, height),
-            span: (2.0 * ry).floor() + 1.0,
+            rows: points(ry).min(height),
+            exact: false,
             reach: footprint.reach,
-            last: pitch - vectors * align,
+            last: pitch - vectors * pixels,
+            pitch: sheet.pitch(),
             height,
         })
     }
+
+    /// With a number of rows for each splat. Otherwise all have the same number, so that a processor can foresee it, and
+    /// the last one may be out of reach.
+    pub(crate) fn exact(self) -> Self {
+        Self { exact: true, ..self }
+    }
+}
+
+/// Raster points in a footprint's reach, at most: both ends are met by chance only.
+pub(crate) fn points(reach: f32) -> usize {
+    (2.0 * reach).ceil() as usize
 }
 
 /// Splats' places, ready to be used one by one.
 #[derive(Debug, Default)]
 pub(crate) struct Places {
-    /// First pixel of the window.
-    pub column: [u32; BATCH],
-    pub row: [u32; BATCH],
+    /// First float of the window in the sheet.
+    first: [u32; BATCH],
     /// Rows inside the sheet.
-    pub rows: [u32; BATCH],
-    /// From the splat's centre to the first pixel's.
+    rows: [u32; BATCH],
+    /// From the splat's centre to the window's first pixel.
     pub dx: [f32; BATCH],
     pub dy: [f32; BATCH],
 }
@@ -170,22 +183,49 @@ impl Places {
         let low = (y - (ry + 0.5)).ceil();
         let height = f32x16::splat(simd, window.height as f32);
         let row = low.max(zero).min(height);
-        let end = (low + window.span).max(zero).min(height);
-        column.to_int::<u32x16<S>>().store_slice(&mut self.column);
-        row.to_int::<u32x16<S>>().store_slice(&mut self.row);
-        (end - row).to_int::<u32x16<S>>().store_slice(&mut self.rows);
+        let end = if window.exact {
+            (y + (ry + 0.5)).floor()
+        } else {
+            low + points(ry) as f32
+        };
+        let end = end.max(row).min(height);
         (column - x + 0.5).store_slice(&mut self.dx);
         (row - y + 0.5).store_slice(&mut self.dy);
+        let column = column.to_int::<u32x16<S>>() * window.channels as u32;
+        let first = row.to_int::<u32x16<S>>() * window.pitch as u32 + column;
+        first.store_slice(&mut self.first);
+        (end - row).to_int::<u32x16<S>>().store_slice(&mut self.rows);
     }
 
-    /// First float of the n-th splat's window in a row, its first row and the number of rows, whatever the input was.
+    /// The rows of the n-th splat's window, and how many there are.
     #[inline(always)]
-    pub(crate) fn at(&self, n: usize, window: &Window, channels: usize) -> (usize, usize, usize) {
-        let row = (self.row[n] as usize).min(window.height);
+    pub(crate) fn at<'a>(&self, n: usize, window: &Window, values: &'a mut [f32]) -> (Lines<'a>, usize) {
+        let rows = (self.rows[n] as usize).min(window.rows);
+        let rest = values.get_mut(self.first[n] as usize..).unwrap_or_default();
         (
-            (self.column[n] as usize).min(window.last) * channels,
-            row,
-            (self.rows[n] as usize).min(window.height - row).min(window.rows),
+            Lines {
+                rest,
+                pitch: window.pitch,
+            },
+            rows,
         )
+    }
+}
+
+/// Rows of a sheet from a float on. As `chunks_exact_mut`, without its division.
+#[derive(Debug)]
+pub(crate) struct Lines<'a> {
+    rest: &'a mut [f32],
+    pitch: usize,
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = &'a mut [f32];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<&'a mut [f32]> {
+        let (line, rest) = std::mem::take(&mut self.rest).split_at_mut_checked(self.pitch)?;
+        self.rest = rest;
+        Some(line)
     }
 }

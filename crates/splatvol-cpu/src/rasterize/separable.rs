@@ -5,9 +5,9 @@
 
 use fearless_simd::{f32x8, f32x16, prelude::*};
 
-use super::Scratch;
 use super::place::{BATCH, Footprint, LANE, Places, Splats, Window, pixel_of_lane, weight_of_lane};
 use super::sheet::{LINE, Sheet};
+use super::{Scratch, small};
 use crate::stage::simd_exp::exp2_quick;
 
 /// Adds splats to a sheet; the conic's mixed term is ignored.
@@ -19,7 +19,9 @@ pub(crate) fn splat<S: Simd, const CHANNELS: usize>(
     splats: &Splats<'_, CHANNELS>,
     scratch: &mut Scratch,
 ) {
-    if half_vectors::<S>(footprint, CHANNELS) {
+    if CHANNELS == 1 && small::fits(footprint) {
+        small::splat_separable(simd, sheet, footprint, splats);
+    } else if half_vectors::<S>(footprint, CHANNELS) {
         splat_by::<S, f32x8<S>, CHANNELS>(simd, sheet, footprint, splats, scratch);
     } else {
         splat_by::<S, S::f32s, CHANNELS>(simd, sheet, footprint, splats, scratch);
@@ -40,8 +42,7 @@ fn splat_by<S: Simd, V: SimdFloat<S, Element = f32>, const CHANNELS: usize>(
     splats: &Splats<'_, CHANNELS>,
     scratch: &mut Scratch,
 ) {
-    let pitch = sheet.pitch();
-    let Some(window) = Window::new(footprint, CHANNELS, V::LEN, (pitch, sheet.size()[1])) else {
+    let Some(window) = Window::new(footprint, sheet, V::LEN, true) else {
         return;
     };
     let row_lines = window.rows.div_ceil(LINE);
@@ -60,11 +61,10 @@ fn splat_by<S: Simd, V: SimdFloat<S, Element = f32>, const CHANNELS: usize>(
         }
         let rows = scratch.rows.as_mut_slice();
         for (n, lanes) in rows.chunks_exact_mut(row_lines * LINE).enumerate().take(count) {
-            row_factors(simd, yy, places.dy[n], lanes);
+            row_factors(simd, (yy, window.reach[1]), places.dy[n], lanes);
         }
         let factors = (scratch.columns.as_slice(), scratch.rows.as_slice());
-        let target = (sheet.values_mut(), pitch);
-        add::<S, V>(simd, target, (&places, &window, count, CHANNELS), factors);
+        add::<S, V>(simd, sheet.padded_mut(), (&places, &window, count), factors);
     }
 }
 
@@ -72,18 +72,17 @@ fn splat_by<S: Simd, V: SimdFloat<S, Element = f32>, const CHANNELS: usize>(
 #[inline(always)]
 fn add<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
-    (values, pitch): (&mut [f32], usize),
-    batch: (&Places, &Window, usize, usize),
+    values: &mut [f32],
+    batch: (&Places, &Window, usize),
     factors: (&[f32], &[f32]),
 ) {
     let mut strip = 0;
     while strip < batch.1.vectors {
-        let target = (&mut *values, pitch);
         strip += match batch.1.vectors - strip {
-            1 => add_strip::<S, V, 1>(simd, target, batch, factors, strip),
-            2 => add_strip::<S, V, 2>(simd, target, batch, factors, strip),
-            3 => add_strip::<S, V, 3>(simd, target, batch, factors, strip),
-            _ => add_strip::<S, V, 4>(simd, target, batch, factors, strip),
+            1 => add_strip::<S, V, 1>(simd, values, batch, factors, strip),
+            2 => add_strip::<S, V, 2>(simd, values, batch, factors, strip),
+            3 => add_strip::<S, V, 3>(simd, values, batch, factors, strip),
+            _ => add_strip::<S, V, 4>(simd, values, batch, factors, strip),
         };
     }
 }
@@ -108,13 +107,15 @@ fn column_factors<S: Simd, const CHANNELS: usize>(
     }
 }
 
-/// `2^max(e dy^2, -63)` of each row.
+/// `2^max(e dy^2, -63)` of each row in reach.
 #[inline(always)]
-fn row_factors<S: Simd>(simd: S, exponent: f32, dy: f32, lanes: &mut [f32]) {
+fn row_factors<S: Simd>(simd: S, (exponent, reach): (f32, f32), dy: f32, lanes: &mut [f32]) {
     let mut dy = f32x16::from_slice(simd, &LANE) + dy;
     let floor = f32x16::splat(simd, -63.0);
     for line in lanes.chunks_exact_mut(LINE) {
-        exp2_quick(simd, (dy * dy * exponent).max(floor)).store_slice(line);
+        let factor = exp2_quick(simd, (dy * dy * exponent).max(floor));
+        let inside = dy.abs().simd_le(f32x16::splat(simd, reach));
+        inside.select(factor, f32x16::splat(simd, 0.0)).store_slice(line);
         dy += LINE as f32;
     }
 }
@@ -123,25 +124,23 @@ fn row_factors<S: Simd>(simd: S, exponent: f32, dy: f32, lanes: &mut [f32]) {
 #[inline(always)]
 fn add_strip<S: Simd, V: SimdFloat<S, Element = f32>, const N: usize>(
     simd: S,
-    (values, pitch): (&mut [f32], usize),
-    (places, window, count, channels): (&Places, &Window, usize, usize),
+    values: &mut [f32],
+    (places, window, count): (&Places, &Window, usize),
     (columns, rows): (&[f32], &[f32]),
     strip: usize,
 ) -> usize {
     let columns = columns.chunks_exact(window.lines * LINE);
     let factors = rows.chunks_exact(window.rows.next_multiple_of(LINE));
     for (n, (columns, factors)) in columns.zip(factors).enumerate().take(count) {
-        let (column, row, rows) = places.at(n, window, channels);
-        let first = column + strip * V::LEN;
+        let (lines, rows) = places.at(n, window, values);
         let columns = &columns[strip * V::LEN..][..N * V::LEN];
         let mut lanes = [V::simd_from(simd, 0.0); N];
         for v in 0..N {
             lanes[v] = V::from_slice(simd, &columns[v * V::LEN..][..V::LEN]);
         }
-        let lines = values[row * pitch..].chunks_exact_mut(pitch);
         for (line, factor) in lines.zip(&factors[..rows]) {
             let factor = V::simd_from(simd, *factor);
-            let line = &mut line[first..first + N * V::LEN];
+            let line = &mut line[strip * V::LEN..(strip + N) * V::LEN];
             for v in 0..N {
                 let pixels = &mut line[v * V::LEN..(v + 1) * V::LEN];
                 lanes[v]

@@ -2,6 +2,9 @@
 
 /// Floats of a cache line.
 pub(crate) const LINE: usize = 16;
+/// Rows behind the last one: a whole row may be taken from any float of the last one, and a small footprint's rows from
+/// any row.
+const PADDING: usize = 9;
 
 /// Floats from an address that is a multiple of a cache line.
 #[derive(Debug, Default)]
@@ -56,7 +59,7 @@ impl<const CHANNELS: usize> Sheet<CHANNELS> {
         let lines = (width * CHANNELS).div_ceil(LINE) | 1;
         let pitch = lines * LINE;
         Self {
-            values: Aligned::zeros(pitch * height),
+            values: Aligned::zeros(pitch * (height + PADDING)),
             size: [width, height],
             pitch,
         }
@@ -95,5 +98,11 @@ impl<const CHANNELS: usize> Sheet<CHANNELS> {
     #[inline(always)]
     pub(crate) fn values_mut(&mut self) -> &mut [f32] {
         &mut self.values.as_mut_slice()[..self.pitch * self.size[1]]
+    }
+
+    /// With rows behind the last one that nobody sees.
+    #[inline(always)]
+    pub(crate) fn padded_mut(&mut self) -> &mut [f32] {
+        &mut self.values.as_mut_slice()[..self.pitch * (self.size[1] + PADDING)]
     }
 }

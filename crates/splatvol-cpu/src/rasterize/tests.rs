@@ -56,10 +56,8 @@ impl<const CHANNELS: usize> Cloud<CHANNELS> {
         let [rx, ry] = footprint.reach;
         let mut sum = [0.0; CHANNELS];
         for ((&cx, &cy), weights) in self.x.iter().zip(&self.y).zip(&self.weights) {
-            let first = (cy - (ry + 0.5)).ceil();
-            let row = y as f32 - first;
-            let column = (x as f32 + 0.5 - cx).abs();
-            if cut && !(column <= rx && row >= 0.0 && row < (2.0 * ry).floor() + 1.0) {
+            let inside = (x as f32 + 0.5 - cx).abs() <= rx && (y as f32 + 0.5 - cy).abs() <= ry;
+            if cut && !inside {
                 continue;
             }
             let (dx, dy) = (x as f64 + 0.5 - f64::from(cx), y as f64 + 0.5 - f64::from(cy));
