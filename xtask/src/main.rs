@@ -8,10 +8,13 @@
 //! | `files` | no committed file names a machine's paths, no Rust file is too long, links lead somewhere |
 //!
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
-//! Each is a test as well.
+//! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
+//! machine code is vectors as wide as promised, in the command or in any program given.
 
 mod architecture;
+mod decode;
 mod files;
+mod instructions;
 mod licenses;
 mod metadata;
 mod msrv;
@@ -49,6 +52,11 @@ const TASKS: [Task; 4] = [
 
 fn main() -> Result<()> {
     let mut wanted: Vec<String> = std::env::args().skip(1).collect();
+    if wanted.first().is_some_and(|name| name == "instructions") {
+        let program = wanted.get(1).map(String::as_str);
+        println!("instructions: {}", instructions::check(&root(), program)?);
+        return Ok(());
+    }
     let offline = wanted.iter().position(|argument| argument == "--offline");
     let platforms = match offline.map(|position| wanted.remove(position)) {
         Some(_) => Platforms::Host,
@@ -59,7 +67,7 @@ fn main() -> Result<()> {
         .find(|name| TASKS.iter().all(|task| task.name != **name))
     {
         let names = TASKS.map(|task| task.name).join(", ");
-        bail!("unknown task {unknown}: the tasks are {names}");
+        bail!("unknown task {unknown}: the tasks are {names}, instructions");
     }
     for task in &TASKS {
         if wanted.is_empty() || wanted.iter().any(|name| name == task.name) {

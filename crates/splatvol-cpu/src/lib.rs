@@ -16,8 +16,11 @@
 #![forbid(unsafe_code)]
 
 mod data;
+#[doc(hidden)]
+pub mod kernels;
 mod plan;
 mod progressive;
+mod rasterize;
 mod renderer;
 mod stage;
 mod statistics;

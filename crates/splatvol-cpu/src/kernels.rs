@@ -1,0 +1,124 @@
+//! What micro-benchmarks and tests need of the kernels. No part of the public interface.
+
+use fearless_simd::{Level, Simd, dispatch};
+
+use crate::data::ring::{Block, PITCH, Row};
+use crate::data::sheet::{GroupShape, Lanes16};
+use crate::data::splat::{self, Powers, Records, SplatConstants, Stencil};
+
+pub use crate::rasterize::lattice::Lattice;
+pub use crate::rasterize::{Footprint, Scratch, Sheet, Splats, splat};
+
+/// Every SIMD level of this machine, the best first, with its name. Scalar code exists in builds with the feature
+/// `scalar` only, or where the processor has no SIMD.
+pub fn levels() -> Vec<(&'static str, Level)> {
+    let best = Level::new();
+    let mut levels = Vec::new();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        levels.extend(best.as_avx512().map(|simd| ("AVX-512", simd.level())));
+        levels.extend(best.as_avx2().map(|simd| ("AVX2", simd.level())));
+        levels.extend(best.as_sse4_2().map(|simd| ("SSE4.2", simd.level())));
+        levels.extend(best.as_sse2().map(|simd| ("SSE2", simd.level())));
+    }
+    #[cfg(target_arch = "aarch64")]
+    levels.extend(best.as_neon().map(|simd| ("NEON", simd.level())));
+    #[cfg(feature = "scalar")]
+    levels.push(("scalar", Level::fallback()));
+    if levels.is_empty() {
+        levels.push(("baseline", best));
+    }
+    levels
+}
+
+/// The engine's splatting of voxels into four interleaved sheets (`data::splat`), on its own.
+#[derive(Debug)]
+pub struct FourSheets {
+    records: Box<Records>,
+    shape: GroupShape,
+    stencil: Box<Stencil>,
+    powers: Box<Powers>,
+    rows: Vec<Row>,
+    constants: SplatConstants,
+    blocks: usize,
+}
+
+impl FourSheets {
+    /// Voxels at `x`, `y` pixels of a tile, as many as the engine collects; round footprints of `sigma` pixels and `blocks`
+    /// blocks of 2 x 2 pixels along an edge.
+    pub fn new(sigma: f32, blocks: usize, x: &[f32], y: &[f32]) -> Self {
+        let exponent = -0.5 * std::f32::consts::LOG2_E / (sigma * sigma);
+        let lanes = |value: f32| Lanes16([value; 16]);
+        let shape = GroupShape {
+            depth: Lanes16(std::array::from_fn(|lane| (lane % 4) as f32 - 1.5)),
+            scale: lanes(1.0),
+            xx: lanes(exponent),
+            xy: lanes(0.0),
+            yy: lanes(exponent),
+            peak: lanes(1.0),
+        };
+        let mut records = Box::<Records>::default();
+        let apron = 2 * blocks;
+        records.len = x.len().min(y.len()).min(splat::CAPACITY);
+        for (n, (x, y)) in x.iter().zip(y).take(records.len).enumerate() {
+            let first = |centre: f32| (centre.floor() as usize + apron) / 2 - splat::middle_block(blocks);
+            let middle = |centre: f32| (centre.floor() as usize + apron) / 2 * 2;
+            records.column[n] = first(*x) as u32;
+            records.row[n] = first(*y) as u32;
+            records.origin_x[n] = x + apron as f32 - middle(*x) as f32;
+            records.origin_y[n] = y + apron as f32 - middle(*y) as f32;
+            records.value[n] = 1.0;
+        }
+        Self {
+            records,
+            shape,
+            stencil: Box::default(),
+            powers: Box::default(),
+            rows: vec![Row([Block::ZERO; PITCH]); PITCH],
+            constants: SplatConstants {
+                slope: [0.0; 2],
+                principal: [0.0; 2],
+                depth_exponent: -0.6,
+                depth_edge: 1e-3,
+            },
+            blocks,
+        }
+    }
+
+    /// Splats all voxels once; `ellipses`: by the kernel for any conic.
+    pub fn splat(&mut self, level: Level, ellipses: bool) {
+        dispatch!(level, simd => self.splat_with(simd, ellipses));
+    }
+
+    #[inline(always)]
+    fn splat_with<S: Simd>(&mut self, simd: S, ellipses: bool) {
+        self.stencil.prepare(simd, &self.shape, self.blocks, ellipses);
+        macro_rules! by_size {
+            ($($size:literal)*) => {
+                match (self.blocks, ellipses) {
+                    $(($size, false) => self.add::<S, $size, false>(simd),
+                    ($size, true) => self.add::<S, $size, true>(simd),)*
+                    _ => {}
+                }
+            };
+        }
+        by_size!(2 3 4 5 6 7 8);
+    }
+
+    #[inline(always)]
+    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(&mut self, simd: S) {
+        let Self {
+            records,
+            shape,
+            stencil,
+            powers,
+            rows,
+            constants,
+            ..
+        } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || splat::splat::<S, SIZE, ELLIPSES>(simd, constants, (shape, stencil), records, powers, rows),
+        );
+    }
+}
