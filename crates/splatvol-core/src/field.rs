@@ -116,8 +116,9 @@ impl FieldStore {
     /// Takes another transfer function: finds what is needed under it, and solves for what is not there.
     pub fn update(&mut self, levels: &VisibleLevels) {
         let background = self.histogram.background(levels);
+        let levels = &levels.beyond(background);
         let first_time = self.levels.is_none();
-        if self.levels.as_ref() == Some(levels) {
+        if self.levels.as_ref() == Some(levels) && background == self.background {
             return;
         }
         let all_again = first_time || background != self.background;

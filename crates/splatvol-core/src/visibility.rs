@@ -104,6 +104,28 @@ impl VisibleLevels {
         Self { below }
     }
 
+    /// Levels that a reconstruction over the background must hold on to: all but those that can be reached from the
+    /// background without meeting a visible one. Of a value beyond a visible band nothing may be left out, or the sum would
+    /// fall through the band.
+    pub(crate) fn beyond(&self, background: f32) -> Self {
+        let start = level_of(background);
+        let mut held = vec![true; LEVELS];
+        if !self.any_of([start; 2]) {
+            let free = |level: &i16| !self.any_of([*level; 2]);
+            for level in (start..LEVELS as i16)
+                .take_while(free)
+                .chain((0..start).rev().take_while(free))
+            {
+                held[level as usize] = false;
+            }
+        }
+        let mut below = vec![0u16; LEVELS + 1];
+        for (level, held) in held.into_iter().enumerate() {
+            below[level + 1] = below[level] + u16::from(held);
+        }
+        Self { below }
+    }
+
     /// Runs of visible levels, ascending: first and last of each.
     pub(crate) fn intervals(&self) -> Vec<[i16; 2]> {
         let mut intervals: Vec<[i16; 2]> = Vec::new();

@@ -271,7 +271,7 @@ impl Renderer {
         self.statistics = RenderStatistics {
             seconds,
             threads: self.pool.current_num_threads(),
-            simd: level_name(self.level).to_owned(),
+            simd: level_name(self.level),
             level: 0,
             bricks: plan.bricks.len(),
             active_bricks: plan.active_bricks,

@@ -33,7 +33,7 @@ pub struct RenderStatistics {
     /// Threads of the pool.
     pub threads: usize,
     /// SIMD level chosen at run time.
-    pub simd: String,
+    pub simd: &'static str,
     /// Level of detail: 0 is the volume itself, each further one half of it.
     pub level: usize,
     /// Bricks of the volume.

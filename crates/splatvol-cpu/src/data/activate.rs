@@ -96,30 +96,34 @@ pub(crate) fn activate<S: Simd>(
         let v = dz
             .mul_add(constants.slope[1], y)
             .mul_add(scale, f32x16::splat(simd, py));
+        // Whole footprints, with all their blocks: what a pixel gets must not depend on the tile.
+        let (column, row) = (
+            ((u - rx).ceil() * 0.5).floor() * 2.0,
+            ((v - ry).ceil() * 0.5).floor() * 2.0,
+        );
+        let extent = (2 * window.blocks - 1) as f32;
         let mut wanted = needed
-            & (u + rx).simd_ge(f32x16::splat(simd, window.low[0]))
-            & (u - rx).simd_le(f32x16::splat(simd, window.high[0]))
-            & (v + ry).simd_ge(f32x16::splat(simd, window.low[1]))
-            & (v - ry).simd_le(f32x16::splat(simd, window.high[1]));
+            & (column + extent).simd_ge(f32x16::splat(simd, window.low[0]))
+            & column.simd_le(f32x16::splat(simd, window.high[0]))
+            & (row + extent).simd_ge(f32x16::splat(simd, window.low[1]))
+            & row.simd_le(f32x16::splat(simd, window.high[1]));
         if test {
-            let (column, row) = (
+            let (block_x, block_y) = (
                 OpenMask::block(simd, (u - window.tile[0]) * window.step),
                 OpenMask::block(simd, (v - window.tile[1]) * window.step),
             );
-            let (column, row) = (column.as_slice(), row.as_slice());
+            let (block_x, block_y) = (block_x.as_slice(), block_y.as_slice());
             let mut bits = wanted.to_bitmask();
             let mut left = bits;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize & 15;
                 left &= left - 1;
-                bits &= !(mask.out_of_reach(column[lane], row[lane]) << lane);
+                bits &= !(mask.out_of_reach(block_x[lane], block_y[lane]) << lane);
             }
             wanted = mask32x16::from_bitmask(simd, bits);
         }
         let found = wanted.to_bitmask().count_ones() as usize;
         if found > 0 {
-            let column = ((u - rx).ceil() * 0.5).floor();
-            let row = ((v - ry).ceil() * 0.5).floor();
             let middle = 2.0 * middle_block(window.blocks) as f32;
             let at = records.len.min(CAPACITY);
             let range = at..at + 16;
@@ -129,13 +133,13 @@ pub(crate) fn activate<S: Simd>(
             value
                 .compress(wanted)
                 .store_slice(&mut records.value[range.clone()]);
-            (px - column * 2.0 - middle)
+            (px - column - middle)
                 .compress(wanted)
                 .store_slice(&mut records.origin_x[range.clone()]);
-            (py - row * 2.0 - middle)
+            (py - row - middle)
                 .compress(wanted)
                 .store_slice(&mut records.origin_y[range.clone()]);
-            let (column, row) = (column - 0.5 * window.ring[0], row - 0.5 * window.ring[1]);
+            let (column, row) = ((column - window.ring[0]) * 0.5, (row - window.ring[1]) * 0.5);
             records.join(simd, wanted, column, row);
             column
                 .to_int::<u32x16<S>>()

@@ -56,7 +56,7 @@ impl DataEngine {
         let detail = Detail::new(&scene.volume, camera, settings.size);
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
-            simd: crate::level_name(run.level).to_owned(),
+            simd: crate::level_name(run.level),
             level: detail.level,
             ..RenderStatistics::default()
         };

@@ -43,12 +43,17 @@ impl OpenMask {
         let (columns, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         self.open = [0; ROWS];
         self.open[MARGIN..MARGIN + rows].fill(((1 << columns) - 1) << MARGIN);
-        self.reach = ((reach / BLOCK as f32).ceil() as usize).clamp(1, MARGIN - 1);
+        self.reach = ((reach / BLOCK as f32).ceil() as usize).max(1);
         self.dilate();
         self.any_finished = false;
     }
 
     fn dilate(&mut self) {
+        if self.reach >= MARGIN {
+            // Footprints reach across the margin: bricks are tested, voxels are not.
+            self.reached = [u64::MAX; ROWS];
+            return;
+        }
         let mut wide = self.open;
         for _ in 0..self.reach {
             wide.iter_mut().for_each(|row| *row |= *row << 1 | *row >> 1);

@@ -181,12 +181,13 @@ const MIDDLES: [f32; 16] = [
 ];
 
 /// Mean extinction while the value rises by `rise` from a to b: the integrals' difference quotient, or, where that would
-/// cancel, the extinction at a.
+/// cancel, the mean of the extinctions at both ends.
 #[inline(always)]
 fn mean_extinction<S: Simd>(simd: S, rise: f32x16<S>, a: &Classified<S>, b: &Classified<S>) -> f32x16<S> {
-    let thin = rise.abs().simd_lt(splat(simd, 1e-4));
+    let thin = rise.abs().simd_lt(splat(simd, FLAT));
     let quotient = (b.integral - a.integral) / thin.select(splat(simd, 1.0), rise);
-    thin.select(a.extinction, quotient).max(splat(simd, 0.0))
+    thin.select((a.extinction + b.extinction) * 0.5, quotient)
+        .max(splat(simd, 0.0))
 }
 
 /// Central difference between points i and j of both planes, per world length, between the planes.
@@ -395,12 +396,14 @@ impl PlaneShader<'_> {
         let rise = v1 - v0;
         let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
         // One division for the mean extinction and the far end's share.
-        let flat = rise.abs().simd_lt(splat(simd, 1e-4));
+        let flat = rise.abs().simd_lt(splat(simd, FLAT));
         let width = flat.select(splat(simd, 1.0), rise);
         let both = (ends[0].extinction + ends[1].extinction).max(splat(simd, 1e-20));
         let inverse = splat(simd, 1.0) / (width * both);
         let quotient = (ends[1].integral - ends[0].integral) * both * inverse;
-        let whole = flat.select(ends[0].extinction, quotient).max(splat(simd, 0.0));
+        let whole = flat
+            .select((ends[0].extinction + ends[1].extinction) * 0.5, quotient)
+            .max(splat(simd, 0.0));
         let [cx, cy] = self.principal;
         let ray_x =
             (f32x16::from_slice(simd, &MIDDLES) + ((target.origin[0] + x) as f32 - cx)) * self.per_pixel;
@@ -509,5 +512,8 @@ impl PlaneShader<'_> {
     }
 }
 
+/// Rise of the value below which the integrals' difference would lose its digits.
+const FLAT: f32 = 2e-3;
+
 /// Optical depth from which an interval is cut in halves.
-const THICK: f32 = 0.25;
+const THICK: f32 = 0.02;

@@ -139,7 +139,8 @@ impl Place {
 
     /// Pixels of the tile that something in this rectangle of the picture can change.
     fn reach(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [f32; 4] {
-        let margin = (self.halo * step) as f32 + 1.0;
+        // Blocks reach up to two points further than footprints.
+        let margin = ((self.halo + 2) * step) as f32 + 1.0;
         let (x, y) = (self.rect.x0 as f32, self.rect.y0 as f32);
         [x0 - x - margin, y0 - y - margin, x1 - x + margin, y1 - y + margin]
     }
@@ -158,7 +159,7 @@ impl DataScratch {
         self.free.extend(self.open.drain(..).map(|brick| brick.values));
         let [rx, ry] = frame.half_extent;
         self.mask
-            .reset(place.size, (rx.max(ry) + 2.0) * frame.step as f32);
+            .reset(place.size, (rx.max(ry) + 5.0) * frame.step as f32);
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
     }
@@ -243,7 +244,7 @@ fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
     let shape = &frame.sheets[middle.min(frame.sheets.len() - 1)];
     let half = frame.half_extent(shape);
     let plane = frame.stack.plane(sheet) as f32;
-    let needed = place.halo as f32 - 1.0;
+    let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.size.map(|n| n.div_ceil(frame.step) as f32);

@@ -136,7 +136,7 @@ impl<'a> Bench<'a> {
             version: env!("CARGO_PKG_VERSION"),
             simd: cases
                 .first()
-                .map_or_else(String::new, |case| case.statistics.simd.clone()),
+                .map_or_else(String::new, |case| case.statistics.simd.to_owned()),
             processors: scenes::processors(),
             threads,
             course: self.course,
