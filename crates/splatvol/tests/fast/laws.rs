@@ -79,7 +79,10 @@ fn a_constant_field_has_constant_optical_depth_per_length_in_every_view() {
                     let ratio = f64::from(frame.optical_depth[y * 128 + x]) / exact;
                     (low, high, found) = (low.min(ratio), high.max(ratio), found + 1);
                 }
-                assert!(found > 300, "{name} {direction}: only {found} rays keep clear of the edges");
+                assert!(
+                    found > 300,
+                    "{name} {direction}: only {found} rays keep clear of the edges"
+                );
                 println!(
                     "constant {name} {direction:.2} {:?}: ratio {low:.5} to {high:.5}",
                     settings.filter
@@ -94,12 +97,17 @@ fn a_constant_field_has_constant_optical_depth_per_length_in_every_view() {
     assert!(offset < OFFSET, "offset {offset:.2e}");
 }
 
-const RIPPLE: f64 = 1.0;
-const OFFSET: f64 = 1.0;
+/// Measured: 3.5e-4.
+const RIPPLE: f64 = 4e-4;
+/// Measured: 2.0e-4.
+const OFFSET: f64 = 2.5e-4;
 
 fn cameras(target: DVec3, height: f64) -> [(&'static str, Camera); 3] {
     [
-        ("oblique", orthographic(target, DVec3::new(0.2, 1.0, -0.3), height)),
+        (
+            "oblique",
+            orthographic(target, DVec3::new(0.2, 1.0, -0.3), height),
+        ),
         ("along an axis", orthographic(target, DVec3::Y, height)),
         (
             "perspective",
@@ -134,6 +142,8 @@ fn alpha_error(
         .fold(0.0, f64::max)
 }
 
+/// Values above the band leave a second, thinner layer: where voxels are left out because they cannot be seen, the
+/// field falls to the background, through the band. The slab of nine spacings looks ten thick.
 #[test]
 fn slabs_from_thin_to_opaque() {
     // A ramp along a tilted direction; extinction in a band of values is a slab with flat faces.
@@ -157,8 +167,10 @@ fn slabs_from_thin_to_opaque() {
     }
 }
 
-const SLAB_LIMITS: [f64; 6] = [1.0; 6];
-const BALL_LIMITS: [f64; 6] = [1.0; 6];
+/// Measured: 2.1e-2, 5.5e-2, 5.5e-2, 3.7e-2, 8.5e-3, 2.2e-4.
+const SLAB_LIMITS: [f64; 6] = [2.3e-2, 6e-2, 6e-2, 4.1e-2, 9.3e-3, 2.5e-4];
+/// Measured: 2.1e-3, 7.5e-3, 1.1e-2, 1.6e-2, 2.7e-2, 4.0e-2, all along an axis; oblique views are five times closer.
+const BALL_LIMITS: [f64; 6] = [2.4e-3, 8.3e-3, 1.3e-2, 1.8e-2, 2.9e-2, 4.4e-2];
 
 /// `1 - (r / R)^2`, negative outside: without the kink that [`Ball`] has at its rim.
 struct Paraboloid(Ball);
@@ -215,13 +227,17 @@ fn a_box_of_n_samples_is_n_spacings_thick() {
         let exact = extinction * n as f64 * spacing.y;
         let frame = render(&scene, &orthographic(DVec3::ZERO, DVec3::Y, 12.0), &plain(48));
         let found = f64::from(frame.optical_depth[24 * 48 + 24]);
-        println!("{n} samples: {found:.5}, {n} spacings: {exact:.5}, ratio {:.5}", found / exact);
+        println!(
+            "{n} samples: {found:.5}, {n} spacings: {exact:.5}, ratio {:.5}",
+            found / exact
+        );
         worst = worst.max((found / exact - 1.0).abs());
     }
     assert!(worst < THICKNESS, "off by {worst:.2e}");
 }
 
-const THICKNESS: f64 = 1.0;
+/// Measured: 7.3e-3 for two samples, 2.8e-3 for three, below 1e-4 from eight on.
+const THICKNESS: f64 = 8e-3;
 
 #[test]
 fn the_whole_optical_depth_is_that_of_the_box() {
@@ -249,7 +265,11 @@ fn the_whole_optical_depth_is_that_of_the_box() {
                 filter: Filter::Matched { pixel_sigma: 0.55 },
                 ..plain(pixels)
             };
-            let frame = render(&scene, &orthographic(bounds.centre(), direction, height), &settings);
+            let frame = render(
+                &scene,
+                &orthographic(bounds.centre(), direction, height),
+                &settings,
+            );
             let sum: f64 = frame.optical_depth.iter().map(|&tau| f64::from(tau)).sum();
             let pixel = height / f64::from(pixels);
             let ratio = sum * pixel * pixel / exact;
@@ -260,4 +280,5 @@ fn the_whole_optical_depth_is_that_of_the_box() {
     assert!(worst < CONTENT, "off by {worst:.2e}");
 }
 
-const CONTENT: f64 = 1.0;
+/// Measured: 1.4e-3.
+const CONTENT: f64 = 1.6e-3;

@@ -76,7 +76,9 @@ pub(crate) fn framing(scene: &Scene, projection: Projection, aspect: f64, zoom: 
             camera.position(),
             camera.target(),
             camera.up(),
-            Projection::Orthographic { height: height / zoom },
+            Projection::Orthographic {
+                height: height / zoom,
+            },
         )
         .unwrap(),
         projection @ Projection::Perspective { .. } => {
