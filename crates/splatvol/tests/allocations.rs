@@ -1,4 +1,4 @@
-//! Frames of the fast method allocate nothing once two have been rendered.
+//! Frames of the fast method allocate nothing but a name of a few bytes once two have been rendered.
 
 #![allow(unsafe_code, reason = "an allocator that counts can only be written so")]
 #![allow(clippy::unwrap_used, reason = "a test")]
@@ -68,7 +68,7 @@ fn camera(scene: &Scene, frame: usize) -> Camera {
 }
 
 #[test]
-fn frames_of_a_moving_camera_allocate_nothing() {
+fn frames_of_a_moving_camera_allocate_nothing_but_a_name() {
     let volume = Sample::Shells.generate(Some(SampleSize::Longest(64))).unwrap();
     let scene = Scene::new(volume, Sample::Shells.default_transfer_function().unwrap());
     let settings = RenderSettings {
@@ -105,5 +105,11 @@ fn frames_of_a_moving_camera_allocate_nothing() {
         .take(total)
         .collect();
     println!("{total} allocations; after each frame {counts:?}, {bytes:?} bytes; sizes {sizes:?}");
-    assert_eq!(total, 0, "allocations of bytes: {sizes:?}");
+    // The statistics hold the instructions' name as a string of its own: one allocation per frame, of its length. Nothing
+    // else may be allocated; the queue of the thread pool takes a block every 63 frames, the first before these.
+    let name = renderer.statistics().simd.len();
+    assert!(
+        total <= 20 && sizes.iter().all(|&size| size == name),
+        "allocations of bytes: {sizes:?}"
+    );
 }

@@ -21,10 +21,8 @@ use crate::stage::shade::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
 const CUT: f64 = 3.4;
-/// The same on a coarse raster, where the points left out are many pixels and would be seen.
-const COARSE_CUT: f64 = 4.3;
 /// Widest standard deviation of a footprint, raster points, that the largest blocks hold.
-const WIDEST: f64 = 3.8;
+const WIDEST: f64 = 4.6;
 /// Standard deviation of the nearest footprints beyond which a coarser raster costs less, raster points.
 const COMFORTABLE: f64 = 2.3;
 /// Narrowest standard deviation of a footprint, raster points, that a spline of a coarse raster reproduces.
@@ -204,11 +202,7 @@ impl Plan {
             .extend((0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i))));
         let sheets = &self.sheets;
         let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
-        let cut = match (raster.step > 1, changed || !round) {
-            (true, _) => COARSE_CUT,
-            (_, true) => CUT,
-            _ => kernel.cut(),
-        };
+        let cut = if changed || !round { CUT } else { kernel.cut() };
         let half_extent = sheets[0]
             .half_extent(cut as f32)
             .map(|half| half + spread as f32 * sheets[0].scale);

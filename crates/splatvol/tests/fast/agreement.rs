@@ -17,7 +17,7 @@ use crate::support::{fast, framing, generated, name_of, noise, render, transluce
 const PIXELS: u32 = 256;
 const STRIDE: u32 = 4;
 
-/// PSNR floors in dB: perspective lit, unlit, orthographic lit, unlit.
+/// PSNR floors in dB, one below what was measured: perspective lit, unlit, orthographic lit, unlit.
 type Floors = [f64; 4];
 
 fn scenes() -> Vec<(&'static str, Scene, Floors)> {
@@ -29,11 +29,11 @@ fn scenes() -> Vec<(&'static str, Scene, Floors)> {
         (
             "marschner-lobb",
             Scene::new(marschner_lobb, surface),
-            [0.0, 0.0, 0.0, 0.0],
+            [29.2, 35.9, 27.6, 35.2],
         ),
-        ("head", generated(Sample::Head, 48), [0.0, 0.0, 0.0, 0.0]),
-        ("ball", Scene::new(ball, translucent()), [0.0, 0.0, 0.0, 0.0]),
-        ("noise", noise(), [0.0, 0.0, 0.0, 0.0]),
+        ("head", generated(Sample::Head, 48), [36.4, 36.8, 35.1, 35.2]),
+        ("ball", Scene::new(ball, translucent()), [40.5, 60.2, 39.7, 60.8]),
+        ("noise", noise(), [35.3, 46.5, 33.9, 45.8]),
     ]
 }
 
@@ -86,7 +86,7 @@ fn pictures_agree_with_the_reference() {
                     &name,
                     &found,
                     &expected,
-                    Tolerance::psnr(floor).max_error(1.0).bias(1.0),
+                    Tolerance::psnr(floor).max_error(0.43).bias(0.02),
                 );
             }
         }
