@@ -97,7 +97,15 @@ pub(crate) fn check(root: &Path, program: Option<&str>) -> Result<String> {
             level.function
         )?;
     }
-    problems.extend(calls_of_operations(&functions, &found));
+    let calls = calls_of_operations(&functions, &found);
+    if !calls.is_empty() {
+        problems.push(
+            "vector operations that are not inlined (in kernels, loops and functions of #[inline(always)] instead of \
+             closures that array::map or from_fn call):"
+                .to_owned(),
+        );
+        problems.extend(calls);
+    }
     if !problems.is_empty() {
         bail!("{name}:\n{}{summary}", problems.join("\n"));
     }

@@ -119,7 +119,8 @@ fn start<S: Simd, const CHANNELS: usize>(
         let factor = exp2_quick(simd, exponent) * weight;
         let inside = dx.abs().simd_le(reach);
         inside.select(factor, f32x16::splat(simd, 0.0)).store_slice(value);
-        exp2_quick(simd, near.mul_add(xy, step)).store_slice(ratio);
+        // Its error is multiplied once per row.
+        exp2(simd, near.mul_add(xy, step)).store_slice(ratio);
         dx += (LINE / CHANNELS) as f32;
     }
 }
