@@ -1,8 +1,10 @@
 //! Pixel updates per second of the splatting kernels, one thread, at every SIMD level of the machine.
 //!
 //! ```text
-//! cargo bench -p splatvol-cpu --features scalar
+//! cargo bench -p splatvol-cpu --bench kernels
 //! ```
+//!
+//! With `--features scalar` code without SIMD is measured as well; compiling it for release takes a quarter of an hour.
 //!
 //! An item is a pixel of a footprint's disc, `pi r^2` per splat, of all its channels; for the engine's own kernel, a pixel
 //! of one of the four sheets that a voxel is splatted into at once, `4 pi r^2` per voxel. Centres are random in a tile of

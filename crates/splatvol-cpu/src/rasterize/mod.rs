@@ -7,6 +7,7 @@
 //! | module | footprints | per vector of pixels |
 //! |---|---|---|
 //! | `separable` | axes along rows and columns | one multiply-add |
+//! | `small` | both, of one channel and up to 8 x 8 pixels | the same; a row is one vector wherever it begins |
 //! | `ellipse` | any conic | one multiply-add and two multiplications: recurrence from row to row |
 //! | `lattice` | large ones, through a coarser sheet that is interpolated by cubic B-splines | four multiply-adds per pixel and axis, whatever the number of splats |
 //!
