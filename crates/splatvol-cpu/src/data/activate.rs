@@ -20,8 +20,8 @@ pub(crate) struct OpenBrick {
     pub next: u32,
     /// First voxel in camera space.
     pub corner: [f32; 3],
-    /// Pixels of the tile that it can touch: x0, y0, x1, y1.
-    pub reach: [f32; 4],
+    /// Blocks of the ring that it can touch: x0, y0, x1, y1, ends included.
+    pub blocks: [u8; 4],
 }
 
 /// A brick's values in depth order.
@@ -44,9 +44,6 @@ pub(crate) struct Window {
     pub high: [f32; 2],
     /// Raster point of the ring's first block, x and y.
     pub ring: [f32; 2],
-    /// Raster point of the tile's first pixel, and pixels per raster point.
-    pub tile: [f32; 2],
-    pub step: f32,
 }
 
 /// Moves a brick's voxels that enter a sheet to the records.
@@ -64,7 +61,7 @@ pub(crate) fn activate<S: Simd>(
     let first = f32x16::splat(simd, window.depths[0] - z0);
     let limit = f32x16::splat(simd, window.depths[1] - z0);
     let [rx, ry] = window.half;
-    let test = mask.any_finished && !mask.all(brick.reach);
+    let test = mask.any_finished && !mask.all(brick.blocks);
     let scale = f32x16::splat(simd, window.scale);
     loop {
         let next = (brick.next as usize).min(BRICK_VOXELS);
@@ -97,28 +94,26 @@ pub(crate) fn activate<S: Simd>(
             .mul_add(constants.slope[1], y)
             .mul_add(scale, f32x16::splat(simd, py));
         // Whole footprints, with all their blocks: what a pixel gets must not depend on the tile.
-        let (column, row) = (
+        let (first_x, first_y) = (
             ((u - rx).ceil() * 0.5).floor() * 2.0,
             ((v - ry).ceil() * 0.5).floor() * 2.0,
         );
         let extent = (2 * window.blocks - 1) as f32;
         let mut wanted = needed
-            & (column + extent).simd_ge(f32x16::splat(simd, window.low[0]))
-            & column.simd_le(f32x16::splat(simd, window.high[0]))
-            & (row + extent).simd_ge(f32x16::splat(simd, window.low[1]))
-            & row.simd_le(f32x16::splat(simd, window.high[1]));
+            & (first_x + extent).simd_ge(f32x16::splat(simd, window.low[0]))
+            & first_x.simd_le(f32x16::splat(simd, window.high[0]))
+            & (first_y + extent).simd_ge(f32x16::splat(simd, window.low[1]))
+            & first_y.simd_le(f32x16::splat(simd, window.high[1]));
+        let (column, row) = ((first_x - window.ring[0]) * 0.5, (first_y - window.ring[1]) * 0.5);
+        let (blocks_x, blocks_y) = (column.to_int::<u32x16<S>>(), row.to_int::<u32x16<S>>());
         if test {
-            let (block_x, block_y) = (
-                OpenMask::block(simd, (u - window.tile[0]) * window.step),
-                OpenMask::block(simd, (v - window.tile[1]) * window.step),
-            );
-            let (block_x, block_y) = (block_x.as_slice(), block_y.as_slice());
+            let (blocks_x, blocks_y) = (blocks_x.as_slice(), blocks_y.as_slice());
             let mut bits = wanted.to_bitmask();
             let mut left = bits;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize & 15;
                 left &= left - 1;
-                bits &= !(mask.out_of_reach(block_x[lane], block_y[lane]) << lane);
+                bits &= !(u64::from(!mask.reaches(blocks_x[lane], blocks_y[lane])) << lane);
             }
             wanted = mask32x16::from_bitmask(simd, bits);
         }
@@ -133,21 +128,17 @@ pub(crate) fn activate<S: Simd>(
             value
                 .compress(wanted)
                 .store_slice(&mut records.value[range.clone()]);
-            (px - column - middle)
+            (px - first_x - middle)
                 .compress(wanted)
                 .store_slice(&mut records.origin_x[range.clone()]);
-            (py - row - middle)
+            (py - first_y - middle)
                 .compress(wanted)
                 .store_slice(&mut records.origin_y[range.clone()]);
-            let (column, row) = ((column - window.ring[0]) * 0.5, (row - window.ring[1]) * 0.5);
             records.join(simd, wanted, column, row);
-            column
-                .to_int::<u32x16<S>>()
+            blocks_x
                 .compress(wanted)
                 .store_slice(&mut records.column[range.clone()]);
-            row.to_int::<u32x16<S>>()
-                .compress(wanted)
-                .store_slice(&mut records.row[range]);
+            blocks_y.compress(wanted).store_slice(&mut records.row[range]);
             records.len = at + found;
         }
         if last {

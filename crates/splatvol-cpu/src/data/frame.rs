@@ -16,7 +16,7 @@ use super::ring::LANES;
 use super::shade::{PlaneShader, ShadeTable};
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
-use super::tile::DataFrame;
+use super::tile::{DataFrame, beyond, halo};
 use crate::stage::shade::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
@@ -213,8 +213,7 @@ impl Plan {
             shape,
             stack,
             reach,
-            // Blocks, and the points around a tile, reach further than footprints.
-            margin: f64::from(points + 6.0) * raster.step as f64,
+            margin: f64::from(points + beyond(half_extent) + halo(raster.step) as f32) * raster.step as f64,
         };
         let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
         self.projected.resize(store.len(), None);
@@ -257,7 +256,6 @@ impl Plan {
             },
             step: raster.step,
             depth_reach: reach as f32,
-            half_extent,
             cut: cut as f32,
             spread: spread as f32,
             ellipses: !round,

@@ -1,143 +1,281 @@
-//! Which pixels of a tile are still open, by blocks of 4 x 4: what lies behind finished ones is not splatted.
+//! Which pixels of a tile are still open, and which footprints reach none of them: what lies behind finished pixels is not
+//! splatted.
 //!
-//! The mask replaces huang2000's summed-area table (section 4.1). It is tested per brick and per voxel.
+//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits, so that "does a footprint of n x n
+//! blocks that begins here touch an open pixel, or one whose derivatives need it" is answered for all places at once, by
+//! shifting rows of bits over each other: a voxel then tests one bit.
 
-use fearless_simd::{f32x16, prelude::*, u32x16};
+use super::plane::HALO;
+use super::ring::BLOCK_EDGE;
+use super::splat::MAX_BLOCKS;
+use super::upsample::RASTER_HALO;
 
-use super::shade::Canvas;
+/// Widest tile, pixels.
+pub(crate) const MAX_EDGE: usize = 128;
+/// Rows of blocks: the largest tile, with the largest footprint on both sides, and room for dilation.
+const ROWS: usize = 104;
+/// Words of a row of blocks.
+const WORDS: usize = 4;
 
-/// Pixels along a block's edge.
-const BLOCK: usize = 4;
-/// Blocks around the tile, where footprints' centres may lie.
-const MARGIN: usize = 8;
-/// Rows of the largest tile of 128 pixels, margins included, rounded up to a power of two.
-const ROWS: usize = 64;
-
-/// One bit per block, rows of words; block (0, 0) of the tile is bit `MARGIN` of row `MARGIN`.
+/// One bit per pixel, and per block of the ring.
 #[derive(Debug, Clone)]
 pub(crate) struct OpenMask {
-    /// Blocks with open pixels.
-    open: [u64; ROWS],
-    /// Blocks from whose pixels a footprint reaches an open block.
-    reached: [u64; ROWS],
-    /// Blocks that a footprint reaches beyond its own.
-    reach: usize,
-    /// True once any block is finished.
+    /// Open pixels of the tile, row by row.
+    pixels: [u128; MAX_EDGE],
+    /// How many there are.
+    open: usize,
+    /// Octaves from raster points to pixels.
+    octaves: u32,
+    /// Blocks of the ring that an open pixel's value or derivatives need.
+    needed: [u128; ROWS],
+    /// First blocks of footprints that reach a needed block, in words of 32.
+    reached: [u32; ROWS * WORDS],
+    /// Blocks along the edge of the footprints that `reached` is of; 0 where it is out of date.
+    size: usize,
+    /// True once any pixel is finished.
     pub any_finished: bool,
 }
 
 impl Default for OpenMask {
     fn default() -> Self {
         Self {
-            open: [0; ROWS],
-            reached: [0; ROWS],
-            reach: 0,
+            pixels: [0; MAX_EDGE],
+            open: 0,
+            octaves: 0,
+            needed: [0; ROWS],
+            reached: [0; ROWS * WORDS],
+            size: 0,
             any_finished: false,
         }
     }
 }
 
 impl OpenMask {
-    /// All pixels of a tile are open; `reach`: of footprints around their centres, pixels.
-    pub(crate) fn reset(&mut self, [width, height]: [usize; 2], reach: f32) {
-        let (columns, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
-        self.open = [0; ROWS];
-        self.open[MARGIN..MARGIN + rows].fill(((1 << columns) - 1) << MARGIN);
-        self.reach = ((reach / BLOCK as f32).ceil() as usize).max(1);
-        self.dilate();
+    /// All pixels of a tile are open; a raster point every `step` pixels, a power of two.
+    pub(crate) fn reset(&mut self, [width, height]: [usize; 2], step: usize) {
+        self.pixels = [0; MAX_EDGE];
+        self.pixels[..height].fill(u128::MAX >> (MAX_EDGE - width));
+        self.open = width * height;
+        self.octaves = step.ilog2();
+        self.size = 0;
         self.any_finished = false;
+        self.find_needed();
     }
 
-    fn dilate(&mut self) {
-        if self.reach >= MARGIN {
-            // Footprints reach across the margin: bricks are tested, voxels are not.
-            self.reached = [u64::MAX; ROWS];
-            return;
-        }
-        let mut wide = self.open;
-        for _ in 0..self.reach {
-            wide.iter_mut().for_each(|row| *row |= *row << 1 | *row >> 1);
-        }
-        self.reached = [0; ROWS];
-        for (y, row) in self.reached.iter_mut().enumerate() {
-            let (first, end) = (y.saturating_sub(self.reach), (y + self.reach + 1).min(ROWS));
-            *row = wide[first..end].iter().fold(0, |all, row| all | row);
-        }
-    }
-
-    /// Closes blocks all of whose pixels are finished.
+    /// Closes pixels x + i of row y where bit i is set.
     #[inline(always)]
-    pub(crate) fn update<S: Simd>(&mut self, simd: S, canvas: &Canvas, height: usize, termination: f32) {
-        let before = self.open;
-        let mut alive = [0u64; ROWS];
-        for (y, row) in canvas
-            .transmittance
-            .chunks_exact(canvas.pitch)
-            .take(height)
-            .enumerate()
-        {
-            let line = MARGIN + y / BLOCK;
-            for (x, pixels) in row.chunks_exact(16).enumerate() {
-                let shift = MARGIN + x * (16 / BLOCK);
-                if before[line] & !alive[line] & 0xf << shift == 0 {
-                    continue;
-                }
-                let open = f32x16::from_slice(simd, pixels)
-                    .simd_ge(f32x16::splat(simd, termination))
-                    .to_bitmask();
-                let any = open | open >> 1 | open >> 2 | open >> 3;
-                let blocks = any & 1 | any >> 3 & 2 | any >> 6 & 4 | any >> 9 & 8;
-                alive[line] |= blocks << shift & before[line];
-            }
-        }
-        if alive != before {
-            self.open = alive;
-            self.any_finished = true;
-            self.dilate();
-        }
+    pub(crate) fn finish(&mut self, x: usize, y: usize, bits: u16) {
+        let row = &mut self.pixels[y];
+        let closed = *row & u128::from(bits) << x;
+        *row ^= closed;
+        self.open -= closed.count_ones() as usize;
+        self.any_finished = true;
+        self.size = 0;
     }
 
-    /// Whether any of sixteen pixels beginning at (x, y), x a multiple of sixteen, is open.
+    /// Which of sixteen pixels beginning at (x, y) are open.
     #[inline(always)]
-    pub(crate) fn sixteen_open(&self, x: usize, y: usize) -> bool {
-        self.open[(MARGIN + y / BLOCK) & (ROWS - 1)] >> (MARGIN + x / BLOCK) & 0xf != 0
+    pub(crate) fn sixteen(&self, x: usize, y: usize) -> u16 {
+        (self.pixels[y] >> x) as u16
     }
 
     /// True when the tile is finished.
     pub(crate) fn none_left(&self) -> bool {
-        self.open == [0; ROWS]
+        self.open == 0
     }
 
-    /// Whether an open pixel lies within a rectangle (x0, y0, x1, y1, pixels of the tile, ends included).
-    pub(crate) fn any(&self, rect: [f32; 4]) -> bool {
-        let (rows, bits) = Self::blocks(rect);
-        self.open[rows].iter().any(|row| row & bits != 0)
+    /// Brings up to date what footprints of `size` x `size` blocks reach.
+    pub(crate) fn refresh(&mut self, size: usize) {
+        if self.size == size {
+            return;
+        }
+        if self.size == 0 && self.any_finished {
+            self.find_needed();
+        }
+        self.size = size;
+        // Bit by bit and row by row: all blocks from a footprint's first to its last.
+        let mut wide = self.needed;
+        for row in &mut wide {
+            for by in doublings(size) {
+                *row |= *row >> by;
+            }
+        }
+        for by in doublings(size) {
+            for row in 0..ROWS - by {
+                wide[row] |= wide[row + by];
+            }
+        }
+        for (words, row) in self.reached.chunks_exact_mut(WORDS).zip(&wide) {
+            for (word, bits) in words.iter_mut().enumerate() {
+                *bits = (row >> (32 * word)) as u32;
+            }
+        }
     }
 
-    /// Whether all pixels within a rectangle are open.
-    pub(crate) fn all(&self, rect: [f32; 4]) -> bool {
-        let (rows, bits) = Self::blocks(rect);
-        self.open[rows].iter().all(|row| row & bits == bits)
+    /// Blocks that open pixels need.
+    fn find_needed(&mut self) {
+        self.needed = [0; ROWS];
+        if self.octaves == 0 {
+            self.find_needed_pixels();
+        } else {
+            self.find_needed_points();
+        }
     }
 
-    fn blocks([x0, y0, x1, y1]: [f32; 4]) -> (std::ops::RangeInclusive<usize>, u64) {
-        let block = |pixel: f32| {
-            ((pixel + (BLOCK * MARGIN) as f32).clamp(0.0, (BLOCK * ROWS - 1) as f32)) as usize / BLOCK
+    /// A pixel needs itself and the pixels beside it.
+    fn find_needed_pixels(&mut self) {
+        const FIRST: usize = MAX_BLOCKS + HALO / BLOCK_EDGE;
+        for (y, &row) in self.pixels.iter().enumerate().filter(|(_, row)| **row != 0) {
+            let (even, odd) = (u128::from(every_other(row)), u128::from(every_other(row >> 1)));
+            let blocks = (even | odd) << FIRST | even << (FIRST - 1) | odd << (FIRST + 1);
+            let at = FIRST + y / BLOCK_EDGE;
+            self.needed[at] |= blocks;
+            self.needed[if y % BLOCK_EDGE == 0 { at - 1 } else { at + 1 }] |= blocks;
+        }
+    }
+
+    /// A pixel needs the coefficients of the splines that reach it and the pixels beside it: between raster points i and
+    /// i + 1, those from i - 2 to i + 3.
+    fn find_needed_points(&mut self) {
+        const FIRST: usize = MAX_BLOCKS + RASTER_HALO / BLOCK_EDGE;
+        for (y, &row) in self.pixels.iter().enumerate().filter(|(_, row)| **row != 0) {
+            let mut points = row;
+            for _ in 0..=self.octaves {
+                points = u128::from(every_other(points | points >> 1));
+            }
+            let blocks = points << FIRST;
+            let blocks = blocks | blocks >> 1 | blocks << 1 | blocks << 2;
+            let at = FIRST + (y >> (self.octaves + 1));
+            for row in &mut self.needed[at - 1..=at + 2] {
+                *row |= blocks;
+            }
+        }
+    }
+
+    /// Whether a needed block lies within a rectangle of blocks of the ring (ends included).
+    pub(crate) fn any(&self, blocks: [u8; 4]) -> bool {
+        let (rows, bits) = rows_and_bits(blocks);
+        let mut any = 0;
+        for row in &self.needed[rows] {
+            any |= row & bits;
+        }
+        any != 0
+    }
+
+    /// Whether all blocks within a rectangle are needed.
+    pub(crate) fn all(&self, blocks: [u8; 4]) -> bool {
+        let (rows, bits) = rows_and_bits(blocks);
+        let mut all = bits;
+        for row in &self.needed[rows] {
+            all &= row;
+        }
+        all == bits
+    }
+
+    /// Whether a footprint whose first block is this one, of [`OpenMask::refresh`]'s size, reaches a needed block.
+    #[inline(always)]
+    pub(crate) fn reaches(&self, column: u32, row: u32) -> bool {
+        let word = row as usize * WORDS + (column / 32) as usize;
+        self.reached
+            .get(word)
+            .is_some_and(|word| word >> (column % 32) & 1 != 0)
+    }
+}
+
+fn rows_and_bits([x0, y0, x1, y1]: [u8; 4]) -> (std::ops::RangeInclusive<usize>, u128) {
+    let bits = (u128::MAX >> (127 - (x1 - x0).min(127))) << x0.min(127);
+    (
+        usize::from(y0).min(ROWS - 1)..=usize::from(y1).min(ROWS - 1),
+        bits,
+    )
+}
+
+/// Shifts that unite `size` neighbours.
+fn doublings(size: usize) -> impl Iterator<Item = usize> {
+    let shift = move |&span: &usize| (span < size).then(|| span + span.min(size - span));
+    std::iter::successors(Some(1), shift)
+        .take_while(move |&span| span < size)
+        .map(move |span| span.min(size - span))
+}
+
+/// Every other bit, beginning with the first, moved together.
+fn every_other(bits: u128) -> u64 {
+    let half = |bits: u64| {
+        let mut b = bits & 0x5555_5555_5555_5555;
+        b = (b | b >> 1) & 0x3333_3333_3333_3333;
+        b = (b | b >> 2) & 0x0f0f_0f0f_0f0f_0f0f;
+        b = (b | b >> 4) & 0x00ff_00ff_00ff_00ff;
+        b = (b | b >> 8) & 0x0000_ffff_0000_ffff;
+        (b | b >> 16) & 0xffff_ffff
+    };
+    half(bits as u64) | half((bits >> 64) as u64) << 32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a footprint touches, by looking at every pixel.
+    fn touches(open: &dyn Fn(i32, i32) -> bool, step: i32, column: i32, row: i32, size: i32) -> bool {
+        let (halo, before, after) = if step == 1 {
+            (HALO as i32, 1, 1)
+        } else {
+            (RASTER_HALO as i32, 2, 3)
         };
-        let (x0, x1) = (block(x0), block(x1));
-        (block(y0)..=block(y1), (u64::MAX >> (63 - (x1 - x0))) << x0)
+        let first = |block: i32| 2 * block - 2 * MAX_BLOCKS as i32 - halo;
+        let points = |block: i32| first(block)..first(block) + 2 * size;
+        (0..128).any(|y| {
+            let rows = y / step - before..=y / step + after;
+            points(row).any(|point| rows.contains(&point))
+                && (0..128).any(|x| {
+                    let columns = x / step - before..=x / step + after;
+                    open(x, y) && points(column).any(|point| columns.contains(&point))
+                })
+        })
     }
 
-    /// Blocks of pixels of the tile along one axis.
-    #[inline(always)]
-    pub(crate) fn block<S: Simd>(simd: S, pixel: f32x16<S>) -> u32x16<S> {
-        let shifted = (pixel + (BLOCK * MARGIN) as f32).max(f32x16::splat(simd, 0.0)) * (1.0 / BLOCK as f32);
-        shifted.to_int()
+    #[test]
+    fn footprints_that_reach_an_open_pixel_are_never_left_out() {
+        for step in [1usize, 2, 8] {
+            let mut mask = OpenMask::default();
+            mask.reset([128, 96], step);
+            let left = [(0, 0), (127, 3), (64, 50), (65, 51), (17, 95)];
+            for y in 0..96 {
+                for x in (0..128).step_by(16) {
+                    let bits = (0..16).filter(|i| !left.contains(&(x + i, y)));
+                    mask.finish(x, y, bits.fold(0, |bits, i| bits | 1 << i));
+                }
+            }
+            let open = |x: i32, y: i32| left.contains(&(x as usize, y as usize));
+            let mut spared = 0;
+            for size in [2usize, 3, 5, 16] {
+                mask.refresh(size);
+                for row in (0..97 - size).step_by(3) {
+                    for column in 0..97 - size {
+                        let place = (column as i32, row as i32);
+                        let reaches = mask.reaches(column as u32, row as u32);
+                        let touches = touches(&open, step as i32, place.0, place.1, size as i32);
+                        assert!(reaches || !touches, "step {step} size {size} at {place:?}");
+                        spared += usize::from(!reaches);
+                        // No more than a block too many where pixels are splatted directly.
+                        assert!(step > 1 || reaches == touches, "size {size} at {place:?}");
+                    }
+                }
+            }
+            assert!(spared > 1000, "step {step}: {spared}");
+        }
     }
 
-    /// 1 where a footprint centred in a block reaches no open pixel, else 0.
-    #[inline(always)]
-    pub(crate) fn out_of_reach(&self, column: u32, row: u32) -> u64 {
-        !self.reached[row as usize & (ROWS - 1)] >> (column & 63) & 1
+    #[test]
+    fn a_tile_is_done_when_all_its_pixels_are() {
+        let mut mask = OpenMask::default();
+        mask.reset([20, 2], 1);
+        for (x, y, bits) in [(0, 0, u16::MAX), (16, 0, 0xf), (0, 1, u16::MAX), (16, 1, 7)] {
+            mask.finish(x, y, bits);
+            assert!(!mask.none_left());
+        }
+        assert_eq!(mask.sixteen(16, 1), 8);
+        mask.finish(16, 1, u16::MAX);
+        assert!(mask.none_left());
     }
 }

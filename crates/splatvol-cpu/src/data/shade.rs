@@ -277,36 +277,30 @@ pub(crate) struct ShadeTarget<'a> {
     pub origin: [usize; 2],
     /// Pixels of the tile to shade.
     pub span: Span,
-    pub mask: &'a OpenMask,
+    pub mask: &'a mut OpenMask,
     pub canvas: &'a mut Canvas,
     pub batch: &'a mut ShadeBatch,
 }
 
 impl PlaneShader<'_> {
-    /// Shades an interval; true where it finished pixels.
+    /// Shades an interval, and closes the pixels that it finishes.
     #[inline(always)]
-    pub(crate) fn shade<S: Simd>(
-        &self,
-        simd: S,
-        interval: &Interval<'_>,
-        target: &mut ShadeTarget<'_>,
-    ) -> bool {
-        let mut any_finished = false;
+    pub(crate) fn shade<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
         let span = target.span;
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
-                if target.mask.sixteen_open(x, y) && self.may_show(simd, interval, [x, y]) {
+                if target.mask.sixteen(x, y) != 0 && self.may_show(simd, interval, [x, y]) {
                     target.batch.places[target.batch.len % BATCH] = [x, y];
                     target.batch.len += 1;
                     if target.batch.len == BATCH {
-                        any_finished |= self.flush(simd, interval, target);
+                        self.flush(simd, interval, target);
                     }
                 }
                 x += 16;
             }
         }
-        self.flush(simd, interval, target) | any_finished
+        self.flush(simd, interval, target);
     }
 
     /// Whether any of sixteen pixels can hold visible values.
@@ -346,7 +340,7 @@ impl PlaneShader<'_> {
     }
 
     #[inline(always)]
-    fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) -> bool {
+    fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
         let count = std::mem::take(&mut target.batch.len).min(BATCH);
         for n in 0..count {
             self.classify(simd, interval, target, n);
@@ -363,11 +357,9 @@ impl PlaneShader<'_> {
                 specular.store_slice(&mut light[1].0);
             }
         }
-        let mut any_finished = false;
         for n in 0..count {
-            any_finished |= self.composite(simd, interval.depths[0], target, n);
+            self.composite(simd, interval.depths[0], target, n);
         }
-        any_finished
     }
 
     /// Opacity, colour and gradient of the batch's n-th vector.
@@ -484,9 +476,9 @@ impl PlaneShader<'_> {
         gz.store_slice(&mut batch.light[n][2].0);
     }
 
-    /// Puts the batch's n-th vector behind what its pixels have; true where it finished some.
+    /// Puts the batch's n-th vector behind what its pixels have.
     #[inline(always)]
-    fn composite<S: Simd>(&self, simd: S, near_depth: f32, target: &mut ShadeTarget<'_>, n: usize) -> bool {
+    fn composite<S: Simd>(&self, simd: S, near_depth: f32, target: &mut ShadeTarget<'_>, n: usize) {
         let ShadeTarget { batch, canvas, .. } = target;
         let [x, y] = batch.places[n];
         let pixel = y * canvas.pitch + x;
@@ -508,7 +500,10 @@ impl PlaneShader<'_> {
         let left = transmittance * through;
         open.select(left, transmittance)
             .store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
-        (open & left.simd_lt(splat(simd, self.termination))).any_true()
+        let finished = open & left.simd_lt(splat(simd, self.termination));
+        if finished.any_true() {
+            target.mask.finish(x, y, finished.to_bitmask() as u16);
+        }
     }
 }
 

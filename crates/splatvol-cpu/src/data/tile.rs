@@ -35,8 +35,6 @@ pub(crate) struct DataFrame<'a> {
     pub step: usize,
     /// How far a voxel reaches in depth, world length.
     pub depth_reach: f32,
-    /// How far a footprint reaches on the nearest sheet, raster points.
-    pub half_extent: [f32; 2],
     /// Standard deviations at which footprints are cut.
     pub cut: f32,
     /// How far apart a voxel's footprints on neighbouring sheets are at the picture's corner, raster points on a sheet of
@@ -68,6 +66,17 @@ pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
 
 /// Sizes of footprints that are compiled, blocks along an edge.
 const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
+
+/// How far footprints' blocks may lie beyond what footprints of nearest sheets reach, raster points.
+pub(crate) fn beyond(half_extent: [f32; 2]) -> f32 {
+    // Sizes are rounded up to two points, or eight, and blocks begin at even points.
+    if blocks_of(half_extent) <= 8 { 3.5 } else { 9.0 }
+}
+
+/// Raster points around a tile that its pixels need.
+pub(crate) fn halo(step: usize) -> usize {
+    if step == 1 { HALO } else { RASTER_HALO }
+}
 
 /// A brick's values, x fastest.
 #[derive(Debug)]
@@ -127,7 +136,7 @@ impl Place {
     fn new(frame: &DataFrame<'_>, tile: usize) -> Self {
         let rect = frame.tiles.rect(tile);
         let size = [rect.x1 - rect.x0, rect.y1 - rect.y0];
-        let halo = if frame.step == 1 { HALO } else { RASTER_HALO };
+        let halo = halo(frame.step);
         Self {
             rect,
             size,
@@ -137,12 +146,14 @@ impl Place {
         }
     }
 
-    /// Pixels of the tile that something in this rectangle of the picture can change.
-    fn reach(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [f32; 4] {
-        // Blocks reach up to two points further than footprints.
-        let margin = ((self.halo + 2) * step) as f32 + 1.0;
-        let (x, y) = (self.rect.x0 as f32, self.rect.y0 as f32);
-        [x0 - x - margin, y0 - y - margin, x1 - x + margin, y1 - y + margin]
+    /// Blocks of the ring that this rectangle of the picture covers: first and last, x and y.
+    fn blocks(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [u8; 4] {
+        let block = |pixel: f32, first: usize| {
+            let points = (pixel - first as f32) / step as f32 + self.halo as f32;
+            (points / BLOCK_EDGE as f32 + MAX_BLOCKS as f32).clamp(0.0, 127.0) as u8
+        };
+        let (x, y) = (self.rect.x0, self.rect.y0);
+        [block(x0, x), block(y0, y), block(x1, x), block(y1, y)]
     }
 }
 
@@ -157,15 +168,13 @@ impl DataScratch {
             self.raster.reset(place.raster);
         }
         self.free.extend(self.open.drain(..).map(|brick| brick.values));
-        let [rx, ry] = frame.half_extent;
-        self.mask
-            .reset(place.size, (rx.max(ry) + 5.0) * frame.step as f32);
+        self.mask.reset(place.size, frame.step);
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
     }
 
     /// Opens a brick: its values in depth order.
-    fn open(&mut self, frame: &DataFrame<'_>, brick: &ProjectedBrick, reach: [f32; 4]) {
+    fn open(&mut self, frame: &DataFrame<'_>, brick: &ProjectedBrick, blocks: [u8; 4]) {
         let index = brick.active.brick as usize;
         let values = self.free.pop().unwrap_or_else(|| {
             self.values.push([f32::NAN; BRICK_VOXELS + 16]);
@@ -182,7 +191,7 @@ impl DataScratch {
             values,
             next: 0,
             corner: corner.as_vec3().to_array(),
-            reach,
+            blocks,
         });
     }
 }
@@ -210,13 +219,14 @@ pub(crate) fn render<S: Simd>(
             sheet = sheet.max(next.front_sheet as usize);
         }
         let start = Instant::now();
+        let window = window(frame, &place, sheet);
+        scratch.mask.refresh(window.blocks);
         while let Some(brick) = bricks.next_if(|brick| brick.front_sheet as usize <= sheet) {
-            let reach = place.reach(brick.rect, frame.step);
-            if scratch.mask.any(reach) {
-                scratch.open(frame, brick, reach);
+            let blocks = place.blocks(brick.rect, frame.step);
+            if scratch.mask.any(blocks) {
+                scratch.open(frame, brick, blocks);
             }
         }
-        let window = window(frame, &place, sheet);
         let splat_before = work.splat;
         let voxels = work.voxels;
         enter(simd, frame, &window, sheet, scratch, &mut work);
@@ -225,10 +235,8 @@ pub(crate) fn render<S: Simd>(
         scratch.planes.rotate_left(1);
         take(simd, frame, &place, sheet, scratch);
         let taken = Instant::now();
-        if sheet >= 2 && shade(simd, frame, sheet - 2, &place, (canvas, scratch)) {
-            scratch
-                .mask
-                .update(simd, canvas, place.size[1], frame.shader.termination);
+        if sheet >= 2 {
+            shade(simd, frame, sheet - 2, &place, (canvas, scratch));
         }
         work.activate += (entered - start).saturating_sub(work.splat - splat_before);
         work.take += taken - entered;
@@ -260,8 +268,6 @@ fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
             first[1] + points[1] - 1.0 + needed,
         ],
         ring: first.map(|first| first - ring),
-        tile: first,
-        step: frame.step as f32,
     }
 }
 
@@ -280,7 +286,7 @@ fn enter<S: Simd>(
     scratch.records.len = 0;
     for i in 0..scratch.open.len() {
         let mut brick = scratch.open[i];
-        if scratch.mask.any_finished && !scratch.mask.any(brick.reach) {
+        if scratch.mask.any_finished && !scratch.mask.any(brick.blocks) {
             scratch.free.push(brick.values);
             continue;
         }
@@ -384,7 +390,7 @@ fn take<S: Simd>(simd: S, frame: &DataFrame<'_>, place: &Place, sheet: usize, sc
     }
 }
 
-/// Shades the interval behind a sheet; true where it finished pixels.
+/// Shades the interval behind a sheet.
 #[inline(always)]
 fn shade<S: Simd>(
     simd: S,
@@ -392,14 +398,14 @@ fn shade<S: Simd>(
     near: usize,
     place: &Place,
     (canvas, scratch): (&mut Canvas, &mut DataScratch),
-) -> bool {
+) {
     let DataScratch {
         planes, mask, batch, ..
     } = scratch;
     let filled = |plane: &Plane| plane.filled.unwrap_or(Span::EMPTY);
     let span = filled(&planes[1]).join(filled(&planes[2]));
     if span.is_empty() || near + 1 >= frame.sheets.len() {
-        return false;
+        return;
     }
     let step = frame.step as f32;
     let depths = [frame.sheets[near].depth, frame.sheets[near + 1].depth];
@@ -428,5 +434,5 @@ fn shade<S: Simd>(
         canvas,
         batch,
     };
-    frame.shader.shade(simd, &interval, &mut target)
+    frame.shader.shade(simd, &interval, &mut target);
 }
