@@ -1,8 +1,8 @@
 //! Activate: voxels of open bricks that enter a sheet, into camera space and to the records.
 //!
-//! A brick is opened when its first voxels come within reach of the current sheet: its values are put in depth order.
-//! Each sheet then takes the next run of them, sixteen at a time, and leaves out what is not needed, what does not touch
-//! the tile, and what only reaches finished pixels.
+//! A brick is opened when its first voxels come within reach of the current sheet: those of its voxels that are needed are
+//! put in depth order. Each sheet then takes the next run of them, sixteen at a time, and leaves out what does not touch
+//! the tile and what only reaches finished pixels.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*, u32x16};
 use splatvol_core::visibility::BRICK_VOXELS;
@@ -14,8 +14,8 @@ use super::splat::{CAPACITY, Records, SplatConstants, middle_block};
 /// A brick some of whose voxels are still to come.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OpenBrick {
-    /// Which of the scratch memory's value lists is its own.
-    pub values: u32,
+    /// Which of the scratch memory's lists of voxels is its own.
+    pub voxels: u32,
     /// Place of the next voxel in depth order.
     pub next: u32,
     /// First voxel in camera space.
@@ -24,8 +24,75 @@ pub(crate) struct OpenBrick {
     pub blocks: [u8; 4],
 }
 
-/// A brick's values in depth order.
-pub(crate) type SortedValues = [f32; BRICK_VOXELS + 16];
+/// A column of a brick's voxels; vectors may be read and stored behind the last one.
+type Column = [f32; BRICK_VOXELS + 16];
+
+/// The needed voxels of a brick, ascending in depth: offsets from the brick's first voxel in camera space, and values.
+#[derive(Debug, Clone)]
+pub(crate) struct OpenVoxels {
+    x: Column,
+    y: Column,
+    /// Infinite behind the last one.
+    depth: Column,
+    value: Column,
+    len: usize,
+}
+
+impl Default for OpenVoxels {
+    fn default() -> Self {
+        const ZERO: Column = [0.0; BRICK_VOXELS + 16];
+        Self {
+            x: ZERO,
+            y: ZERO,
+            depth: [f32::INFINITY; BRICK_VOXELS + 16],
+            value: ZERO,
+            len: 0,
+        }
+    }
+}
+
+impl OpenVoxels {
+    /// Takes a brick's values, x fastest; NaN where a voxel is not needed. `sorted` is memory for them in depth order.
+    #[inline(always)]
+    pub(crate) fn fill<S: Simd>(
+        &mut self,
+        simd: S,
+        order: &DepthOrder,
+        values: &[f32; BRICK_VOXELS],
+        sorted: &mut [f32; BRICK_VOXELS],
+    ) {
+        for place in 0..BRICK_VOXELS {
+            sorted[place] = values[usize::from(order.voxel[place]) % BRICK_VOXELS];
+        }
+        let mut len = 0;
+        let mut place = 0;
+        while place < BRICK_VOXELS {
+            let value = f32x16::from_slice(simd, &sorted[place..place + 16]);
+            let needed = value.simd_eq(value);
+            let columns = [
+                (&mut self.x, &order.x),
+                (&mut self.y, &order.y),
+                (&mut self.depth, &order.depth),
+            ];
+            let to = len..len + 16;
+            for (column, from) in columns {
+                f32x16::from_slice(simd, &from[place..place + 16])
+                    .compress(needed)
+                    .store_slice(&mut column[to.clone()]);
+            }
+            value.compress(needed).store_slice(&mut self.value[to]);
+            len = (len + needed.to_bitmask().count_ones() as usize).min(BRICK_VOXELS);
+            place += 16;
+        }
+        f32x16::splat(simd, f32::INFINITY).store_slice(&mut self.depth[len..len + 16]);
+        self.len = len;
+    }
+
+    /// Voxels in all.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+}
 
 /// Which voxels enter a sheet and touch the tile.
 #[derive(Debug, Clone, Copy)]
@@ -50,9 +117,9 @@ pub(crate) struct Window {
 #[inline(always)]
 pub(crate) fn activate<S: Simd>(
     simd: S,
-    (order, constants): (&DepthOrder, &SplatConstants),
+    constants: &SplatConstants,
     window: &Window,
-    (brick, values): (&mut OpenBrick, &SortedValues),
+    (brick, voxels): (&mut OpenBrick, &OpenVoxels),
     mask: &OpenMask,
     records: &mut Records,
 ) -> u32 {
@@ -65,7 +132,7 @@ pub(crate) fn activate<S: Simd>(
     let scale = f32x16::splat(simd, window.scale);
     loop {
         let next = (brick.next as usize).min(BRICK_VOXELS);
-        let depth = f32x16::from_slice(simd, &order.depth[next..next + 16]);
+        let depth = f32x16::from_slice(simd, &voxels.depth[next..next + 16]);
         let entering = depth.simd_le(limit);
         let count = entering.to_bitmask().count_ones();
         if count == 0 {
@@ -73,17 +140,17 @@ pub(crate) fn activate<S: Simd>(
         }
         brick.next += count;
         tested += count;
-        let value = f32x16::from_slice(simd, &values[next..next + 16]);
-        let needed = entering & value.simd_eq(value) & depth.simd_ge(first);
-        let last = count < 16 || brick.next as usize >= BRICK_VOXELS;
+        let value = f32x16::from_slice(simd, &voxels.value[next..next + 16]);
+        let needed = entering & depth.simd_ge(first);
+        let last = count < 16 || brick.next as usize >= voxels.len;
         if !needed.any_true() {
             if last {
                 return tested;
             }
             continue;
         }
-        let x = f32x16::from_slice(simd, &order.x[next..next + 16]) + x0;
-        let y = f32x16::from_slice(simd, &order.y[next..next + 16]) + y0;
+        let x = f32x16::from_slice(simd, &voxels.x[next..next + 16]) + x0;
+        let y = f32x16::from_slice(simd, &voxels.y[next..next + 16]) + y0;
         let z = depth + z0;
         let dz = window.depth - z;
         let [px, py] = constants.principal;

@@ -3,7 +3,7 @@
 //! Along a pixel's ray the value is the cubic through both planes with the slopes that the planes beside them give
 //! (Catmull and Rom); it is cut in the middle, and each half takes its mean extinction from the integral of the transfer
 //! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
-//! across the ray and the cubic's slope along it.
+//! across the ray, and along it a difference of the four planes that is as soft as those.
 
 use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
 use glam::Vec3A;
@@ -190,21 +190,40 @@ fn mean_extinction<S: Simd>(simd: S, rise: f32x16<S>, a: &Classified<S>, b: &Cla
         .max(splat(simd, 0.0))
 }
 
-/// Central difference between points i and j of both planes, per world length, between the planes.
+/// Slope per interval, at u between the second and the third of four values one interval apart. In the middle it is
+/// `(c - b) - sharpness (d - 3 c + 3 b - a)`.
+#[inline(always)]
+fn depth_slope<S: Simd>(simd: S, [a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f32) -> f32x16<S> {
+    let rise = c - b;
+    let (near, far) = (a - b - b + c, b - c - c + d);
+    let (bend, third) = ((near + far) * 0.5, far - near);
+    let from_middle = u - 0.5;
+    let correction = (from_middle * from_middle).mul_add(splat(simd, 0.5), splat(simd, -sharpness));
+    third.mul_add(correction, from_middle.mul_add(bend, rise))
+}
+
+/// Central difference at point i of both planes, per world length, between the planes; `step` leads to the next point.
 #[inline(always)]
 fn across<S: Simd>(
     simd: S,
     planes: [&[f32]; 2],
     scales: [f32; 2],
-    (i, j): (usize, usize),
+    (i, step): (usize, usize),
     u: f32x16<S>,
 ) -> f32x16<S> {
-    let a = (load(simd, planes[0], i) - load(simd, planes[0], j)) * (0.5 * scales[0]);
-    let b = (load(simd, planes[1], i) - load(simd, planes[1], j)) * (0.5 * scales[1]);
+    let a = (load(simd, planes[0], i + step) - load(simd, planes[0], i - step)) * (0.5 * scales[0]);
+    let b = (load(simd, planes[1], i + step) - load(simd, planes[1], i - step)) * (0.5 * scales[1]);
     (b - a).mul_add(u, a)
 }
 
 impl<'a> Interval<'a> {
+    /// Share of the third difference that makes slopes along the ray lose as much at high frequencies as the central
+    /// differences across it, so that gradients keep their direction: differences over a width w lose `(w omega)^2 / 24`.
+    fn sharpness(&self, spacing: f32) -> f32 {
+        let width = 2.0 / (self.scales[0] * spacing);
+        ((1.0 - width * width) / 24.0).max(SOFTEST)
+    }
+
     /// Rows above, at and below a point and the points beside it, of each plane.
     #[inline(always)]
     fn around(&self, at: usize) -> [&'a [f32]; 4] {
@@ -460,16 +479,9 @@ impl PlaneShader<'_> {
             splat(simd, 0.0).store_slice(&mut batch.light[n][1].0);
             return;
         }
-        let gx = across(simd, [near, far], interval.scales, (here + 1, here - 1), u);
-        let gy = across(
-            simd,
-            [near, far],
-            interval.scales,
-            (here + pitch, here - pitch),
-            u,
-        );
-        let v = u * (1.0 - u);
-        let slope = (v * 6.0).mul_add(rise, (u * 3.0 - 2.0) * u * m1 + (u * (u * 3.0 - 4.0) + 1.0) * m0);
+        let gx = across(simd, [near, far], interval.scales, (here, 1), u);
+        let gy = across(simd, [near, far], interval.scales, (here, pitch), u);
+        let slope = depth_slope(simd, [before, v0, v1, after], u, interval.sharpness(self.spacing));
         let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
         gx.store_slice(&mut batch.light[n][0].0);
         gy.store_slice(&mut batch.light[n][1].0);
@@ -506,6 +518,9 @@ impl PlaneShader<'_> {
         }
     }
 }
+
+/// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
+const SOFTEST: f32 = -0.1;
 
 /// Rise of the value below which the integrals' difference would lose its digits.
 const FLAT: f32 = 2e-3;

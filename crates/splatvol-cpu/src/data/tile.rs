@@ -9,7 +9,7 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::sheets::SheetStack;
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::activate::{OpenBrick, SortedValues, Window, activate};
+use super::activate::{OpenBrick, OpenVoxels, Window, activate};
 use super::mask::OpenMask;
 use super::order::DepthOrder;
 use super::plane::{HALO, Plane, Span};
@@ -78,7 +78,7 @@ pub(crate) fn halo(step: usize) -> usize {
     if step == 1 { HALO } else { RASTER_HALO }
 }
 
-/// A brick's values, x fastest.
+/// A brick's values.
 #[derive(Debug)]
 struct BrickValues([f32; BRICK_VOXELS]);
 
@@ -100,9 +100,10 @@ pub(crate) struct DataScratch {
     upsampler: Upsampler,
     planes: [Plane; 4],
     open: Vec<OpenBrick>,
-    values: Vec<SortedValues>,
+    voxels: Vec<OpenVoxels>,
     free: Vec<u32>,
-    brick: BrickValues,
+    /// A brick's values, x fastest and in depth order.
+    brick: [BrickValues; 2],
     mask: OpenMask,
     batch: ShadeBatch,
 }
@@ -167,28 +168,27 @@ impl DataScratch {
         if frame.step > 1 {
             self.raster.reset(place.raster);
         }
-        self.free.extend(self.open.drain(..).map(|brick| brick.values));
+        self.free.extend(self.open.drain(..).map(|brick| brick.voxels));
         self.mask.reset(place.size, frame.step);
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
     }
 
-    /// Opens a brick: its values in depth order.
-    fn open(&mut self, frame: &DataFrame<'_>, brick: &ProjectedBrick, blocks: [u8; 4]) {
+    /// Opens a brick: its voxels in depth order.
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, frame: &DataFrame<'_>, brick: &ProjectedBrick, blocks: [u8; 4]) {
         let index = brick.active.brick as usize;
-        let values = self.free.pop().unwrap_or_else(|| {
-            self.values.push([f32::NAN; BRICK_VOXELS + 16]);
-            self.values.len() as u32 - 1
+        let voxels = self.free.pop().unwrap_or_else(|| {
+            self.voxels.push(OpenVoxels::default());
+            self.voxels.len() as u32 - 1
         });
-        frame.store.decode(index, &mut self.brick.0);
-        let sorted = &mut self.values[values as usize];
-        for (value, &voxel) in sorted.iter_mut().zip(&frame.order.voxel[..BRICK_VOXELS]) {
-            *value = self.brick.0[usize::from(voxel) % BRICK_VOXELS];
-        }
+        let [values, sorted] = &mut self.brick;
+        frame.store.decode(index, &mut values.0);
+        self.voxels[voxels as usize].fill(simd, frame.order, &values.0, &mut sorted.0);
         let first = glam::DVec3::from_array(frame.store.first(index).map(f64::from));
         let corner = frame.camera_from_lattice.transform_point3(first);
         self.open.push(OpenBrick {
-            values,
+            voxels,
             next: 0,
             corner: corner.as_vec3().to_array(),
             blocks,
@@ -224,7 +224,10 @@ pub(crate) fn render<S: Simd>(
         while let Some(brick) = bricks.next_if(|brick| brick.front_sheet as usize <= sheet) {
             let blocks = place.blocks(brick.rect, frame.step);
             if scratch.mask.any(blocks) {
-                scratch.open(frame, brick, blocks);
+                simd.vectorize(
+                    #[inline(always)]
+                    || scratch.open(simd, frame, brick, blocks),
+                );
             }
         }
         let splat_before = work.splat;
@@ -287,33 +290,34 @@ fn enter<S: Simd>(
     for i in 0..scratch.open.len() {
         let mut brick = scratch.open[i];
         if scratch.mask.any_finished && !scratch.mask.any(brick.blocks) {
-            scratch.free.push(brick.values);
+            scratch.free.push(brick.voxels);
             continue;
         }
         let DataScratch {
-            values,
+            voxels,
             mask,
             records,
             ..
         } = scratch;
-        let sorted = &values[brick.values as usize];
+        let voxels = &voxels[brick.voxels as usize];
         let tested = activate(
             simd,
-            (frame.order, &frame.constants),
+            &frame.constants,
             window,
-            (&mut brick, sorted),
+            (&mut brick, voxels),
             mask,
             records,
         );
+        let done = brick.next as usize >= voxels.len();
         work.tested += u64::from(tested);
         if records.len > CAPACITY - BRICK_VOXELS - 16 {
             flush(simd, (frame, window.blocks, sheet), &mut prepared, scratch, work);
         }
-        if (brick.next as usize) < BRICK_VOXELS {
+        if done {
+            scratch.free.push(brick.voxels);
+        } else {
             scratch.open[kept] = brick;
             kept += 1;
-        } else {
-            scratch.free.push(brick.values);
         }
     }
     scratch.open.truncate(kept);
