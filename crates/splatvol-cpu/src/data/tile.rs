@@ -242,18 +242,16 @@ pub(crate) fn render<S: Simd>(
 fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
     let middle = sheet + frame.groups * LANES / 2;
     let shape = &frame.sheets[middle.min(frame.sheets.len() - 1)];
-    let half = frame.half_extent(shape);
     let plane = frame.stack.plane(sheet) as f32;
     let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.size.map(|n| n.div_ceil(frame.step) as f32);
     Window {
-        blocks: blocks_of(half),
+        blocks: blocks_of(frame.half_extent(shape)),
         depths: [plane - frame.depth_reach, plane + frame.depth_reach],
         depth: shape.depth,
         scale: shape.scale,
-        half,
         low: first.map(|first| first - needed),
         high: [
             first[0] + points[0] - 1.0 + needed,
