@@ -66,6 +66,15 @@ pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
         .unwrap_or(MAX_BLOCKS)
 }
 
+/// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
+/// it touches, for footprints that reach so far, raster points.
+pub(crate) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
+    // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
+    let blocks = blocks_of(half_extent) as f32 + 0.75;
+    let spline = if step > 1 { 2.0 } else { 0.0 };
+    (blocks + spline) * step as f32 + 1.0
+}
+
 /// Sizes of footprints that are compiled, blocks along an edge.
 const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
@@ -137,12 +146,10 @@ impl Place {
         }
     }
 
-    /// Pixels of the tile that something in this rectangle of the picture can change.
-    fn reach(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [f32; 4] {
-        // Blocks reach up to two points further than footprints.
-        let margin = ((self.halo + 2) * step) as f32 + 1.0;
+    /// A rectangle of the picture, in pixels of the tile.
+    fn own(&self, [x0, y0, x1, y1]: [f32; 4]) -> [f32; 4] {
         let (x, y) = (self.rect.x0 as f32, self.rect.y0 as f32);
-        [x0 - x - margin, y0 - y - margin, x1 - x + margin, y1 - y + margin]
+        [x0 - x, y0 - y, x1 - x, y1 - y]
     }
 }
 
@@ -157,9 +164,8 @@ impl DataScratch {
             self.raster.reset(place.raster);
         }
         self.free.extend(self.open.drain(..).map(|brick| brick.values));
-        let [rx, ry] = frame.half_extent;
         self.mask
-            .reset(place.size, (rx.max(ry) + 5.0) * frame.step as f32);
+            .reset(place.size, pixel_reach(frame.half_extent, frame.step));
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
     }
@@ -211,7 +217,7 @@ pub(crate) fn render<S: Simd>(
         }
         let start = Instant::now();
         while let Some(brick) = bricks.next_if(|brick| brick.front_sheet as usize <= sheet) {
-            let reach = place.reach(brick.rect, frame.step);
+            let reach = place.own(brick.rect);
             if scratch.mask.any(reach) {
                 scratch.open(frame, brick, reach);
             }
