@@ -5,9 +5,10 @@
 //! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
 //! across the ray and the cubic's slope along it.
 
-use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
+use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*, u32x16};
 use glam::Vec3A;
 use splatvol_core::classification::ClassificationTable;
+use splatvol_core::visibility::VisibleLevels;
 
 use super::border::{Border, BorderPlane};
 use super::mask::OpenMask;
@@ -29,6 +30,8 @@ pub(crate) struct ShadeTable {
     cells: Box<[[f32; 4]; CELLS]>,
     /// Values outside are invisible.
     pub hull: [f32; 2],
+    /// Whether pixels that no voxel touches are visible, all of them background.
+    pub shows_background: bool,
 }
 
 /// A value's classification.
@@ -59,13 +62,14 @@ impl Default for ShadeTable {
         Self {
             cells: Box::new([[0.0; 4]; CELLS]),
             hull: [f32::INFINITY; 2],
+            shows_background: false,
         }
     }
 }
 
 impl ShadeTable {
-    /// Takes another transfer function.
-    pub(crate) fn update(&mut self, table: &ClassificationTable, hull: [f32; 2]) {
+    /// Takes another transfer function, with the levels that it shows and the field's background.
+    pub(crate) fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
         let mut sum = 0.0f64;
         let node = |i: usize| FIRST + i as f32 / PER_VALUE;
         for (i, cell) in self.cells.iter_mut().enumerate() {
@@ -81,7 +85,8 @@ impl ShadeTable {
             ];
             sum += f64::from(extinction / PER_VALUE);
         }
-        self.hull = hull;
+        self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
+        self.shows_background = visible.any(background, background);
     }
 
     /// Looks sixteen values up. Rows are put together in registers: vectors read from memory just written in pieces
@@ -150,6 +155,16 @@ impl Canvas {
             plane.clear();
             plane.resize(length, value);
         }
+        // What vectors hold beyond the last column must decide nothing.
+        for row in self.transmittance.chunks_exact_mut(self.pitch) {
+            row[width..].fill(-1.0);
+        }
+    }
+
+    /// Which of sixteen pixels from (x, y) on are open.
+    #[inline(always)]
+    fn open<S: Simd>(&self, simd: S, [x, y]: [usize; 2], termination: f32) -> mask32x16<S> {
+        load(simd, &self.transmittance, y * self.pitch + x).simd_ge(splat(simd, termination))
     }
 }
 
@@ -296,7 +311,7 @@ impl PlaneShader<'_> {
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
-                if target.mask.sixteen_open(x, y) && self.may_show(simd, interval, [x, y]) {
+                if target.mask.sixteen_open(x, y) && self.may_show(simd, interval, target, [x, y]) {
                     target.batch.places[target.batch.len % BATCH] = [x, y];
                     target.batch.len += 1;
                     if target.batch.len == BATCH {
@@ -309,21 +324,33 @@ impl PlaneShader<'_> {
         self.flush(simd, interval, target) | any_finished
     }
 
-    /// Whether any of sixteen pixels can hold visible values.
+    /// Whether any of sixteen pixels can hold visible values. Only open pixels count: what finished ones hold depends on
+    /// the tile.
     #[inline(always)]
-    fn may_show<S: Simd>(&self, simd: S, interval: &Interval<'_>, [x, y]: [usize; 2]) -> bool {
+    fn may_show<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &ShadeTarget<'_>,
+        [x, y]: [usize; 2],
+    ) -> bool {
+        let mut open = target.canvas.open(simd, [x, y], self.termination);
         let [_, near, far, _] = interval.planes;
         let at = (y + HALO) * near.pitch + x + HALO;
         let (v0, v1) = (load(simd, &near.values, at), load(simd, &far.values, at));
         let (low, high) = (v0.min(v1), v0.max(v1));
+        if !self.table.shows_background {
+            open &= low.simd_lt(splat(simd, 0.0)) | high.simd_gt(splat(simd, 0.0));
+        }
         let slack = (high - low) * 0.25 + (1e-3 + self.background);
         let [first, last] = self.table.hull;
         let may = (high + slack).simd_ge(splat(simd, first))
-            & (low - slack).simd_le(splat(simd, last - 2.0 * self.background));
+            & (low - slack).simd_le(splat(simd, last - 2.0 * self.background))
+            & open;
         // Near the border sums are still to be divided by their weights.
         may.any_true()
             || (interval.is_near_border
-                && (high - low).simd_gt(splat(simd, 0.0)).any_true()
+                && ((high - low).simd_gt(splat(simd, 0.0)) & open).any_true()
                 && self.border.is_near(&interval.borders[0], [x, y]))
     }
 
@@ -418,9 +445,10 @@ impl PlaneShader<'_> {
 
         // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
         let whole = whole * covered;
-        let thick = (whole * length).simd_gt(splat(simd, THICK));
+        let open = target.canvas.open(simd, [x, y], self.termination);
+        let thick = (whole * length).simd_gt(splat(simd, THICK)) & open;
         let (through, color, share_of_far);
-        if thick.any_true() || !whole.simd_gt(splat(simd, 0.0)).any_true() {
+        if thick.any_true() || !(whole.simd_gt(splat(simd, 0.0)) & open).any_true() {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
             let first = mean_extinction(simd, vm - v0, &ends[0], &middle) * (coverage[0] + covered) * 0.5;
