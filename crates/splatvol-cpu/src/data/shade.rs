@@ -297,6 +297,14 @@ pub(crate) struct ShadeTarget<'a> {
     pub batch: &'a mut ShadeBatch,
 }
 
+impl ShadeTarget<'_> {
+    /// Image coordinates of a pixel of the tile.
+    #[inline(always)]
+    fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
+        [self.origin[0] + x, self.origin[1] + y]
+    }
+}
+
 impl PlaneShader<'_> {
     /// Shades an interval; true where it finished pixels.
     #[inline(always)]
@@ -351,11 +359,13 @@ impl PlaneShader<'_> {
         may.any_true()
             || (interval.is_near_border
                 && ((high - low).simd_gt(splat(simd, 0.0)) & open).any_true()
-                && self.border.is_near(&interval.borders[0], [x, y]))
+                && self
+                    .border
+                    .is_near(&interval.borders[0], target.in_picture([x, y])))
     }
 
-    /// The planes' border for a tile that begins at an image position.
-    pub(crate) fn borders(&self, depths: [f32; 2], origin: [usize; 2]) -> [BorderPlane; 2] {
+    /// The planes' border.
+    pub(crate) fn borders(&self, depths: [f32; 2]) -> [BorderPlane; 2] {
         depths.map(|depth| {
             let scale = if self.per_pixel > 0.0 {
                 self.per_pixel * depth
@@ -363,11 +373,7 @@ impl PlaneShader<'_> {
                 self.plane_per_pixel
             };
             let [cx, cy] = self.principal;
-            let first = Vec3A::new(
-                (origin[0] as f32 + 0.5 - cx) * scale,
-                (origin[1] as f32 + 0.5 - cy) * scale,
-                depth,
-            );
+            let first = Vec3A::new((0.5 - cx) * scale, (0.5 - cy) * scale, depth);
             self.border.on_plane(first, Vec3A::X * scale, Vec3A::Y * scale)
         })
     }
@@ -411,10 +417,14 @@ impl PlaneShader<'_> {
             && interval
                 .borders
                 .iter()
-                .any(|plane| self.border.is_near(plane, [x, y]))
+                .any(|plane| self.border.is_near(plane, target.in_picture([x, y])))
         {
-            let near = self.border.at(simd, &interval.borders[0], [x, y]);
-            let far = self.border.at(simd, &interval.borders[1], [x, y]);
+            let near = self
+                .border
+                .at(simd, &interval.borders[0], target.in_picture([x, y]));
+            let far = self
+                .border
+                .at(simd, &interval.borders[1], target.in_picture([x, y]));
             (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
             (s1, sa) = (s1 * far.per_weight, sa * far.per_weight);
             coverage = [near.coverage, far.coverage];

@@ -407,11 +407,11 @@ fn shade<S: Simd>(
     }
     let step = frame.step as f32;
     let depths = [frame.sheets[near].depth, frame.sheets[near + 1].depth];
-    let borders = frame.shader.borders(depths, [place.rect.x0, place.rect.y0]);
+    let borders = frame.shader.borders(depths);
     let interval = Interval {
         is_near_border: borders
             .iter()
-            .any(|plane| frame.shader.border.is_near_any(plane, place.size)),
+            .any(|plane| frame.shader.border.is_near_any(plane, &place.rect)),
         borders,
         planes: [&planes[0], &planes[1], &planes[2], &planes[3]],
         depths,
