@@ -104,8 +104,6 @@ pub(crate) struct Window {
     /// The middle sheet's depth and scale.
     pub depth: f32,
     pub scale: f32,
-    /// Reach of a footprint, raster points.
-    pub half: [f32; 2],
     /// First and last raster points that matter, x and y.
     pub low: [f32; 2],
     pub high: [f32; 2],
@@ -127,7 +125,8 @@ pub(crate) fn activate<S: Simd>(
     let [x0, y0, z0] = brick.corner;
     let first = f32x16::splat(simd, window.depths[0] - z0);
     let limit = f32x16::splat(simd, window.depths[1] - z0);
-    let [rx, ry] = window.half;
+    // From a footprint's middle to its first point, less the nearest even one.
+    let before = -(window.blocks as f32 + 0.5);
     let test = mask.any_finished && !mask.all(brick.blocks);
     let scale = f32x16::splat(simd, window.scale);
     loop {
@@ -162,8 +161,8 @@ pub(crate) fn activate<S: Simd>(
             .mul_add(scale, f32x16::splat(simd, py));
         // Whole footprints, with all their blocks: what a pixel gets must not depend on the tile.
         let (first_x, first_y) = (
-            ((u - rx).ceil() * 0.5).floor() * 2.0,
-            ((v - ry).ceil() * 0.5).floor() * 2.0,
+            ((u + before) * 0.5).ceil() * 2.0,
+            ((v + before) * 0.5).ceil() * 2.0,
         );
         let extent = (2 * window.blocks - 1) as f32;
         let mut wanted = needed

@@ -6,6 +6,7 @@
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Vec3, Vec3A};
+use splatvol_core::bin::TileRect;
 
 use crate::stage::simd_exp::exp2;
 
@@ -48,7 +49,8 @@ impl Border {
         }
     }
 
-    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space.
+    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space; x and y count from the picture's
+    /// corner, so that rounding does not depend on the tile.
     pub(crate) fn on_plane(&self, first: Vec3A, step_x: Vec3A, step_y: Vec3A) -> BorderPlane {
         let step = |v| self.corner_from_camera.transform_vector3a(v);
         BorderPlane {
@@ -58,10 +60,10 @@ impl Border {
         }
     }
 
-    /// Whether all points between two of a plane lie well inside the box.
+    /// Whether all points between two of a plane lie further inside the box than so many standard deviations.
     #[inline(always)]
-    fn holds(&self, from: Vec3A, to: Vec3A) -> bool {
-        let near = Vec3A::splat(REACH * self.sigma);
+    fn holds(&self, from: Vec3A, to: Vec3A, reach: f32) -> bool {
+        let near = Vec3A::splat(reach * self.sigma);
         from.min(to).cmpge(near).all() && (Vec3A::from(self.size) - from.max(to)).cmpge(near).all()
     }
 
@@ -69,14 +71,16 @@ impl Border {
     #[inline(always)]
     pub(crate) fn is_near(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> bool {
         let from = plane.at(x, y);
-        !self.holds(from, from + plane.step_x * 15.0)
+        !self.holds(from, from + plane.step_x * 15.0, REACH)
     }
 
-    /// Whether any of a rectangle's pixels does.
-    pub(crate) fn is_near_any(&self, plane: &BorderPlane, [width, height]: [usize; 2]) -> bool {
-        let (top, bottom) = (plane.at(0, 0), plane.at(0, height));
-        let across = plane.step_x * width as f32;
-        !(self.holds(top, top + across) && self.holds(bottom, bottom + across))
+    /// Whether any sixteen of a tile's pixels may.
+    pub(crate) fn is_near_any(&self, plane: &BorderPlane, tile: &TileRect) -> bool {
+        let (top, bottom) = (plane.at(tile.x0, tile.y0), plane.at(tile.x0, tile.y1));
+        let across = plane.step_x * (tile.x1 - tile.x0).next_multiple_of(16) as f32;
+        // A little further: where a tile's corners are rounded otherwise than its pixels.
+        let reach = REACH + 0.01;
+        !(self.holds(top, top + across, reach) && self.holds(bottom, bottom + across, reach))
     }
 
     /// Shares at sixteen pixels of a plane from (x, y) on.

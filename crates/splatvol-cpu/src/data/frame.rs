@@ -16,7 +16,7 @@ use super::ring::LANES;
 use super::shade::{PlaneShader, ShadeTable};
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
-use super::tile::{DataFrame, beyond, halo};
+use super::tile::{DataFrame, pixel_reach};
 use crate::stage::shade::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
@@ -206,16 +206,16 @@ impl Plan {
         let half_extent = sheets[0]
             .half_extent(cut as f32)
             .map(|half| half + spread as f32 * sheets[0].scale);
-        let points = half_extent[0].max(half_extent[1]);
         let projection = BrickProjection {
             camera_from_lattice,
             screen,
             shape,
             stack,
             reach,
-            margin: f64::from(points + beyond(half_extent) + halo(raster.step) as f32) * raster.step as f64,
+            margin: f64::from(pixel_reach(half_extent, raster.step)),
         };
-        let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
+        // Tiles begin at even raster points, as blocks do.
+        let tiles = TileGrid::new(settings.size, tile_edge.next_multiple_of(2 * raster.step));
         self.projected.resize(store.len(), None);
         let projected = self.projected.par_iter_mut().enumerate().with_min_len(256);
         projected.for_each(|(i, brick)| *brick = projection.project(store, i));
@@ -278,7 +278,7 @@ struct BrickProjection<'a> {
     shape: &'a FootprintShape,
     stack: SheetStack,
     reach: f64,
-    /// Reach of a footprint around its centre on the nearest sheet, pixels.
+    /// Reach of a voxel around the centre of its nearest footprint, pixels.
     margin: f64,
 }
 

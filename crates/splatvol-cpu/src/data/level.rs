@@ -52,8 +52,7 @@ impl Level {
         let table = ClassificationTable::new(transfer_function, range, unit_distance);
         let visible = VisibleLevels::new(&table);
         self.field.update(&visible);
-        self.table
-            .update(&table, visible.hull().unwrap_or([f32::INFINITY; 2]));
+        self.table.update(&table, &visible, self.field.background());
         let firsts = (0..self.field.len()).map(|i| DVec3::from_array(self.field.first(i).map(f64::from)));
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for first in firsts {

@@ -5,9 +5,10 @@
 //! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
 //! across the ray, and along it a difference of the four planes that is as soft as those.
 
-use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
+use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*, u32x16};
 use glam::Vec3A;
 use splatvol_core::classification::ClassificationTable;
+use splatvol_core::visibility::VisibleLevels;
 
 use super::border::{Border, BorderPlane};
 use super::mask::OpenMask;
@@ -29,6 +30,8 @@ pub(crate) struct ShadeTable {
     cells: Box<[[f32; 4]; CELLS]>,
     /// Values outside are invisible.
     pub hull: [f32; 2],
+    /// Whether pixels that no voxel touches are visible, all of them background.
+    pub shows_background: bool,
 }
 
 /// A value's classification.
@@ -59,13 +62,14 @@ impl Default for ShadeTable {
         Self {
             cells: Box::new([[0.0; 4]; CELLS]),
             hull: [f32::INFINITY; 2],
+            shows_background: false,
         }
     }
 }
 
 impl ShadeTable {
-    /// Takes another transfer function.
-    pub(crate) fn update(&mut self, table: &ClassificationTable, hull: [f32; 2]) {
+    /// Takes another transfer function, with the levels that it shows and the field's background.
+    pub(crate) fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
         let mut sum = 0.0f64;
         let node = |i: usize| FIRST + i as f32 / PER_VALUE;
         for (i, cell) in self.cells.iter_mut().enumerate() {
@@ -81,7 +85,8 @@ impl ShadeTable {
             ];
             sum += f64::from(extinction / PER_VALUE);
         }
-        self.hull = hull;
+        self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
+        self.shows_background = visible.any(background, background);
     }
 
     /// Looks sixteen values up. Rows are put together in registers: vectors read from memory just written in pieces
@@ -301,6 +306,20 @@ pub(crate) struct ShadeTarget<'a> {
     pub batch: &'a mut ShadeBatch,
 }
 
+impl ShadeTarget<'_> {
+    /// Image coordinates of a pixel of the tile.
+    #[inline(always)]
+    fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
+        [self.origin[0] + x, self.origin[1] + y]
+    }
+
+    /// Which of sixteen pixels from (x, y) on are open.
+    #[inline(always)]
+    fn open<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> mask32x16<S> {
+        mask32x16::from_bitmask(simd, u64::from(self.mask.sixteen(x, y)))
+    }
+}
+
 impl PlaneShader<'_> {
     /// Shades an interval, and closes the pixels that it finishes.
     #[inline(always)]
@@ -309,7 +328,7 @@ impl PlaneShader<'_> {
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
-                if target.mask.sixteen(x, y) != 0 && self.may_show(simd, interval, [x, y]) {
+                if target.mask.sixteen(x, y) != 0 && self.may_show(simd, interval, target, [x, y]) {
                     target.batch.places[target.batch.len % BATCH] = [x, y];
                     target.batch.len += 1;
                     if target.batch.len == BATCH {
@@ -322,26 +341,40 @@ impl PlaneShader<'_> {
         self.flush(simd, interval, target);
     }
 
-    /// Whether any of sixteen pixels can hold visible values.
+    /// Whether any of sixteen pixels can hold visible values. Only open pixels count: what finished ones hold depends on
+    /// the tile.
     #[inline(always)]
-    fn may_show<S: Simd>(&self, simd: S, interval: &Interval<'_>, [x, y]: [usize; 2]) -> bool {
+    fn may_show<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &ShadeTarget<'_>,
+        [x, y]: [usize; 2],
+    ) -> bool {
+        let mut open = target.open(simd, [x, y]);
         let [_, near, far, _] = interval.planes;
         let at = (y + HALO) * near.pitch + x + HALO;
         let (v0, v1) = (load(simd, &near.values, at), load(simd, &far.values, at));
         let (low, high) = (v0.min(v1), v0.max(v1));
+        if !self.table.shows_background {
+            open &= low.simd_lt(splat(simd, 0.0)) | high.simd_gt(splat(simd, 0.0));
+        }
         let slack = (high - low) * 0.25 + (1e-3 + self.background);
         let [first, last] = self.table.hull;
         let may = (high + slack).simd_ge(splat(simd, first))
-            & (low - slack).simd_le(splat(simd, last - 2.0 * self.background));
+            & (low - slack).simd_le(splat(simd, last - 2.0 * self.background))
+            & open;
         // Near the border sums are still to be divided by their weights.
         may.any_true()
             || (interval.is_near_border
-                && (high - low).simd_gt(splat(simd, 0.0)).any_true()
-                && self.border.is_near(&interval.borders[0], [x, y]))
+                && ((high - low).simd_gt(splat(simd, 0.0)) & open).any_true()
+                && self
+                    .border
+                    .is_near(&interval.borders[0], target.in_picture([x, y])))
     }
 
-    /// The planes' border for a tile that begins at an image position.
-    pub(crate) fn borders(&self, depths: [f32; 2], origin: [usize; 2]) -> [BorderPlane; 2] {
+    /// The planes' border.
+    pub(crate) fn borders(&self, depths: [f32; 2]) -> [BorderPlane; 2] {
         depths.map(|depth| {
             let scale = if self.per_pixel > 0.0 {
                 self.per_pixel * depth
@@ -349,11 +382,7 @@ impl PlaneShader<'_> {
                 self.plane_per_pixel
             };
             let [cx, cy] = self.principal;
-            let first = Vec3A::new(
-                (origin[0] as f32 + 0.5 - cx) * scale,
-                (origin[1] as f32 + 0.5 - cy) * scale,
-                depth,
-            );
+            let first = Vec3A::new((0.5 - cx) * scale, (0.5 - cy) * scale, depth);
             self.border.on_plane(first, Vec3A::X * scale, Vec3A::Y * scale)
         })
     }
@@ -395,10 +424,14 @@ impl PlaneShader<'_> {
             && interval
                 .borders
                 .iter()
-                .any(|plane| self.border.is_near(plane, [x, y]))
+                .any(|plane| self.border.is_near(plane, target.in_picture([x, y])))
         {
-            let near = self.border.at(simd, &interval.borders[0], [x, y]);
-            let far = self.border.at(simd, &interval.borders[1], [x, y]);
+            let near = self
+                .border
+                .at(simd, &interval.borders[0], target.in_picture([x, y]));
+            let far = self
+                .border
+                .at(simd, &interval.borders[1], target.in_picture([x, y]));
             (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
             (s1, sa) = (s1 * far.per_weight, sa * far.per_weight);
             coverage = [near.coverage, far.coverage];
@@ -429,9 +462,10 @@ impl PlaneShader<'_> {
 
         // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
         let whole = whole * covered;
-        let thick = (whole * length).simd_gt(splat(simd, THICK));
+        let open = target.open(simd, [x, y]);
+        let thick = (whole * length).simd_gt(splat(simd, THICK)) & open;
         let (through, color, share_of_far);
-        if thick.any_true() || !whole.simd_gt(splat(simd, 0.0)).any_true() {
+        if thick.any_true() || !(whole.simd_gt(splat(simd, 0.0)) & open).any_true() {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
             let first = mean_extinction(simd, vm - v0, &ends[0], &middle) * (coverage[0] + covered) * 0.5;

@@ -64,17 +64,20 @@ pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
         .unwrap_or(MAX_BLOCKS)
 }
 
+/// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
+/// it touches, for footprints that reach so far, raster points.
+pub(crate) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
+    // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
+    let blocks = blocks_of(half_extent) as f32 + 0.75;
+    let spline = if step > 1 { 2.0 } else { 0.0 };
+    (blocks + spline) * step as f32 + 1.0
+}
+
 /// Sizes of footprints that are compiled, blocks along an edge.
 const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
-/// How far footprints' blocks may lie beyond what footprints of nearest sheets reach, raster points.
-pub(crate) fn beyond(half_extent: [f32; 2]) -> f32 {
-    // Sizes are rounded up to two points, or eight, and blocks begin at even points.
-    if blocks_of(half_extent) <= 8 { 3.5 } else { 9.0 }
-}
-
 /// Raster points around a tile that its pixels need.
-pub(crate) fn halo(step: usize) -> usize {
+fn halo(step: usize) -> usize {
     if step == 1 { HALO } else { RASTER_HALO }
 }
 
@@ -253,18 +256,16 @@ pub(crate) fn render<S: Simd>(
 fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
     let middle = sheet + frame.groups * LANES / 2;
     let shape = &frame.sheets[middle.min(frame.sheets.len() - 1)];
-    let half = frame.half_extent(shape);
     let plane = frame.stack.plane(sheet) as f32;
     let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.size.map(|n| n.div_ceil(frame.step) as f32);
     Window {
-        blocks: blocks_of(half),
+        blocks: blocks_of(frame.half_extent(shape)),
         depths: [plane - frame.depth_reach, plane + frame.depth_reach],
         depth: shape.depth,
         scale: shape.scale,
-        half,
         low: first.map(|first| first - needed),
         high: [
             first[0] + points[0] - 1.0 + needed,
@@ -413,11 +414,11 @@ fn shade<S: Simd>(
     }
     let step = frame.step as f32;
     let depths = [frame.sheets[near].depth, frame.sheets[near + 1].depth];
-    let borders = frame.shader.borders(depths, [place.rect.x0, place.rect.y0]);
+    let borders = frame.shader.borders(depths);
     let interval = Interval {
         is_near_border: borders
             .iter()
-            .any(|plane| frame.shader.border.is_near_any(plane, place.size)),
+            .any(|plane| frame.shader.border.is_near_any(plane, &place.rect)),
         borders,
         planes: [&planes[0], &planes[1], &planes[2], &planes[3]],
         depths,

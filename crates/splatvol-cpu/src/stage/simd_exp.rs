@@ -38,7 +38,7 @@ pub(crate) fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     p * (power << 23).bitcast::<f32x16<S>>()
 }
 
-/// `2^x` per lane for x from -126 to 126, not clamped; relative error 3e-6.
+/// `2^x` per lane for x from -126 to 126, not clamped; relative error 3e-6, and 1 for 0.
 ///
 /// Adding 1.5 * 2^23 leaves the nearest integer in the lowest bits, from where it is shifted into the exponent.
 #[inline(always)]
@@ -46,8 +46,8 @@ pub(crate) fn exp2_quick<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     const ROUND: f32 = 12_582_912.0;
     let shifted = x + ROUND;
     let r = x - (shifted - ROUND);
-    let mut p = f32x16::splat(simd, 9.570_101e-3);
-    for coefficient in [5.591_786e-2, 2.402_474_5e-1, 6.931_218e-1, 9.999_993e-1] {
+    let mut p = f32x16::splat(simd, 9.582_853e-3);
+    for coefficient in [5.590_642_5e-2, 2.402_41e-1, 6.931_242e-1, 1.0] {
         p = p.mul_add(r, f32x16::splat(simd, coefficient));
     }
     (p.bitcast::<u32x16<S>>() + (shifted.bitcast::<u32x16<S>>() << 23)).bitcast::<f32x16<S>>()
