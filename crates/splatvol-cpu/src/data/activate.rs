@@ -16,8 +16,9 @@ use super::splat::{CAPACITY, Records, SplatConstants, middle_block};
 pub(crate) struct OpenBrick {
     /// Which of the scratch memory's lists of voxels is its own.
     pub voxels: u32,
-    /// Place of the next voxel in depth order.
+    /// Place of the next voxel in depth order, and its depth.
     pub next: u32,
+    pub next_depth: f32,
     /// First voxel in camera space.
     pub corner: [f32; 3],
     /// Blocks of the ring that it can touch: x0, y0, x1, y1, ends included.
@@ -91,6 +92,11 @@ impl OpenVoxels {
     /// Voxels in all.
     pub(crate) fn len(&self) -> usize {
         self.len
+    }
+
+    /// Depth of a voxel beyond the brick's first; infinite behind the last one.
+    pub(crate) fn depth(&self, place: usize) -> f32 {
+        self.depth[place.min(BRICK_VOXELS)]
     }
 }
 

@@ -193,6 +193,7 @@ impl DataScratch {
         self.open.push(OpenBrick {
             voxels,
             next: 0,
+            next_depth: f32::NEG_INFINITY,
             corner: corner.as_vec3().to_array(),
             blocks,
         });
@@ -290,6 +291,11 @@ fn enter<S: Simd>(
     scratch.records.len = 0;
     for i in 0..scratch.open.len() {
         let mut brick = scratch.open[i];
+        if brick.next_depth > window.depths[1] {
+            scratch.open[kept] = brick;
+            kept += 1;
+            continue;
+        }
         if scratch.mask.any_finished && !scratch.mask.any(brick.blocks) {
             scratch.free.push(brick.voxels);
             continue;
@@ -310,6 +316,7 @@ fn enter<S: Simd>(
             records,
         );
         let done = brick.next as usize >= voxels.len();
+        brick.next_depth = voxels.depth(brick.next as usize) + brick.corner[2];
         work.tested += u64::from(tested);
         if records.len > CAPACITY - BRICK_VOXELS - 16 {
             flush(simd, (frame, window.blocks, sheet), &mut prepared, scratch, work);
