@@ -70,6 +70,14 @@ impl StoredBrick {
         }
     }
 
+    /// Reads a value of every cache line.
+    #[inline(always)]
+    pub(super) fn touch(&self) {
+        for line in self.values.as_chunks::<32>().0 {
+            std::hint::black_box(line[0]);
+        }
+    }
+
     /// Coefficients less the background where the mask has a bit, else NaN.
     #[inline(always)]
     pub(super) fn decode(&self, mask: &CellBits, background: f32, out: &mut [f32; BRICK_VOXELS]) {

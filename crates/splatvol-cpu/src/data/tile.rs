@@ -19,6 +19,9 @@ use super::sheet::{GroupShape, SheetShape};
 use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SplatConstants, Stencil, splat};
 use super::upsample::{RASTER_HALO, Upsampler};
 
+/// Sheets whose bricks are fetched from memory together.
+const AHEAD: usize = 3;
+
 /// What the tiles of a frame share.
 #[derive(Debug)]
 pub(crate) struct DataFrame<'a> {
@@ -214,6 +217,7 @@ pub(crate) fn render<S: Simd>(
     canvas.reset(place.size);
     let mut work = DataWork::default();
     let mut bricks = frame.lists.of(tile).peekable();
+    let mut ahead = frame.lists.of(tile).peekable();
     let mut sheet = 0usize;
     // Sheets since the last voxel: when the ring and the planes are empty, sheets are skipped.
     let mut idle = 0;
@@ -225,6 +229,14 @@ pub(crate) fn render<S: Simd>(
         let start = Instant::now();
         let window = window(frame, &place, sheet);
         scratch.mask.refresh(window.blocks);
+        if ahead
+            .peek()
+            .is_some_and(|brick| brick.front_sheet as usize <= sheet + 1)
+        {
+            while let Some(brick) = ahead.next_if(|brick| brick.front_sheet as usize <= sheet + AHEAD) {
+                frame.store.touch(brick.active.brick as usize);
+            }
+        }
         while let Some(brick) = bricks.next_if(|brick| brick.front_sheet as usize <= sheet) {
             let blocks = place.blocks(brick.rect, frame.step);
             if scratch.mask.any(blocks) {
