@@ -386,9 +386,13 @@ impl TileRun<'_> {
 
 /// Whether the engine that splats into all sheets at once renders this.
 fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
+    let field = match settings.compositing {
+        Compositing::ImageSheets => settings.classification == Classification::Post,
+        Compositing::Mip => true,
+        Compositing::Xray => false,
+    };
     settings.gradient == Gradient::Differences
-        && settings.compositing == Compositing::ImageSheets
-        && settings.classification == Classification::Post
+        && field
         && settings.prefilter
         && scene.volume.statistics().non_finite == 0
 }

@@ -1,4 +1,4 @@
-//! Post-classified frames from state that is kept between them: a new camera costs a frame, a new transfer function what it
+//! Frames from state that is kept between them: a new camera costs a frame, a new transfer function what it
 //! changes, a new volume everything.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,12 +7,16 @@ use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-use splatvol_scene::{Camera, Frame, RenderSettings, Scene};
+use splatvol_core::field::FieldStore;
+use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
 
 use super::frame::{Plan, View};
-use super::level::{Detail, Pyramid};
+use super::intensity::Intensity;
+use super::level::{Detail, Pyramid, Wanted};
+use super::mode::{Bricks, Mode};
 use super::resolve::{blend, resolve};
 use super::shade::Canvas;
+use super::shaded::Shaded;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
@@ -115,36 +119,80 @@ impl DataEngine {
         let pyramid = self
             .pyramid
             .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
-        pyramid.classify(level, &scene.transfer_function, scene.unit_distance());
-        let (field, table, bounds) = pyramid.level(level)?;
-        let view = View::new((field.volume().grid(), bounds), camera, settings)?;
+        let wanted = Wanted::of(settings);
+        pyramid.classify(level, (&scene.transfer_function, scene.unit_distance()), wanted);
+        let level = pyramid.level(level)?;
+        let view = View::new((level.field.volume().grid(), level.bounds), camera, settings)?;
         let planned = Instant::now();
-        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
+        statistics.seconds.classify += (planned - prepared).as_secs_f64();
+        let mut job = Job {
+            run,
+            view: &view,
+            settings,
+            plan: &mut self.plan,
+            scratch: &mut self.scratch,
+            tiles: &mut self.tiles,
+        };
+        let store: &FieldStore = &level.field;
         let spacing = scene.volume.grid().mean_spacing();
-        let plan = self.plan.update(&view, (field, table), (settings, spacing), edge);
+        let shader = view.shader((store, &level.table), (settings, spacing));
+        statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
+        if settings.compositing == Compositing::Mip {
+            let classified = (&level.classification, scene.unit_distance());
+            job.render(
+                store,
+                &Intensity::new(store, shader, classified),
+                frame,
+                statistics,
+            );
+        } else {
+            job.render(store, &Shaded { store, shader }, frame, statistics);
+        }
+        Some(())
+    }
+}
+
+/// The tiles of one level's picture.
+struct Job<'a> {
+    run: Run<'a>,
+    view: &'a View,
+    settings: &'a RenderSettings,
+    plan: &'a mut Plan,
+    scratch: &'a mut Vec<Mutex<DataScratch>>,
+    tiles: &'a mut Vec<Tile>,
+}
+
+impl Job<'_> {
+    fn render<M: Mode<N>, const N: usize>(
+        &mut self,
+        bricks: &dyn Bricks,
+        mode: &M,
+        frame: &mut Frame,
+        statistics: &mut RenderStatistics,
+    ) {
+        let start = Instant::now();
+        let edge = self.run.tile_edge.unwrap_or(TILE_EDGE);
+        let plan = self.plan.update(self.view, bricks, self.settings, edge);
         let tiled = Instant::now();
         let count = plan.tiles.len();
         self.scratch
-            .resize_with(run.pool.current_num_threads(), Mutex::default);
+            .resize_with(self.run.pool.current_num_threads(), Mutex::default);
         if self.tiles.len() < count {
             self.tiles.resize_with(count, Mutex::default);
         }
         let tiles = &self.tiles[..count];
-        render_tiles(run, &plan, &self.scratch, tiles);
+        render_tiles(self.run, (&plan, mode), self.scratch, tiles);
         resolve(&plan.tiles, tiles, frame);
         let seconds = &mut statistics.seconds;
-        seconds.classify += (planned - prepared).as_secs_f64();
-        seconds.bin += (tiled - planned).as_secs_f64();
+        seconds.bin += (tiled - start).as_secs_f64();
         seconds.tiles += tiled.elapsed().as_secs_f64();
-        statistics.bricks += field.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
-        statistics.active_bricks += field.len();
-        statistics.sheets += view.sheets();
+        statistics.active_bricks += bricks.len();
+        statistics.sheets += self.view.sheets();
         statistics.tiles += count;
         for tile in tiles {
             let (_, work) = &*lock(tile);
-            count_work(work, view.sheets_per_voxel(), statistics);
+            count_work(work, self.view.sheets_per_voxel(), statistics);
         }
-        Some(())
     }
 }
 
@@ -164,7 +212,12 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Renders all tiles; threads take the next one as they come free.
-fn render_tiles(run: Run<'_>, plan: &DataFrame<'_>, scratch: &[Mutex<DataScratch>], tiles: &[Tile]) {
+fn render_tiles<M: Mode<N>, const N: usize>(
+    run: Run<'_>,
+    plan: (&DataFrame<'_>, &M),
+    scratch: &[Mutex<DataScratch>],
+    tiles: &[Tile],
+) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);

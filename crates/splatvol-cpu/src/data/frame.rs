@@ -1,4 +1,4 @@
-//! A post-classified frame: kernel and camera to sheets, bricks to tiles.
+//! A frame: kernel and camera to sheets, bricks to tiles.
 
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -11,12 +11,13 @@ use splatvol_core::sheets::SheetStack;
 use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
 
 use super::border::Border;
+use super::mode::Bricks;
 use super::order::DepthOrder;
 use super::ring::LANES;
 use super::shade::{PlaneShader, ShadeTable};
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
-use super::tile::DataFrame;
+use super::tile::{DataFrame, Rays};
 use crate::stage::shade::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
@@ -110,6 +111,42 @@ impl View {
     pub(crate) fn sheets_per_voxel(&self) -> u64 {
         (self.groups * LANES) as u64
     }
+
+    fn rays(&self) -> Rays {
+        let per_pixel = 1.0 / self.screen.scale as f32;
+        Rays {
+            principal: self.screen.centre.as_vec2().to_array(),
+            per_pixel: if self.screen.perspective { per_pixel } else { 0.0 },
+            plane_per_pixel: per_pixel,
+        }
+    }
+
+    /// Shader of planes of a field.
+    pub(crate) fn shader<'a>(
+        &self,
+        (store, table): (&'a FieldStore, &'a ShadeTable),
+        (settings, mean_spacing): (&RenderSettings, f64),
+    ) -> PlaneShader<'a> {
+        let margin = DVec3::from_array(self.margin.map(|m| m as f64));
+        let camera_from_voxel = self.camera_from_lattice * DAffine3::from_translation(margin);
+        let dims = store.volume().grid().dims();
+        let Rays {
+            principal,
+            per_pixel,
+            plane_per_pixel,
+        } = self.rays();
+        PlaneShader {
+            table,
+            phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
+            spacing: self.stack.spacing as f32,
+            background: store.background(),
+            principal,
+            per_pixel,
+            plane_per_pixel,
+            termination: settings.termination as f32,
+            border: Border::new(camera_from_voxel, dims, self.margin, self.kernel.sigma),
+        }
+    }
 }
 
 /// Groups of four sheets that a voxel may reach.
@@ -178,8 +215,8 @@ impl Plan {
     pub(crate) fn update<'a>(
         &'a mut self,
         view: &View,
-        (store, table): (&'a FieldStore, &'a ShadeTable),
-        (settings, mean_spacing): (&RenderSettings, f64),
+        bricks: &'a dyn Bricks,
+        settings: &RenderSettings,
         tile_edge: usize,
     ) -> DataFrame<'a> {
         let View {
@@ -192,7 +229,7 @@ impl Plan {
             reach,
             spread,
             groups,
-            margin,
+            ..
         } = *view;
         let [xx, xy, yy] = shape.lateral_covariance;
         let drift = shape.lateral_slope.abs().max_element();
@@ -217,16 +254,13 @@ impl Plan {
             margin: f64::from(points + 6.0) * raster.step as f64,
         };
         let tiles = TileGrid::new(settings.size, tile_edge.max(2 * raster.step));
-        self.projected.resize(store.len(), None);
+        self.projected.resize(bricks.len(), None);
         let projected = self.projected.par_iter_mut().enumerate().with_min_len(256);
-        projected.for_each(|(i, brick)| *brick = projection.project(store, i));
+        projected.for_each(|(i, brick)| *brick = projection.project(bricks.first(i), i));
         self.lists.fill(self.projected.iter().flatten().copied(), &tiles);
         self.order.update(camera_from_lattice.matrix3);
-        let per_pixel = 1.0 / screen.scale as f32;
-        let camera_from_voxel =
-            camera_from_lattice * DAffine3::from_translation(DVec3::from_array(margin.map(|m| m as f64)));
         DataFrame {
-            store,
+            bricks,
             order: &self.order,
             camera_from_lattice,
             stack,
@@ -239,22 +273,8 @@ impl Plan {
                 depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
                 depth_edge: kernel.edge as f32,
             },
-            shader: PlaneShader {
-                table,
-                phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
-                spacing: stack.spacing as f32,
-                background: store.background(),
-                principal: screen.centre.as_vec2().to_array(),
-                per_pixel: if screen.perspective { per_pixel } else { 0.0 },
-                plane_per_pixel: per_pixel,
-                termination: settings.termination as f32,
-                border: Border::new(
-                    camera_from_voxel,
-                    store.volume().grid().dims(),
-                    margin,
-                    kernel.sigma,
-                ),
-            },
+            rays: view.rays(),
+            termination: settings.termination as f32,
             step: raster.step,
             depth_reach: reach as f32,
             half_extent,
@@ -285,8 +305,8 @@ struct BrickProjection<'a> {
 }
 
 impl BrickProjection<'_> {
-    fn project(&self, store: &FieldStore, index: usize) -> Option<ProjectedBrick> {
-        let first = DVec3::from_array(store.first(index).map(f64::from));
+    fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
+        let first = DVec3::from_array(first.map(f64::from));
         let corner = self.camera_from_lattice.transform_point3(first);
         let linear = self.camera_from_lattice.matrix3 * (BRICK as f64 - 1.0);
         let (mut low, mut high) = (corner, corner);

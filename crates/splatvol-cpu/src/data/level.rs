@@ -13,7 +13,7 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::mip;
 use splatvol_core::visibility::VisibleLevels;
-use splatvol_scene::{Camera, ImageSize, Kernel, TransferFunction, Volume};
+use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
 
 use super::shade::ShadeTable;
 
@@ -22,38 +22,83 @@ const FINEST: f64 = 0.8;
 /// Octaves over which two levels are blended.
 const BLEND: f64 = 0.25;
 
+/// Which voxels a picture needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Those around visible values of the field.
+    Visible,
+    /// Those around values of the field that are as large as some visible one: a larger one hides it.
+    Largest,
+}
+
+impl Wanted {
+    /// What settings ask for.
+    pub(crate) fn of(settings: &RenderSettings) -> Self {
+        match settings.compositing {
+            Compositing::Mip => Self::Largest,
+            Compositing::ImageSheets | Compositing::Xray => Self::Visible,
+        }
+    }
+}
+
 /// A volume at one resolution.
 #[derive(Debug)]
-struct Level {
-    field: FieldStore,
-    table: ShadeTable,
-    transfer_function: Option<TransferFunction>,
-    unit_distance: f64,
+pub(crate) struct Level {
+    pub field: FieldStore,
+    pub table: ShadeTable,
+    pub classification: ClassificationTable,
+    /// What all this was made for.
+    made_for: (TransferFunction, f64, Wanted),
     /// First and last lattice point of the bricks that are needed.
-    bounds: [DVec3; 2],
+    pub bounds: [DVec3; 2],
 }
 
 impl Level {
-    fn new(volume: Arc<Volume>, kernel: Kernel) -> Self {
-        Self {
+    fn new(
+        volume: Arc<Volume>,
+        kernel: Kernel,
+        (transfer_function, unit_distance): (&TransferFunction, f64),
+        wanted: Wanted,
+    ) -> Self {
+        let range = volume.value_range();
+        let mut level = Self {
             field: FieldStore::new(volume, &GaussianKernel::new(kernel)),
             table: ShadeTable::default(),
-            transfer_function: None,
-            unit_distance: 0.0,
+            classification: ClassificationTable::new(transfer_function, range, unit_distance),
+            made_for: (transfer_function.clone(), unit_distance, wanted),
             bounds: [DVec3::ZERO; 2],
-        }
+        };
+        level.find();
+        level
     }
 
-    fn classify(&mut self, transfer_function: &TransferFunction, unit_distance: f64) {
-        if self.transfer_function.as_ref() == Some(transfer_function) && self.unit_distance == unit_distance {
+    fn update(&mut self, (transfer_function, unit_distance): (&TransferFunction, f64), wanted: Wanted) {
+        let (old, old_distance, old_wanted) = &mut self.made_for;
+        let same = old == transfer_function && *old_distance == unit_distance;
+        if same && *old_wanted == wanted {
             return;
         }
-        let range = self.field.volume().value_range();
-        let table = ClassificationTable::new(transfer_function, range, unit_distance);
-        let visible = VisibleLevels::new(&table);
-        self.field.update(&visible);
+        if !same {
+            old.clone_from(transfer_function);
+            *old_distance = unit_distance;
+            let range = self.field.volume().value_range();
+            self.classification = ClassificationTable::new(transfer_function, range, unit_distance);
+        }
+        *old_wanted = wanted;
+        self.find();
+    }
+
+    /// Finds what is needed.
+    fn find(&mut self) {
+        let visible = VisibleLevels::new(&self.classification);
+        let (_, _, wanted) = self.made_for;
+        let needed = match wanted {
+            Wanted::Visible => &visible,
+            Wanted::Largest => &visible.and_larger(),
+        };
+        self.field.update(needed);
         self.table
-            .update(&table, visible.hull().unwrap_or([f32::INFINITY; 2]));
+            .update(&self.classification, visible.hull().unwrap_or([f32::INFINITY; 2]));
         let firsts = (0..self.field.len()).map(|i| DVec3::from_array(self.field.first(i).map(f64::from)));
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for first in firsts {
@@ -64,8 +109,6 @@ impl Level {
         } else {
             [low, high]
         };
-        self.transfer_function = Some(transfer_function.clone());
-        self.unit_distance = unit_distance;
     }
 }
 
@@ -142,22 +185,17 @@ impl Pyramid {
         &self.volumes[level]
     }
 
-    /// Makes a level right for a transfer function.
-    pub(crate) fn classify(
-        &mut self,
-        level: usize,
-        transfer_function: &TransferFunction,
-        unit_distance: f64,
-    ) {
+    /// Makes a level right for a transfer function, with its unit distance.
+    pub(crate) fn classify(&mut self, level: usize, look: (&TransferFunction, f64), wanted: Wanted) {
         let volume = Arc::clone(self.volume(level));
-        let kernel = self.kernel;
-        let level = self.levels[level].get_or_insert_with(|| Level::new(volume, kernel));
-        level.classify(transfer_function, unit_distance);
+        match &mut self.levels[level] {
+            Some(level) => level.update(look, wanted),
+            none => *none = Some(Level::new(volume, self.kernel, look, wanted)),
+        }
     }
 
-    /// A classified level, with the first and last lattice point that matter.
-    pub(crate) fn level(&self, level: usize) -> Option<(&FieldStore, &ShadeTable, [DVec3; 2])> {
-        let level = self.levels.get(level)?.as_ref()?;
-        Some((&level.field, &level.table, level.bounds))
+    /// A classified level.
+    pub(crate) fn level(&self, level: usize) -> Option<&Level> {
+        self.levels.get(level)?.as_ref()
     }
 }

@@ -83,6 +83,16 @@ impl SheetRing {
         self.touched.resize(groups * LANES, Area::EMPTY);
     }
 
+    /// Rows of every `stride`-th group from `first` on.
+    pub(crate) fn groups<const N: usize>(&mut self, first: usize, stride: usize) -> [&mut [Row]; N] {
+        let mut groups = self
+            .rows
+            .chunks_exact_mut(self.height.max(1))
+            .skip(first)
+            .step_by(stride.max(1));
+        std::array::from_fn(|_| groups.next().unwrap_or_default())
+    }
+
     /// Rows of a group.
     pub(crate) fn group(&mut self, group: usize) -> &mut [Row] {
         &mut self.rows[group * self.height..][..self.height]
