@@ -10,7 +10,10 @@ use rayon::prelude::*;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
 
-use super::frame::{Plan, View};
+use super::classified::ClassifiedBricks;
+use super::compose::Compose;
+use super::frame::{Plan, Sampling, View};
+use super::integral::Integral;
 use super::intensity::Intensity;
 use super::level::{Detail, Pyramid, Wanted};
 use super::mode::{Bricks, Mode};
@@ -18,6 +21,7 @@ use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
+use crate::stage::shade::Phong;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Edge of a tile unless asked otherwise, pixels: few voxels lie in two tiles.
@@ -122,7 +126,13 @@ impl DataEngine {
         let wanted = Wanted::of(settings);
         pyramid.classify(level, (&scene.transfer_function, scene.unit_distance()), wanted);
         let level = pyramid.level(level)?;
-        let view = View::new((level.field.volume().grid(), level.bounds), camera, settings)?;
+        let sampling = match (wanted, settings.compositing) {
+            (Wanted::Classified, Compositing::Xray) => Sampling::Rays,
+            (Wanted::Classified, _) => Sampling::Planes,
+            _ => Sampling::Field,
+        };
+        let grid = level.field.volume().grid();
+        let view = View::new((grid, level.bounds), camera, settings, sampling)?;
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let mut job = Job {
@@ -135,18 +145,40 @@ impl DataEngine {
         };
         let store: &FieldStore = &level.field;
         let spacing = scene.volume.grid().mean_spacing();
-        let shader = view.shader((store, &level.table), (settings, spacing));
         statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
-        if settings.compositing == Compositing::Mip {
-            let classified = (&level.classification, scene.unit_distance());
-            job.render(
-                store,
-                &Intensity::new(store, shader, classified),
-                frame,
-                statistics,
-            );
-        } else {
-            job.render(store, &Shaded { store, shader }, frame, statistics);
+        let look = (&level.classification, level.hull);
+        let bricks = ClassifiedBricks::new((store, &level.visible), look);
+        let shader = || view.shader((store, &level.table), (settings, spacing));
+        match (wanted, sampling) {
+            (Wanted::Classified, Sampling::Rays) => {
+                let (shapes, raster) = view.along_rays();
+                let mode = Integral {
+                    bricks: bricks.clone(),
+                    shapes,
+                    raster,
+                };
+                job.render(&bricks, &mode, frame, statistics);
+            }
+            (Wanted::Classified, _) => {
+                let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
+                let bricks = bricks.lit(phong, view.camera_from_voxel());
+                let mode = Compose {
+                    bricks: bricks.clone(),
+                };
+                job.render(&bricks, &mode, frame, statistics);
+            }
+            (Wanted::Largest, _) => {
+                let classified = (&level.classification, scene.unit_distance());
+                let mode = Intensity::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::Visible, _) => {
+                let mode = Shaded {
+                    store,
+                    shader: shader(),
+                };
+                job.render(store, &mode, frame, statistics);
+            }
         }
         Some(())
     }

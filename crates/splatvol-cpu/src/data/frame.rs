@@ -1,16 +1,18 @@
 //! A frame: kernel and camera to sheets, bricks to tiles.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
 use splatvol_core::brick::{ActiveBrick, BRICK};
 use splatvol_core::field::FieldStore;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
+use splatvol_core::normal::mass_within;
 use splatvol_core::sheets::SheetStack;
 use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
 
 use super::border::Border;
+use super::integral::RayShapes;
 use super::mode::Bricks;
 use super::order::DepthOrder;
 use super::ring::LANES;
@@ -31,6 +33,17 @@ const NARROWEST: f64 = 0.8;
 /// Widest angle between a pixel's ray and the axis, as a tangent.
 const STEEPEST: f64 = 0.75;
 
+/// How voxels are sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sampling {
+    /// On planes, coefficients of a field: weights sum to one on the lattice.
+    Field,
+    /// On planes, classified voxels: a kernel of unit integral.
+    Planes,
+    /// Along rays, classified voxels: a kernel of unit integral.
+    Rays,
+}
+
 /// What of a frame does not depend on the volume's content.
 #[derive(Debug, Clone)]
 pub(crate) struct View {
@@ -43,7 +56,12 @@ pub(crate) struct View {
     reach: f64,
     spread: f64,
     groups: usize,
+    round: bool,
+    cut: f64,
     margin: [usize; 3],
+    ray_shapes: RayShapes,
+    /// Voxels are integrated, not sampled on planes.
+    along_rays: bool,
 }
 
 impl View {
@@ -53,6 +71,7 @@ impl View {
         (grid, bounds): (&Grid, [DVec3; 2]),
         camera: &Camera,
         settings: &RenderSettings,
+        sampling: Sampling,
     ) -> Option<Self> {
         let margin = grid.dims().map(|n| usize::from(n > 1));
         let screen = camera.screen_from_camera(settings.size);
@@ -66,11 +85,27 @@ impl View {
             kernel.cut(),
         );
         let per_voxel = shape.depth_sigma / kernel.sigma;
-        let reach = kernel.radius * per_voxel;
-        let spacing = settings.sheet_thickness * per_voxel;
-        let groups = ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize;
         let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
-        let stack = SheetStack::covering(&corners(bounds, camera_from_lattice), reach, spacing, &screen);
+        let corners = corners(bounds, camera_from_lattice);
+        let reach = kernel.radius * per_voxel;
+        let stack = match sampling {
+            // A slab per voxel tells enough of depth.
+            Sampling::Rays => SheetStack::covering(&corners, 0.0, per_voxel, &screen),
+            _ => SheetStack::covering(&corners, reach, settings.sheet_thickness * per_voxel, &screen),
+        };
+        let groups = match sampling {
+            Sampling::Rays => {
+                let nearest = corners
+                    .iter()
+                    .fold(f64::INFINITY, |near, corner| near.min(corner.z));
+                // Half a voxel cannot be left out.
+                if nearest - reach < stack.spacing {
+                    return None;
+                }
+                1
+            }
+            _ => ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize,
+        };
         let steepest = if screen.perspective {
             let corner = screen
                 .centre
@@ -79,12 +114,41 @@ impl View {
         } else {
             0.0
         };
+        let ray_shapes = RayShapes {
+            shape,
+            screen,
+            cell_volume: grid.cell_volume(),
+        };
+        let [xx, xy, yy] = shape.lateral_covariance;
+        let drift = shape.lateral_slope.abs().max_element();
+        let (shape, covariances, round) = match sampling {
+            Sampling::Rays => {
+                let (bounding, covariances) = ray_shapes.over(settings.size);
+                (bounding, covariances, ray_shapes.is_round())
+            }
+            _ => {
+                let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
+                (shape, vec![shape.lateral_covariance], round)
+            }
+        };
+        let nearest = stack.plane(0)
+            - if sampling == Sampling::Rays {
+                stack.spacing
+            } else {
+                0.0
+            };
         let raster = raster(
             settings,
-            &kernel,
-            &shape,
-            [&stack.plane(0), &stack.plane(stack.count)].map(|z| screen.scale_at(*z)),
+            peak(&kernel, sampling),
+            &covariances,
+            [nearest, stack.plane(stack.count)].map(|z| screen.scale_at(z)),
         )?;
+        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
+        let cut = match sampling {
+            Sampling::Rays => CUT.max(kernel.cut()),
+            _ if changed || !round => CUT,
+            _ => kernel.cut(),
+        };
         let within = steepest <= STEEPEST && groups <= MAX_GROUPS && stack.count <= MAX_SHEETS;
         within.then_some(Self {
             camera_from_lattice,
@@ -93,10 +157,14 @@ impl View {
             kernel,
             stack,
             raster,
-            reach,
-            spread: 0.5 * steepest * spacing,
+            reach: if sampling == Sampling::Rays { 0.0 } else { reach },
+            spread: 0.5 * steepest * stack.spacing,
             groups,
+            round,
+            cut,
             margin,
+            ray_shapes,
+            along_rays: sampling == Sampling::Rays,
         })
     }
 }
@@ -110,6 +178,16 @@ impl View {
     /// Sheets that a voxel is splatted into.
     pub(crate) fn sheets_per_voxel(&self) -> u64 {
         (self.groups * LANES) as u64
+    }
+
+    /// Footprints along rays, and how they are rasterised.
+    pub(crate) fn along_rays(&self) -> (RayShapes, Raster) {
+        (self.ray_shapes, self.raster)
+    }
+
+    /// Matrix of camera from voxel.
+    pub(crate) fn camera_from_voxel(&self) -> DMat3 {
+        self.camera_from_lattice.matrix3
     }
 
     fn rays(&self) -> Rays {
@@ -154,11 +232,21 @@ const MAX_GROUPS: usize = 8;
 /// Sheets of a frame.
 const MAX_SHEETS: usize = 1 << 16;
 
+/// Peak of a kernel's samples on planes.
+fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
+    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
+    let along = match sampling {
+        Sampling::Field => kernel.lattice_sum,
+        _ => lateral * mass_within(kernel.cut()) - 2.0 * kernel.radius * kernel.edge,
+    };
+    1.0 / (lateral * lateral * along)
+}
+
 /// How footprints are rasterised between the nearest and the farthest scale, pixels per world length.
 fn raster(
     settings: &RenderSettings,
-    kernel: &GaussianKernel,
-    shape: &FootprintShape,
+    peak: f64,
+    covariances: &[[f64; 3]],
     scales: [f64; 2],
 ) -> Option<Raster> {
     let (low_pass, matched) = match settings.filter {
@@ -166,8 +254,11 @@ fn raster(
         Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
         Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
     };
-    let [xx, xy, yy] = shape.lateral_covariance;
-    let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for [xx, xy, yy] in covariances {
+        let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+        (least, most) = (least.min(mean - difference), most.max(mean + difference));
+    }
     let filtered = |variance: f64| {
         if matched {
             variance.max(low_pass)
@@ -175,8 +266,8 @@ fn raster(
             variance + low_pass
         }
     };
-    let widest = filtered((mean + difference) * scales[0] * scales[0]).sqrt();
-    let narrowest = filtered((mean - difference) * scales[1] * scales[1]).sqrt();
+    let widest = filtered(most * scales[0] * scales[0]).sqrt();
+    let narrowest = filtered(least * scales[1] * scales[1]).sqrt();
     // As coarse as the far end allows, but not coarser than the near end wants: then footprints are small.
     let (finest, wanted) = (
         (widest / WIDEST).log2().ceil(),
@@ -192,12 +283,11 @@ fn raster(
     if low_pass == 0.0 && narrowest / step < 0.4 {
         return None;
     }
-    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
     Some(Raster {
         step: step as usize,
         low_pass,
         matched,
-        peak: 1.0 / (lateral * lateral * kernel.lattice_sum),
+        peak,
     })
 }
 
@@ -229,17 +319,18 @@ impl Plan {
             reach,
             spread,
             groups,
+            round,
+            cut,
+            along_rays,
             ..
         } = *view;
-        let [xx, xy, yy] = shape.lateral_covariance;
-        let drift = shape.lateral_slope.abs().max_element();
-        let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
         self.sheets.clear();
-        self.sheets
-            .extend((0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i))));
+        // Slabs have the size of their middle.
+        let before = if along_rays { 0.5 * stack.spacing } else { 0.0 };
+        self.sheets.extend(
+            (0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i) - before)),
+        );
         let sheets = &self.sheets;
-        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
-        let cut = if changed || !round { CUT } else { kernel.cut() };
         let half_extent = sheets[0]
             .half_extent(cut as f32)
             .map(|half| half + spread as f32 * sheets[0].scale);
@@ -271,7 +362,7 @@ impl Plan {
                 slope: shape.lateral_slope.as_vec2().to_array(),
                 principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
                 depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
-                depth_edge: kernel.edge as f32,
+                depth_edge: if along_rays { 0.0 } else { kernel.edge as f32 },
             },
             rays: view.rays(),
             termination: settings.termination as f32,

@@ -9,7 +9,8 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::mode::{Classified, Mode};
+use super::classified::Classified;
+use super::mode::Mode;
 use super::plane::HALO;
 use super::shade::{Canvas, Interval, PlaneShader};
 use super::shaded::interval;
@@ -214,7 +215,7 @@ impl Mode<1> for Intensity<'_> {
         &self,
         simd: S,
         _: &DataFrame<'_>,
-        _: (&Place, usize),
+        _: &Place,
         (canvas, _): (&mut Canvas, &mut DataScratch),
     ) {
         for pixel in (0..canvas.depth_sum.len()).step_by(16) {

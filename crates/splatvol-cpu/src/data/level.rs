@@ -16,6 +16,7 @@ use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
 
 use super::shade::ShadeTable;
+use crate::plan::splats_color;
 
 /// Smallest width of a voxel, pixels.
 const FINEST: f64 = 0.8;
@@ -29,14 +30,19 @@ pub(crate) enum Wanted {
     Visible,
     /// Those around values of the field that are as large as some visible one: a larger one hides it.
     Largest,
+    /// Those that are visible themselves.
+    Classified,
 }
 
 impl Wanted {
     /// What settings ask for.
     pub(crate) fn of(settings: &RenderSettings) -> Self {
-        match settings.compositing {
-            Compositing::Mip => Self::Largest,
-            Compositing::ImageSheets | Compositing::Xray => Self::Visible,
+        if settings.compositing == Compositing::Mip {
+            Self::Largest
+        } else if splats_color(settings) {
+            Self::Classified
+        } else {
+            Self::Visible
         }
     }
 }
@@ -47,6 +53,10 @@ pub(crate) struct Level {
     pub field: FieldStore,
     pub table: ShadeTable,
     pub classification: ClassificationTable,
+    /// Bricks with visible voxels, where those are wanted.
+    pub visible: Vec<u32>,
+    /// Smallest and largest visible value.
+    pub hull: [f32; 2],
     /// What all this was made for.
     made_for: (TransferFunction, f64, Wanted),
     /// First and last lattice point of the bricks that are needed.
@@ -65,6 +75,8 @@ impl Level {
             field: FieldStore::new(volume, &GaussianKernel::new(kernel)),
             table: ShadeTable::default(),
             classification: ClassificationTable::new(transfer_function, range, unit_distance),
+            visible: Vec::new(),
+            hull: [f32::INFINITY; 2],
             made_for: (transfer_function.clone(), unit_distance, wanted),
             bounds: [DVec3::ZERO; 2],
         };
@@ -91,20 +103,28 @@ impl Level {
     /// Finds what is needed.
     fn find(&mut self) {
         let visible = VisibleLevels::new(&self.classification);
-        let (_, _, wanted) = self.made_for;
-        let needed = match wanted {
-            Wanted::Visible => &visible,
-            Wanted::Largest => &visible.and_larger(),
-        };
-        self.field.update(needed);
-        self.table
-            .update(&self.classification, visible.hull().unwrap_or([f32::INFINITY; 2]));
-        let firsts = (0..self.field.len()).map(|i| DVec3::from_array(self.field.first(i).map(f64::from)));
+        self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for first in firsts {
+        let mut cover = |first: [u32; 3]| {
+            let first = DVec3::from_array(first.map(f64::from));
             (low, high) = (low.min(first), high.max(first + (BRICK as f64 - 1.0)));
+        };
+        let (_, _, wanted) = self.made_for;
+        if wanted == Wanted::Classified {
+            self.field.visible_bricks(&visible, &mut self.visible);
+            self.visible
+                .iter()
+                .for_each(|&brick| cover(self.field.brick_first(brick)));
+        } else {
+            if wanted == Wanted::Largest {
+                self.field.update(&visible.and_larger());
+            } else {
+                self.field.update(&visible);
+            }
+            self.table.update(&self.classification, self.hull);
+            (0..self.field.len()).for_each(|i| cover(self.field.first(i)));
         }
-        self.bounds = if self.field.is_empty() {
+        self.bounds = if low.cmpgt(high).any() {
             [DVec3::ZERO; 2]
         } else {
             [low, high]

@@ -9,6 +9,8 @@
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `intensity` | or their largest value kept |
+//! | | `classified`, `compose` | or classified voxels composited |
+//! | | `classified`, `integral` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
 //! `engine` keeps what lasts from frame to frame, `tile` runs the stages of a tile; what differs between
@@ -20,8 +22,11 @@
 
 pub(crate) mod activate;
 pub(crate) mod border;
+pub(crate) mod classified;
+pub(crate) mod compose;
 pub(crate) mod engine;
 pub(crate) mod frame;
+pub(crate) mod integral;
 pub(crate) mod intensity;
 pub(crate) mod level;
 pub(crate) mod mask;

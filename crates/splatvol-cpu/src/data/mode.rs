@@ -11,6 +11,7 @@ use fearless_simd::prelude::*;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
+use super::classified::Classified;
 use super::ring::LANES;
 use super::shade::Canvas;
 use super::sheet::{GroupShape, SheetShape};
@@ -36,10 +37,6 @@ impl Bricks for FieldStore {
     }
 }
 
-/// What the voxels of open bricks splat: extinction, and emission (extinction times colour) red, green and blue.
-#[derive(Debug, Default)]
-pub(crate) struct Classified(pub Vec<[[f32; 4]; BRICK_VOXELS]>);
-
 /// What voxels splat, N numbers each, and what becomes of finished sheets.
 pub(crate) trait Mode<const N: usize>: Sync {
     /// What a record's value stands for.
@@ -61,6 +58,11 @@ pub(crate) trait Mode<const N: usize>: Sync {
     /// Groups of sheets in the ring.
     fn ring_groups(&self, frame: &DataFrame<'_>) -> usize {
         frame.groups * N
+    }
+
+    /// Planes of a sheet, or of all.
+    fn planes(&self) -> usize {
+        N
     }
 
     /// The footprint that stands for those of all voxels that enter a sheet.
@@ -131,13 +133,13 @@ pub(crate) trait Mode<const N: usize>: Sync {
         canvas_and_scratch: (&mut Canvas, &mut DataScratch),
     ) -> bool;
 
-    /// Makes pixels of what the canvas has in the end, `sheet` sheets later.
+    /// Makes pixels of what the canvas has in the end.
     #[inline(always)]
     fn finish<S: Simd>(
         &self,
         _: S,
         _: &DataFrame<'_>,
-        (_place, _sheet): (&Place, usize),
+        _: &Place,
         (_canvas, _scratch): (&mut Canvas, &mut DataScratch),
     ) {
     }

@@ -66,6 +66,8 @@ pub(crate) struct SheetRing {
     pub height: usize,
     /// What was written to each sheet since it was last taken.
     pub touched: Vec<Area>,
+    /// Index of the sheet before which sums over sheets are up to date, where there are such.
+    pub last_sheet: f32,
 }
 
 impl SheetRing {

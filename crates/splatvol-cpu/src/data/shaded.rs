@@ -4,7 +4,8 @@ use fearless_simd::prelude::*;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::mode::{Classified, Mode};
+use super::classified::Classified;
+use super::mode::Mode;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Canvas, Interval, PlaneShader, ShadeTarget};
 use super::splat::Coefficient;

@@ -9,8 +9,9 @@ use splatvol_core::sheets::SheetStack;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, SortedValues, Window, activate};
+use super::classified::Classified;
 use super::mask::OpenMask;
-use super::mode::{Bricks, Classified, Mode};
+use super::mode::{Bricks, Mode};
 use super::order::DepthOrder;
 use super::plane::{HALO, Plane};
 use super::ring::{BLOCK_EDGE, LANES, SheetRing};
@@ -224,7 +225,7 @@ pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
     scratch: &mut DataScratch,
 ) -> DataWork {
     let place = Place::new(frame, tile);
-    scratch.reset(frame, &place, mode.ring_groups(frame), N);
+    scratch.reset(frame, &place, mode.ring_groups(frame), mode.planes());
     canvas.reset(place.size);
     let mut work = DataWork::default();
     let mut bricks = frame.lists.of(tile).peekable();
@@ -267,7 +268,7 @@ pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
         sheet += 1;
     }
     let start = Instant::now();
-    mode.finish(simd, frame, (&place, sheet), (canvas, scratch));
+    mode.finish(simd, frame, &place, (canvas, scratch));
     work.shade += start.elapsed();
     work
 }
