@@ -123,8 +123,7 @@ impl FourSheets {
                 let rings = &mut [rows.as_mut_slice()];
                 splat::splat::<S, _, 1, SIZE, ELLIPSES>(
                     simd,
-                    (constants, shape),
-                    stencil,
+                    (constants, shape, stencil),
                     records,
                     powers,
                     rings,

@@ -61,7 +61,12 @@ impl DataEngine {
         frame: &mut Frame,
     ) -> Option<RenderStatistics> {
         let start = Instant::now();
-        let detail = Detail::new(&scene.volume, camera, settings.size);
+        // The mean of two classified values is not the mean classified: labels would become others.
+        let detail = if Wanted::of(settings) == Wanted::Classified {
+            Detail::FINEST
+        } else {
+            Detail::new(&scene.volume, camera, settings.size)
+        };
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             simd: crate::level_name(run.level),

@@ -128,7 +128,7 @@ impl View {
             }
             _ => {
                 let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
-                (shape, vec![shape.lateral_covariance], round)
+                (shape, [shape.lateral_covariance; 9], round)
             }
         };
         let nearest = stack.plane(0)

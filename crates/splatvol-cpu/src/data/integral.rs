@@ -3,13 +3,14 @@
 //! The integral of a voxel's Gaussian along the ray of pixel p (per depth) is itself a Gaussian of the voxel's projected
 //! offset, of covariance `L + s_z^2 (p - t) (p - t)^T` in the names of [`splatvol_core::footprint`]: exact in perspective
 //! too, the length of the ray aside, which is applied in the end. So no voxel needs more than one sheet, and the four
-//! lanes of a pixel hold extinction and emission instead of four sheets. p is taken from the tile's middle.
+//! lanes of a pixel hold extinction and emission instead of four sheets. p is taken from the tile's middle; what a pixel's
+//! own covariance has in addition, D, is made up for as heat spreads, `I + D : grad grad I / 2`, at the pixel's mean depth.
 //!
 //! Voxels still come slab by slab: footprints have their slab's size, centres are their own. For the mean depth a second
 //! block per pixel sums `A = sum_s (s' - s) E_s`, E_s what has been added up to slab s and s' the slab after it; what all
 //! slabs hold times their index is then `s_last E - A`.
 
-use fearless_simd::{f32x4, f32x16, prelude::*};
+use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
 use glam::{DMat2, DVec2};
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::visibility::BRICK_VOXELS;
@@ -18,7 +19,7 @@ use splatvol_scene::{ImageSize, ScreenFromCamera};
 use super::classified::{Classified, ClassifiedBricks};
 use super::compose::{ray_length, through_and_opacity};
 use super::mode::Mode;
-use super::plane::HALO;
+use super::plane::{HALO, Plane};
 use super::ring::LANES;
 use super::shade::Canvas;
 use super::sheet::{GroupShape, Raster, SheetShape};
@@ -56,12 +57,12 @@ impl RayShapes {
     }
 
     /// A shape as wide as the widest of a picture along x and along y, and its covariances from end to end.
-    pub(crate) fn over(&self, size: ImageSize) -> (FootprintShape, Vec<[f64; 3]>) {
+    pub(crate) fn over(&self, size: ImageSize) -> (FootprintShape, [[f64; 3]; 9]) {
         let (width, height) = (f64::from(size.width()), f64::from(size.height()));
-        let covariances: Vec<[f64; 3]> = (0..9)
-            .map(|i| DVec2::new(width * f64::from(i % 3), height * f64::from(i / 3)) * 0.5)
-            .map(|image| self.covariance(self.ray(image)))
-            .collect();
+        let covariances = std::array::from_fn(|i| {
+            let image = DVec2::new(width * (i % 3) as f64, height * (i / 3) as f64) * 0.5;
+            self.covariance(self.ray(image))
+        });
         let largest = |pick: usize| covariances.iter().fold(0.0, |most: f64, c| most.max(c[pick]));
         let bounding = FootprintShape {
             lateral_slope: DVec2::ZERO,
@@ -79,10 +80,7 @@ impl RayShapes {
 
     /// The footprint of a depth in the middle of a tile.
     fn at(&self, raster: &Raster, place: &Place, depth: f64) -> SheetShape {
-        let middle = |from: usize, to: usize| 0.5 * (from + to) as f64;
-        let rect = &place.rect;
-        let image = DVec2::new(middle(rect.x0, rect.x1), middle(rect.y0, rect.y1));
-        let lateral_covariance = self.covariance(self.ray(image));
+        let lateral_covariance = self.covariance(self.ray(middle(place)));
         let [xx, xy, yy] = lateral_covariance;
         let area = DMat2::from_cols(DVec2::new(xx, xy), DVec2::new(xy, yy)).determinant();
         let shape = FootprintShape {
@@ -92,6 +90,12 @@ impl RayShapes {
         let peak = self.cell_volume / (2.0 * std::f64::consts::PI * area.sqrt());
         SheetShape::new(&shape, &self.screen, &Raster { peak, ..*raster }, depth)
     }
+}
+
+/// Image coordinates of a tile's middle.
+fn middle(place: &Place) -> DVec2 {
+    let rect = &place.rect;
+    DVec2::new((rect.x0 + rect.x1) as f64, (rect.y0 + rect.y1) as f64) * 0.5
 }
 
 /// X-ray.
@@ -183,14 +187,16 @@ impl Mode<1> for Integral<'_> {
             ring.last_sheet = sheet as f32;
         }
         // To the slab's depth along their own rays.
-        let depth = slab_depth(frame, sheet) as f32;
-        let mut n = 0;
-        while frame.rays.per_pixel > 0.0 && n < records.len {
-            let z = f32x16::from_slice(simd, &records.z[n..n + 16]);
-            let ratio = f32x16::splat(simd, depth) / z;
-            (f32x16::from_slice(simd, &records.x[n..n + 16]) * ratio).store_slice(&mut records.x[n..n + 16]);
-            (f32x16::from_slice(simd, &records.y[n..n + 16]) * ratio).store_slice(&mut records.y[n..n + 16]);
-            n += 16;
+        let depth = f32x16::splat(simd, slab_depth(frame, sheet) as f32);
+        for n in (0..records.len).step_by(16) {
+            let range = n..n + 16;
+            if frame.rays.per_pixel > 0.0 {
+                let ratio = depth / load(simd, &records.z, n);
+                for axis in [&mut records.x, &mut records.y] {
+                    (load(simd, axis, n) * ratio).store_slice(&mut axis[range.clone()]);
+                }
+            }
+            depth.store_slice(&mut records.z[range]);
         }
     }
 
@@ -244,18 +250,26 @@ impl Mode<1> for Integral<'_> {
             (raster, upsampler),
         );
         let last = ring.last_sheet;
-        let mut pixels = Pixels { frame, place, canvas };
+        let shape = &self.shapes.shape;
+        let ray = self.shapes.ray(middle(place));
+        let mut pixels = Pixels {
+            frame,
+            place,
+            canvas,
+            drift: (ray - shape.lateral_slope).as_vec2().to_array(),
+            slope: shape.lateral_slope.as_vec2().to_array(),
+            depth_sigma: shape.depth_sigma as f32,
+        };
         for y in 0..place.size[1] {
             for x in (0..place.size[0]).step_by(16) {
                 let at = (y + HALO) * depths.pitch + x + HALO;
-                let sums = [
-                    load(simd, &sums[0].values, at),
-                    load(simd, &sums[1].values, at),
-                    load(simd, &sums[2].values, at),
-                    load(simd, &sums[3].values, at),
-                ];
-                let index = sums[0] * last - load(simd, &depths.values, at);
-                pixels.resolve(simd, sums, index, [x, y]);
+                let extinction = load(simd, &sums[0].values, at);
+                let seen = extinction.simd_gt(f32x16::splat(simd, 1e-20));
+                if seen.any_true() {
+                    let index = extinction * last - load(simd, &depths.values, at);
+                    let index = index / seen.select(extinction, f32x16::splat(simd, 1.0));
+                    pixels.resolve(simd, (sums, at), (seen, index), [x, y]);
+                }
             }
         }
     }
@@ -266,44 +280,96 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &plane[at..at + 16])
 }
 
+/// A channel's second differences around sixteen pixels, xx, 2 xy and yy, times what its covariance lacks.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, plane: &Plane, at: usize, [xx, xy, yy]: [f32x16<S>; 3]) -> f32x16<S> {
+    let (values, pitch) = (&plane.values, plane.pitch);
+    let twice = load(simd, values, at) * 2.0;
+    let across = load(simd, values, at + 1) + load(simd, values, at - 1) - twice;
+    let down = load(simd, values, at + pitch) + load(simd, values, at - pitch) - twice;
+    let rising = load(simd, values, at + pitch + 1) + load(simd, values, at - pitch - 1);
+    let falling = load(simd, values, at + pitch - 1) + load(simd, values, at - pitch + 1);
+    (xx * across + yy * down + xy * (rising - falling) * 0.5) * 0.5
+}
+
 /// A tile's pixels.
 struct Pixels<'a> {
     frame: &'a DataFrame<'a>,
     place: &'a Place,
     canvas: &'a mut Canvas,
+    /// Drift of footprints as the tile's middle sees it, and as a camera does that looks along the axis.
+    drift: [f32; 2],
+    slope: [f32; 2],
+    depth_sigma: f32,
 }
 
 impl Pixels<'_> {
-    /// Sixteen line integrals per depth, as homogeneous slabs; `index`: extinction times the slab's index, summed up.
+    /// What the covariance of sixteen pixels' footprints at some depths has more than that of the tile's middle: xx, xy,
+    /// yy, pixels squared.
+    #[inline(always)]
+    fn lacking<S: Simd>(&self, simd: S, depth: f32x16<S>, [x, y]: [usize; 2]) -> [f32x16<S>; 3] {
+        let rays = &self.frame.rays;
+        let [cx, cy] = rays.principal;
+        let (x, y) = ((self.place.rect.x0 + x) as f32, (self.place.rect.y0 + y) as f32);
+        let lanes = f32x16::from_slice(simd, &NUMBERS);
+        let across = (lanes + (x + 0.5 - cx)) * rays.per_pixel - self.slope[0];
+        let down = f32x16::splat(simd, (y + 0.5 - cy) * rays.per_pixel - self.slope[1]);
+        let [own_x, own_y] = self.drift;
+        let pixels = self.depth_sigma / (depth * rays.per_pixel);
+        let square = pixels * pixels;
+        [
+            (across * across - own_x * own_x) * square,
+            (across * down - own_x * own_y) * square,
+            (down * down - own_y * own_y) * square,
+        ]
+    }
+
+    /// Sixteen line integrals per depth, as homogeneous slabs, of those `seen`; `index`: mean index of the slab.
     #[inline(always)]
     fn resolve<S: Simd>(
         &mut self,
         simd: S,
-        [extinction, emission @ ..]: [f32x16<S>; 4],
-        index: f32x16<S>,
+        (sums, at): (&[Plane; LANES], usize),
+        (seen, index): (mask32x16<S>, f32x16<S>),
         [x, y]: [usize; 2],
     ) {
-        let Self { frame, place, canvas } = self;
+        let frame = self.frame;
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let seen = extinction.simd_gt(f32x16::splat(simd, 1e-20));
-        if !seen.any_true() {
-            return;
+        let depth = index * (frame.stack.spacing as f32) + slab_depth(frame, 0) as f32;
+        let mut channels = [zero; LANES];
+        for channel in 0..LANES {
+            channels[channel] = load(simd, &sums[channel].values, at);
         }
-        let length = ray_length(simd, frame, [place.rect.x0 + x, place.rect.y0 + y]);
+        if frame.rays.per_pixel > 0.0 {
+            let depth = seen.select(depth, one);
+            let lacking = self.lacking(simd, depth, [x, y]);
+            for channel in 0..LANES {
+                let spread = spread(simd, &sums[channel], at, lacking);
+                // What is made up for is little; more than half would be noise.
+                let half = channels[channel] * 0.5;
+                channels[channel] += spread.max(-half).min(half);
+            }
+        }
+        let [extinction, emission @ ..] = channels;
+        let origin = [self.place.rect.x0 + x, self.place.rect.y0 + y];
+        let length = ray_length(simd, frame, origin);
         let optical_depth = seen.select(extinction * length, zero);
         let (through, opacity) = through_and_opacity(simd, optical_depth);
         let per_extinction = opacity / seen.select(extinction, one);
+        let canvas = &mut *self.canvas;
         let pixel = y * canvas.pitch + x;
         for c in 0..3 {
             (emission[c] * per_extinction).store_slice(&mut canvas.color[c][pixel..pixel + 16]);
         }
-        let spacing = frame.stack.spacing as f32;
-        let first = slab_depth(frame, 0) as f32;
-        let depth = (index * spacing).mul_add(per_extinction, opacity * first);
-        depth.store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
+        (depth * opacity).store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
         through.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
     }
 }
+
+/// Lane numbers.
+const NUMBERS: [f32; 16] = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
 
 /// Depth of the middle of the slab that ends at a sheet's plane.
 fn slab_depth(frame: &DataFrame<'_>, sheet: usize) -> f64 {

@@ -2,7 +2,7 @@
 //!
 //! A level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume; within a quarter of an octave
 //! of the change both levels are rendered and blended, so that no change is seen. Minified volumes are anti-aliased by their
-//! mips, and cost what their pixels cost.
+//! mips, and cost what their pixels cost. Classified voxels have no levels: they are anti-aliased by the filter alone.
 
 use std::sync::Arc;
 
@@ -148,6 +148,12 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
+    /// The volume as it is.
+    pub(crate) const FINEST: Self = Self {
+        level: 0,
+        coarser: 0.0,
+    };
+
     /// Detail for a camera.
     pub(crate) fn new(volume: &Volume, camera: &Camera, size: ImageSize) -> Self {
         let grid = volume.grid();
@@ -161,10 +167,7 @@ impl Detail {
             .max()
             .map_or(0, |n| n.ilog2().saturating_sub(3)) as f64;
         if !octaves.is_finite() || octaves <= -BLEND {
-            return Self {
-                level: 0,
-                coarser: 0.0,
-            };
+            return Self::FINEST;
         }
         let level = octaves.ceil().clamp(0.0, most);
         let into = if level < most {

@@ -219,8 +219,7 @@ impl Payload<1> for Coefficient {
 #[inline(always)]
 pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, const ELLIPSES: bool>(
     simd: S,
-    (constants, shape): (&SplatConstants, &GroupShape),
-    stencil: &Stencil,
+    (constants, shape, stencil): (&SplatConstants, &GroupShape, &Stencil),
     (records, payload): (&Records, P),
     powers: &mut Powers,
     rings: &mut [&mut [Row]; N],
@@ -258,6 +257,31 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
         }
         first += count;
     }
+}
+
+/// Blocks along the edge of footprints that are compiled.
+pub(crate) const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
+
+/// [`splat`] for footprints of `size` blocks, one of [`SIZES`]. Compiled once per payload, whoever calls it.
+#[inline(always)]
+pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
+    simd: S,
+    (size, ellipses): (usize, bool),
+    shapes: (&SplatConstants, &GroupShape, &Stencil),
+    records: (&Records, P),
+    powers: &mut Powers,
+    rings: &mut [&mut [Row]; N],
+) {
+    macro_rules! by_size {
+        ($($size:literal)*) => {
+            match (size, ellipses) {
+                $(($size, false) => simd.vectorize(#[inline(always)] || splat::<S, P, N, $size, false>(simd, shapes, records, powers, rings)),
+                ($size, true) => simd.vectorize(#[inline(always)] || splat::<S, P, N, $size, true>(simd, shapes, records, powers, rings)),)*
+                _ => unreachable!("footprints of {size} blocks"),
+            }
+        };
+    }
+    by_size!(2 3 4 5 6 7 8 10 12 16);
 }
 
 /// Exponents of a batch.

@@ -17,7 +17,7 @@ use super::plane::{HALO, Plane};
 use super::ring::{BLOCK_EDGE, LANES, SheetRing};
 use super::shade::{Canvas, ShadeBatch};
 use super::sheet::{GroupShape, SheetShape};
-use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SplatConstants, Stencil, splat};
+use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, splat_sized};
 use super::upsample::{RASTER_HALO, Upsampler};
 
 /// What the tiles of a frame share.
@@ -78,9 +78,6 @@ pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
         .find(|&size| size >= blocks)
         .unwrap_or(MAX_BLOCKS)
 }
-
-/// Sizes of footprints that are compiled, blocks along an edge.
-const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
 /// A brick's values, x fastest.
 #[derive(Debug)]
@@ -396,18 +393,10 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     }
     let records_of = (&*records, M::payload(classified));
     for group in 0..frame.groups {
-        let (shape, stencil) = ((&frame.constants, &groups[group]), &stencils[group]);
+        let shapes = (&frame.constants, &groups[group], &stencils[group]);
         let rings = &mut ring.groups::<N>(group, frame.groups);
-        macro_rules! by_size {
-            ($($size:literal)*) => {
-                match (size, frame.ellipses) {
-                    $(($size, false) => simd.vectorize(#[inline(always)] || splat::<S, _, N, $size, false>(simd, shape, stencil, records_of, powers, rings)),
-                    ($size, true) => simd.vectorize(#[inline(always)] || splat::<S, _, N, $size, true>(simd, shape, stencil, records_of, powers, rings)),)*
-                    _ => unreachable!("footprints of {size} blocks"),
-                }
-            };
-        }
-        by_size!(2 3 4 5 6 7 8 10 12 16);
+        let size = (size, frame.ellipses);
+        splat_sized(simd, size, shapes, records_of, powers, rings);
     }
     records.len = 0;
     work.splat += start.elapsed();
