@@ -76,6 +76,13 @@ impl ClassificationTable {
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
     }
 
+    /// What [`Self::at`] interpolates between, and the second one's share: for vectors.
+    #[inline(always)]
+    pub fn around(&self, value: f32) -> ([&[f32; 4]; 2], f32) {
+        let (cell, t) = locate(value);
+        ([&self.points[cell], &self.points[cell + 1]], t)
+    }
+
     /// Extinction of one value.
     #[inline]
     pub fn extinction(&self, value: f32) -> f32 {
@@ -126,7 +133,7 @@ impl ClassificationTable {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn locate(value: f32) -> (usize, f32) {
     let position = ((value - FIRST as f32) * CELLS_PER_VALUE as f32).clamp(0.0, CELLS as f32);
     let cell = (position as usize).min(CELLS - 1);

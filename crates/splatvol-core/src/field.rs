@@ -35,6 +35,7 @@ mod cells;
 mod chunk;
 mod lattice;
 mod needs;
+mod samples;
 #[cfg(test)]
 mod tests;
 
@@ -42,6 +43,7 @@ use cells::{CellBits, LevelRange, Verdict};
 use chunk::{CHUNK, ChunkSolver, Scratch, StoredBrick};
 use lattice::{Lattice, Stored};
 use needs::Needs;
+pub use samples::Neighbourhood;
 
 /// Bricks of a volume (128 MiB) up to which those not needed now are kept, once solved, for the next transfer function.
 const KEEP_ALL: usize = 1 << 17;

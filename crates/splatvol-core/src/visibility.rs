@@ -78,6 +78,15 @@ impl VisibleLevels {
         Some([low, high])
     }
 
+    /// These levels, and all above the lowest of them: what matters to the largest value along a ray.
+    pub fn and_larger(&self) -> Self {
+        let mut below = vec![0u16; LEVELS + 1];
+        for i in 0..LEVELS {
+            below[i + 1] = below[i] + u16::from(self.below[i + 1] > 0);
+        }
+        Self { below }
+    }
+
     fn is_visible(&self, value: f32) -> bool {
         self.any(value, value)
     }

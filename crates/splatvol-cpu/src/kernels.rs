@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use crate::data::ring::{Block, PITCH, Row};
 use crate::data::sheet::{GroupShape, Lanes16};
-use crate::data::splat::{self, Powers, Records, SplatConstants, Stencil};
+use crate::data::splat::{self, Coefficient, Powers, Records, SplatConstants, Stencil};
 
 pub use crate::rasterize::lattice::Lattice;
 pub use crate::rasterize::{Footprint, Scratch, Sheet, Splats, splat};
@@ -118,7 +118,17 @@ impl FourSheets {
         } = self;
         simd.vectorize(
             #[inline(always)]
-            || splat::splat::<S, SIZE, ELLIPSES>(simd, constants, (shape, stencil), records, powers, rows),
+            || {
+                let records = (&**records, Coefficient);
+                let rings = &mut [rows.as_mut_slice()];
+                splat::splat::<S, _, 1, SIZE, ELLIPSES>(
+                    simd,
+                    (constants, shape, stencil),
+                    records,
+                    powers,
+                    rings,
+                );
+            },
         );
     }
 }

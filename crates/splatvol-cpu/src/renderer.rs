@@ -11,7 +11,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{
-    Camera, Classification, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume,
+    Camera, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume,
 };
 
 use crate::data::engine::{DataEngine, Run};
@@ -387,9 +387,7 @@ impl TileRun<'_> {
 /// Whether the engine that splats into all sheets at once renders this.
 fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
     settings.gradient == Gradient::Differences
-        && settings.compositing == Compositing::ImageSheets
-        && settings.classification == Classification::Post
-        && settings.prefilter
+        && (settings.prefilter || splats_color(settings))
         && scene.volume.statistics().non_finite == 0
 }
 

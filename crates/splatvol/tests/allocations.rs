@@ -10,7 +10,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::PROJECTIONS;
 use glam::DVec3;
-use splatvol::{Camera, EngineConfig, ImageSize, RenderSettings, Renderer, Scene, View};
+use splatvol::{
+    Camera, Classification, Compositing, EngineConfig, ImageSize, RenderSettings, Renderer, Scene, View,
+};
 use splatvol_samples::{Sample, SampleSize};
 
 /// The system's allocator, with a count.
@@ -71,31 +73,59 @@ fn camera(scene: &Scene, frame: usize) -> Camera {
 fn frames_of_a_moving_camera_allocate_nothing_but_a_name() {
     let volume = Sample::Shells.generate(Some(SampleSize::Longest(64))).unwrap();
     let scene = Scene::new(volume, Sample::Shells.default_transfer_function().unwrap());
-    let settings = RenderSettings {
+    let post = RenderSettings {
         size: ImageSize::new(256, 256).unwrap(),
         ..RenderSettings::fast()
     };
+    let modes = [
+        ("post", post),
+        (
+            "pre",
+            RenderSettings {
+                classification: Classification::Pre,
+                ..post
+            },
+        ),
+        (
+            "xray",
+            RenderSettings {
+                compositing: Compositing::Xray,
+                ..post
+            },
+        ),
+        (
+            "mip",
+            RenderSettings {
+                compositing: Compositing::Mip,
+                ..post
+            },
+        ),
+    ];
+    for (mode, settings) in modes {
+        demand_no_allocations(mode, &scene, &settings);
+    }
+}
+
+fn demand_no_allocations(mode: &str, scene: &Scene, settings: &RenderSettings) {
     let config = EngineConfig {
         threads: Some(2),
         ..EngineConfig::default()
     };
     let mut renderer = Renderer::new(config).unwrap();
-    let cameras: Vec<Camera> = (0..22).map(|frame| camera(&scene, frame)).collect();
-    let mut frame = renderer.render(&scene, &cameras[0], &settings).unwrap();
+    let cameras: Vec<Camera> = (0..22).map(|frame| camera(scene, frame)).collect();
+    let mut frame = renderer.render(scene, &cameras[0], settings).unwrap();
     assert!(
-        renderer.statistics().seconds.take > 0.0,
-        "the fast engine rendered it"
+        renderer.statistics().seconds.tiles > 0.0 && renderer.statistics().seconds.activate > 0.0,
+        "{mode}: the fast engine rendered it"
     );
     renderer
-        .render_into(&scene, &cameras[1], &settings, &mut frame)
+        .render_into(scene, &cameras[1], settings, &mut frame)
         .unwrap();
     let (mut counts, mut bytes) = ([0; 20], [0; 20]);
     COUNT.store(0, Ordering::Relaxed);
     BYTES.store(0, Ordering::Relaxed);
     for (i, camera) in cameras[2..].iter().enumerate() {
-        renderer
-            .render_into(&scene, camera, &settings, &mut frame)
-            .unwrap();
+        renderer.render_into(scene, camera, settings, &mut frame).unwrap();
         (counts[i], bytes[i]) = (COUNT.load(Ordering::Relaxed), BYTES.load(Ordering::Relaxed));
     }
     let total = COUNT.load(Ordering::Relaxed);
@@ -104,12 +134,12 @@ fn frames_of_a_moving_camera_allocate_nothing_but_a_name() {
         .map(|size| size.load(Ordering::Relaxed))
         .take(total)
         .collect();
-    println!("{total} allocations; after each frame {counts:?}, {bytes:?} bytes; sizes {sizes:?}");
+    println!("{mode}: {total} allocations; after each frame {counts:?}, {bytes:?} bytes; sizes {sizes:?}");
     // The statistics hold the instructions' name as a string of its own: one allocation per frame, of its length. Nothing
     // else may be allocated; the queue of the thread pool takes a block every 63 frames, the first before these.
     let name = renderer.statistics().simd.len();
     assert!(
         total <= 20 && sizes.iter().all(|&size| size == name),
-        "allocations of bytes: {sizes:?}"
+        "{mode}: allocations of bytes: {sizes:?}"
     );
 }

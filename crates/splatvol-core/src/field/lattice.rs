@@ -40,7 +40,7 @@ large!(u32, i32, f32, f64);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lattice {
     /// Samples along x, y, z.
-    own: [usize; 3],
+    pub own: [usize; 3],
     /// Lattice points along x, y, z.
     pub dims: [usize; 3],
     /// Lattice points before voxel 0.

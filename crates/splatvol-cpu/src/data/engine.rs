@@ -1,4 +1,4 @@
-//! Post-classified frames from state that is kept between them: a new camera costs a frame, a new transfer function what it
+//! Frames from state that is kept between them: a new camera costs a frame, a new transfer function what it
 //! changes, a new volume everything.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,13 +7,21 @@ use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-use splatvol_scene::{Camera, Frame, RenderSettings, Scene};
+use splatvol_core::field::FieldStore;
+use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
 
-use super::frame::{Plan, View};
-use super::level::{Detail, Pyramid};
+use super::classified::ClassifiedBricks;
+use super::compose::Compose;
+use super::frame::{Plan, Sampling, View};
+use super::integral::Integral;
+use super::intensity::Intensity;
+use super::level::{Detail, Pyramid, Wanted};
+use super::mode::{Bricks, Mode};
 use super::resolve::{blend, resolve};
 use super::shade::Canvas;
+use super::shaded::Shaded;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
+use crate::stage::shade::Phong;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Edge of a tile unless asked otherwise, pixels: few voxels lie in two tiles.
@@ -53,7 +61,12 @@ impl DataEngine {
         frame: &mut Frame,
     ) -> Option<RenderStatistics> {
         let start = Instant::now();
-        let detail = Detail::new(&scene.volume, camera, settings.size);
+        // The mean of two classified values is not the mean classified: labels would become others.
+        let detail = if Wanted::of(settings) == Wanted::Classified {
+            Detail::FINEST
+        } else {
+            Detail::new(&scene.volume, camera, settings.size)
+        };
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             simd: crate::level_name(run.level),
@@ -115,36 +128,108 @@ impl DataEngine {
         let pyramid = self
             .pyramid
             .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
-        pyramid.classify(level, &scene.transfer_function, scene.unit_distance());
-        let (field, table, bounds) = pyramid.level(level)?;
-        let view = View::new((field.volume().grid(), bounds), camera, settings)?;
+        let wanted = Wanted::of(settings);
+        pyramid.classify(level, (&scene.transfer_function, scene.unit_distance()), wanted);
+        let level = pyramid.level(level)?;
+        let sampling = match (wanted, settings.compositing) {
+            (Wanted::Classified, Compositing::Xray) => Sampling::Rays,
+            (Wanted::Classified, _) => Sampling::Planes,
+            _ => Sampling::Field,
+        };
+        let grid = level.field.volume().grid();
+        let view = View::new((grid, level.bounds), camera, settings, sampling)?;
         let planned = Instant::now();
-        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
+        statistics.seconds.classify += (planned - prepared).as_secs_f64();
+        let mut job = Job {
+            run,
+            view: &view,
+            settings,
+            plan: &mut self.plan,
+            scratch: &mut self.scratch,
+            tiles: &mut self.tiles,
+        };
+        let store: &FieldStore = &level.field;
         let spacing = scene.volume.grid().mean_spacing();
-        let plan = self.plan.update(&view, (field, table), (settings, spacing), edge);
+        statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
+        let look = (&level.classification, level.hull);
+        let bricks = ClassifiedBricks::new((store, &level.visible), look);
+        let shader = || view.shader((store, &level.table), (settings, spacing));
+        match (wanted, sampling) {
+            (Wanted::Classified, Sampling::Rays) => {
+                let (shapes, raster) = view.along_rays();
+                let mode = Integral {
+                    bricks: bricks.clone(),
+                    shapes,
+                    raster,
+                };
+                job.render(&bricks, &mode, frame, statistics);
+            }
+            (Wanted::Classified, _) => {
+                let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
+                let bricks = bricks.lit(phong, view.camera_from_voxel());
+                let mode = Compose {
+                    bricks: bricks.clone(),
+                };
+                job.render(&bricks, &mode, frame, statistics);
+            }
+            (Wanted::Largest, _) => {
+                let classified = (&level.classification, scene.unit_distance());
+                let mode = Intensity::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::Visible, _) => {
+                let mode = Shaded {
+                    store,
+                    shader: shader(),
+                };
+                job.render(store, &mode, frame, statistics);
+            }
+        }
+        Some(())
+    }
+}
+
+/// The tiles of one level's picture.
+struct Job<'a> {
+    run: Run<'a>,
+    view: &'a View,
+    settings: &'a RenderSettings,
+    plan: &'a mut Plan,
+    scratch: &'a mut Vec<Mutex<DataScratch>>,
+    tiles: &'a mut Vec<Tile>,
+}
+
+impl Job<'_> {
+    fn render<M: Mode<N>, const N: usize>(
+        &mut self,
+        bricks: &dyn Bricks,
+        mode: &M,
+        frame: &mut Frame,
+        statistics: &mut RenderStatistics,
+    ) {
+        let start = Instant::now();
+        let edge = self.run.tile_edge.unwrap_or(TILE_EDGE);
+        let plan = self.plan.update(self.view, bricks, self.settings, edge);
         let tiled = Instant::now();
         let count = plan.tiles.len();
         self.scratch
-            .resize_with(run.pool.current_num_threads(), Mutex::default);
+            .resize_with(self.run.pool.current_num_threads(), Mutex::default);
         if self.tiles.len() < count {
             self.tiles.resize_with(count, Mutex::default);
         }
         let tiles = &self.tiles[..count];
-        render_tiles(run, &plan, &self.scratch, tiles);
+        render_tiles(self.run, (&plan, mode), self.scratch, tiles);
         resolve(&plan.tiles, tiles, frame);
         let seconds = &mut statistics.seconds;
-        seconds.classify += (planned - prepared).as_secs_f64();
-        seconds.bin += (tiled - planned).as_secs_f64();
+        seconds.bin += (tiled - start).as_secs_f64();
         seconds.tiles += tiled.elapsed().as_secs_f64();
-        statistics.bricks += field.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
-        statistics.active_bricks += field.len();
-        statistics.sheets += view.sheets();
+        statistics.active_bricks += bricks.len();
+        statistics.sheets += self.view.sheets();
         statistics.tiles += count;
         for tile in tiles {
             let (_, work) = &*lock(tile);
-            count_work(work, view.sheets_per_voxel(), statistics);
+            count_work(work, self.view.sheets_per_voxel(), statistics);
         }
-        Some(())
     }
 }
 
@@ -164,7 +249,12 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Renders all tiles; threads take the next one as they come free.
-fn render_tiles(run: Run<'_>, plan: &DataFrame<'_>, scratch: &[Mutex<DataScratch>], tiles: &[Tile]) {
+fn render_tiles<M: Mode<N>, const N: usize>(
+    run: Run<'_>,
+    plan: (&DataFrame<'_>, &M),
+    scratch: &[Mutex<DataScratch>],
+    tiles: &[Tile],
+) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);

@@ -1,22 +1,25 @@
-//! A post-classified frame: kernel and camera to sheets, bricks to tiles.
+//! A frame: kernel and camera to sheets, bricks to tiles.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
 use splatvol_core::brick::{ActiveBrick, BRICK};
 use splatvol_core::field::FieldStore;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
+use splatvol_core::normal::mass_within;
 use splatvol_core::sheets::SheetStack;
 use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
 
 use super::border::Border;
+use super::integral::RayShapes;
+use super::mode::Bricks;
 use super::order::DepthOrder;
 use super::ring::LANES;
 use super::shade::{PlaneShader, ShadeTable};
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
-use super::tile::{DataFrame, pixel_reach};
+use super::tile::{DataFrame, Rays, pixel_reach};
 use crate::stage::shade::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
@@ -30,6 +33,17 @@ const NARROWEST: f64 = 0.8;
 /// Widest angle between a pixel's ray and the axis, as a tangent.
 const STEEPEST: f64 = 0.75;
 
+/// How voxels are sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sampling {
+    /// On planes, coefficients of a field: weights sum to one on the lattice.
+    Field,
+    /// On planes, classified voxels: a kernel of unit integral.
+    Planes,
+    /// Along rays, classified voxels: a kernel of unit integral.
+    Rays,
+}
+
 /// What of a frame does not depend on the volume's content.
 #[derive(Debug, Clone)]
 pub(crate) struct View {
@@ -42,7 +56,12 @@ pub(crate) struct View {
     reach: f64,
     spread: f64,
     groups: usize,
+    round: bool,
+    cut: f64,
     margin: [usize; 3],
+    ray_shapes: RayShapes,
+    /// Voxels are integrated, not sampled on planes.
+    along_rays: bool,
 }
 
 impl View {
@@ -52,6 +71,7 @@ impl View {
         (grid, bounds): (&Grid, [DVec3; 2]),
         camera: &Camera,
         settings: &RenderSettings,
+        sampling: Sampling,
     ) -> Option<Self> {
         let margin = grid.dims().map(|n| usize::from(n > 1));
         let screen = camera.screen_from_camera(settings.size);
@@ -65,11 +85,27 @@ impl View {
             kernel.cut(),
         );
         let per_voxel = shape.depth_sigma / kernel.sigma;
-        let reach = kernel.radius * per_voxel;
-        let spacing = settings.sheet_thickness * per_voxel;
-        let groups = ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize;
         let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
-        let stack = SheetStack::covering(&corners(bounds, camera_from_lattice), reach, spacing, &screen);
+        let corners = corners(bounds, camera_from_lattice);
+        let reach = kernel.radius * per_voxel;
+        let stack = match sampling {
+            // A slab per voxel tells enough of depth.
+            Sampling::Rays => SheetStack::covering(&corners, 0.0, per_voxel, &screen),
+            _ => SheetStack::covering(&corners, reach, settings.sheet_thickness * per_voxel, &screen),
+        };
+        let groups = match sampling {
+            Sampling::Rays => {
+                let nearest = corners
+                    .iter()
+                    .fold(f64::INFINITY, |near, corner| near.min(corner.z));
+                // Half a voxel cannot be left out.
+                if nearest - reach < stack.spacing {
+                    return None;
+                }
+                1
+            }
+            _ => ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize,
+        };
         let steepest = if screen.perspective {
             let corner = screen
                 .centre
@@ -78,12 +114,41 @@ impl View {
         } else {
             0.0
         };
+        let ray_shapes = RayShapes {
+            shape,
+            screen,
+            cell_volume: grid.cell_volume(),
+        };
+        let [xx, xy, yy] = shape.lateral_covariance;
+        let drift = shape.lateral_slope.abs().max_element();
+        let (shape, covariances, round) = match sampling {
+            Sampling::Rays => {
+                let (bounding, covariances) = ray_shapes.over(settings.size);
+                (bounding, covariances, ray_shapes.is_round())
+            }
+            _ => {
+                let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
+                (shape, [shape.lateral_covariance; 9], round)
+            }
+        };
+        let nearest = stack.plane(0)
+            - if sampling == Sampling::Rays {
+                stack.spacing
+            } else {
+                0.0
+            };
         let raster = raster(
             settings,
-            &kernel,
-            &shape,
-            [&stack.plane(0), &stack.plane(stack.count)].map(|z| screen.scale_at(*z)),
+            peak(&kernel, sampling),
+            &covariances,
+            [nearest, stack.plane(stack.count)].map(|z| screen.scale_at(z)),
         )?;
+        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
+        let cut = match sampling {
+            Sampling::Rays => CUT.max(kernel.cut()),
+            _ if changed || !round => CUT,
+            _ => kernel.cut(),
+        };
         let within = steepest <= STEEPEST && groups <= MAX_GROUPS && stack.count <= MAX_SHEETS;
         within.then_some(Self {
             camera_from_lattice,
@@ -92,10 +157,14 @@ impl View {
             kernel,
             stack,
             raster,
-            reach,
-            spread: 0.5 * steepest * spacing,
+            reach: if sampling == Sampling::Rays { 0.0 } else { reach },
+            spread: 0.5 * steepest * stack.spacing,
             groups,
+            round,
+            cut,
             margin,
+            ray_shapes,
+            along_rays: sampling == Sampling::Rays,
         })
     }
 }
@@ -110,6 +179,52 @@ impl View {
     pub(crate) fn sheets_per_voxel(&self) -> u64 {
         (self.groups * LANES) as u64
     }
+
+    /// Footprints along rays, and how they are rasterised.
+    pub(crate) fn along_rays(&self) -> (RayShapes, Raster) {
+        (self.ray_shapes, self.raster)
+    }
+
+    /// Matrix of camera from voxel.
+    pub(crate) fn camera_from_voxel(&self) -> DMat3 {
+        self.camera_from_lattice.matrix3
+    }
+
+    fn rays(&self) -> Rays {
+        let per_pixel = 1.0 / self.screen.scale as f32;
+        Rays {
+            principal: self.screen.centre.as_vec2().to_array(),
+            per_pixel: if self.screen.perspective { per_pixel } else { 0.0 },
+            plane_per_pixel: per_pixel,
+        }
+    }
+
+    /// Shader of planes of a field.
+    pub(crate) fn shader<'a>(
+        &self,
+        (store, table): (&'a FieldStore, &'a ShadeTable),
+        (settings, mean_spacing): (&RenderSettings, f64),
+    ) -> PlaneShader<'a> {
+        let margin = DVec3::from_array(self.margin.map(|m| m as f64));
+        let camera_from_voxel = self.camera_from_lattice * DAffine3::from_translation(margin);
+        let dims = store.volume().grid().dims();
+        let Rays {
+            principal,
+            per_pixel,
+            plane_per_pixel,
+        } = self.rays();
+        PlaneShader {
+            table,
+            phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
+            spacing: self.stack.spacing as f32,
+            background: store.background(),
+            principal,
+            per_pixel,
+            plane_per_pixel,
+            termination: settings.termination as f32,
+            border: Border::new(camera_from_voxel, dims, self.margin, self.kernel.sigma),
+        }
+    }
 }
 
 /// Groups of four sheets that a voxel may reach.
@@ -117,11 +232,21 @@ const MAX_GROUPS: usize = 8;
 /// Sheets of a frame.
 const MAX_SHEETS: usize = 1 << 16;
 
+/// Peak of a kernel's samples on planes.
+fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
+    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
+    let along = match sampling {
+        Sampling::Field => kernel.lattice_sum,
+        _ => lateral * mass_within(kernel.cut()) - 2.0 * kernel.radius * kernel.edge,
+    };
+    1.0 / (lateral * lateral * along)
+}
+
 /// How footprints are rasterised between the nearest and the farthest scale, pixels per world length.
 fn raster(
     settings: &RenderSettings,
-    kernel: &GaussianKernel,
-    shape: &FootprintShape,
+    peak: f64,
+    covariances: &[[f64; 3]],
     scales: [f64; 2],
 ) -> Option<Raster> {
     let (low_pass, matched) = match settings.filter {
@@ -129,8 +254,11 @@ fn raster(
         Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
         Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
     };
-    let [xx, xy, yy] = shape.lateral_covariance;
-    let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for [xx, xy, yy] in covariances {
+        let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+        (least, most) = (least.min(mean - difference), most.max(mean + difference));
+    }
     let filtered = |variance: f64| {
         if matched {
             variance.max(low_pass)
@@ -138,8 +266,8 @@ fn raster(
             variance + low_pass
         }
     };
-    let widest = filtered((mean + difference) * scales[0] * scales[0]).sqrt();
-    let narrowest = filtered((mean - difference) * scales[1] * scales[1]).sqrt();
+    let widest = filtered(most * scales[0] * scales[0]).sqrt();
+    let narrowest = filtered(least * scales[1] * scales[1]).sqrt();
     // As coarse as the far end allows, but not coarser than the near end wants: then footprints are small.
     let (finest, wanted) = (
         (widest / WIDEST).log2().ceil(),
@@ -155,12 +283,11 @@ fn raster(
     if low_pass == 0.0 && narrowest / step < 0.4 {
         return None;
     }
-    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
     Some(Raster {
         step: step as usize,
         low_pass,
         matched,
-        peak: 1.0 / (lateral * lateral * kernel.lattice_sum),
+        peak,
     })
 }
 
@@ -178,8 +305,8 @@ impl Plan {
     pub(crate) fn update<'a>(
         &'a mut self,
         view: &View,
-        (store, table): (&'a FieldStore, &'a ShadeTable),
-        (settings, mean_spacing): (&RenderSettings, f64),
+        bricks: &'a dyn Bricks,
+        settings: &RenderSettings,
         tile_edge: usize,
     ) -> DataFrame<'a> {
         let View {
@@ -192,17 +319,18 @@ impl Plan {
             reach,
             spread,
             groups,
-            margin,
+            round,
+            cut,
+            along_rays,
+            ..
         } = *view;
-        let [xx, xy, yy] = shape.lateral_covariance;
-        let drift = shape.lateral_slope.abs().max_element();
-        let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
         self.sheets.clear();
-        self.sheets
-            .extend((0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i))));
+        // Slabs have the size of their middle.
+        let before = if along_rays { 0.5 * stack.spacing } else { 0.0 };
+        self.sheets.extend(
+            (0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i) - before)),
+        );
         let sheets = &self.sheets;
-        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
-        let cut = if changed || !round { CUT } else { kernel.cut() };
         let half_extent = sheets[0]
             .half_extent(cut as f32)
             .map(|half| half + spread as f32 * sheets[0].scale);
@@ -216,16 +344,13 @@ impl Plan {
         };
         // Tiles begin at even raster points, as blocks do.
         let tiles = TileGrid::new(settings.size, tile_edge.next_multiple_of(2 * raster.step));
-        self.projected.resize(store.len(), None);
+        self.projected.resize(bricks.len(), None);
         let projected = self.projected.par_iter_mut().enumerate().with_min_len(256);
-        projected.for_each(|(i, brick)| *brick = projection.project(store, i));
+        projected.for_each(|(i, brick)| *brick = projection.project(bricks.first(i), i));
         self.lists.fill(self.projected.iter().flatten().copied(), &tiles);
         self.order.update(camera_from_lattice.matrix3);
-        let per_pixel = 1.0 / screen.scale as f32;
-        let camera_from_voxel =
-            camera_from_lattice * DAffine3::from_translation(DVec3::from_array(margin.map(|m| m as f64)));
         DataFrame {
-            store,
+            bricks,
             order: &self.order,
             camera_from_lattice,
             stack,
@@ -236,24 +361,10 @@ impl Plan {
                 slope: shape.lateral_slope.as_vec2().to_array(),
                 principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
                 depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
-                depth_edge: kernel.edge as f32,
+                depth_edge: if along_rays { 0.0 } else { kernel.edge as f32 },
             },
-            shader: PlaneShader {
-                table,
-                phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
-                spacing: stack.spacing as f32,
-                background: store.background(),
-                principal: screen.centre.as_vec2().to_array(),
-                per_pixel: if screen.perspective { per_pixel } else { 0.0 },
-                plane_per_pixel: per_pixel,
-                termination: settings.termination as f32,
-                border: Border::new(
-                    camera_from_voxel,
-                    store.volume().grid().dims(),
-                    margin,
-                    kernel.sigma,
-                ),
-            },
+            rays: view.rays(),
+            termination: settings.termination as f32,
             step: raster.step,
             depth_reach: reach as f32,
             cut: cut as f32,
@@ -283,8 +394,8 @@ struct BrickProjection<'a> {
 }
 
 impl BrickProjection<'_> {
-    fn project(&self, store: &FieldStore, index: usize) -> Option<ProjectedBrick> {
-        let first = DVec3::from_array(store.first(index).map(f64::from));
+    fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
+        let first = DVec3::from_array(first.map(f64::from));
         let corner = self.camera_from_lattice.transform_point3(first);
         let linear = self.camera_from_lattice.matrix3 * (BRICK as f64 - 1.0);
         let (mut low, mut high) = (corner, corner);

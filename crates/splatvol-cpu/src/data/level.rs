@@ -2,7 +2,7 @@
 //!
 //! A level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume; within a quarter of an octave
 //! of the change both levels are rendered and blended, so that no change is seen. Minified volumes are anti-aliased by their
-//! mips, and cost what their pixels cost.
+//! mips, and cost what their pixels cost. Classified voxels have no levels: they are anti-aliased by the filter alone.
 
 use std::sync::Arc;
 
@@ -13,58 +13,123 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::mip;
 use splatvol_core::visibility::VisibleLevels;
-use splatvol_scene::{Camera, ImageSize, Kernel, TransferFunction, Volume};
+use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
 
 use super::shade::ShadeTable;
+use crate::plan::splats_color;
 
 /// Smallest width of a voxel, pixels.
 const FINEST: f64 = 0.8;
 /// Octaves over which two levels are blended.
 const BLEND: f64 = 0.25;
 
+/// Which voxels a picture needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Those around visible values of the field.
+    Visible,
+    /// Those around values of the field that are as large as some visible one: a larger one hides it.
+    Largest,
+    /// Those that are visible themselves.
+    Classified,
+}
+
+impl Wanted {
+    /// What settings ask for.
+    pub(crate) fn of(settings: &RenderSettings) -> Self {
+        if settings.compositing == Compositing::Mip {
+            Self::Largest
+        } else if splats_color(settings) {
+            Self::Classified
+        } else {
+            Self::Visible
+        }
+    }
+}
+
 /// A volume at one resolution.
 #[derive(Debug)]
-struct Level {
-    field: FieldStore,
-    table: ShadeTable,
-    transfer_function: Option<TransferFunction>,
-    unit_distance: f64,
+pub(crate) struct Level {
+    pub field: FieldStore,
+    pub table: ShadeTable,
+    pub classification: ClassificationTable,
+    /// Bricks with visible voxels, where those are wanted.
+    pub visible: Vec<u32>,
+    /// Smallest and largest visible value.
+    pub hull: [f32; 2],
+    /// What all this was made for.
+    made_for: (TransferFunction, f64, Wanted),
     /// First and last lattice point of the bricks that are needed.
-    bounds: [DVec3; 2],
+    pub bounds: [DVec3; 2],
 }
 
 impl Level {
-    fn new(volume: Arc<Volume>, kernel: Kernel) -> Self {
-        Self {
+    fn new(
+        volume: Arc<Volume>,
+        kernel: Kernel,
+        (transfer_function, unit_distance): (&TransferFunction, f64),
+        wanted: Wanted,
+    ) -> Self {
+        let range = volume.value_range();
+        let mut level = Self {
             field: FieldStore::new(volume, &GaussianKernel::new(kernel)),
             table: ShadeTable::default(),
-            transfer_function: None,
-            unit_distance: 0.0,
+            classification: ClassificationTable::new(transfer_function, range, unit_distance),
+            visible: Vec::new(),
+            hull: [f32::INFINITY; 2],
+            made_for: (transfer_function.clone(), unit_distance, wanted),
             bounds: [DVec3::ZERO; 2],
-        }
+        };
+        level.find();
+        level
     }
 
-    fn classify(&mut self, transfer_function: &TransferFunction, unit_distance: f64) {
-        if self.transfer_function.as_ref() == Some(transfer_function) && self.unit_distance == unit_distance {
+    fn update(&mut self, (transfer_function, unit_distance): (&TransferFunction, f64), wanted: Wanted) {
+        let (old, old_distance, old_wanted) = &mut self.made_for;
+        let same = old == transfer_function && *old_distance == unit_distance;
+        if same && *old_wanted == wanted {
             return;
         }
-        let range = self.field.volume().value_range();
-        let table = ClassificationTable::new(transfer_function, range, unit_distance);
-        let visible = VisibleLevels::new(&table);
-        self.field.update(&visible);
-        self.table.update(&table, &visible, self.field.background());
-        let firsts = (0..self.field.len()).map(|i| DVec3::from_array(self.field.first(i).map(f64::from)));
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for first in firsts {
-            (low, high) = (low.min(first), high.max(first + (BRICK as f64 - 1.0)));
+        if !same {
+            old.clone_from(transfer_function);
+            *old_distance = unit_distance;
+            let range = self.field.volume().value_range();
+            self.classification = ClassificationTable::new(transfer_function, range, unit_distance);
         }
-        self.bounds = if self.field.is_empty() {
+        *old_wanted = wanted;
+        self.find();
+    }
+
+    /// Finds what is needed.
+    fn find(&mut self) {
+        let visible = VisibleLevels::new(&self.classification);
+        self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut cover = |first: [u32; 3]| {
+            let first = DVec3::from_array(first.map(f64::from));
+            (low, high) = (low.min(first), high.max(first + (BRICK as f64 - 1.0)));
+        };
+        let (_, _, wanted) = self.made_for;
+        if wanted == Wanted::Classified {
+            self.field.visible_bricks(&visible, &mut self.visible);
+            self.visible
+                .iter()
+                .for_each(|&brick| cover(self.field.brick_first(brick)));
+        } else {
+            if wanted == Wanted::Largest {
+                self.field.update(&visible.and_larger());
+            } else {
+                self.field.update(&visible);
+            }
+            self.table
+                .update(&self.classification, &visible, self.field.background());
+            (0..self.field.len()).for_each(|i| cover(self.field.first(i)));
+        }
+        self.bounds = if low.cmpgt(high).any() {
             [DVec3::ZERO; 2]
         } else {
             [low, high]
         };
-        self.transfer_function = Some(transfer_function.clone());
-        self.unit_distance = unit_distance;
     }
 }
 
@@ -84,6 +149,12 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
+    /// The volume as it is.
+    pub(crate) const FINEST: Self = Self {
+        level: 0,
+        coarser: 0.0,
+    };
+
     /// Detail for a camera.
     pub(crate) fn new(volume: &Volume, camera: &Camera, size: ImageSize) -> Self {
         let grid = volume.grid();
@@ -97,10 +168,7 @@ impl Detail {
             .max()
             .map_or(0, |n| n.ilog2().saturating_sub(3)) as f64;
         if !octaves.is_finite() || octaves <= -BLEND {
-            return Self {
-                level: 0,
-                coarser: 0.0,
-            };
+            return Self::FINEST;
         }
         let level = octaves.ceil().clamp(0.0, most);
         let into = if level < most {
@@ -141,22 +209,17 @@ impl Pyramid {
         &self.volumes[level]
     }
 
-    /// Makes a level right for a transfer function.
-    pub(crate) fn classify(
-        &mut self,
-        level: usize,
-        transfer_function: &TransferFunction,
-        unit_distance: f64,
-    ) {
+    /// Makes a level right for a transfer function, with its unit distance.
+    pub(crate) fn classify(&mut self, level: usize, look: (&TransferFunction, f64), wanted: Wanted) {
         let volume = Arc::clone(self.volume(level));
-        let kernel = self.kernel;
-        let level = self.levels[level].get_or_insert_with(|| Level::new(volume, kernel));
-        level.classify(transfer_function, unit_distance);
+        match &mut self.levels[level] {
+            Some(level) => level.update(look, wanted),
+            none => *none = Some(Level::new(volume, self.kernel, look, wanted)),
+        }
     }
 
-    /// A classified level, with the first and last lattice point that matter.
-    pub(crate) fn level(&self, level: usize) -> Option<(&FieldStore, &ShadeTable, [DVec3; 2])> {
-        let level = self.levels.get(level)?.as_ref()?;
-        Some((&level.field, &level.table, level.bounds))
+    /// A classified level.
+    pub(crate) fn level(&self, level: usize) -> Option<&Level> {
+        self.levels.get(level)?.as_ref()
     }
 }

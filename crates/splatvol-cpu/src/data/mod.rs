@@ -1,4 +1,4 @@
-//! Post-classification, all sheets at once: the fast engine.
+//! All sheets at once: the fast engine.
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
@@ -7,10 +7,14 @@
 //! | activate | `activate`, `order`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
-//! | shade | `shade`, `border` | two planes: classified, lit, composited |
+//! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
+//! | | `intensity` | or their largest value kept |
+//! | | `classified`, `compose` | or classified voxels composited |
+//! | | `classified`, `integral` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
-//! `engine` keeps what lasts from frame to frame, `tile` runs the stages of a tile.
+//! `engine` keeps what lasts from frame to frame, `tile` runs the stages of a tile; what differs between
+//! post-classification and the others is a `mode`.
 #![allow(
     clippy::needless_range_loop,
     reason = "iterators over several arrays need closures, which do not inline into code for vectors"
@@ -18,15 +22,21 @@
 
 pub(crate) mod activate;
 pub(crate) mod border;
+pub(crate) mod classified;
+pub(crate) mod compose;
 pub(crate) mod engine;
 pub(crate) mod frame;
+pub(crate) mod integral;
+pub(crate) mod intensity;
 pub(crate) mod level;
 pub(crate) mod mask;
+pub(crate) mod mode;
 pub(crate) mod order;
 pub(crate) mod plane;
 pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod shade;
+pub(crate) mod shaded;
 pub(crate) mod sheet;
 pub(crate) mod splat;
 pub(crate) mod tile;

@@ -66,6 +66,8 @@ pub(crate) struct SheetRing {
     pub height: usize,
     /// What was written to each sheet since it was last taken.
     pub touched: Vec<Area>,
+    /// Index of the sheet before which sums over sheets are up to date, where there are such.
+    pub last_sheet: f32,
 }
 
 impl SheetRing {
@@ -81,6 +83,16 @@ impl SheetRing {
         self.rows.resize(height * groups, Row([Block::ZERO; PITCH]));
         self.touched.clear();
         self.touched.resize(groups * LANES, Area::EMPTY);
+    }
+
+    /// Rows of every `stride`-th group from `first` on.
+    pub(crate) fn groups<const N: usize>(&mut self, first: usize, stride: usize) -> [&mut [Row]; N] {
+        let mut groups = self
+            .rows
+            .chunks_exact_mut(self.height.max(1))
+            .skip(first)
+            .step_by(stride.max(1));
+        std::array::from_fn(|_| groups.next().unwrap_or_default())
     }
 
     /// Rows of a group.

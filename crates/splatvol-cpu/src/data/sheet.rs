@@ -96,6 +96,19 @@ pub(crate) struct GroupShape {
 }
 
 impl GroupShape {
+    /// One sheet in all lanes.
+    pub(crate) fn same(sheet: &SheetShape) -> Self {
+        let lanes = |value: f32| Lanes16([value; 16]);
+        Self {
+            depth: lanes(sheet.depth),
+            scale: lanes(sheet.scale),
+            xx: lanes(-sheet.exponent[0]),
+            xy: lanes(-sheet.exponent[1]),
+            yy: lanes(-sheet.exponent[2]),
+            peak: lanes(sheet.peak),
+        }
+    }
+
     /// The group's sheets among `first..first + 4 groups`: lane l holds the one whose index is l, modulo the ring.
     pub(crate) fn new(sheets: &[SheetShape], first: isize, group: usize, groups: usize) -> Self {
         let open = (groups * LANES) as isize;

@@ -31,7 +31,7 @@ pub(crate) struct Records {
     pub x: Column<f32>,
     pub y: Column<f32>,
     pub z: Column<f32>,
-    /// Coefficient.
+    /// Coefficient, or what else the mode's [`Payload`] makes something of.
     pub value: Column<f32>,
     /// Raster coordinates of the principal point from the footprint's middle.
     pub origin_x: Column<f32>,
@@ -198,15 +198,31 @@ impl Default for Powers {
     }
 }
 
-/// Splats all records into a group of sheets; footprints are `SIZE` x `SIZE` blocks.
+/// What a record's value stands for: the numbers that are splatted into N rings.
+pub(crate) trait Payload<const N: usize>: Copy {
+    /// A footprint's weight (per peak) and peak times each of them.
+    fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; N];
+}
+
+/// The value itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Coefficient;
+
+impl Payload<1> for Coefficient {
+    #[inline(always)]
+    fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 1] {
+        [weight * (peak * value)]
+    }
+}
+
+/// Splats all records into a group of sheets of each of N rings; footprints are `SIZE` x `SIZE` blocks.
 #[inline(always)]
-pub(crate) fn splat<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, const ELLIPSES: bool>(
     simd: S,
-    constants: &SplatConstants,
-    (shape, stencil): (&GroupShape, &Stencil),
-    records: &Records,
+    (constants, shape, stencil): (&SplatConstants, &GroupShape, &Stencil),
+    (records, payload): (&Records, P),
     powers: &mut Powers,
-    rows: &mut [Row],
+    rings: &mut [&mut [Row]; N],
 ) {
     let total = records.len.min(CAPACITY);
     let mut first = 0;
@@ -223,20 +239,49 @@ pub(crate) fn splat<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
         for n in 0..count {
             let column = (records.column[first + n] as usize).min(PITCH - SIZE);
             let place = records.row[first + n] as usize;
-            let Some(rows) = rows
-                .get_mut(place..)
-                .and_then(|rows| rows.first_chunk_mut::<SIZE>())
-            else {
-                continue;
-            };
             let (lateral, depth) = load(simd, &powers.weights[n]).split();
             let profile = (depth - constants.depth_edge).max(f32x8::splat(simd, 0.0));
             let weight = lateral * profile;
-            let weight = weight.combine(weight) * (peak * records.value[first + n]);
-            add::<S, SIZE, ELLIPSES>(simd, &powers.steps[n], weight, stencil, (rows, column));
+            let weight = weight.combine(weight);
+            let weights = payload.weights(simd, records.value[first + n], weight, peak);
+            let steps = Steps::<S, SIZE>::new::<ELLIPSES>(simd, &powers.steps[n], stencil);
+            for channel in 0..N {
+                let Some(rows) = rings[channel]
+                    .get_mut(place..)
+                    .and_then(|rows| rows.first_chunk_mut::<SIZE>())
+                else {
+                    continue;
+                };
+                steps.add::<ELLIPSES>(simd, weights[channel], stencil, (rows, column));
+            }
         }
         first += count;
     }
+}
+
+/// Blocks along the edge of footprints that are compiled.
+pub(crate) const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
+
+/// [`splat`] for footprints of `size` blocks, one of [`SIZES`]. Compiled once per payload, whoever calls it.
+#[inline(always)]
+pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
+    simd: S,
+    (size, ellipses): (usize, bool),
+    shapes: (&SplatConstants, &GroupShape, &Stencil),
+    records: (&Records, P),
+    powers: &mut Powers,
+    rings: &mut [&mut [Row]; N],
+) {
+    macro_rules! by_size {
+        ($($size:literal)*) => {
+            match (size, ellipses) {
+                $(($size, false) => simd.vectorize(#[inline(always)] || splat::<S, P, N, $size, false>(simd, shapes, records, powers, rings)),
+                ($size, true) => simd.vectorize(#[inline(always)] || splat::<S, P, N, $size, true>(simd, shapes, records, powers, rings)),)*
+                _ => unreachable!("footprints of {size} blocks"),
+            }
+        };
+    }
+    by_size!(2 3 4 5 6 7 8 10 12 16);
 }
 
 /// Exponents of a batch.
@@ -291,64 +336,88 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
     }
 }
 
-/// Adds a voxel's footprint to its blocks.
-#[inline(always)]
-fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
-    simd: S,
-    steps: &Lanes16,
-    weight: f32x16<S>,
-    stencil: &Stencil,
-    (blocks, first): (&mut [Row; SIZE], usize),
-) {
-    let middle = middle_block(SIZE);
-    let (columns, rows) = load(simd, steps).split();
-    let ((p, p_back), (q, q_back)) = (columns.split(), rows.split());
-    let one = f32x4::splat(simd, 1.0);
-    // Powers of the middle block's columns and rows, and what leads to the blocks beside it.
-    let half = one.combine(p);
-    let mut across = [half.combine(half); SIZE];
-    let both = p.combine(p);
-    let p = both.combine(both);
-    let p_forward = p * p;
-    let both = p_back.combine(p_back);
-    let p_back = both.combine(both);
-    for b in middle + 1..SIZE {
-        across[b] = across[b - 1] * p_forward;
-    }
-    for b in (0..middle).rev() {
-        across[b] = across[b + 1] * p_back;
-    }
-    let both = q.combine(q);
-    let q_wide = both.combine(both);
-    let q_forward = q_wide * q_wide;
-    let back = q_back.combine(q_back);
-    let q_back = back.combine(back);
-    let ones = one.combine(one);
-    let mut down = [ones.combine(both) * weight; SIZE];
-    for r in middle + 1..SIZE {
-        down[r] = down[r - 1] * q_forward;
-    }
-    for r in (0..middle).rev() {
-        down[r] = down[r + 1] * q_back;
-    }
-    if !ELLIPSES {
-        for b in 0..SIZE {
-            across[b] *= load(simd, &stencil.columns[b]);
-            down[b] *= load(simd, &stencil.rows[b]);
+/// Powers of a voxel's columns, and what leads from row to row.
+struct Steps<S: Simd, const SIZE: usize> {
+    across: [f32x16<S>; SIZE],
+    /// Of the middle block's rows.
+    middle: f32x16<S>,
+    forward: f32x16<S>,
+    back: f32x16<S>,
+}
+
+impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
+    #[inline(always)]
+    fn new<const ELLIPSES: bool>(simd: S, steps: &Lanes16, stencil: &Stencil) -> Self {
+        let middle = middle_block(SIZE);
+        let (columns, rows) = load(simd, steps).split();
+        let ((p, p_back), (q, q_back)) = (columns.split(), rows.split());
+        let one = f32x4::splat(simd, 1.0);
+        // Powers of the middle block's columns and rows, and what leads to the blocks beside it.
+        let half = one.combine(p);
+        let mut across = [half.combine(half); SIZE];
+        let both = p.combine(p);
+        let p = both.combine(both);
+        let p_forward = p * p;
+        let both = p_back.combine(p_back);
+        let p_back = both.combine(both);
+        for b in middle + 1..SIZE {
+            across[b] = across[b - 1] * p_forward;
+        }
+        for b in (0..middle).rev() {
+            across[b] = across[b + 1] * p_back;
+        }
+        if !ELLIPSES {
+            for b in 0..SIZE {
+                across[b] *= load(simd, &stencil.columns[b]);
+            }
+        }
+        let both = q.combine(q);
+        let q_wide = both.combine(both);
+        let back = q_back.combine(q_back);
+        let ones = one.combine(one);
+        Self {
+            across,
+            middle: ones.combine(both),
+            forward: q_wide * q_wide,
+            back: back.combine(back),
         }
     }
-    for r in 0..SIZE {
-        let line = &mut blocks[r].0[first..first + SIZE];
-        for c in 0..SIZE {
-            let block = &mut line[c].0;
-            let weights = if ELLIPSES {
-                across[c] * load(simd, &stencil.blocks[r][c])
-            } else {
-                across[c]
-            };
-            weights
-                .mul_add(down[r], f32x16::from_slice(simd, block))
-                .store_slice(block);
+
+    /// Adds the voxel's footprint to its blocks.
+    #[inline(always)]
+    fn add<const ELLIPSES: bool>(
+        &self,
+        simd: S,
+        weight: f32x16<S>,
+        stencil: &Stencil,
+        (blocks, first): (&mut [Row; SIZE], usize),
+    ) {
+        let middle = middle_block(SIZE);
+        let mut down = [self.middle * weight; SIZE];
+        for r in middle + 1..SIZE {
+            down[r] = down[r - 1] * self.forward;
+        }
+        for r in (0..middle).rev() {
+            down[r] = down[r + 1] * self.back;
+        }
+        if !ELLIPSES {
+            for b in 0..SIZE {
+                down[b] *= load(simd, &stencil.rows[b]);
+            }
+        }
+        for r in 0..SIZE {
+            let line = &mut blocks[r].0[first..first + SIZE];
+            for c in 0..SIZE {
+                let block = &mut line[c].0;
+                let weights = if ELLIPSES {
+                    self.across[c] * load(simd, &stencil.blocks[r][c])
+                } else {
+                    self.across[c]
+                };
+                weights
+                    .mul_add(down[r], f32x16::from_slice(simd, block))
+                    .store_slice(block);
+            }
         }
     }
 }

@@ -1,22 +1,23 @@
-//! The tile loop of post-classified volumes: slab by slab, front to back.
+//! The tile loop: slab by slab, front to back. What voxels splat and what becomes of finished sheets is the [`Mode`]'s.
 
 use std::time::{Duration, Instant};
 
 use fearless_simd::prelude::*;
 use glam::DAffine3;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
-use splatvol_core::field::FieldStore;
 use splatvol_core::sheets::SheetStack;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, OpenVoxels, Window, activate};
+use super::classified::Classified;
 use super::mask::OpenMask;
+use super::mode::{Bricks, Mode};
 use super::order::DepthOrder;
-use super::plane::{HALO, Plane, Span};
+use super::plane::{HALO, Plane};
 use super::ring::{BLOCK_EDGE, LANES, SheetRing};
-use super::shade::{Canvas, Interval, PlaneShader, ShadeBatch, ShadeTarget};
+use super::shade::{Canvas, ShadeBatch};
 use super::sheet::{GroupShape, SheetShape};
-use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SplatConstants, Stencil, splat};
+use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, splat_sized};
 use super::upsample::{RASTER_HALO, Upsampler};
 
 /// Sheets whose bricks are fetched from memory together.
@@ -25,7 +26,7 @@ const AHEAD: usize = 3;
 /// What the tiles of a frame share.
 #[derive(Debug)]
 pub(crate) struct DataFrame<'a> {
-    pub store: &'a FieldStore,
+    pub bricks: &'a dyn Bricks,
     pub order: &'a DepthOrder,
     pub camera_from_lattice: DAffine3,
     pub stack: SheetStack,
@@ -33,7 +34,8 @@ pub(crate) struct DataFrame<'a> {
     pub tiles: TileGrid,
     pub lists: &'a TileLists,
     pub constants: SplatConstants,
-    pub shader: PlaneShader<'a>,
+    pub rays: Rays,
+    pub termination: f32,
     /// Pixels from one raster point to the next.
     pub step: usize,
     /// How far a voxel reaches in depth, world length.
@@ -47,9 +49,20 @@ pub(crate) struct DataFrame<'a> {
     pub groups: usize,
 }
 
+/// Where pixels look.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rays {
+    /// Image coordinates of the principal point.
+    pub principal: [f32; 2],
+    /// Ray of a pixel at image x, y: `(x + 1/2 - principal) * per_pixel` per depth, 0 where parallel.
+    pub per_pixel: f32,
+    /// Width of a pixel, world length, where rays are parallel.
+    pub plane_per_pixel: f32,
+}
+
 impl DataFrame<'_> {
     /// How far footprints reach on a sheet, raster points.
-    fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
+    pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
         shape
             .half_extent(self.cut)
             .map(|half| half + self.spread * shape.scale)
@@ -76,9 +89,6 @@ pub(crate) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
     (blocks + spline) * step as f32 + 1.0
 }
 
-/// Sizes of footprints that are compiled, blocks along an edge.
-const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
-
 /// Raster points around a tile that its pixels need.
 fn halo(step: usize) -> usize {
     if step == 1 { HALO } else { RASTER_HALO }
@@ -86,7 +96,7 @@ fn halo(step: usize) -> usize {
 
 /// A brick's values.
 #[derive(Debug)]
-struct BrickValues([f32; BRICK_VOXELS]);
+pub(crate) struct BrickValues(pub [f32; BRICK_VOXELS]);
 
 impl Default for BrickValues {
     fn default() -> Self {
@@ -94,24 +104,30 @@ impl Default for BrickValues {
     }
 }
 
+/// Numbers that a voxel splats at most.
+pub(crate) const MAX_CHANNELS: usize = 4;
+
 /// A thread's memory.
 #[derive(Debug, Default)]
 pub(crate) struct DataScratch {
-    ring: SheetRing,
-    records: Records,
+    pub ring: SheetRing,
+    pub records: Records,
     powers: Powers,
     stencils: Vec<Stencil>,
     groups: Vec<GroupShape>,
-    raster: Plane,
-    upsampler: Upsampler,
-    planes: [Plane; 4],
+    pub raster: Plane,
+    pub upsampler: Upsampler,
+    /// Of the last four sheets, by channel.
+    pub planes: [[Plane; MAX_CHANNELS]; 4],
     open: Vec<OpenBrick>,
     voxels: Vec<OpenVoxels>,
     free: Vec<u32>,
     /// A brick's values, x fastest and in depth order.
     brick: [BrickValues; 2],
-    mask: OpenMask,
-    batch: ShadeBatch,
+    pub mask: OpenMask,
+    pub batch: ShadeBatch,
+    /// What the voxels of open bricks splat, where it is more than a number.
+    pub classified: Classified,
 }
 
 /// Work done by a tile.
@@ -127,12 +143,12 @@ pub(crate) struct DataWork {
 
 /// Where a tile lies.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    rect: TileRect,
+pub(crate) struct Place {
+    pub rect: TileRect,
     /// Pixels.
-    size: [usize; 2],
+    pub size: [usize; 2],
     /// Raster points of a sheet, those around the tile included.
-    raster: [usize; 2],
+    pub raster: [usize; 2],
     /// Raster points around the tile that its pixels need.
     halo: usize,
     /// First raster point of the tile.
@@ -165,11 +181,13 @@ impl Place {
 }
 
 impl DataScratch {
-    fn reset(&mut self, frame: &DataFrame<'_>, place: &Place) {
+    fn reset(&mut self, frame: &DataFrame<'_>, place: &Place, ring_groups: usize, channels: usize) {
         let height = place.raster[1].next_multiple_of(BLOCK_EDGE) + 2 * BLOCK_EDGE * MAX_BLOCKS;
-        self.ring.reset(height, frame.groups);
-        for plane in &mut self.planes {
-            plane.reset(place.size.map(|n| n + 2 * HALO));
+        self.ring.reset(height, ring_groups);
+        for planes in &mut self.planes {
+            for plane in &mut planes[..channels] {
+                plane.reset(place.size.map(|n| n + 2 * HALO));
+            }
         }
         if frame.step > 1 {
             self.raster.reset(place.raster);
@@ -182,16 +200,22 @@ impl DataScratch {
 
     /// Opens a brick: its voxels in depth order.
     #[inline(always)]
-    fn open<S: Simd>(&mut self, simd: S, frame: &DataFrame<'_>, brick: &ProjectedBrick, blocks: [u8; 4]) {
+    fn open<S: Simd, M: Mode<N>, const N: usize>(
+        &mut self,
+        simd: S,
+        (frame, mode): (&DataFrame<'_>, &M),
+        brick: &ProjectedBrick,
+        blocks: [u8; 4],
+    ) {
         let index = brick.active.brick as usize;
         let voxels = self.free.pop().unwrap_or_else(|| {
             self.voxels.push(OpenVoxels::default());
             self.voxels.len() as u32 - 1
         });
         let [values, sorted] = &mut self.brick;
-        frame.store.decode(index, &mut values.0);
+        mode.open(simd, (index, voxels), &mut values.0, &mut self.classified);
         self.voxels[voxels as usize].fill(simd, frame.order, &values.0, &mut sorted.0);
-        let first = glam::DVec3::from_array(frame.store.first(index).map(f64::from));
+        let first = glam::DVec3::from_array(frame.bricks.first(index).map(f64::from));
         let corner = frame.camera_from_lattice.transform_point3(first);
         self.open.push(OpenBrick {
             voxels,
@@ -205,15 +229,15 @@ impl DataScratch {
 
 /// Renders one tile into its canvas.
 #[inline(always)]
-pub(crate) fn render<S: Simd>(
+pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
-    frame: &DataFrame<'_>,
+    (frame, mode): (&DataFrame<'_>, &M),
     tile: usize,
     canvas: &mut Canvas,
     scratch: &mut DataScratch,
 ) -> DataWork {
     let place = Place::new(frame, tile);
-    scratch.reset(frame, &place);
+    scratch.reset(frame, &place, mode.ring_groups(frame), mode.planes());
     canvas.reset(place.size);
     let mut work = DataWork::default();
     let mut bricks = frame.lists.of(tile).peekable();
@@ -227,14 +251,18 @@ pub(crate) fn render<S: Simd>(
             sheet = sheet.max(next.front_sheet as usize);
         }
         let start = Instant::now();
-        let window = window(frame, &place, sheet);
+        let window = window(
+            frame,
+            &place,
+            (&mode.shape(frame, &place, sheet), mode.depths(frame, sheet)),
+        );
         scratch.mask.refresh(window.blocks);
         if ahead
             .peek()
             .is_some_and(|brick| brick.front_sheet as usize <= sheet + 1)
         {
             while let Some(brick) = ahead.next_if(|brick| brick.front_sheet as usize <= sheet + AHEAD) {
-                frame.store.touch(brick.active.brick as usize);
+                mode.touch(brick.active.brick as usize);
             }
         }
         while let Some(brick) = bricks.next_if(|brick| brick.front_sheet as usize <= sheet) {
@@ -242,41 +270,41 @@ pub(crate) fn render<S: Simd>(
             if scratch.mask.any(blocks) {
                 simd.vectorize(
                     #[inline(always)]
-                    || scratch.open(simd, frame, brick, blocks),
+                    || scratch.open(simd, (frame, mode), brick, blocks),
                 );
             }
         }
         let splat_before = work.splat;
         let voxels = work.voxels;
-        enter(simd, frame, &window, sheet, scratch, &mut work);
+        enter(simd, (frame, mode), (&place, &window, sheet), scratch, &mut work);
         let entered = Instant::now();
         idle = if work.voxels > voxels { 0 } else { idle + 1 };
         scratch.planes.rotate_left(1);
-        take(simd, frame, &place, sheet, scratch);
+        mode.take(simd, frame, &place, sheet, scratch);
         let taken = Instant::now();
         if sheet >= 2 {
-            shade(simd, frame, sheet - 2, &place, (canvas, scratch));
+            mode.shade(simd, frame, sheet - 2, &place, (canvas, scratch));
         }
         work.activate += (entered - start).saturating_sub(work.splat - splat_before);
         work.take += taken - entered;
         work.shade += taken.elapsed();
         sheet += 1;
     }
+    let start = Instant::now();
+    mode.finish(simd, frame, &place, (canvas, scratch));
+    work.shade += start.elapsed();
     work
 }
 
 /// Which voxels enter a sheet.
-fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
-    let middle = sheet + frame.groups * LANES / 2;
-    let shape = &frame.sheets[middle.min(frame.sheets.len() - 1)];
-    let plane = frame.stack.plane(sheet) as f32;
+fn window(frame: &DataFrame<'_>, place: &Place, (shape, depths): (&SheetShape, [f32; 2])) -> Window {
     let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.size.map(|n| n.div_ceil(frame.step) as f32);
     Window {
         blocks: blocks_of(frame.half_extent(shape)),
-        depths: [plane - frame.depth_reach, plane + frame.depth_reach],
+        depths,
         depth: shape.depth,
         scale: shape.scale,
         low: first.map(|first| first - needed),
@@ -290,11 +318,10 @@ fn window(frame: &DataFrame<'_>, place: &Place, sheet: usize) -> Window {
 
 /// Splats the voxels that enter a sheet.
 #[inline(always)]
-fn enter<S: Simd>(
+fn enter<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
-    frame: &DataFrame<'_>,
-    window: &Window,
-    sheet: usize,
+    (frame, mode): (&DataFrame<'_>, &M),
+    (place, window, sheet): (&Place, &Window, usize),
     scratch: &mut DataScratch,
     work: &mut DataWork,
 ) {
@@ -331,7 +358,14 @@ fn enter<S: Simd>(
         brick.next_depth = voxels.depth(brick.next as usize) + brick.corner[2];
         work.tested += u64::from(tested);
         if records.len > CAPACITY - BRICK_VOXELS - 16 {
-            flush(simd, (frame, window.blocks, sheet), &mut prepared, scratch, work);
+            flush(
+                simd,
+                (frame, mode),
+                (place, window.blocks, sheet),
+                &mut prepared,
+                scratch,
+                work,
+            );
         }
         if done {
             scratch.free.push(brick.voxels);
@@ -341,14 +375,22 @@ fn enter<S: Simd>(
         }
     }
     scratch.open.truncate(kept);
-    flush(simd, (frame, window.blocks, sheet), &mut prepared, scratch, work);
+    flush(
+        simd,
+        (frame, mode),
+        (place, window.blocks, sheet),
+        &mut prepared,
+        scratch,
+        work,
+    );
 }
 
 /// Splats the records.
 #[inline(always)]
-fn flush<S: Simd>(
+fn flush<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
-    (frame, size, sheet): (&DataFrame<'_>, usize, usize),
+    (frame, mode): (&DataFrame<'_>, &M),
+    (place, size, sheet): (&Place, usize, usize),
     prepared: &mut bool,
     scratch: &mut DataScratch,
     work: &mut DataWork,
@@ -357,9 +399,10 @@ fn flush<S: Simd>(
         return;
     }
     let start = Instant::now();
+    mode.prepare(simd, (frame, sheet, !*prepared), scratch);
     if !std::mem::replace(prepared, true) {
         for (group, (shape, stencil)) in scratch.groups.iter_mut().zip(&mut scratch.stencils).enumerate() {
-            *shape = GroupShape::new(frame.sheets, sheet as isize, group, frame.groups);
+            *shape = mode.group(frame, place, sheet, group);
             stencil.prepare(simd, shape, size, frame.ellipses);
         }
     }
@@ -369,94 +412,39 @@ fn flush<S: Simd>(
         powers,
         stencils,
         groups,
+        classified,
         ..
     } = scratch;
-    let constants = &frame.constants;
     work.voxels += records.len as u64;
     let area = records.take_area(size);
     for touched in &mut ring.touched {
         *touched = touched.join(area);
     }
+    let records_of = (&*records, M::payload(classified));
     for group in 0..frame.groups {
-        let shape = (&groups[group], &stencils[group]);
-        let target = ring.group(group);
-        macro_rules! by_size {
-            ($($size:literal)*) => {
-                match (size, frame.ellipses) {
-                    $(($size, false) => simd.vectorize(#[inline(always)] || splat::<S, $size, false>(simd, constants, shape, records, powers, target)),
-                    ($size, true) => simd.vectorize(#[inline(always)] || splat::<S, $size, true>(simd, constants, shape, records, powers, target)),)*
-                    _ => unreachable!("footprints of {size} blocks"),
-                }
-            };
-        }
-        by_size!(2 3 4 5 6 7 8 10 12 16);
+        let shapes = (&frame.constants, &groups[group], &stencils[group]);
+        let rings = &mut ring.groups::<N>(group, frame.groups);
+        let size = (size, frame.ellipses);
+        splat_sized(simd, size, shapes, records_of, powers, rings);
     }
     records.len = 0;
     work.splat += start.elapsed();
 }
 
-/// Takes a finished sheet out of the ring, as the last plane.
+/// Takes a finished sheet out of the ring, to pixels.
 #[inline(always)]
-fn take<S: Simd>(simd: S, frame: &DataFrame<'_>, place: &Place, sheet: usize, scratch: &mut DataScratch) {
-    let slot = sheet % (frame.groups * LANES);
-    let DataScratch {
-        ring,
-        raster,
-        upsampler,
-        planes: [.., last],
-        ..
-    } = scratch;
-    if frame.step == 1 {
-        last.take(simd, ring, slot, MAX_BLOCKS, place.raster);
+pub(crate) fn take<S: Simd>(
+    simd: S,
+    step: usize,
+    place: &Place,
+    slot: usize,
+    (ring, plane): (&mut SheetRing, &mut Plane),
+    (raster, upsampler): (&mut Plane, &mut Upsampler),
+) {
+    if step == 1 {
+        plane.take(simd, ring, slot, MAX_BLOCKS, place.raster);
     } else {
         raster.take(simd, ring, slot, MAX_BLOCKS, place.raster);
-        upsampler.run(simd, raster, last, (place.size, frame.step));
+        upsampler.run(simd, raster, plane, (place.size, step));
     }
-}
-
-/// Shades the interval behind a sheet.
-#[inline(always)]
-fn shade<S: Simd>(
-    simd: S,
-    frame: &DataFrame<'_>,
-    near: usize,
-    place: &Place,
-    (canvas, scratch): (&mut Canvas, &mut DataScratch),
-) {
-    let DataScratch {
-        planes, mask, batch, ..
-    } = scratch;
-    let filled = |plane: &Plane| plane.filled.unwrap_or(Span::EMPTY);
-    let span = filled(&planes[1]).join(filled(&planes[2]));
-    if span.is_empty() || near + 1 >= frame.sheets.len() {
-        return;
-    }
-    let step = frame.step as f32;
-    let depths = [frame.sheets[near].depth, frame.sheets[near + 1].depth];
-    let borders = frame.shader.borders(depths);
-    let interval = Interval {
-        is_near_border: borders
-            .iter()
-            .any(|plane| frame.shader.border.is_near_any(plane, &place.rect)),
-        borders,
-        planes: [&planes[0], &planes[1], &planes[2], &planes[3]],
-        depths,
-        scales: [
-            frame.sheets[near].scale * step,
-            frame.sheets[near + 1].scale * step,
-        ],
-    };
-    let mut target = ShadeTarget {
-        origin: [place.rect.x0, place.rect.y0],
-        span: Span {
-            x0: span.x0.saturating_sub(HALO),
-            y0: span.y0.saturating_sub(HALO),
-            x1: span.x1.saturating_sub(HALO).min(place.size[0]),
-            y1: span.y1.saturating_sub(HALO).min(place.size[1]),
-        },
-        mask,
-        canvas,
-        batch,
-    };
-    frame.shader.shade(simd, &interval, &mut target);
 }

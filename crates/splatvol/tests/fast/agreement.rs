@@ -38,7 +38,7 @@ fn scenes() -> Vec<(&'static str, Scene, Floors)> {
 }
 
 /// Engine and reference on the same lattice of pixels.
-fn pictures(scene: &Scene, projection: Projection, settings: &RenderSettings) -> (Image, Image) {
+pub(crate) fn pictures(scene: &Scene, projection: Projection, settings: &RenderSettings) -> (Image, Image) {
     let camera = framing(scene, projection, 1.0, 1.0);
     let side = (PIXELS - STRIDE / 2).div_ceil(STRIDE);
     let along = || (0..side).map(|i| STRIDE / 2 + i * STRIDE);

@@ -13,5 +13,6 @@ mod close_ups;
 mod detail;
 mod determinism;
 mod laws;
+mod modes;
 mod state;
 mod support;

@@ -4,6 +4,7 @@ use splatvol::{Camera, ImageSize, Lighting, Projection, RenderSettings, Scene};
 use splatvol_samples::Sample;
 
 use crate::common::PROJECTIONS;
+use crate::modes::modes;
 use crate::support::{bits, fast, framing, generated, noise, opaque, render, rendered, renderer};
 
 /// A frame's scene, camera and settings.
@@ -50,6 +51,35 @@ fn lights_take_turns() {
     for (name, lighting) in [("aside", Some(aside)), ("unlit", None)] {
         let settings = RenderSettings { lighting, ..settings };
         demand_no_memory(&a, &(name, scene.clone(), camera, settings));
+    }
+}
+
+#[test]
+fn modes_take_turns() {
+    let a = first();
+    let (_, scene, camera, settings) = a.clone();
+    let modes = modes(settings);
+    for (name, settings) in modes {
+        demand_no_memory(&a, &(name, scene.clone(), camera, settings));
+    }
+    // Coarse rasters, and levels of detail.
+    let close = framing(&scene, PROJECTIONS[1], 1.0, 6.0);
+    let far = framing(&scene, PROJECTIONS[0], 1.0, 0.3);
+    for pair in modes.windows(2) {
+        let [(name, settings), (other, others)] = [pair[0], pair[1]];
+        demand_no_memory(
+            &(name, scene.clone(), close, settings),
+            &(other, scene.clone(), far, others),
+        );
+    }
+}
+
+#[test]
+fn transfer_functions_take_turns_in_all_modes() {
+    let (name, scene, camera, settings) = first();
+    for (mode, settings) in modes(settings) {
+        let other = (mode, opaque(&scene), camera, settings);
+        demand_no_memory(&(name, scene.clone(), camera, settings), &other);
     }
 }
 

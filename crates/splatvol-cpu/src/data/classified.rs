@@ -1,0 +1,190 @@
+//! Classified voxels: extinction and lit emission of a brick's samples, made when the brick is opened.
+//!
+//! Nothing is kept of them between frames: reading, classifying and lighting a voxel costs a tenth of splatting it, and
+//! light turns with the camera. A transfer function is edited by looking at the bricks' ranges.
+
+use fearless_simd::{f32x4, f32x8, f32x16, prelude::*};
+use glam::DMat3;
+use splatvol_core::brick::BRICK;
+use splatvol_core::classification::ClassificationTable;
+use splatvol_core::field::{FieldStore, Neighbourhood};
+use splatvol_core::visibility::BRICK_VOXELS;
+
+use super::mode::Bricks;
+use crate::stage::shade::Phong;
+
+/// What the voxels of open bricks splat.
+#[derive(Debug, Default)]
+pub(crate) struct Classified {
+    /// By slot and voxel: extinction, and emission (extinction times colour) red, green and blue.
+    voxels: Vec<[[f32; 4]; BRICK_VOXELS]>,
+    around: Neighbourhood,
+}
+
+/// Set in every handle, so that its bits are those of an ordinary number.
+const HANDLE: u32 = 1 << 30;
+
+impl Classified {
+    /// The voxel of a handle.
+    #[inline(always)]
+    pub(crate) fn voxel(&self, handle: f32) -> &[f32; 4] {
+        let handle = handle.to_bits() & !HANDLE;
+        let (slot, voxel) = (handle as usize / BRICK_VOXELS, handle as usize % BRICK_VOXELS);
+        self.voxels.get(slot).map_or(&[0.0; 4], |voxels| &voxels[voxel])
+    }
+}
+
+/// Light on voxels.
+#[derive(Debug, Clone, Copy)]
+struct VoxelLight {
+    phong: Phong,
+    /// Rows of the matrix from differences per voxel to gradients in camera space.
+    camera_from_voxel: [[f32; 3]; 3],
+}
+
+/// Bricks whose voxels are classified, and how.
+#[derive(Debug, Clone)]
+pub(crate) struct ClassifiedBricks<'a> {
+    field: &'a FieldStore,
+    bricks: &'a [u32],
+    table: &'a ClassificationTable,
+    /// Values outside are invisible.
+    hull: [f32; 2],
+    light: Option<VoxelLight>,
+}
+
+impl Bricks for ClassifiedBricks<'_> {
+    fn len(&self) -> usize {
+        self.bricks.len()
+    }
+
+    fn first(&self, index: usize) -> [u32; 3] {
+        self.field.brick_first(self.bricks[index])
+    }
+}
+
+impl<'a> ClassifiedBricks<'a> {
+    /// Bricks of a field, not lit.
+    pub(crate) fn new(
+        (field, bricks): (&'a FieldStore, &'a [u32]),
+        (table, hull): (&'a ClassificationTable, [f32; 2]),
+    ) -> Self {
+        Self {
+            field,
+            bricks,
+            table,
+            hull,
+            light: None,
+        }
+    }
+
+    /// The same lit.
+    pub(crate) fn lit(self, phong: Option<Phong>, camera_from_voxel: DMat3) -> Self {
+        let gradient = camera_from_voxel.inverse().as_mat3();
+        let light = phong.map(|phong| VoxelLight {
+            phong,
+            // The inverse's transpose, row by row.
+            camera_from_voxel: gradient.to_cols_array_2d(),
+        });
+        Self { light, ..self }
+    }
+
+    /// Classifies and lights a brick's voxels; `values` become their handles, NaN where nothing is visible.
+    #[inline(always)]
+    pub(crate) fn open<S: Simd>(
+        &self,
+        simd: S,
+        (brick, slot): (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        classified: &mut Classified,
+    ) {
+        let Classified { voxels, around } = classified;
+        let index = slot as usize;
+        if voxels.len() <= index {
+            voxels.resize(index + 1, [[0.0; 4]; BRICK_VOXELS]);
+        }
+        let voxels = &mut voxels[index];
+        self.field.read(self.bricks[brick], around);
+        values.fill(f32::NAN);
+        let handle = HANDLE | slot * BRICK_VOXELS as u32;
+        let [xs, ys, zs] = around.inside;
+        let columns = ((1u32 << xs[1]) - 1) & !((1u32 << xs[0]) - 1);
+        let [low, high] = self.hull;
+        for z in zs[0]..zs[1] {
+            // Two rows at a time.
+            for y in (0..BRICK).step_by(2) {
+                let value = rows(simd, around, [1, 1 + y, 1 + z]);
+                let visible =
+                    value.simd_ge(f32x16::splat(simd, low)) & value.simd_le(f32x16::splat(simd, high));
+                let mut left = visible.to_bitmask() as u32;
+                left &= if y >= ys[0] && y < ys[1] { columns } else { 0 }
+                    | if y + 1 >= ys[0] && y + 1 < ys[1] {
+                        columns << BRICK
+                    } else {
+                        0
+                    };
+                if left == 0 {
+                    continue;
+                }
+                let (mut diffuse, mut specular) = ([1.0; 16], [0.0; 16]);
+                if let Some(light) = &self.light {
+                    let (d, s) = light.on(simd, around, [y, z]);
+                    d.store_slice(&mut diffuse);
+                    s.store_slice(&mut specular);
+                }
+                let first = (z * BRICK + y) * BRICK;
+                let centres = value.as_slice();
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize & 15;
+                    left &= left - 1;
+                    let ([a, b], t) = self.table.around(centres[lane]);
+                    let (a, b) = (f32x4::from_slice(simd, a), f32x4::from_slice(simd, b));
+                    let at = (b - a).mul_add(t, a);
+                    let extinction = at.as_slice()[0];
+                    if extinction <= 0.0 {
+                        continue;
+                    }
+                    let shine = specular[lane] * extinction;
+                    let mut lit = at.mul_add(diffuse[lane], f32x4::splat(simd, shine));
+                    lit.as_mut_slice()[0] = extinction;
+                    let voxel = first + lane;
+                    lit.store_slice(&mut voxels[voxel]);
+                    values[voxel] = f32::from_bits(handle + voxel as u32);
+                }
+            }
+        }
+    }
+}
+
+/// Two rows of eight values from a place of the neighbourhood on.
+#[inline(always)]
+fn rows<S: Simd>(simd: S, around: &Neighbourhood, [x, y, z]: [usize; 3]) -> f32x16<S> {
+    let slice = &around.values[z];
+    f32x8::from_slice(simd, &slice[y][x..x + BRICK])
+        .combine(f32x8::from_slice(simd, &slice[y + 1][x..x + BRICK]))
+}
+
+impl VoxelLight {
+    /// Diffuse and specular factors of two rows of a brick's voxels.
+    #[inline(always)]
+    fn on<S: Simd>(&self, simd: S, around: &Neighbourhood, [y, z]: [usize; 2]) -> (f32x16<S>, f32x16<S>) {
+        let [per_x, per_y, per_z] = &around.per_difference;
+        let per_x = f32x8::from_slice(simd, per_x);
+        let per_y = f32x8::splat(simd, per_y[y]).combine(f32x8::splat(simd, per_y[y + 1]));
+        let place = [1, y + 1, z + 1];
+        let [px, py, pz] = place;
+        let dx = (rows(simd, around, [px + 1, py, pz]) - rows(simd, around, [px - 1, py, pz]))
+            * per_x.combine(per_x);
+        let dy = (rows(simd, around, [px, py + 1, pz]) - rows(simd, around, [px, py - 1, pz])) * per_y;
+        let dz = (rows(simd, around, [px, py, pz + 1]) - rows(simd, around, [px, py, pz - 1])) * per_z[z];
+        let [a, b, c] = self.camera_from_voxel;
+        self.phong.lanes(
+            simd,
+            [
+                dx * a[0] + dy * a[1] + dz * a[2],
+                dx * b[0] + dy * b[1] + dz * b[2],
+                dx * c[0] + dy * c[1] + dz * c[2],
+            ],
+        )
+    }
+}

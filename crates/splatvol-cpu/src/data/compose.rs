@@ -1,0 +1,169 @@
+//! Pre-classification: classified, lit voxels are splatted as extinction and emission; intervals between planes are
+//! composited.
+//!
+//! Along a pixel's ray all four channels are the cubics through both planes of `shade`; what an interval holds of them is
+//! their integral, `(13 (v0 + v1) - (v_before + v_after)) / 24` of its length.
+
+use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::visibility::BRICK_VOXELS;
+
+use super::classified::{Classified, ClassifiedBricks};
+use super::mode::Mode;
+use super::plane::{HALO, Plane};
+use super::shade::Canvas;
+use super::shaded::filled;
+use super::splat::Payload;
+use super::tile::{DataFrame, DataScratch, MAX_CHANNELS, Place};
+use crate::stage::simd_exp::exp2_quick;
+
+/// Pre-classification.
+#[derive(Debug)]
+pub(crate) struct Compose<'a> {
+    pub bricks: ClassifiedBricks<'a>,
+}
+
+/// Extinction and emission of classified voxels, each into a ring of its own.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Emission<'m>(&'m Classified);
+
+impl Payload<4> for Emission<'_> {
+    #[inline(always)]
+    fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 4] {
+        let [extinction, r, g, b] = *self.0.voxel(value);
+        let weight = weight * peak;
+        [weight * extinction, weight * r, weight * g, weight * b]
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &plane[at..at + 16])
+}
+
+/// Mean of a channel over the interval between the middle two of four planes.
+#[inline(always)]
+fn mean<S: Simd>(simd: S, planes: &[[Plane; MAX_CHANNELS]; 4], channel: usize, at: usize) -> f32x16<S> {
+    let [before, near, far, after] = planes;
+    let inner = load(simd, &near[channel].values, at) + load(simd, &far[channel].values, at);
+    let outer = load(simd, &before[channel].values, at) + load(simd, &after[channel].values, at);
+    (inner * (13.0 / 24.0) - outer * (1.0 / 24.0)).max(f32x16::splat(simd, 0.0))
+}
+
+const LANES: [f32; 16] = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
+
+/// Length of the rays of sixteen pixels per depth, from image x, y on.
+#[inline(always)]
+pub(crate) fn ray_length<S: Simd>(simd: S, frame: &DataFrame<'_>, [x, y]: [usize; 2]) -> f32x16<S> {
+    let [cx, cy] = frame.rays.principal;
+    let per_pixel = frame.rays.per_pixel;
+    let across = (f32x16::from_slice(simd, &LANES) + (x as f32 + 0.5 - cx)) * per_pixel;
+    let down = (y as f32 + 0.5 - cy) * per_pixel;
+    (across * across + (1.0 + down * down)).sqrt()
+}
+
+/// `exp(-tau)` and one less that, of which thin material would lose the digits.
+#[inline(always)]
+pub(crate) fn through_and_opacity<S: Simd>(simd: S, optical_depth: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
+    let exponent = (optical_depth * -std::f32::consts::LOG2_E).max(f32x16::splat(simd, -100.0));
+    let through = exp2_quick(simd, exponent);
+    let thin = optical_depth.simd_lt(f32x16::splat(simd, 0.02));
+    let series = optical_depth * (1.0 - optical_depth * (0.5 - optical_depth * (1.0 / 6.0)));
+    let opacity = thin.select(series, 1.0 - through);
+    (thin.select(1.0 - series, through), opacity)
+}
+
+/// Composites an interval of sixteen pixels; says which it finished.
+#[inline(always)]
+fn composite<S: Simd>(
+    simd: S,
+    (frame, near): (&DataFrame<'_>, usize),
+    place: &Place,
+    planes: &[[Plane; MAX_CHANNELS]; 4],
+    canvas: &mut Canvas,
+    [x, y]: [usize; 2],
+) -> u16 {
+    let at = (y + HALO) * planes[1][0].pitch + x + HALO;
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let extinction = mean(simd, planes, 0, at);
+    let pixel = y * canvas.pitch + x;
+    let transmittance = load(simd, &canvas.transmittance, pixel);
+    let termination = f32x16::splat(simd, frame.termination);
+    let open = transmittance.simd_ge(termination);
+    let seen = extinction.simd_gt(zero) & open;
+    if !seen.any_true() {
+        return 0;
+    }
+    let spacing = frame.stack.spacing as f32;
+    let length = ray_length(simd, frame, [place.rect.x0 + x, place.rect.y0 + y]) * spacing;
+    let optical_depth = extinction * length;
+    let (_, opacity) = through_and_opacity(simd, optical_depth);
+    let share = seen.select(transmittance * opacity, zero);
+    let per_extinction = share / seen.select(extinction, one);
+    for c in 0..3 {
+        let plane = &mut canvas.color[c][pixel..pixel + 16];
+        let emission = mean(simd, planes, c + 1, at);
+        emission
+            .mul_add(per_extinction, load(simd, plane, 0))
+            .store_slice(plane);
+    }
+    let (front, back) = (
+        load(simd, &planes[1][0].values, at),
+        load(simd, &planes[2][0].values, at),
+    );
+    let total = front + back;
+    let share_of_far = total.simd_gt(zero).select(back / total, f32x16::splat(simd, 0.5));
+    let depth = (share_of_far * 0.5 + 0.25) * spacing + frame.sheets[near].depth;
+    let plane = &mut canvas.depth_sum[pixel..pixel + 16];
+    depth.mul_add(share, load(simd, plane, 0)).store_slice(plane);
+    let left = transmittance - share;
+    left.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+    (open & left.simd_lt(termination)).to_bitmask() as u16
+}
+
+impl Mode<4> for Compose<'_> {
+    type Payload<'m> = Emission<'m>;
+
+    fn payload(classified: &Classified) -> Emission<'_> {
+        Emission(classified)
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(
+        &self,
+        simd: S,
+        brick_and_slot: (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        classified: &mut Classified,
+    ) {
+        self.bricks.open(simd, brick_and_slot, values, classified);
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        frame: &DataFrame<'_>,
+        near: usize,
+        place: &Place,
+        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+    ) {
+        let DataScratch { planes, mask, .. } = scratch;
+        let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
+            return;
+        };
+        for y in span.y0..span.y1 {
+            let mut x = span.x0 / 16 * 16;
+            while x < span.x1 {
+                if mask.sixteen(x, y) != 0 {
+                    let finished = composite(simd, (frame, near), place, planes, canvas, [x, y]);
+                    if finished != 0 {
+                        mask.finish(x, y, finished);
+                    }
+                }
+                x += 16;
+            }
+        }
+    }
+}

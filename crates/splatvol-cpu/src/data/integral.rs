@@ -1,0 +1,376 @@
+//! X-ray: classified voxels are splatted as what a ray sees of them in all.
+//!
+//! The integral of a voxel's Gaussian along the ray of pixel p (per depth) is itself a Gaussian of the voxel's projected
+//! offset, of covariance `L + s_z^2 (p - t) (p - t)^T` in the names of [`splatvol_core::footprint`]: exact in perspective
+//! too, the length of the ray aside, which is applied in the end. So no voxel needs more than one sheet, and the four
+//! lanes of a pixel hold extinction and emission instead of four sheets. p is taken from the tile's middle; what a pixel's
+//! own covariance has in addition, D, is made up for as heat spreads, `I + D : grad grad I / 2`, at the pixel's mean depth.
+//!
+//! Voxels still come slab by slab: footprints have their slab's size, centres are their own. For the mean depth a second
+//! block per pixel sums `A = sum_s (s' - s) E_s`, E_s what has been added up to slab s and s' the slab after it; what all
+//! slabs hold times their index is then `s_last E - A`.
+
+use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
+use glam::{DMat2, DVec2};
+use splatvol_core::footprint::FootprintShape;
+use splatvol_core::visibility::BRICK_VOXELS;
+use splatvol_scene::{ImageSize, ScreenFromCamera};
+
+use super::classified::{Classified, ClassifiedBricks};
+use super::compose::{ray_length, through_and_opacity};
+use super::mode::Mode;
+use super::plane::{HALO, Plane};
+use super::ring::LANES;
+use super::shade::Canvas;
+use super::sheet::{GroupShape, Raster, SheetShape};
+use super::splat::Payload;
+use super::tile::{DataFrame, DataScratch, Place, take};
+
+/// Projected footprints of all rays of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RayShapes {
+    pub shape: FootprintShape,
+    pub screen: ScreenFromCamera,
+    /// Volume of a voxel, world length cubed.
+    pub cell_volume: f64,
+}
+
+impl RayShapes {
+    /// Ray through image coordinates, per depth.
+    fn ray(&self, image: DVec2) -> DVec2 {
+        if self.screen.perspective {
+            (image - self.screen.centre) / self.screen.scale
+        } else {
+            DVec2::ZERO
+        }
+    }
+
+    /// Covariance xx, xy, yy of footprints seen along a ray, world length squared.
+    fn covariance(&self, ray: DVec2) -> [f64; 3] {
+        let [xx, xy, yy] = self.shape.lateral_covariance;
+        let drift = (ray - self.shape.lateral_slope) * self.shape.depth_sigma;
+        [
+            xx + drift.x * drift.x,
+            xy + drift.x * drift.y,
+            yy + drift.y * drift.y,
+        ]
+    }
+
+    /// A shape as wide as the widest of a picture along x and along y, and its covariances from end to end.
+    pub(crate) fn over(&self, size: ImageSize) -> (FootprintShape, [[f64; 3]; 9]) {
+        let (width, height) = (f64::from(size.width()), f64::from(size.height()));
+        let covariances = std::array::from_fn(|i| {
+            let image = DVec2::new(width * (i % 3) as f64, height * (i / 3) as f64) * 0.5;
+            self.covariance(self.ray(image))
+        });
+        let largest = |pick: usize| covariances.iter().fold(0.0, |most: f64, c| most.max(c[pick]));
+        let bounding = FootprintShape {
+            lateral_slope: DVec2::ZERO,
+            lateral_covariance: [largest(0), 0.0, largest(2)],
+            ..self.shape
+        };
+        (bounding, covariances)
+    }
+
+    /// Whether all footprints are round.
+    pub(crate) fn is_round(&self) -> bool {
+        let [xx, xy, yy] = self.covariance(DVec2::ZERO);
+        !self.screen.perspective && xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx
+    }
+
+    /// The footprint of a depth in the middle of a tile.
+    fn at(&self, raster: &Raster, place: &Place, depth: f64) -> SheetShape {
+        let lateral_covariance = self.covariance(self.ray(middle(place)));
+        let [xx, xy, yy] = lateral_covariance;
+        let area = DMat2::from_cols(DVec2::new(xx, xy), DVec2::new(xy, yy)).determinant();
+        let shape = FootprintShape {
+            lateral_covariance,
+            ..self.shape
+        };
+        let peak = self.cell_volume / (2.0 * std::f64::consts::PI * area.sqrt());
+        SheetShape::new(&shape, &self.screen, &Raster { peak, ..*raster }, depth)
+    }
+}
+
+/// Image coordinates of a tile's middle.
+fn middle(place: &Place) -> DVec2 {
+    let rect = &place.rect;
+    DVec2::new((rect.x0 + rect.x1) as f64, (rect.y0 + rect.y1) as f64) * 0.5
+}
+
+/// X-ray.
+#[derive(Debug)]
+pub(crate) struct Integral<'a> {
+    pub bricks: ClassifiedBricks<'a>,
+    pub shapes: RayShapes,
+    pub raster: Raster,
+}
+
+/// Extinction and emission of classified voxels, in the lanes of a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InLanes<'m>(&'m Classified);
+
+impl Payload<1> for InLanes<'_> {
+    #[inline(always)]
+    fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 1] {
+        let four = f32x4::from_slice(simd, self.0.voxel(value));
+        let eight = four.combine(four);
+        [weight * peak * eight.combine(eight)]
+    }
+}
+
+/// The group that holds what voxels add up to, and the one that holds what tells their depth.
+const SUMS: usize = 0;
+const DEPTHS: usize = 1;
+
+impl Mode<1> for Integral<'_> {
+    type Payload<'m> = InLanes<'m>;
+
+    fn payload(classified: &Classified) -> InLanes<'_> {
+        InLanes(classified)
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(
+        &self,
+        simd: S,
+        brick_and_slot: (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        classified: &mut Classified,
+    ) {
+        self.bricks.open(simd, brick_and_slot, values, classified);
+    }
+
+    fn ring_groups(&self, _: &DataFrame<'_>) -> usize {
+        DEPTHS + 1
+    }
+
+    fn planes(&self) -> usize {
+        LANES
+    }
+
+    fn shape(&self, frame: &DataFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
+        self.shapes.at(&self.raster, place, slab_depth(frame, sheet))
+    }
+
+    fn depths(&self, frame: &DataFrame<'_>, sheet: usize) -> [f32; 2] {
+        let last = frame.stack.plane(sheet);
+        // What rounding puts in front of the first slab belongs to it.
+        let first = if sheet == 0 { 2.0 } else { 1.001 } * frame.stack.spacing;
+        [(last - first) as f32, last as f32]
+    }
+
+    fn group(&self, frame: &DataFrame<'_>, place: &Place, sheet: usize, _: usize) -> GroupShape {
+        GroupShape::same(&self.shape(frame, place, sheet))
+    }
+
+    #[inline(always)]
+    fn prepare<S: Simd>(
+        &self,
+        simd: S,
+        (frame, sheet, first): (&DataFrame<'_>, usize, bool),
+        scratch: &mut DataScratch,
+    ) {
+        let DataScratch { ring, records, .. } = scratch;
+        let gap = sheet as f32 - ring.last_sheet;
+        if first && gap != 0.0 {
+            let area = ring.touched[0];
+            let [sums, depths] = ring.groups::<2>(SUMS, 1);
+            for y in area.y0..area.y1 {
+                for x in area.x0..area.x1 {
+                    let sum = f32x16::from_slice(simd, &sums[y].0[x].0);
+                    let depth = &mut depths[y].0[x].0;
+                    sum.mul_add(gap, f32x16::from_slice(simd, depth))
+                        .store_slice(depth);
+                }
+            }
+            ring.last_sheet = sheet as f32;
+        }
+        // To the slab's depth along their own rays.
+        let depth = f32x16::splat(simd, slab_depth(frame, sheet) as f32);
+        for n in (0..records.len).step_by(16) {
+            let range = n..n + 16;
+            if frame.rays.per_pixel > 0.0 {
+                let ratio = depth / load(simd, &records.z, n);
+                for axis in [&mut records.x, &mut records.y] {
+                    (load(simd, axis, n) * ratio).store_slice(&mut axis[range.clone()]);
+                }
+            }
+            depth.store_slice(&mut records.z[range]);
+        }
+    }
+
+    #[inline(always)]
+    fn take<S: Simd>(&self, _: S, _: &DataFrame<'_>, _: &Place, _: usize, _: &mut DataScratch) {}
+
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        _: S,
+        _: &DataFrame<'_>,
+        _: usize,
+        _: &Place,
+        _: (&mut Canvas, &mut DataScratch),
+    ) {
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd>(
+        &self,
+        simd: S,
+        frame: &DataFrame<'_>,
+        place: &Place,
+        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+    ) {
+        let DataScratch {
+            ring,
+            raster,
+            upsampler,
+            planes: [sums, [depths, ..], ..],
+            ..
+        } = scratch;
+        for channel in 0..LANES {
+            let slot = SUMS * LANES + channel;
+            take(
+                simd,
+                frame.step,
+                place,
+                slot,
+                (ring, &mut sums[channel]),
+                (raster, upsampler),
+            );
+        }
+        take(
+            simd,
+            frame.step,
+            place,
+            DEPTHS * LANES,
+            (ring, depths),
+            (raster, upsampler),
+        );
+        let last = ring.last_sheet;
+        let shape = &self.shapes.shape;
+        let ray = self.shapes.ray(middle(place));
+        let mut pixels = Pixels {
+            frame,
+            place,
+            canvas,
+            drift: (ray - shape.lateral_slope).as_vec2().to_array(),
+            slope: shape.lateral_slope.as_vec2().to_array(),
+            depth_sigma: shape.depth_sigma as f32,
+        };
+        for y in 0..place.size[1] {
+            for x in (0..place.size[0]).step_by(16) {
+                let at = (y + HALO) * depths.pitch + x + HALO;
+                let extinction = load(simd, &sums[0].values, at);
+                let seen = extinction.simd_gt(f32x16::splat(simd, 1e-20));
+                if seen.any_true() {
+                    let index = extinction * last - load(simd, &depths.values, at);
+                    let index = index / seen.select(extinction, f32x16::splat(simd, 1.0));
+                    pixels.resolve(simd, (sums, at), (seen, index), [x, y]);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &plane[at..at + 16])
+}
+
+/// A channel's second differences around sixteen pixels, xx, 2 xy and yy, times what its covariance lacks.
+#[inline(always)]
+fn spread<S: Simd>(simd: S, plane: &Plane, at: usize, [xx, xy, yy]: [f32x16<S>; 3]) -> f32x16<S> {
+    let (values, pitch) = (&plane.values, plane.pitch);
+    let twice = load(simd, values, at) * 2.0;
+    let across = load(simd, values, at + 1) + load(simd, values, at - 1) - twice;
+    let down = load(simd, values, at + pitch) + load(simd, values, at - pitch) - twice;
+    let rising = load(simd, values, at + pitch + 1) + load(simd, values, at - pitch - 1);
+    let falling = load(simd, values, at + pitch - 1) + load(simd, values, at - pitch + 1);
+    (xx * across + yy * down + xy * (rising - falling) * 0.5) * 0.5
+}
+
+/// A tile's pixels.
+struct Pixels<'a> {
+    frame: &'a DataFrame<'a>,
+    place: &'a Place,
+    canvas: &'a mut Canvas,
+    /// Drift of footprints as the tile's middle sees it, and as a camera does that looks along the axis.
+    drift: [f32; 2],
+    slope: [f32; 2],
+    depth_sigma: f32,
+}
+
+impl Pixels<'_> {
+    /// What the covariance of sixteen pixels' footprints at some depths has more than that of the tile's middle: xx, xy,
+    /// yy, pixels squared.
+    #[inline(always)]
+    fn lacking<S: Simd>(&self, simd: S, depth: f32x16<S>, [x, y]: [usize; 2]) -> [f32x16<S>; 3] {
+        let rays = &self.frame.rays;
+        let [cx, cy] = rays.principal;
+        let (x, y) = ((self.place.rect.x0 + x) as f32, (self.place.rect.y0 + y) as f32);
+        let lanes = f32x16::from_slice(simd, &NUMBERS);
+        let across = (lanes + (x + 0.5 - cx)) * rays.per_pixel - self.slope[0];
+        let down = f32x16::splat(simd, (y + 0.5 - cy) * rays.per_pixel - self.slope[1]);
+        let [own_x, own_y] = self.drift;
+        let pixels = self.depth_sigma / (depth * rays.per_pixel);
+        let square = pixels * pixels;
+        [
+            (across * across - own_x * own_x) * square,
+            (across * down - own_x * own_y) * square,
+            (down * down - own_y * own_y) * square,
+        ]
+    }
+
+    /// Sixteen line integrals per depth, as homogeneous slabs, of those `seen`; `index`: mean index of the slab.
+    #[inline(always)]
+    fn resolve<S: Simd>(
+        &mut self,
+        simd: S,
+        (sums, at): (&[Plane; LANES], usize),
+        (seen, index): (mask32x16<S>, f32x16<S>),
+        [x, y]: [usize; 2],
+    ) {
+        let frame = self.frame;
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let depth = index * (frame.stack.spacing as f32) + slab_depth(frame, 0) as f32;
+        let mut channels = [zero; LANES];
+        for channel in 0..LANES {
+            channels[channel] = load(simd, &sums[channel].values, at);
+        }
+        if frame.rays.per_pixel > 0.0 {
+            let depth = seen.select(depth, one);
+            let lacking = self.lacking(simd, depth, [x, y]);
+            for channel in 0..LANES {
+                let spread = spread(simd, &sums[channel], at, lacking);
+                // What is made up for is little; more than half would be noise.
+                let half = channels[channel] * 0.5;
+                channels[channel] += spread.max(-half).min(half);
+            }
+        }
+        let [extinction, emission @ ..] = channels;
+        let origin = [self.place.rect.x0 + x, self.place.rect.y0 + y];
+        let length = ray_length(simd, frame, origin);
+        let optical_depth = seen.select(extinction * length, zero);
+        let (through, opacity) = through_and_opacity(simd, optical_depth);
+        let per_extinction = opacity / seen.select(extinction, one);
+        let canvas = &mut *self.canvas;
+        let pixel = y * canvas.pitch + x;
+        for c in 0..3 {
+            (emission[c] * per_extinction).store_slice(&mut canvas.color[c][pixel..pixel + 16]);
+        }
+        (depth * opacity).store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
+        through.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+    }
+}
+
+/// Lane numbers.
+const NUMBERS: [f32; 16] = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
+
+/// Depth of the middle of the slab that ends at a sheet's plane.
+fn slab_depth(frame: &DataFrame<'_>, sheet: usize) -> f64 {
+    frame.stack.plane(sheet) - 0.5 * frame.stack.spacing
+}

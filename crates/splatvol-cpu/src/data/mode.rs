@@ -1,0 +1,150 @@
+//! Mode: what voxels splat, and what becomes of finished sheets. The tile loop is one for all modes.
+//!
+//! | mode | splats | a finished sheet |
+//! |---|---|---|
+//! | `shaded` | coefficients | with the one before it: classified, lit, composited |
+//! | `intensity` | coefficients | with the one before it: the largest value is kept |
+//! | `compose` | extinction and lit emission of classified voxels | with the one before it: composited |
+//! | `integral` | the same, unlit, integrated along the ray | - |
+
+use fearless_simd::prelude::*;
+use splatvol_core::field::FieldStore;
+use splatvol_core::visibility::BRICK_VOXELS;
+
+use super::classified::Classified;
+use super::ring::LANES;
+use super::shade::Canvas;
+use super::sheet::{GroupShape, SheetShape};
+use super::splat::Payload;
+use super::tile::{DataFrame, DataScratch, Place, take};
+
+/// Bricks with voxels to splat.
+pub(crate) trait Bricks: std::fmt::Debug + Sync {
+    /// Number of bricks.
+    fn len(&self) -> usize;
+
+    /// First lattice point of a brick.
+    fn first(&self, index: usize) -> [u32; 3];
+}
+
+impl Bricks for FieldStore {
+    fn len(&self) -> usize {
+        Self::len(self)
+    }
+
+    fn first(&self, index: usize) -> [u32; 3] {
+        Self::first(self, index)
+    }
+}
+
+/// What voxels splat, N numbers each, and what becomes of finished sheets.
+pub(crate) trait Mode<const N: usize>: Sync {
+    /// What a record's value stands for.
+    type Payload<'m>: Payload<N>;
+
+    /// What records' values stand for, given what the open bricks hold.
+    fn payload(classified: &Classified) -> Self::Payload<'_>;
+
+    /// Opens a brick: values of its voxels, NaN where there is nothing to splat; and into the memory of its slot what
+    /// values stand for.
+    fn open<S: Simd>(
+        &self,
+        simd: S,
+        brick_and_slot: (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        classified: &mut Classified,
+    );
+
+    /// Fetches from memory what opening a brick will need soon.
+    #[inline(always)]
+    fn touch(&self, _brick: usize) {}
+
+    /// Groups of sheets in the ring.
+    fn ring_groups(&self, frame: &DataFrame<'_>) -> usize {
+        frame.groups * N
+    }
+
+    /// Planes of a sheet, or of all.
+    fn planes(&self) -> usize {
+        N
+    }
+
+    /// The footprint that stands for those of all voxels that enter a sheet.
+    fn shape(&self, frame: &DataFrame<'_>, _: &Place, sheet: usize) -> SheetShape {
+        let middle = sheet + frame.groups * LANES / 2;
+        frame.sheets[middle.min(frame.sheets.len() - 1)]
+    }
+
+    /// Depths between which voxels enter a sheet.
+    fn depths(&self, frame: &DataFrame<'_>, sheet: usize) -> [f32; 2] {
+        let plane = frame.stack.plane(sheet) as f32;
+        [plane - frame.depth_reach, plane + frame.depth_reach]
+    }
+
+    /// The sheets of a group while the voxels that enter a sheet are splatted.
+    fn group(&self, frame: &DataFrame<'_>, _: &Place, sheet: usize, group: usize) -> GroupShape {
+        GroupShape::new(frame.sheets, sheet as isize, group, frame.groups)
+    }
+
+    /// Gets records ready to be splatted; `first` where they are the first that enter the sheet.
+    #[inline(always)]
+    fn prepare<S: Simd>(
+        &self,
+        _: S,
+        (_frame, _sheet, _first): (&DataFrame<'_>, usize, bool),
+        _: &mut DataScratch,
+    ) {
+    }
+
+    /// Takes a finished sheet out of the ring, as the last planes.
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        frame: &DataFrame<'_>,
+        place: &Place,
+        sheet: usize,
+        scratch: &mut DataScratch,
+    ) {
+        let open = frame.groups * LANES;
+        let DataScratch {
+            ring,
+            raster,
+            upsampler,
+            planes: [.., last],
+            ..
+        } = scratch;
+        for channel in 0..N {
+            let slot = channel * open + sheet % open;
+            take(
+                simd,
+                frame.step,
+                place,
+                slot,
+                (ring, &mut last[channel]),
+                (raster, upsampler),
+            );
+        }
+    }
+
+    /// Takes what lies between a sheet and the next to the canvas, and closes the pixels that it finishes.
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        frame: &DataFrame<'_>,
+        near: usize,
+        place: &Place,
+        canvas_and_scratch: (&mut Canvas, &mut DataScratch),
+    );
+
+    /// Makes pixels of what the canvas has in the end.
+    #[inline(always)]
+    fn finish<S: Simd>(
+        &self,
+        _: S,
+        _: &DataFrame<'_>,
+        _: &Place,
+        (_canvas, _scratch): (&mut Canvas, &mut DataScratch),
+    ) {
+    }
+}

@@ -1,0 +1,109 @@
+//! Post-classification: coefficients are splatted, intervals between planes are classified, lit and composited.
+
+use fearless_simd::prelude::*;
+use splatvol_core::field::FieldStore;
+use splatvol_core::visibility::BRICK_VOXELS;
+
+use super::classified::Classified;
+use super::mode::Mode;
+use super::plane::{HALO, Plane, Span};
+use super::shade::{Canvas, Interval, PlaneShader, ShadeTarget};
+use super::splat::Coefficient;
+use super::tile::{DataFrame, DataScratch, Place};
+
+/// Post-classification.
+#[derive(Debug)]
+pub(crate) struct Shaded<'a> {
+    pub store: &'a FieldStore,
+    pub shader: PlaneShader<'a>,
+}
+
+impl Mode<1> for Shaded<'_> {
+    type Payload<'m> = Coefficient;
+
+    fn payload(_: &Classified) -> Coefficient {
+        Coefficient
+    }
+
+    #[inline(always)]
+    fn touch(&self, brick: usize) {
+        self.store.touch(brick);
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(
+        &self,
+        _: S,
+        (brick, _): (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        _: &mut Classified,
+    ) {
+        self.store.decode(brick, values);
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        frame: &DataFrame<'_>,
+        near: usize,
+        place: &Place,
+        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+    ) {
+        let DataScratch {
+            planes, mask, batch, ..
+        } = scratch;
+        let Some((interval, span)) = interval(
+            &self.shader,
+            frame,
+            (near, place),
+            planes.each_ref().map(|p| &p[0]),
+        ) else {
+            return;
+        };
+        let mut target = ShadeTarget {
+            origin: [place.rect.x0, place.rect.y0],
+            span,
+            mask,
+            canvas,
+            batch,
+        };
+        self.shader.shade(simd, &interval, &mut target);
+    }
+}
+
+/// Pixels of the tile where one of the two middle planes holds something.
+pub(crate) fn filled(planes: [&Plane; 4], place: &Place) -> Option<Span> {
+    let filled = |plane: &Plane| plane.filled.unwrap_or(Span::EMPTY);
+    let span = filled(planes[1]).join(filled(planes[2]));
+    (!span.is_empty()).then(|| Span {
+        x0: span.x0.saturating_sub(HALO),
+        y0: span.y0.saturating_sub(HALO),
+        x1: span.x1.saturating_sub(HALO).min(place.size[0]),
+        y1: span.y1.saturating_sub(HALO).min(place.size[1]),
+    })
+}
+
+/// The interval behind a sheet, and the pixels where it holds something.
+pub(crate) fn interval<'a>(
+    shader: &PlaneShader<'_>,
+    frame: &DataFrame<'_>,
+    (near, place): (usize, &Place),
+    planes: [&'a Plane; 4],
+) -> Option<(Interval<'a>, Span)> {
+    let span = filled(planes, place)?;
+    let sheets = frame.sheets.get(near..near + 2)?;
+    let step = frame.step as f32;
+    let depths = [sheets[0].depth, sheets[1].depth];
+    let borders = shader.borders(depths);
+    let interval = Interval {
+        is_near_border: borders
+            .iter()
+            .any(|plane| shader.border.is_near_any(plane, &place.rect)),
+        borders,
+        planes,
+        depths,
+        scales: [sheets[0].scale * step, sheets[1].scale * step],
+    };
+    Some((interval, span))
+}

@@ -1,0 +1,324 @@
+//! The other pictures of the fast engine: pre-classified, X-ray, maximum intensity. Against the reference with the same
+//! settings, against the best method, and the same bytes for any number of threads.
+
+use glam::DVec3;
+use splatvol::{
+    Camera, Classification, Compositing, EngineConfig, Filter, Frame, Gradient, Grid, ImageSize, Projection,
+    RenderSettings, Renderer, Scene, SimdLevel,
+};
+use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::fields::Noise;
+use splatvol_testing::transfer::linear_extinction;
+use splatvol_testing::{Comparison, Random, sample};
+
+use crate::agreement::pictures;
+use crate::common::{PROJECTIONS, orthographic, perspective};
+use crate::support::{
+    bits, fast, framing, generated, name_of, noise, render, rendered, renderer, translucent,
+};
+
+/// The modes with their names.
+pub(crate) fn modes(base: RenderSettings) -> [(&'static str, RenderSettings); 4] {
+    let pre = RenderSettings {
+        classification: Classification::Pre,
+        ..base
+    };
+    let of = |compositing| RenderSettings { compositing, ..base };
+    [
+        ("mip", of(Compositing::Mip)),
+        ("xray", of(Compositing::Xray)),
+        ("pre lit", pre),
+        (
+            "pre unlit",
+            RenderSettings {
+                lighting: None,
+                ..pre
+            },
+        ),
+    ]
+}
+
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let ball = Sample::Ball.generate(Some(SampleSize::Longest(32))).unwrap();
+    vec![
+        ("head", generated(Sample::Head, 48)),
+        ("ball", Scene::new(ball, translucent())),
+        ("noise", mild_noise()),
+    ]
+}
+
+/// Noise on a grid of spacings that differ less than those of [`noise`]: X-rays without filter of that one are left to the
+/// slice engine.
+fn mild_noise() -> Scene {
+    let grid = Grid::centred([32, 40, 24], DVec3::new(1.0, 0.8, 1.4)).unwrap();
+    let volume = sample(&Noise::new(7, 40, DVec3::new(1.2, 1.2, 0.9)), &grid);
+    Scene::new(volume, translucent())
+}
+
+/// Asserts the PSNR floors of four modes.
+fn demand(name: &str, floors: [f64; 4], compare: impl Fn(usize) -> (&'static str, Comparison)) {
+    let mut failed = Vec::new();
+    for (mode, floor) in floors.into_iter().enumerate() {
+        let (mode, figures) = compare(mode);
+        let bias = figures
+            .bias
+            .into_iter()
+            .fold(0.0, |most: f64, b| most.max(b.abs()));
+        println!(
+            "{name} {mode}: {:.2} dB, largest {:.4}, bias {bias:.1e}",
+            figures.psnr, figures.max_error
+        );
+        if figures.psnr < floor {
+            failed.push(format!("{name} {mode}: {:.2} dB, demanded {floor}", figures.psnr));
+        }
+    }
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// One below what was measured; mip, xray, pre lit, pre unlit, in perspective and orthographic.
+#[test]
+fn pictures_of_all_modes_agree_with_the_reference() {
+    for (name, scene) in scenes() {
+        let floors = match name {
+            "head" => REFERENCE[0],
+            "ball" => REFERENCE[1],
+            _ => REFERENCE[2],
+        };
+        for (projection, floors) in PROJECTIONS.into_iter().zip(floors) {
+            let base = RenderSettings {
+                filter: Filter::None,
+                ..fast(256, 256)
+            };
+            demand(
+                &format!("{name} {} reference", name_of(projection)),
+                floors,
+                |mode| {
+                    let (mode, settings) = modes(base)[mode];
+                    let (found, expected) = pictures(&scene, projection, &settings);
+                    (mode, Comparison::of(&found, &expected))
+                },
+            );
+        }
+    }
+}
+
+const REFERENCE: [[[f64; 4]; 2]; 3] = [[[30.0; 4]; 2]; 3];
+
+/// The slice engine with sheets half a voxel apart and the same kernel, and the best method, whose kernel is wider.
+#[test]
+fn pictures_of_all_modes_agree_with_the_other_engine() {
+    let mut renderer = renderer();
+    for (name, scene) in scenes() {
+        for projection in PROJECTIONS {
+            let camera = framing(&scene, projection, 1.0, 1.0);
+            let base = RenderSettings {
+                filter: Filter::Ewa { pixel_sigma: 0.55 },
+                ..fast(256, 256)
+            };
+            let mut figures = Vec::new();
+            for (mode, settings) in modes(base) {
+                let (found, _) = rendered(&mut renderer, &scene, &camera, &settings);
+                let slices = RenderSettings {
+                    gradient: Gradient::Analytic,
+                    sheet_thickness: 0.5,
+                    ..settings
+                };
+                let best = RenderSettings {
+                    kernel: RenderSettings::best().kernel,
+                    ..slices
+                };
+                let [slices, best] = [slices, best].map(|settings| {
+                    let expected = renderer.render(&scene, &camera, &settings).unwrap();
+                    Comparison::of(&found.image, &expected.image)
+                });
+                figures.push([(mode, slices), (mode, best)]);
+            }
+            for (which, (engine, floors)) in [("slices", SLICES), ("best", BEST)].into_iter().enumerate() {
+                let name = format!("{name} {} {engine}", name_of(projection));
+                demand(&name, floors, |mode| figures[mode][which].clone());
+            }
+        }
+    }
+}
+
+const SLICES: [f64; 4] = [40.0, 48.0, 40.0, 40.0];
+const BEST: [f64; 4] = [40.0, 34.0, 34.0, 33.0];
+
+/// The slice engine with the very settings, but for its gradient: the same kernel on the same sheets.
+#[test]
+fn depths_are_those_of_the_other_engine() {
+    let mut renderer = renderer();
+    for (name, scene) in scenes() {
+        let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
+        // A maximum has many depths where values are alike.
+        for (mode, settings) in modes(fast(160, 160)).into_iter().skip(1) {
+            let (found, _) = rendered(&mut renderer, &scene, &camera, &settings);
+            let slices = RenderSettings {
+                gradient: Gradient::Analytic,
+                ..settings
+            };
+            let expected = renderer.render(&scene, &camera, &slices).unwrap();
+            let seen = |frame: &Frame, i: usize| frame.image.pixels[i][3] > 0.05;
+            let both: Vec<f64> = (0..found.depth.len())
+                .filter(|&i| seen(&found, i) && seen(&expected, i))
+                .map(|i| f64::from((found.depth[i] - expected.depth[i]).abs()))
+                .collect();
+            let mut sorted = both.clone();
+            sorted.sort_by(f64::total_cmp);
+            let (mean, most) = (
+                both.iter().sum::<f64>() / both.len() as f64,
+                sorted[both.len() * 95 / 100],
+            );
+            println!(
+                "{name} {mode}: depth off by {mean:.3} in the mean, by less than {most:.3} in 95 of 100 pixels"
+            );
+            assert!(
+                both.len() > 1000 && mean < 0.5 && most < 2.0,
+                "{name} {mode}: {mean} {most}"
+            );
+        }
+    }
+}
+
+#[test]
+fn x_ray_energy_is_kept_under_rotation_and_zoom() {
+    let mut random = Random::new(3);
+    let grids = [
+        Grid::centred([48, 48, 48], DVec3::ONE).unwrap(),
+        Grid::centred([40, 56, 24], DVec3::new(1.1, 0.8, 2.0)).unwrap(),
+    ];
+    let mut worst = 0.0f64;
+    for grid in grids {
+        let volume = sample(&Noise::new(5, 30, DVec3::splat(0.6)), &grid);
+        let [low, high] = volume.value_range();
+        let scene = Scene::new(volume, linear_extinction([low, high], 0.05, [1.0; 3]));
+        let unit = scene.unit_distance();
+        let energy: f64 = (0..grid.sample_count())
+            .map(|i| scene.transfer_function.extinction(scene.volume.value(i), unit) * grid.cell_volume())
+            .sum();
+        let bounds = grid.bounds();
+        let base = modes(fast(64, 64))[1].1;
+        for zoom in [0.25, 0.5, 0.71, 1.0, 2.0, 6.0] {
+            for direction in [DVec3::Y, random.direction(), random.direction()] {
+                let height = bounds.diagonal() + 12.0 + 8.0 / zoom;
+                let pixels = (height * zoom).ceil();
+                let camera = orthographic(bounds.centre(), direction, pixels / zoom);
+                let size = ImageSize::new(pixels as u32, pixels as u32).unwrap();
+                let frame = render(&scene, &camera, &RenderSettings { size, ..base });
+                let sum: f64 = frame.optical_depth.iter().map(|&tau| f64::from(tau)).sum();
+                let error = sum / (zoom * zoom) / energy - 1.0;
+                worst = worst.max(error.abs());
+                assert!(
+                    error.abs() < 5e-3,
+                    "zoom {zoom} direction {direction}: off by {error:.2e}"
+                );
+            }
+        }
+    }
+    println!("largest energy error: {worst:.2e}");
+}
+
+/// Optical depth in perspective, against the slice engine, pixel by pixel across tiles.
+#[test]
+fn x_rays_of_wide_views_have_no_seams() {
+    let grid = Grid::centred([48, 48, 48], DVec3::new(1.0, 0.7, 1.6)).unwrap();
+    let scene = Scene::new(
+        sample(&Noise::new(9, 30, DVec3::splat(0.8)), &grid),
+        translucent(),
+    );
+    let camera = perspective(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 90.0, 50.0);
+    let settings = RenderSettings {
+        filter: Filter::Ewa { pixel_sigma: 0.55 },
+        ..modes(fast(320, 320))[1].1
+    };
+    let mut renderer = renderer();
+    let (found, _) = rendered(&mut renderer, &scene, &camera, &settings);
+    let slices = RenderSettings {
+        gradient: Gradient::Analytic,
+        ..settings
+    };
+    let expected = renderer.render(&scene, &camera, &slices).unwrap();
+    let figures = Comparison::of(&found.image, &expected.image);
+    println!(
+        "wide x-ray: {:.2} dB, largest {:.4}",
+        figures.psnr, figures.max_error
+    );
+    assert!(figures.psnr > 55.0 && figures.max_error < 0.02);
+}
+
+/// Frames of both projections, whole, close, and so far that two levels are blended.
+fn frames(config: EngineConfig) -> Vec<(String, Frame)> {
+    let mut renderer = Renderer::new(config).unwrap();
+    let mut frames = Vec::new();
+    for (name, scene) in [("shells", generated(Sample::Shells, 48)), ("noise", noise())] {
+        for projection in PROJECTIONS {
+            let close = if matches!(projection, Projection::Perspective { .. }) {
+                1.3
+            } else {
+                2.5
+            };
+            for zoom in [0.34, 1.0, close] {
+                let camera = framing(&scene, projection, 168.0 / 136.0, zoom);
+                for (mode, settings) in modes(fast(168, 136)) {
+                    let (frame, _) = rendered(&mut renderer, &scene, &camera, &settings);
+                    frames.push((format!("{name} {} {zoom} {mode}", name_of(projection)), frame));
+                }
+            }
+        }
+    }
+    frames
+}
+
+fn largest_difference(a: &Frame, b: &Frame) -> f32 {
+    let pairs = a
+        .image
+        .pixels
+        .iter()
+        .flatten()
+        .zip(b.image.pixels.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn threads_do_not_change_a_bit_of_any_mode() {
+    let of = |threads| {
+        frames(EngineConfig {
+            threads: Some(threads),
+            ..EngineConfig::default()
+        })
+    };
+    let expected = of(1);
+    for threads in [2, 7] {
+        for ((name, found), (_, expected)) in of(threads).iter().zip(&expected) {
+            assert!(bits(found) == bits(expected), "{name} with {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn tiles_and_instructions_change_pictures_of_any_mode_by_little() {
+    let expected = frames(EngineConfig::default());
+    let tiles = [16, 48].map(|edge| EngineConfig {
+        tile_edge: Some(edge),
+        ..EngineConfig::default()
+    });
+    let levels = SimdLevel::ALL
+        .into_iter()
+        .filter(|level| level.is_available())
+        .map(|level| EngineConfig {
+            simd: Some(level),
+            ..EngineConfig::default()
+        });
+    for config in tiles.into_iter().chain(levels) {
+        let mut worst = (0.0, "");
+        let found = frames(config);
+        for ((name, expected), (_, found)) in expected.iter().zip(&found) {
+            let most = largest_difference(found, expected);
+            if most > worst.0 {
+                worst = (most, name);
+            }
+        }
+        println!("{config:?}: {:.1e} ({})", worst.0, worst.1);
+        assert!(worst.0 < 5e-3, "{config:?}: {worst:?}");
+    }
+}
