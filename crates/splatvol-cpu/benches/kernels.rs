@@ -114,11 +114,11 @@ fn engine_cases() -> Vec<Case> {
 #[divan::bench(args = engine_cases(), consts = [false, true])]
 fn four_sheets<const ELLIPSES: bool>(bencher: Bencher<'_, '_>, case: Case) {
     let (x, y) = (random(1), random(2));
-    let mut sheets = FourSheets::new(case.radius / CUT, blocks(case.radius), &x, &y);
+    let mut sheets = FourSheets::new(case.radius / CUT, (blocks(case.radius), ELLIPSES), &x, &y);
     let level = levels()[case.level].1;
     bencher
         .counter(items(case.radius, 4.0))
-        .bench_local(|| sheets.splat(level, ELLIPSES));
+        .bench_local(|| sheets.splat(level));
 }
 
 /// Large footprints through a coarser lattice, interpolation of the tile included; a call splats 512.

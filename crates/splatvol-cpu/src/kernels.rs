@@ -41,12 +41,13 @@ pub struct FourSheets {
     rows: Vec<Row>,
     constants: SplatConstants,
     blocks: usize,
+    ellipses: bool,
 }
 
 impl FourSheets {
     /// Voxels at `x`, `y` pixels of a tile, as many as the engine collects; round footprints of `sigma` pixels and `blocks`
-    /// blocks of 2 x 2 pixels along an edge.
-    pub fn new(sigma: f32, blocks: usize, x: &[f32], y: &[f32]) -> Self {
+    /// blocks of 2 x 2 pixels along an edge; `ellipses`: by the kernel for any conic.
+    pub fn new(sigma: f32, (blocks, ellipses): (usize, bool), x: &[f32], y: &[f32]) -> Self {
         let exponent = -0.5 * std::f32::consts::LOG2_E / (sigma * sigma);
         let lanes = |value: f32| Lanes16([value; 16]);
         let shape = GroupShape {
@@ -61,12 +62,12 @@ impl FourSheets {
         let apron = 2 * blocks;
         records.len = x.len().min(y.len()).min(splat::CAPACITY);
         for (n, (x, y)) in x.iter().zip(y).take(records.len).enumerate() {
-            let first = |centre: f32| (centre.floor() as usize + apron) / 2 - splat::middle_block(blocks);
-            let middle = |centre: f32| (centre.floor() as usize + apron) / 2 * 2;
+            let first = |centre: f32| (centre.floor() as usize + apron) / 2 - blocks / 2;
+            let origin = |centre: f32| 2 * (first(centre) + splat::origin_block(blocks, ellipses));
             records.column[n] = first(*x) as u32;
             records.row[n] = first(*y) as u32;
-            records.origin_x[n] = x + apron as f32 - middle(*x) as f32;
-            records.origin_y[n] = y + apron as f32 - middle(*y) as f32;
+            records.origin_x[n] = x + apron as f32 - origin(*x) as f32;
+            records.origin_y[n] = y + apron as f32 - origin(*y) as f32;
             records.value[n] = 1.0;
         }
         Self {
@@ -82,20 +83,22 @@ impl FourSheets {
                 depth_edge: 1e-3,
             },
             blocks,
+            ellipses,
         }
     }
 
-    /// Splats all voxels once; `ellipses`: by the kernel for any conic.
-    pub fn splat(&mut self, level: Level, ellipses: bool) {
-        dispatch!(level, simd => self.splat_with(simd, ellipses));
+    /// Splats all voxels once.
+    pub fn splat(&mut self, level: Level) {
+        dispatch!(level, simd => self.splat_with(simd));
     }
 
     #[inline(always)]
-    fn splat_with<S: Simd>(&mut self, simd: S, ellipses: bool) {
-        self.stencil.prepare(simd, &self.shape, self.blocks, ellipses);
+    fn splat_with<S: Simd>(&mut self, simd: S) {
+        self.stencil
+            .prepare(simd, &self.shape, self.blocks, self.ellipses);
         macro_rules! by_size {
             ($($size:literal)*) => {
-                match (self.blocks, ellipses) {
+                match (self.blocks, self.ellipses) {
                     $(($size, false) => self.add::<S, $size, false>(simd),
                     ($size, true) => self.add::<S, $size, true>(simd),)*
                     _ => {}

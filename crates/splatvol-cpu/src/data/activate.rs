@@ -9,7 +9,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::mask::OpenMask;
 use super::order::DepthOrder;
-use super::splat::{CAPACITY, Records, SplatConstants, middle_block};
+use super::splat::{CAPACITY, Records, SplatConstants};
 
 /// A brick some of whose voxels are still to come.
 #[derive(Debug, Clone, Copy)]
@@ -105,6 +105,8 @@ impl OpenVoxels {
 pub(crate) struct Window {
     /// Blocks along a footprint's edge.
     pub blocks: usize,
+    /// Raster points from a footprint's first to the one that its powers count from.
+    pub origin: f32,
     /// Depths between which voxels enter.
     pub depths: [f32; 2],
     /// The middle sheet's depth and scale.
@@ -191,7 +193,6 @@ pub(crate) fn activate<S: Simd>(
         }
         let found = wanted.to_bitmask().count_ones() as usize;
         if found > 0 {
-            let middle = 2.0 * middle_block(window.blocks) as f32;
             let at = records.len.min(CAPACITY);
             let range = at..at + 16;
             x.compress(wanted).store_slice(&mut records.x[range.clone()]);
@@ -200,10 +201,10 @@ pub(crate) fn activate<S: Simd>(
             value
                 .compress(wanted)
                 .store_slice(&mut records.value[range.clone()]);
-            (px - first_x - middle)
+            (px - first_x - window.origin)
                 .compress(wanted)
                 .store_slice(&mut records.origin_x[range.clone()]);
-            (py - first_y - middle)
+            (py - first_y - window.origin)
                 .compress(wanted)
                 .store_slice(&mut records.origin_y[range.clone()]);
             records.join(simd, wanted, column, row);

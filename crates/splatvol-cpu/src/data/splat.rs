@@ -6,10 +6,13 @@
 //! `2^(a (i-u)^2 + c (i-u)(j-v) + b (j-v)^2) = C(i, j) p^i q^j 2^(a u^2 + c u v + b v^2)`,
 //! `C(i, j) = 2^(a i^2 + c i j + b j^2)`, `p = 2^(-2 a u - c v)`, `q = 2^(-2 b v - c u)`:
 //!
-//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs two exponentials of
-//! vectors whatever its size and shape, and every weight is exact: no table of phases, no rounding of positions. Where C
+//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs one or two exponentials
+//! of vectors whatever its size and shape, and every weight is exact: no table of phases, no rounding of positions. Where C
 //! is a product of a column and a row (radial kernels) each vector of pixels costs one multiply-add, otherwise one
 //! multiplication more.
+//!
+//! Round footprints count i and j from their first block. Of an elongated one the powers would overflow there: those count
+//! from the block in the middle, and need powers that lead back, `p^-2` and `q^-2`, too.
 
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 
@@ -154,7 +157,7 @@ impl Stencil {
             load(simd, &shape.xy),
             load(simd, &shape.yy),
         );
-        let middle = middle_block(size) as f32 * 2.0;
+        let middle = origin_block(size, ellipses) as f32 * 2.0;
         for row in 0..size {
             let j = f32x16::from_slice(simd, &ROW) + (2 * row) as f32 - middle;
             exp2(simd, yy * j * j).store_slice(&mut self.rows[row].0);
@@ -171,9 +174,9 @@ impl Stencil {
     }
 }
 
-/// The block whose first raster point is a footprint's origin.
-pub(crate) const fn middle_block(size: usize) -> usize {
-    size / 2
+/// The block of a footprint whose first raster point i and j count from.
+pub(crate) const fn origin_block(size: usize, ellipses: bool) -> usize {
+    if ellipses { size / 2 } else { 0 }
 }
 
 /// Voxels whose powers are computed together: a voxel's chain of dependent instructions is longer than a processor
@@ -183,9 +186,9 @@ const BATCH: usize = 16;
 /// Powers of a batch: exponents first.
 #[derive(Debug)]
 pub(crate) struct Powers {
-    /// `p, p^-2, q, q^-2`, four sheets each.
+    /// `p, q, 2^(a u^2 + b v^2)`, profile in depth, four sheets each; of ellipses `p, p^-2, q, q^-2`.
     steps: [Lanes16; BATCH],
-    /// `2^(a u^2 + c u v + b v^2)` and the profile in depth, twice.
+    /// Of ellipses `2^(a u^2 + c u v + b v^2)` and the profile in depth, twice.
     weights: [Lanes16; BATCH],
 }
 
@@ -228,23 +231,38 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
     let mut first = 0;
     while first < total {
         let count = (total - first).min(BATCH);
-        exponents::<S, ELLIPSES>(simd, constants, shape, (records, first, count), powers);
+        if ELLIPSES {
+            exponents(simd, constants, shape, (records, first, count), powers);
+        } else {
+            round_exponents(simd, constants, shape, (records, first, count), powers);
+        }
         for lanes in &mut powers.steps[..count] {
             exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
         }
-        for lanes in &mut powers.weights[..count] {
-            exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
+        if ELLIPSES {
+            for lanes in &mut powers.weights[..count] {
+                exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
+            }
         }
         let peak = load(simd, &shape.peak);
         for n in 0..count {
             let column = (records.column[first + n] as usize).min(PITCH - SIZE);
             let place = records.row[first + n] as usize;
-            let (lateral, depth) = load(simd, &powers.weights[n]).split();
-            let profile = (depth - constants.depth_edge).max(f32x8::splat(simd, 0.0));
-            let weight = lateral * profile;
+            let lateral_and_depth = if ELLIPSES {
+                load(simd, &powers.weights[n]).split()
+            } else {
+                let (lateral, depth) = load(simd, &powers.steps[n]).split().1.split();
+                (lateral.combine(lateral), depth.combine(depth))
+            };
+            let (lateral, depth) = lateral_and_depth;
+            let weight = lateral * (depth - constants.depth_edge).max(f32x8::splat(simd, 0.0));
             let weight = weight.combine(weight);
             let weights = payload.weights(simd, records.value[first + n], weight, peak);
-            let steps = Steps::<S, SIZE>::new::<ELLIPSES>(simd, &powers.steps[n], stencil);
+            let steps = if ELLIPSES {
+                Steps::<S, SIZE>::of_ellipse(simd, &powers.steps[n])
+            } else {
+                Steps::<S, SIZE>::of_round(simd, &powers.steps[n], stencil)
+            };
             for channel in 0..N {
                 let Some(rows) = rings[channel]
                     .get_mut(place..)
@@ -284,9 +302,44 @@ pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
     by_size!(2 3 4 5 6 7 8 10 12 16);
 }
 
-/// Exponents of a batch.
+/// Exponents of a batch of round footprints.
 #[inline(always)]
-fn exponents<S: Simd, const ELLIPSES: bool>(
+fn round_exponents<S: Simd>(
+    simd: S,
+    constants: &SplatConstants,
+    shape: &GroupShape,
+    (records, first, count): (&Records, usize, usize),
+    powers: &mut Powers,
+) {
+    let (depth, scale) = (load(simd, &shape.depth), load(simd, &shape.scale));
+    let (xx, yy) = (load(simd, &shape.xx), load(simd, &shape.yy));
+    // Four lanes each: -2 a u, -2 b v, a u^2 + b v^2, the profile.
+    let zero = f32x16::splat(simd, 0.0);
+    let upper = f32x16::from_slice(simd, &ROW).simd_gt(zero);
+    let odd = f32x16::from_slice(simd, &COLUMN).simd_gt(zero);
+    let (second, last) = (odd & !upper, odd & upper);
+    let factor = last.select(
+        f32x16::splat(simd, constants.depth_exponent),
+        upper.select(xx, second.select(yy, xx) * -2.0),
+    );
+    let vertical = (upper & !odd).select(yy, zero);
+    let one = f32x16::splat(simd, 1.0);
+    for n in 0..count {
+        let record = first + n;
+        let dz = depth - records.z[record];
+        let u = scale.mul_add(records.x[record], f32x16::splat(simd, records.origin_x[record]));
+        let v = scale.mul_add(records.y[record], f32x16::splat(simd, records.origin_y[record]));
+        let own = last.select(dz, second.select(v, u));
+        let again = upper.select(own, one);
+        (own * factor)
+            .mul_add(again, v * v * vertical)
+            .store_slice(&mut powers.steps[n].0);
+    }
+}
+
+/// Exponents of a batch of ellipses.
+#[inline(always)]
+fn exponents<S: Simd>(
     simd: S,
     constants: &SplatConstants,
     shape: &GroupShape,
@@ -313,22 +366,12 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
     for n in 0..count {
         let record = first + n;
         let dz = depth - records.z[record];
-        let (mut x, mut y) = (
-            f32x16::splat(simd, records.x[record]),
-            f32x16::splat(simd, records.y[record]),
-        );
-        if ELLIPSES {
-            x = dz.mul_add(constants.slope[0], x);
-            y = dz.mul_add(constants.slope[1], y);
-        }
+        let x = dz.mul_add(constants.slope[0], f32x16::splat(simd, records.x[record]));
+        let y = dz.mul_add(constants.slope[1], f32x16::splat(simd, records.y[record]));
         let u = x.mul_add(scale, f32x16::splat(simd, records.origin_x[record]));
         let v = y.mul_add(scale, f32x16::splat(simd, records.origin_y[record]));
-        let mut steps = own * upper.select(v, u);
-        let mut lateral = (u * u).mul_add(xx, v * v * yy);
-        if ELLIPSES {
-            steps = other.mul_add(upper.select(u, v), steps);
-            lateral = (u * v).mul_add(xy, lateral);
-        }
+        let steps = other.mul_add(upper.select(u, v), own * upper.select(v, u));
+        let lateral = (u * v).mul_add(xy, (u * u).mul_add(xx, v * v * yy));
         steps.store_slice(&mut powers.steps[n].0);
         upper
             .select(dz * dz * constants.depth_exponent, lateral)
@@ -339,47 +382,67 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
 /// Powers of a voxel's columns, and what leads from row to row.
 struct Steps<S: Simd, const SIZE: usize> {
     across: [f32x16<S>; SIZE],
-    /// Of the middle block's rows.
-    middle: f32x16<S>,
+    /// Of the rows of the block that counting begins at.
+    origin: f32x16<S>,
     forward: f32x16<S>,
     back: f32x16<S>,
 }
 
+/// Four numbers in all quarters of a vector.
+#[inline(always)]
+fn four_times<S: Simd>(four: f32x4<S>) -> f32x16<S> {
+    let both = four.combine(four);
+    both.combine(both)
+}
+
 impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
     #[inline(always)]
-    fn new<const ELLIPSES: bool>(simd: S, steps: &Lanes16, stencil: &Stencil) -> Self {
-        let middle = middle_block(SIZE);
+    fn of_round(simd: S, steps: &Lanes16, stencil: &Stencil) -> Self {
+        let (p, q) = load(simd, steps).split().0.split();
+        let one = f32x4::splat(simd, 1.0);
+        let columns = one.combine(p);
+        let mut across = [columns.combine(columns); SIZE];
+        let p = four_times(p);
+        let forward = p * p;
+        for b in 1..SIZE {
+            across[b] = across[b - 1] * forward;
+        }
+        for b in 0..SIZE {
+            across[b] *= load(simd, &stencil.columns[b]);
+        }
+        let origin = one.combine(one).combine(q.combine(q));
+        let q = four_times(q);
+        Self {
+            across,
+            origin,
+            forward: q * q,
+            back: q,
+        }
+    }
+
+    #[inline(always)]
+    fn of_ellipse(simd: S, steps: &Lanes16) -> Self {
+        let origin = origin_block(SIZE, true);
         let (columns, rows) = load(simd, steps).split();
         let ((p, p_back), (q, q_back)) = (columns.split(), rows.split());
         let one = f32x4::splat(simd, 1.0);
-        // Powers of the middle block's columns and rows, and what leads to the blocks beside it.
-        let half = one.combine(p);
-        let mut across = [half.combine(half); SIZE];
-        let both = p.combine(p);
-        let p = both.combine(both);
-        let p_forward = p * p;
-        let both = p_back.combine(p_back);
-        let p_back = both.combine(both);
-        for b in middle + 1..SIZE {
-            across[b] = across[b - 1] * p_forward;
+        let columns = one.combine(p);
+        let mut across = [columns.combine(columns); SIZE];
+        let p = four_times(p);
+        let (forward, back) = (p * p, four_times(p_back));
+        for b in origin + 1..SIZE {
+            across[b] = across[b - 1] * forward;
         }
-        for b in (0..middle).rev() {
-            across[b] = across[b + 1] * p_back;
+        for b in (0..origin).rev() {
+            across[b] = across[b + 1] * back;
         }
-        if !ELLIPSES {
-            for b in 0..SIZE {
-                across[b] *= load(simd, &stencil.columns[b]);
-            }
-        }
-        let both = q.combine(q);
-        let q_wide = both.combine(both);
-        let back = q_back.combine(q_back);
-        let ones = one.combine(one);
+        let rows = one.combine(one).combine(q.combine(q));
+        let q = four_times(q);
         Self {
             across,
-            middle: ones.combine(both),
-            forward: q_wide * q_wide,
-            back: back.combine(back),
+            origin: rows,
+            forward: q * q,
+            back: four_times(q_back),
         }
     }
 
@@ -392,12 +455,12 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
         stencil: &Stencil,
         (blocks, first): (&mut [Row; SIZE], usize),
     ) {
-        let middle = middle_block(SIZE);
-        let mut down = [self.middle * weight; SIZE];
-        for r in middle + 1..SIZE {
+        let origin = origin_block(SIZE, ELLIPSES);
+        let mut down = [self.origin * weight; SIZE];
+        for r in origin + 1..SIZE {
             down[r] = down[r - 1] * self.forward;
         }
-        for r in (0..middle).rev() {
+        for r in (0..origin).rev() {
             down[r] = down[r + 1] * self.back;
         }
         if !ELLIPSES {

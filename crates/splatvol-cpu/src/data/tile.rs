@@ -17,7 +17,9 @@ use super::plane::{HALO, Plane};
 use super::ring::{BLOCK_EDGE, LANES, SheetRing};
 use super::shade::{Canvas, ShadeBatch};
 use super::sheet::{GroupShape, SheetShape};
-use super::splat::{CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, splat_sized};
+use super::splat::{
+    CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
+};
 use super::upsample::{RASTER_HALO, Upsampler};
 
 /// Sheets whose bricks are fetched from memory together.
@@ -302,8 +304,10 @@ fn window(frame: &DataFrame<'_>, place: &Place, (shape, depths): (&SheetShape, [
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.size.map(|n| n.div_ceil(frame.step) as f32);
+    let blocks = blocks_of(frame.half_extent(shape));
     Window {
-        blocks: blocks_of(frame.half_extent(shape)),
+        blocks,
+        origin: (BLOCK_EDGE * origin_block(blocks, frame.ellipses)) as f32,
         depths,
         depth: shape.depth,
         scale: shape.scale,
