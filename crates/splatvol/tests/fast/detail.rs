@@ -87,11 +87,17 @@ fn a_sweep_through_the_levels_changes_by_bounded_steps_at_ever_less_cost() {
     }
 }
 
-/// Largest steps of the logarithm of a channel's area, within levels and where one is blended into the next.
+/// Largest steps of the logarithm of a channel's area, within levels and where one is blended into the next. What is left
+/// of less than a hundredth of the area at 1:1 counts as that hundredth: shells vanish in the end.
 fn jumps(shots: &[Shot]) -> (f64, f64) {
     let (mut within, mut across) = (0.0f64, 0.0f64);
+    let least = shots[0].areas.map(|area| 0.01 * area);
     for pair in shots.windows(2) {
-        let step = |c: usize| (pair[1].areas[c] / pair[0].areas[c]).ln().abs();
+        let step = |c: usize| {
+            (pair[1].areas[c].max(least[c]) / pair[0].areas[c].max(least[c]))
+                .ln()
+                .abs()
+        };
         let most = (0..4).map(step).fold(0.0, f64::max);
         let blended = pair[0].level != pair[1].level || pair.iter().any(|shot| shot.blended);
         if blended {
