@@ -9,6 +9,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
+use super::border::BorderPlane;
 use super::classified::Classified;
 use super::mode::Mode;
 use super::plane::HALO;
@@ -88,15 +89,18 @@ impl<S: Simd> Cubic<S> {
         (peak.select(value, ends), peak.select(u, place))
     }
 
-    /// The largest of its values where the coverage, which runs from `from` to `to`, is a half and more; -1 where it is
-    /// nowhere.
+    /// The largest of its values where the coverage, the parabola through its values at both ends and in the middle, is a
+    /// half and more; -1 where it is nowhere.
     #[inline(always)]
-    fn largest_covered(&self, simd: S, [from, to]: [f32x16<S>; 2]) -> (f32x16<S>, f32x16<S>) {
+    fn largest_covered(&self, simd: S, [from, middle, to]: [f32x16<S>; 3]) -> (f32x16<S>, f32x16<S>) {
+        let bend = (from + to) * 2.0 - middle * 4.0;
+        let slope = to - from - bend;
         let mut best = (f32x16::splat(simd, -1.0), f32x16::splat(simd, 0.0));
         for step in 0..=STEPS {
             let u = f32x16::splat(simd, step as f32 / STEPS as f32);
             let value = self.at(u);
-            let better = ((to - from) * u + from).simd_ge(f32x16::splat(simd, 0.5)) & value.simd_gt(best.0);
+            let coverage = (bend * u + slope) * u + from;
+            let better = coverage.simd_ge(f32x16::splat(simd, 0.5)) & value.simd_gt(best.0);
             best = (better.select(value, best.0), better.select(u, best.1));
         }
         best
@@ -121,7 +125,13 @@ impl<'a> Intensity<'a> {
 
     /// Keeps what is larger in an interval than what sixteen pixels have.
     #[inline(always)]
-    fn keep<S: Simd>(&self, simd: S, interval: &Interval<'_>, canvas: &mut Canvas, [x, y]: [usize; 2]) {
+    fn keep<S: Simd>(
+        &self,
+        simd: S,
+        (interval, middle): (&Interval<'_>, &BorderPlane),
+        canvas: &mut Canvas,
+        [x, y]: [usize; 2],
+    ) {
         let pixel = y * canvas.pitch + x;
         let best = load(simd, &canvas.color[0], pixel);
         let at = (y + HALO) * interval.planes[0].pitch + x + HALO;
@@ -131,12 +141,13 @@ impl<'a> Intensity<'a> {
                 .iter()
                 .any(|plane| self.shader.border.is_near(plane, [x, y]));
         let one = f32x16::splat(simd, 1.0);
-        let (mut weights, mut coverage) = ([one; 2], [one; 2]);
+        let (mut weights, mut coverage) = ([one; 2], [one; 3]);
         if near_border {
             for end in 0..2 {
                 let shares = self.shader.border.at(simd, &interval.borders[end], [x, y]);
-                (weights[end], coverage[end]) = (shares.per_weight, shares.coverage);
+                (weights[end], coverage[2 * end]) = (shares.per_weight, shares.coverage);
             }
+            coverage[1] = self.shader.border.at(simd, middle, [x, y]).coverage;
         }
         let [before, near, far, after] = interval.planes;
         let background = self.shader.background;
@@ -199,10 +210,12 @@ impl Mode<1> for Intensity<'_> {
         let Some((interval, span)) = interval(&self.shader, frame, (near, place), planes) else {
             return false;
         };
+        let middle = 0.5 * (interval.depths[0] + interval.depths[1]);
+        let [middle, _] = self.shader.borders([middle; 2], [place.rect.x0, place.rect.y0]);
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
-                self.keep(simd, &interval, canvas, [x, y]);
+                self.keep(simd, (&interval, &middle), canvas, [x, y]);
                 x += 16;
             }
         }
