@@ -7,7 +7,7 @@
 //! own covariance has in addition, D, is made up for as heat spreads, `I + D : grad grad I / 2`, at the pixel's mean depth.
 //!
 //! Voxels still come slab by slab: footprints have their slab's size, centres are their own. For the mean depth a second
-//! block per pixel sums `A = sum_s (s' - s) E_s`, E_s what has been added up to slab s and s' the slab after it; what all
+//! block per pixel sums `A = sum_s (s' - s) E_s`, `E_s` what has been added up to slab s and s' the slab after it; what all
 //! slabs hold times their index is then `s_last E - A`.
 
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
