@@ -258,3 +258,44 @@ impl Mode<1> for Intensity<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+
+    /// Largest value and where, by the closed form and by many samples, for sixteen quadruples of values.
+    #[inline(always)]
+    fn both<S: Simd>(simd: S, values: [[f32; 16]; 4]) -> [[f32; 16]; 3] {
+        let cubic = Cubic::through(values.map(|v| f32x16::from_slice(simd, &v)));
+        let (value, place) = cubic.largest(simd);
+        let mut sampled = cubic.at(f32x16::splat(simd, 0.0));
+        for i in 1..=4000 {
+            sampled = sampled.max(cubic.at(f32x16::splat(simd, i as f32 / 4000.0)));
+        }
+        let at_place = (cubic.at(place) - value).abs();
+        assert!(
+            (cubic.bound + 1e-6).simd_ge(sampled).all_true(),
+            "the bound holds"
+        );
+        [value, sampled, at_place].map(|v| v.as_slice().try_into().expect("sixteen lanes"))
+    }
+
+    #[test]
+    fn the_largest_value_of_an_interval_is_that_of_many_samples() {
+        let unit = |seed: usize| (seed.wrapping_mul(0x9e37_79b9) >> 7 & 0xfff) as f32 / 4095.0;
+        for round in 0..50 {
+            let mut values: [[f32; 16]; 4] =
+                std::array::from_fn(|i| std::array::from_fn(|lane| unit((round * 4 + i) * 16 + lane)));
+            if round == 0 {
+                values = [[0.25; 16]; 4];
+            }
+            let [value, sampled, at_place] = dispatch!(Level::new(), simd => both(simd, values));
+            for lane in 0..16 {
+                assert!((value[lane] - sampled[lane]).abs() < 2e-6, "{round} {lane}");
+                assert!(at_place[lane] < 1e-6, "{round} {lane}");
+            }
+        }
+    }
+}
