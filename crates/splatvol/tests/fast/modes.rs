@@ -147,8 +147,10 @@ fn pictures_of_all_modes_agree_with_the_other_engine() {
 
 /// One below the least that was measured; mip, xray, pre lit, pre unlit. What the best method's wider kernel shows of classified
 /// voxels is another picture.
-const SLICES: [f64; 4] = [38.5, 65.5, 53.7, 52.9];
-const BEST: [f64; 4] = [34.4, 34.4, 36.5, 34.2];
+/// Maxima differ most where a box of noise is cut off by the volume's border, and there the slice engine's coverage is linear
+/// between planes.
+const SLICES: [f64; 4] = [35.4, 65.5, 53.7, 52.9];
+const BEST: [f64; 4] = [31.9, 34.4, 36.5, 34.2];
 
 /// The slice engine with the very settings, but for its gradient: the same kernel on the same sheets.
 #[test]
