@@ -68,12 +68,12 @@ impl FieldStore {
 impl Lattice {
     #[inline(always)]
     fn neighbourhood<T: Stored>(&self, data: &[T], first: [usize; 3], out: &mut Neighbourhood) {
-        for axis in 0..3 {
+        for (axis, &first) in first.iter().enumerate() {
             let (margin, count) = (self.margin[axis], self.own[axis]);
-            let within = |point: usize| (first[axis] + point).clamp(margin, margin + count) - first[axis];
+            let within = |point: usize| (first + point).clamp(margin, margin + count) - first;
             out.inside[axis] = [within(0), within(BRICK)];
             for (i, per) in out.per_difference[axis].iter_mut().enumerate() {
-                let at_face = first[axis] + i == margin || first[axis] + i + 1 == margin + count;
+                let at_face = first + i == margin || first + i + 1 == margin + count;
                 *per = if at_face { 1.0 } else { 0.5 };
             }
         }
@@ -83,7 +83,7 @@ impl Lattice {
                 .saturating_sub(self.margin[axis] + 1)
                 .min(self.own[axis] - 1)
         };
-        let start = (first[0]).wrapping_sub(self.margin[0] + 1);
+        let start = first[0].wrapping_sub(self.margin[0] + 1);
         for (z, slice) in out.values.iter_mut().enumerate() {
             for (y, values) in slice.iter_mut().enumerate() {
                 let row = (nearest(2, z) * self.own[1] + nearest(1, y)) * self.own[0];

@@ -11,6 +11,7 @@ use splatvol_core::field::{FieldStore, Neighbourhood};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::mode::Bricks;
+use super::sheet::Lanes16;
 use crate::stage::shade::Phong;
 
 /// What the voxels of open bricks splat.
@@ -19,6 +20,16 @@ pub(crate) struct Classified {
     /// By slot and voxel: extinction, and emission (extinction times colour) red, green and blue.
     voxels: Vec<[[f32; 4]; BRICK_VOXELS]>,
     around: Neighbourhood,
+    /// Two rows of the brick that is being opened.
+    pairs: [Pair; BRICK_VOXELS / 16],
+}
+
+/// Two rows of voxels: which may be visible, their values, and their diffuse and specular factors.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pair {
+    visible: u32,
+    value: Lanes16,
+    light: [Lanes16; 2],
 }
 
 /// Set in every handle, so that its bits are those of an ordinary number.
@@ -98,62 +109,92 @@ impl<'a> ClassifiedBricks<'a> {
         values: &mut [f32; BRICK_VOXELS],
         classified: &mut Classified,
     ) {
-        let Classified { voxels, around } = classified;
+        let Classified {
+            voxels,
+            around,
+            pairs,
+        } = classified;
         let index = slot as usize;
         if voxels.len() <= index {
             voxels.resize(index + 1, [[0.0; 4]; BRICK_VOXELS]);
         }
-        let voxels = &mut voxels[index];
         self.field.read(self.bricks[brick], around);
-        values.fill(f32::NAN);
-        let handle = HANDLE | slot * BRICK_VOXELS as u32;
-        let [xs, ys, zs] = around.inside;
-        let columns = ((1u32 << xs[1]) - 1) & !((1u32 << xs[0]) - 1);
-        let [low, high] = self.hull;
-        for z in zs[0]..zs[1] {
-            // Two rows at a time.
-            for y in (0..BRICK).step_by(2) {
-                let value = rows(simd, around, [1, 1 + y, 1 + z]);
-                let visible =
-                    value.simd_ge(f32x16::splat(simd, low)) & value.simd_le(f32x16::splat(simd, high));
-                let mut left = visible.to_bitmask() as u32;
-                left &= if y >= ys[0] && y < ys[1] { columns } else { 0 }
-                    | if y + 1 >= ys[0] && y + 1 < ys[1] {
-                        columns << BRICK
-                    } else {
-                        0
-                    };
-                if left == 0 {
-                    continue;
-                }
-                let (mut diffuse, mut specular) = ([1.0; 16], [0.0; 16]);
-                if let Some(light) = &self.light {
-                    let (d, s) = light.on(simd, around, [y, z]);
-                    d.store_slice(&mut diffuse);
-                    s.store_slice(&mut specular);
-                }
-                let first = (z * BRICK + y) * BRICK;
-                let centres = value.as_slice();
-                while left != 0 {
-                    let lane = left.trailing_zeros() as usize & 15;
-                    left &= left - 1;
-                    let ([a, b], t) = self.table.around(centres[lane]);
-                    let (a, b) = (f32x4::from_slice(simd, a), f32x4::from_slice(simd, b));
-                    let at = (b - a).mul_add(t, a);
-                    let extinction = at.as_slice()[0];
-                    if extinction <= 0.0 {
-                        continue;
-                    }
-                    let shine = specular[lane] * extinction;
-                    let mut lit = at.mul_add(diffuse[lane], f32x4::splat(simd, shine));
-                    lit.as_mut_slice()[0] = extinction;
-                    let voxel = first + lane;
-                    lit.store_slice(&mut voxels[voxel]);
-                    values[voxel] = f32::from_bits(handle + voxel as u32);
+        self.find(simd, around, pairs);
+        if let Some(light) = &self.light {
+            for (i, pair) in pairs.iter_mut().enumerate() {
+                if pair.visible != 0 {
+                    let (diffuse, specular) = light.on(simd, around, place_of(i));
+                    diffuse.store_slice(&mut pair.light[0].0);
+                    specular.store_slice(&mut pair.light[1].0);
                 }
             }
         }
+        let handle = HANDLE | (slot * BRICK_VOXELS as u32);
+        self.classify(simd, pairs, handle, values, &mut voxels[index]);
     }
+
+    /// Finds the rows that hold values which may be visible. Their light is the colours' own.
+    #[inline(always)]
+    fn find<S: Simd>(&self, simd: S, around: &Neighbourhood, pairs: &mut [Pair; BRICK_VOXELS / 16]) {
+        let [xs, ys, zs] = around.inside;
+        let columns = ((1u32 << xs[1]) - 1) & !((1u32 << xs[0]) - 1);
+        let [low, high] = self.hull;
+        for (i, pair) in pairs.iter_mut().enumerate() {
+            let [y, z] = place_of(i);
+            let value = rows(simd, around, [1, 1 + y, 1 + z]);
+            let visible = value.simd_ge(f32x16::splat(simd, low)) & value.simd_le(f32x16::splat(simd, high));
+            let inside = if z >= zs[0] && z < zs[1] { columns } else { 0 };
+            let upper = if y >= ys[0] && y < ys[1] { inside } else { 0 };
+            let lower = if y + 1 >= ys[0] && y + 1 < ys[1] {
+                inside
+            } else {
+                0
+            };
+            pair.visible = visible.to_bitmask() as u32 & (upper | (lower << BRICK));
+            value.store_slice(&mut pair.value.0);
+            f32x16::splat(simd, 1.0).store_slice(&mut pair.light[0].0);
+            f32x16::splat(simd, 0.0).store_slice(&mut pair.light[1].0);
+        }
+    }
+
+    /// Extinction and lit emission of what is visible.
+    #[inline(always)]
+    fn classify<S: Simd>(
+        &self,
+        simd: S,
+        pairs: &[Pair; BRICK_VOXELS / 16],
+        handle: u32,
+        values: &mut [f32; BRICK_VOXELS],
+        voxels: &mut [[f32; 4]; BRICK_VOXELS],
+    ) {
+        values.fill(f32::NAN);
+        for (i, pair) in pairs.iter().enumerate() {
+            let mut left = pair.visible;
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize & 15;
+                left &= left - 1;
+                let ([a, b], t) = self.table.around(pair.value.0[lane]);
+                let extinction = a[0] + (b[0] - a[0]) * t;
+                if extinction <= 0.0 {
+                    continue;
+                }
+                let (a, b) = (f32x4::from_slice(simd, a), f32x4::from_slice(simd, b));
+                let [diffuse, specular] = [pair.light[0].0[lane], pair.light[1].0[lane]];
+                let shine = f32x4::splat(simd, specular * extinction);
+                let voxel = 16 * i + lane;
+                let lit = &mut voxels[voxel];
+                (b - a).mul_add(t, a).mul_add(diffuse, shine).store_slice(lit);
+                lit[0] = extinction;
+                values[voxel] = f32::from_bits(handle + voxel as u32);
+            }
+        }
+    }
+}
+
+/// First row and slice of a pair of rows.
+#[inline(always)]
+fn place_of(pair: usize) -> [usize; 2] {
+    [2 * pair % BRICK, 2 * pair / BRICK]
 }
 
 /// Two rows of eight values from a place of the neighbourhood on.

@@ -7,7 +7,7 @@
 //! own covariance has in addition, D, is made up for as heat spreads, `I + D : grad grad I / 2`, at the pixel's mean depth.
 //!
 //! Voxels still come slab by slab: footprints have their slab's size, centres are their own. For the mean depth a second
-//! block per pixel sums `A = sum_s (s' - s) E_s`, E_s what has been added up to slab s and s' the slab after it; what all
+//! block per pixel sums `A = sum_s (s' - s) E_s`, `E_s` what has been added up to slab s and s' the slab after it; what all
 //! slabs hold times their index is then `s_last E - A`.
 
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
@@ -251,6 +251,7 @@ impl Mode<1> for Integral<'_> {
         let last = ring.last_sheet;
         let shape = &self.shapes.shape;
         let ray = self.shapes.ray(middle(place));
+        let [xx, _, yy] = self.shapes.covariance(ray);
         let mut pixels = Pixels {
             frame,
             place,
@@ -258,6 +259,12 @@ impl Mode<1> for Integral<'_> {
             drift: (ray - shape.lateral_slope).as_vec2().to_array(),
             slope: shape.lateral_slope.as_vec2().to_array(),
             depth_sigma: shape.depth_sigma as f32,
+            own: [xx as f32, yy as f32],
+            least: if self.raster.matched {
+                self.raster.low_pass as f32
+            } else {
+                0.0
+            },
         };
         for y in 0..place.size[1] {
             for x in (0..place.size[0]).step_by(16) {
@@ -300,6 +307,10 @@ struct Pixels<'a> {
     drift: [f32; 2],
     slope: [f32; 2],
     depth_sigma: f32,
+    /// Covariance xx and yy of the tile's middle, world length squared.
+    own: [f32; 2],
+    /// Variance to which the filter widens narrower footprints, pixels squared.
+    least: f32,
 }
 
 impl Pixels<'_> {
@@ -314,13 +325,17 @@ impl Pixels<'_> {
         let across = (lanes + (x + 0.5 - cx)) * rays.per_pixel - self.slope[0];
         let down = f32x16::splat(simd, (y + 0.5 - cy) * rays.per_pixel - self.slope[1]);
         let [own_x, own_y] = self.drift;
-        let pixels = self.depth_sigma / (depth * rays.per_pixel);
-        let square = pixels * pixels;
-        [
-            (across * across - own_x * own_x) * square,
-            (across * down - own_x * own_y) * square,
-            (down * down - own_y * own_y) * square,
-        ]
+        let per_length = f32x16::splat(simd, 1.0) / (depth * rays.per_pixel);
+        let area = per_length * per_length;
+        let square = area * (self.depth_sigma * self.depth_sigma);
+        let xx = (across * across - own_x * own_x) * square;
+        let yy = (down * down - own_y * own_y) * square;
+        // Where the filter widens footprints it gives less to those that are wider.
+        let (own_xx, own_yy) = (area * self.own[0], area * self.own[1]);
+        let zero = f32x16::splat(simd, 0.0);
+        let filter = (self.least - (own_xx + xx).min(own_yy + yy)).max(zero)
+            - (self.least - own_xx.min(own_yy)).max(zero);
+        [xx + filter, (across * down - own_x * own_y) * square, yy + filter]
     }
 
     /// Sixteen line integrals per depth, as homogeneous slabs, of those `seen`; `index`: mean index of the slab.
