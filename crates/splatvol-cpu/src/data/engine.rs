@@ -162,6 +162,8 @@ impl DataEngine {
                     shapes,
                     raster,
                 };
+                // Footprints are those of the tile's middle: tiles have one size, so that it changes no picture.
+                job.run.tile_edge = None;
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Classified, _) => {
