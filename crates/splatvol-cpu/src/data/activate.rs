@@ -161,12 +161,8 @@ pub(crate) fn activate<S: Simd>(
         let z = depth + z0;
         let dz = window.depth - z;
         let [px, py] = constants.principal;
-        let u = dz
-            .mul_add(constants.slope[0], x)
-            .mul_add(scale, f32x16::splat(simd, px));
-        let v = dz
-            .mul_add(constants.slope[1], y)
-            .mul_add(scale, f32x16::splat(simd, py));
+        let u = (dz * constants.slope[0] + x) * scale + px;
+        let v = (dz * constants.slope[1] + y) * scale + py;
         // Whole footprints, with all their blocks: what a pixel gets must not depend on the tile.
         let (first_x, first_y) = (
             ((u + before) * 0.5).ceil() * 2.0,

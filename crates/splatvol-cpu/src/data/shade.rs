@@ -109,7 +109,7 @@ impl ShadeTable {
         let (extinction, blue) = simd.deinterleave_f32x16(odd, more_odd);
         let within = position.fract() * (1.0 / PER_VALUE);
         Classified {
-            integral: within.mul_add(extinction, integral),
+            integral: within * extinction + integral,
             extinction,
             packed: [red_green.bitcast(), blue.bitcast()],
         }
@@ -198,13 +198,13 @@ fn mean_extinction<S: Simd>(simd: S, rise: f32x16<S>, a: &Classified<S>, b: &Cla
 /// Slope per interval, at u between the second and the third of four values one interval apart. In the middle it is
 /// `(c - b) - sharpness (d - 3 c + 3 b - a)`.
 #[inline(always)]
-fn depth_slope<S: Simd>(simd: S, [a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f32) -> f32x16<S> {
+fn depth_slope<S: Simd>([a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f32) -> f32x16<S> {
     let rise = c - b;
     let (near, far) = (a - b - b + c, b - c - c + d);
     let (bend, third) = ((near + far) * 0.5, far - near);
     let from_middle = u - 0.5;
-    let correction = (from_middle * from_middle).mul_add(splat(simd, 0.5), splat(simd, -sharpness));
-    third.mul_add(correction, from_middle.mul_add(bend, rise))
+    let correction = from_middle * from_middle * 0.5 - sharpness;
+    third * correction + (from_middle * bend + rise)
 }
 
 /// Central difference at point i of both planes, per world length, between the planes; `step` leads to the next point.
@@ -218,7 +218,7 @@ fn across<S: Simd>(
 ) -> f32x16<S> {
     let a = (load(simd, planes[0], i + step) - load(simd, planes[0], i - step)) * (0.5 * scales[0]);
     let b = (load(simd, planes[1], i + step) - load(simd, planes[1], i - step)) * (0.5 * scales[1]);
-    (b - a).mul_add(u, a)
+    (b - a) * u + a
 }
 
 impl<'a> Interval<'a> {
@@ -515,7 +515,7 @@ impl PlaneShader<'_> {
         }
         let gx = across(simd, [near, far], interval.scales, (here, 1), u);
         let gy = across(simd, [near, far], interval.scales, (here, pitch), u);
-        let slope = depth_slope(simd, [before, v0, v1, after], u, interval.sharpness(self.spacing));
+        let slope = depth_slope([before, v0, v1, after], u, interval.sharpness(self.spacing));
         let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
         gx.store_slice(&mut batch.light[n][0].0);
         gy.store_slice(&mut batch.light[n][1].0);
@@ -538,11 +538,11 @@ impl PlaneShader<'_> {
         for c in 0..3 {
             let plane = &mut canvas.color[c][pixel..pixel + 16];
             let color = load(simd, &batch.color[n][c].0, 0);
-            (color.mul_add(diffuse, shine) + load(simd, plane, 0)).store_slice(plane);
+            (color * diffuse + shine + load(simd, plane, 0)).store_slice(plane);
         }
-        let depth = load(simd, &batch.place[n].0, 0).mul_add(self.spacing, splat(simd, near_depth));
+        let depth = load(simd, &batch.place[n].0, 0) * self.spacing + near_depth;
         let plane = &mut canvas.depth_sum[pixel..pixel + 16];
-        depth.mul_add(share, load(simd, plane, 0)).store_slice(plane);
+        (depth * share + load(simd, plane, 0)).store_slice(plane);
         let left = transmittance * through;
         open.select(left, transmittance)
             .store_slice(&mut canvas.transmittance[pixel..pixel + 16]);

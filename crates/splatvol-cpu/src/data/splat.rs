@@ -327,13 +327,11 @@ fn round_exponents<S: Simd>(
     for n in 0..count {
         let record = first + n;
         let dz = depth - records.z[record];
-        let u = scale.mul_add(records.x[record], f32x16::splat(simd, records.origin_x[record]));
-        let v = scale.mul_add(records.y[record], f32x16::splat(simd, records.origin_y[record]));
+        let u = scale * records.x[record] + records.origin_x[record];
+        let v = scale * records.y[record] + records.origin_y[record];
         let own = last.select(dz, second.select(v, u));
         let again = upper.select(own, one);
-        (own * factor)
-            .mul_add(again, v * v * vertical)
-            .store_slice(&mut powers.steps[n].0);
+        (own * factor * again + v * v * vertical).store_slice(&mut powers.steps[n].0);
     }
 }
 
@@ -366,12 +364,12 @@ fn exponents<S: Simd>(
     for n in 0..count {
         let record = first + n;
         let dz = depth - records.z[record];
-        let x = dz.mul_add(constants.slope[0], f32x16::splat(simd, records.x[record]));
-        let y = dz.mul_add(constants.slope[1], f32x16::splat(simd, records.y[record]));
-        let u = x.mul_add(scale, f32x16::splat(simd, records.origin_x[record]));
-        let v = y.mul_add(scale, f32x16::splat(simd, records.origin_y[record]));
-        let steps = other.mul_add(upper.select(u, v), own * upper.select(v, u));
-        let lateral = (u * v).mul_add(xy, (u * u).mul_add(xx, v * v * yy));
+        let x = dz * constants.slope[0] + records.x[record];
+        let y = dz * constants.slope[1] + records.y[record];
+        let u = x * scale + records.origin_x[record];
+        let v = y * scale + records.origin_y[record];
+        let steps = other * upper.select(u, v) + own * upper.select(v, u);
+        let lateral = u * v * xy + (u * u * xx + v * v * yy);
         steps.store_slice(&mut powers.steps[n].0);
         upper
             .select(dz * dz * constants.depth_exponent, lateral)
@@ -477,9 +475,7 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
                 } else {
                     self.across[c]
                 };
-                weights
-                    .mul_add(down[r], f32x16::from_slice(simd, block))
-                    .store_slice(block);
+                (weights * down[r] + f32x16::from_slice(simd, block)).store_slice(block);
             }
         }
     }

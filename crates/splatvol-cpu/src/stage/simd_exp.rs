@@ -32,7 +32,7 @@ pub(crate) fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let r = x - n;
     let mut p = f32x16::splat(simd, 1.327_647_2e-3);
     for coefficient in [9.675_541e-3, 5.550_713e-2, 2.402_212e-1, 6.931_472e-1, 1.0] {
-        p = p.mul_add(r, f32x16::splat(simd, coefficient));
+        p = p * r + coefficient;
     }
     let power: u32x16<S> = (n + 127.0).to_int();
     p * (power << 23).bitcast::<f32x16<S>>()
@@ -48,7 +48,7 @@ pub(crate) fn exp2_quick<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let r = x - (shifted - ROUND);
     let mut p = f32x16::splat(simd, 9.582_853e-3);
     for coefficient in [5.590_642_5e-2, 2.402_41e-1, 6.931_242e-1, 1.0] {
-        p = p.mul_add(r, f32x16::splat(simd, coefficient));
+        p = p * r + coefficient;
     }
     (p.bitcast::<u32x16<S>>() + (shifted.bitcast::<u32x16<S>>() << 23)).bitcast::<f32x16<S>>()
 }
@@ -71,9 +71,9 @@ pub(crate) fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
         -7.211_318_6e-1,
         1.442_713_5,
     ] {
-        p = p.mul_add(f, f32x16::splat(simd, coefficient));
+        p = p * f + coefficient;
     }
-    p.mul_add(f, exponent)
+    p * f + exponent
 }
 
 #[cfg(test)]
