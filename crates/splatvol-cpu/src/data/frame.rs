@@ -16,9 +16,10 @@ use super::integral::RayShapes;
 use super::mode::Bricks;
 use super::order::DepthOrder;
 use super::ring::LANES;
-use super::shade::{PlaneShader, ShadeTable};
+use super::shade::PlaneShader;
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
+use super::table::ShadeTable;
 use super::tile::{DataFrame, Rays, pixel_reach};
 use crate::stage::shade::Phong;
 

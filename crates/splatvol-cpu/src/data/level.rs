@@ -15,7 +15,7 @@ use splatvol_core::mip;
 use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
 
-use super::shade::ShadeTable;
+use super::table::ShadeTable;
 use crate::plan::splats_color;
 
 /// Smallest width of a voxel, pixels.

@@ -39,5 +39,6 @@ pub(crate) mod shade;
 pub(crate) mod shaded;
 pub(crate) mod sheet;
 pub(crate) mod splat;
+pub(crate) mod table;
 pub(crate) mod tile;
 pub(crate) mod upsample;

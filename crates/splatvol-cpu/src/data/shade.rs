@@ -2,129 +2,19 @@
 //!
 //! Along a pixel's ray the value is the cubic through both planes with the slopes that the planes beside them give
 //! (Catmull and Rom); it is cut in the middle, and each half takes its mean extinction from the integral of the transfer
-//! function, `(K(b) - K(a)) / (b - a)`: right for any transfer function. The gradient is the planes' central differences
+//! function, `(K(b) - K(a)) / (b - a)`, and its colour where the material is: right for any transfer function. The gradient is the planes' central differences
 //! across the ray, and along it a difference of the four planes that is as soft as those.
 
-use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*, u32x16};
+use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::Vec3A;
-use splatvol_core::classification::ClassificationTable;
-use splatvol_core::visibility::VisibleLevels;
 
 use super::border::{Border, BorderPlane};
 use super::mask::OpenMask;
 use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
+use super::table::{Segment, ShadeTable};
 use crate::stage::shade::Phong;
 use crate::stage::simd_exp::exp2_quick;
-
-/// Cells of the table per normalised value.
-const PER_VALUE: f32 = 1024.0;
-const FIRST: f32 = -0.25;
-/// Cells, a power of two: indices are masked instead of checked.
-const CELLS: usize = 2048;
-
-/// The transfer function, ready for vectors.
-#[derive(Debug, Clone)]
-pub(crate) struct ShadeTable {
-    /// Per cell: integral of the extinction up to it, extinction, and linear colour as three 16-bit numbers in two words.
-    cells: Box<[[f32; 4]; CELLS]>,
-    /// Values outside are invisible.
-    pub hull: [f32; 2],
-    /// Whether pixels that no voxel touches are visible, all of them background.
-    pub shows_background: bool,
-}
-
-/// A value's classification.
-#[derive(Debug, Clone, Copy)]
-struct Classified<S: Simd> {
-    /// Integral of the extinction from the table's first value on.
-    integral: f32x16<S>,
-    extinction: f32x16<S>,
-    /// Red above green; blue.
-    packed: [u32x16<S>; 2],
-}
-
-impl<S: Simd> Classified<S> {
-    /// Linear colour, in 65535ths.
-    #[inline(always)]
-    fn color(&self) -> [f32x16<S>; 3] {
-        let [red_green, blue] = self.packed;
-        [
-            (red_green >> 16).to_float(),
-            (red_green & 0xffff).to_float(),
-            blue.to_float(),
-        ]
-    }
-}
-
-impl Default for ShadeTable {
-    fn default() -> Self {
-        Self {
-            cells: Box::new([[0.0; 4]; CELLS]),
-            hull: [f32::INFINITY; 2],
-            shows_background: false,
-        }
-    }
-}
-
-impl ShadeTable {
-    /// Takes another transfer function, with the levels that it shows and the field's background.
-    pub(crate) fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
-        let mut sum = 0.0f64;
-        let node = |i: usize| FIRST + i as f32 / PER_VALUE;
-        for (i, cell) in self.cells.iter_mut().enumerate() {
-            let [extinction, ..] = table.mean(node(i), node(i + 1));
-            let [r, g, b] = table
-                .color(node(i) + 0.5 / PER_VALUE)
-                .map(|c| (c.clamp(0.0, 1.0) * 65535.0).round() as u32);
-            *cell = [
-                sum as f32,
-                extinction,
-                f32::from_bits(r << 16 | g),
-                f32::from_bits(b),
-            ];
-            sum += f64::from(extinction / PER_VALUE);
-        }
-        self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
-        self.shows_background = visible.any(background, background);
-    }
-
-    /// Looks sixteen values up. Rows are put together in registers: vectors read from memory just written in pieces
-    /// would have to wait for it.
-    #[inline(always)]
-    fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Classified<S> {
-        let top = CELLS as f32 - 0.01;
-        let position = ((value - FIRST) * PER_VALUE)
-            .max(splat(simd, 0.0))
-            .min(splat(simd, top));
-        let cells: u32x16<S> = position.to_int();
-        let cells = cells.as_slice();
-        let a = self.four(simd, [cells[0], cells[1], cells[2], cells[3]]);
-        let b = self.four(simd, [cells[4], cells[5], cells[6], cells[7]]);
-        let c = self.four(simd, [cells[8], cells[9], cells[10], cells[11]]);
-        let d = self.four(simd, [cells[12], cells[13], cells[14], cells[15]]);
-        let (even, odd) = simd.deinterleave_f32x16(a, b);
-        let (more_even, more_odd) = simd.deinterleave_f32x16(c, d);
-        let (integral, red_green) = simd.deinterleave_f32x16(even, more_even);
-        let (extinction, blue) = simd.deinterleave_f32x16(odd, more_odd);
-        let within = position.fract() * (1.0 / PER_VALUE);
-        Classified {
-            integral: within * extinction + integral,
-            extinction,
-            packed: [red_green.bitcast(), blue.bitcast()],
-        }
-    }
-
-    #[inline(always)]
-    fn four<S: Simd>(&self, simd: S, [a, b, c, d]: [u32; 4]) -> f32x16<S> {
-        let mask = CELLS - 1;
-        let a = f32x4::from_slice(simd, &self.cells[a as usize & mask]);
-        let b = f32x4::from_slice(simd, &self.cells[b as usize & mask]);
-        let c = f32x4::from_slice(simd, &self.cells[c as usize & mask]);
-        let d = f32x4::from_slice(simd, &self.cells[d as usize & mask]);
-        a.combine(b).combine(c.combine(d))
-    }
-}
 
 /// What the pixels of a tile have so far, channel by channel.
 #[derive(Debug, Default)]
@@ -184,16 +74,6 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 const MIDDLES: [f32; 16] = [
     0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5,
 ];
-
-/// Mean extinction while the value rises by `rise` from a to b: the integrals' difference quotient, or, where that would
-/// cancel, the mean of the extinctions at both ends.
-#[inline(always)]
-fn mean_extinction<S: Simd>(simd: S, rise: f32x16<S>, a: &Classified<S>, b: &Classified<S>) -> f32x16<S> {
-    let thin = rise.abs().simd_lt(splat(simd, FLAT));
-    let quotient = (b.integral - a.integral) / thin.select(splat(simd, 1.0), rise);
-    thin.select((a.extinction + b.extinction) * 0.5, quotient)
-        .max(splat(simd, 0.0))
-}
 
 /// Slope per interval, at u between the second and the third of four values one interval apart. In the middle it is
 /// `(c - b) - sharpness (d - 3 c + 3 b - a)`.
@@ -272,7 +152,7 @@ pub(crate) struct ShadeBatch {
     len: usize,
     /// Transmittance of the interval.
     through: [Lanes16; BATCH],
-    /// Colour times opacity, in 65535ths.
+    /// Colour times opacity.
     color: [[Lanes16; 3]; BATCH],
     /// Where the material lies in the interval, 0 to 1.
     place: [Lanes16; BATCH],
@@ -437,17 +317,8 @@ impl PlaneShader<'_> {
             coverage = [near.coverage, far.coverage];
         }
         let (v0, v1) = (s0 + self.background, s1 + self.background);
-        let rise = v1 - v0;
         let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
-        // One division for the mean extinction and the far end's share.
-        let flat = rise.abs().simd_lt(splat(simd, FLAT));
-        let width = flat.select(splat(simd, 1.0), rise);
-        let both = (ends[0].extinction + ends[1].extinction).max(splat(simd, 1e-20));
-        let inverse = splat(simd, 1.0) / (width * both);
-        let quotient = (ends[1].integral - ends[0].integral) * both * inverse;
-        let whole = flat
-            .select((ends[0].extinction + ends[1].extinction) * 0.5, quotient)
-            .max(splat(simd, 0.0));
+        let whole = Segment::between(simd, [v0, v1], [&ends[0], &ends[1]]);
         let [cx, cy] = self.principal;
         let ray_x =
             (f32x16::from_slice(simd, &MIDDLES) + ((target.origin[0] + x) as f32 - cx)) * self.per_pixel;
@@ -457,51 +328,45 @@ impl PlaneShader<'_> {
         let (before, after) = (sb + self.background, sa + self.background);
         let covered = (coverage[0] + coverage[1]) * 0.5;
         let (m0, m1) = ((v1 - before) * 0.5, (after - v0) * 0.5);
-        let near_color = ends[0].color();
-        let far_color = ends[1].color();
 
         // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
-        let whole = whole * covered;
+        let extinction = whole.extinction * covered;
         let open = target.open(simd, [x, y]);
-        let thick = (whole * length).simd_gt(splat(simd, THICK)) & open;
-        let (through, color, share_of_far);
-        if thick.any_true() || !(whole.simd_gt(splat(simd, 0.0)) & open).any_true() {
+        let thick = (extinction * length).simd_gt(splat(simd, THICK)) & open;
+        let (through, color, u);
+        if thick.any_true() || !(extinction.simd_gt(splat(simd, 0.0)) & open).any_true() {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
-            let first = mean_extinction(simd, vm - v0, &ends[0], &middle) * (coverage[0] + covered) * 0.5;
-            let second = mean_extinction(simd, v1 - vm, &middle, &ends[1]) * (covered + coverage[1]) * 0.5;
-            let total = first + second;
+            let halves = [
+                Segment::between(simd, [v0, vm], [&ends[0], &middle]),
+                Segment::between(simd, [vm, v1], [&middle, &ends[1]]),
+            ];
+            let first = halves[0].extinction * (coverage[0] + covered) * 0.5;
+            let second = halves[1].extinction * (covered + coverage[1]) * 0.5;
             let half = length * (-0.5 * std::f32::consts::LOG2_E);
             let front = exp2_quick(simd, (first * half).max(splat(simd, -100.0)));
             let back = exp2_quick(simd, (second * half).max(splat(simd, -100.0)));
             through = front * back;
-            let (front, back) = (1.0 - front, front * (1.0 - back));
-            let middle = middle.color();
-            let between = front + back;
-            color = [
-                (near_color[0] * front + middle[0] * between + far_color[0] * back) * 0.5,
-                (near_color[1] * front + middle[1] * between + far_color[1] * back) * 0.5,
-                (near_color[2] * front + middle[2] * between + far_color[2] * back) * 0.5,
+            let opacities = [1.0 - front, front * (1.0 - back)];
+            let [a, b] = [
+                self.table.color(simd, halves[0].value),
+                self.table.color(simd, halves[1].value),
             ];
-            share_of_far = second / total.max(splat(simd, 1e-30));
+            color = [
+                a[0] * opacities[0] + b[0] * opacities[1],
+                a[1] * opacities[0] + b[1] * opacities[1],
+                a[2] * opacities[0] + b[2] * opacities[1],
+            ];
+            let seen = opacities[0] + opacities[1];
+            let behind = opacities[1] / seen.max(splat(simd, 1e-30));
+            u = (halves[0].place + behind * (halves[1].place + 1.0 - halves[0].place)) * 0.5;
         } else {
-            through = exp2_quick(simd, whole * length * -std::f32::consts::LOG2_E);
-            // Emission runs from end to end like the extinction.
-            let total = ends[0].extinction + ends[1].extinction;
-            share_of_far =
-                (total.simd_gt(splat(simd, 0.0))).select(ends[1].extinction / total, splat(simd, 0.5));
-            let (b, a) = (
-                (1.0 - through) * share_of_far,
-                (1.0 - through) * (1.0 - share_of_far),
-            );
-            color = [
-                near_color[0] * a + far_color[0] * b,
-                near_color[1] * a + far_color[1] * b,
-                near_color[2] * a + far_color[2] * b,
-            ];
+            through = exp2_quick(simd, extinction * length * -std::f32::consts::LOG2_E);
+            let opacity = 1.0 - through;
+            let [r, g, b] = self.table.color(simd, whole.value);
+            color = [r * opacity, g * opacity, b * opacity];
+            u = whole.place;
         }
-        // Where the material is.
-        let u = share_of_far * 0.5 + 0.25;
         let batch = &mut target.batch;
         through.store_slice(&mut batch.through[n].0);
         for c in 0..3 {
@@ -533,7 +398,7 @@ impl PlaneShader<'_> {
         let open = transmittance.simd_ge(splat(simd, self.termination));
         let before = open.select(transmittance, splat(simd, 0.0));
         let share = before * (1.0 - through);
-        let diffuse = before * load(simd, &batch.light[n][0].0, 0) * (1.0 / 65535.0);
+        let diffuse = before * load(simd, &batch.light[n][0].0, 0);
         let shine = load(simd, &batch.light[n][1].0, 0) * share;
         for c in 0..3 {
             let plane = &mut canvas.color[c][pixel..pixel + 16];
@@ -555,9 +420,6 @@ impl PlaneShader<'_> {
 
 /// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
 const SOFTEST: f32 = -0.1;
-
-/// Rise of the value below which the integrals' difference would lose its digits.
-const FLAT: f32 = 2e-3;
 
 /// Optical depth from which an interval is cut in halves.
 const THICK: f32 = 0.02;

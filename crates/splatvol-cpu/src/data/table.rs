@@ -1,0 +1,174 @@
+//! The transfer function, ready for vectors.
+//!
+//! While the value v runs evenly from a to b, its mean extinction is `(K(b) - K(a)) / (b - a)`, K the integral of the
+//! extinction, and the mean of the values, each as often as there is material of it, is `(M(b) - M(a)) / (K(b) - K(a))`, M the
+//! integral of v times the extinction (after Engel 2001, in one dimension). The colour is taken at that mean: it is one that
+//! can be seen, even where a thin band lies between a and b and both ends are clear.
+
+use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
+use splatvol_core::classification::ClassificationTable;
+use splatvol_core::visibility::VisibleLevels;
+
+/// Cells of the table per normalised value.
+const PER_VALUE: f32 = 1024.0;
+const FIRST: f32 = -0.25;
+/// Cells, a power of two: indices are masked instead of checked.
+const CELLS: usize = 2048;
+
+/// Rise of the value below which the integrals' difference would lose its digits.
+const FLAT: f32 = 2e-3;
+
+/// The transfer function, ready for vectors.
+#[derive(Debug, Clone)]
+pub(crate) struct ShadeTable {
+    /// Per cell: K and M up to it, extinction, and the square roots of linear colour in 11, 11 and 10 bits.
+    cells: Box<[[f32; 4]; CELLS]>,
+    /// Values outside are invisible.
+    pub hull: [f32; 2],
+    /// Whether pixels that no voxel touches are visible, all of them background.
+    pub shows_background: bool,
+}
+
+/// A value's classification.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Classified<S: Simd> {
+    /// K and M, from the table's first value on.
+    integrals: [f32x16<S>; 2],
+    extinction: f32x16<S>,
+}
+
+/// What lies between two values that the value runs through evenly.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Segment<S: Simd> {
+    /// Mean extinction.
+    pub extinction: f32x16<S>,
+    /// Mean place of the material, 0 to 1.
+    pub place: f32x16<S>,
+    /// The value there.
+    pub value: f32x16<S>,
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
+    f32x16::splat(simd, value)
+}
+
+impl<S: Simd> Segment<S> {
+    #[inline(always)]
+    pub(crate) fn between(simd: S, [from, to]: [f32x16<S>; 2], [a, b]: [&Classified<S>; 2]) -> Self {
+        let (zero, half, one) = (splat(simd, 0.0), splat(simd, 0.5), splat(simd, 1.0));
+        let rise = to - from;
+        let flat = rise.abs().simd_lt(splat(simd, FLAT));
+        let per_rise = one / flat.select(one, rise);
+        let [material, moment] = [b.integrals[0] - a.integrals[0], b.integrals[1] - a.integrals[1]];
+        let extinction = flat.select((a.extinction + b.extinction) * 0.5, material * per_rise);
+        let none = material.abs().simd_lt(splat(simd, 1e-20));
+        let mean = moment / none.select(one, material);
+        // What rounding does to the mean of little material ends at the ends.
+        let place = ((mean - from) * per_rise).max(zero).min(one);
+        let place = (flat | none).select(half, place);
+        Self {
+            extinction: extinction.max(zero),
+            place,
+            value: rise * place + from,
+        }
+    }
+}
+
+impl Default for ShadeTable {
+    fn default() -> Self {
+        Self {
+            cells: Box::new([[0.0; 4]; CELLS]),
+            hull: [f32::INFINITY; 2],
+            shows_background: false,
+        }
+    }
+}
+
+/// A number from 0 to 1 as its square root in so many bits.
+fn root(value: f32, bits: u32) -> u32 {
+    (value.clamp(0.0, 1.0).sqrt() * ((1 << bits) - 1) as f32).round() as u32
+}
+
+impl ShadeTable {
+    /// Takes another transfer function, with the levels that it shows and the field's background.
+    pub(crate) fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
+        let (mut material, mut moment) = (0.0f64, 0.0f64);
+        let node = |i: usize| FIRST + i as f32 / PER_VALUE;
+        for (i, cell) in self.cells.iter_mut().enumerate() {
+            let [extinction, ..] = table.mean(node(i), node(i + 1));
+            let middle = node(i) + 0.5 / PER_VALUE;
+            let [r, g, b] = table.color(middle);
+            let packed = root(r, 11) << 21 | root(g, 11) << 10 | root(b, 10);
+            *cell = [material as f32, moment as f32, extinction, f32::from_bits(packed)];
+            let own = f64::from(extinction / PER_VALUE);
+            material += own;
+            moment += own * f64::from(middle);
+        }
+        self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
+        self.shows_background = visible.any(background, background);
+    }
+
+    /// Where sixteen values lie in the table, in cells.
+    #[inline(always)]
+    fn position<S: Simd>(simd: S, value: f32x16<S>) -> f32x16<S> {
+        ((value - FIRST) * PER_VALUE)
+            .max(splat(simd, 0.0))
+            .min(splat(simd, CELLS as f32 - 0.01))
+    }
+
+    /// Columns of the cells at sixteen positions. Rows are put together in registers: vectors read from memory just
+    /// written in pieces would have to wait for it.
+    #[inline(always)]
+    fn columns<S: Simd>(&self, simd: S, position: f32x16<S>) -> [f32x16<S>; 4] {
+        let cells: u32x16<S> = position.to_int();
+        let cells = cells.as_slice();
+        let a = self.four(simd, [cells[0], cells[1], cells[2], cells[3]]);
+        let b = self.four(simd, [cells[4], cells[5], cells[6], cells[7]]);
+        let c = self.four(simd, [cells[8], cells[9], cells[10], cells[11]]);
+        let d = self.four(simd, [cells[12], cells[13], cells[14], cells[15]]);
+        let (even, odd) = simd.deinterleave_f32x16(a, b);
+        let (more_even, more_odd) = simd.deinterleave_f32x16(c, d);
+        let (first, third) = simd.deinterleave_f32x16(even, more_even);
+        let (second, fourth) = simd.deinterleave_f32x16(odd, more_odd);
+        [first, second, third, fourth]
+    }
+
+    #[inline(always)]
+    fn four<S: Simd>(&self, simd: S, [a, b, c, d]: [u32; 4]) -> f32x16<S> {
+        let mask = CELLS - 1;
+        let a = f32x4::from_slice(simd, &self.cells[a as usize & mask]);
+        let b = f32x4::from_slice(simd, &self.cells[b as usize & mask]);
+        let c = f32x4::from_slice(simd, &self.cells[c as usize & mask]);
+        let d = f32x4::from_slice(simd, &self.cells[d as usize & mask]);
+        a.combine(b).combine(c.combine(d))
+    }
+
+    /// Looks sixteen values up.
+    #[inline(always)]
+    pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Classified<S> {
+        let position = Self::position(simd, value);
+        let [material, moment, extinction, _] = self.columns(simd, position);
+        let cell = position.floor();
+        let own = (position - cell) * extinction * (1.0 / PER_VALUE);
+        let middle = (cell + position) * (0.5 / PER_VALUE) + FIRST;
+        Classified {
+            integrals: [own + material, own * middle + moment],
+            extinction,
+        }
+    }
+
+    /// Linear colour of sixteen values.
+    #[inline(always)]
+    pub(crate) fn color<S: Simd>(&self, simd: S, value: f32x16<S>) -> [f32x16<S>; 3] {
+        let [.., packed] = self.columns(simd, Self::position(simd, value));
+        let packed: u32x16<S> = packed.bitcast();
+        let (red, green, blue) = (packed >> 21, packed >> 10 & 0x7ff, packed & 0x3ff);
+        let [r, g, b] = [
+            red.to_float::<f32x16<S>>() * (1.0 / 2047.0),
+            green.to_float::<f32x16<S>>() * (1.0 / 2047.0),
+            blue.to_float::<f32x16<S>>() * (1.0 / 1023.0),
+        ];
+        [r * r, g * g, b * b]
+    }
+}
