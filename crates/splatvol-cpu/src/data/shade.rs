@@ -87,18 +87,27 @@ fn depth_slope<S: Simd>([a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f
     third * correction + (from_middle * bend + rise)
 }
 
-/// Central difference at point i of both planes, per world length, between the planes; `step` leads to the next point.
+/// Central differences at point i of both planes, per world length; `step` leads to the next point.
 #[inline(always)]
 fn across<S: Simd>(
     simd: S,
-    planes: [&[f32]; 2],
+    [near, far]: [&[f32]; 2],
     scales: [f32; 2],
     (i, step): (usize, usize),
-    u: f32x16<S>,
-) -> f32x16<S> {
-    let a = (load(simd, planes[0], i + step) - load(simd, planes[0], i - step)) * (0.5 * scales[0]);
-    let b = (load(simd, planes[1], i + step) - load(simd, planes[1], i - step)) * (0.5 * scales[1]);
-    (b - a) * u + a
+) -> [f32x16<S>; 2] {
+    [
+        (load(simd, near, i + step) - load(simd, near, i - step)) * (0.5 * scales[0]),
+        (load(simd, far, i + step) - load(simd, far, i - step)) * (0.5 * scales[1]),
+    ]
+}
+
+/// Diffuse and specular factors of a gradient.
+#[inline(always)]
+fn lit<S: Simd>(simd: S, phong: &Phong, gradient: &[Lanes16; 3]) -> [f32x16<S>; 2] {
+    let [x, y, z] = gradient;
+    let gradient = [load(simd, &x.0, 0), load(simd, &y.0, 0), load(simd, &z.0, 0)];
+    let (diffuse, specular) = phong.lanes(simd, gradient);
+    [diffuse, specular]
 }
 
 impl<'a> Interval<'a> {
@@ -156,8 +165,13 @@ pub(crate) struct ShadeBatch {
     color: [[Lanes16; 3]; BATCH],
     /// Where the material lies in the interval, 0 to 1.
     place: [Lanes16; BATCH],
-    /// Gradient, then diffuse and specular factors.
-    light: [[Lanes16; 3]; BATCH],
+    /// Gradients where the material of each half is, and the share of what is seen that is in the second.
+    gradients: [[[Lanes16; 3]; 2]; BATCH],
+    behind: [Lanes16; BATCH],
+    /// Whether there are two halves; else the first gradient is that of the whole.
+    halves: [bool; BATCH],
+    /// Diffuse and specular factors.
+    light: [[Lanes16; 2]; BATCH],
 }
 
 impl Default for ShadeBatch {
@@ -169,7 +183,10 @@ impl Default for ShadeBatch {
             through: [ZERO; BATCH],
             color: [[ZERO; 3]; BATCH],
             place: [ZERO; BATCH],
-            light: [[ZERO; 3]; BATCH],
+            gradients: [[[ZERO; 3]; 2]; BATCH],
+            behind: [ZERO; BATCH],
+            halves: [false; BATCH],
+            light: [[ZERO; 2]; BATCH],
         }
     }
 }
@@ -274,15 +291,20 @@ impl PlaneShader<'_> {
             self.classify(simd, interval, target, n);
         }
         if let Some(phong) = &self.phong {
-            for light in &mut target.batch.light[..count] {
-                let gradient = [
-                    load(simd, &light[0].0, 0),
-                    load(simd, &light[1].0, 0),
-                    load(simd, &light[2].0, 0),
-                ];
-                let (diffuse, specular) = phong.lanes(simd, gradient);
-                diffuse.store_slice(&mut light[0].0);
-                specular.store_slice(&mut light[1].0);
+            let batch = &mut *target.batch;
+            for n in 0..count {
+                let [first, second] = &batch.gradients[n];
+                let mut light = lit(simd, phong, first);
+                if batch.halves[n] {
+                    let behind = load(simd, &batch.behind[n].0, 0);
+                    let second = lit(simd, phong, second);
+                    for factor in 0..2 {
+                        light[factor] += (second[factor] - light[factor]) * behind;
+                    }
+                }
+                for factor in 0..2 {
+                    light[factor].store_slice(&mut batch.light[n][factor].0);
+                }
             }
         }
         for n in 0..count {
@@ -333,8 +355,9 @@ impl PlaneShader<'_> {
         let extinction = whole.extinction * covered;
         let open = target.open(simd, [x, y]);
         let thick = (extinction * length).simd_gt(splat(simd, THICK)) & open;
-        let (through, color, u);
-        if thick.any_true() || !(extinction.simd_gt(splat(simd, 0.0)) & open).any_true() {
+        let (through, color, u, places, behind);
+        let in_halves = thick.any_true() || !(extinction.simd_gt(splat(simd, 0.0)) & open).any_true();
+        if in_halves {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
             let halves = [
@@ -358,14 +381,17 @@ impl PlaneShader<'_> {
                 a[2] * opacities[0] + b[2] * opacities[1],
             ];
             let seen = opacities[0] + opacities[1];
-            let behind = opacities[1] / seen.max(splat(simd, 1e-30));
-            u = (halves[0].place + behind * (halves[1].place + 1.0 - halves[0].place)) * 0.5;
+            behind = opacities[1] / seen.max(splat(simd, 1e-30));
+            places = [halves[0].place * 0.5, halves[1].place * 0.5 + 0.5];
+            u = places[0] + behind * (places[1] - places[0]);
         } else {
             through = exp2_quick(simd, extinction * length * -std::f32::consts::LOG2_E);
             let opacity = 1.0 - through;
             let [r, g, b] = self.table.color(simd, whole.value);
             color = [r * opacity, g * opacity, b * opacity];
             u = whole.place;
+            places = [u; 2];
+            behind = splat(simd, 0.0);
         }
         let batch = &mut target.batch;
         through.store_slice(&mut batch.through[n].0);
@@ -378,13 +404,22 @@ impl PlaneShader<'_> {
             splat(simd, 0.0).store_slice(&mut batch.light[n][1].0);
             return;
         }
-        let gx = across(simd, [near, far], interval.scales, (here, 1), u);
-        let gy = across(simd, [near, far], interval.scales, (here, pitch), u);
-        let slope = depth_slope([before, v0, v1, after], u, interval.sharpness(self.spacing));
-        let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
-        gx.store_slice(&mut batch.light[n][0].0);
-        gy.store_slice(&mut batch.light[n][1].0);
-        gz.store_slice(&mut batch.light[n][2].0);
+        behind.store_slice(&mut batch.behind[n].0);
+        batch.halves[n] = in_halves;
+        let sharpness = interval.sharpness(self.spacing);
+        let [x_near, x_far] = across(simd, [near, far], interval.scales, (here, 1));
+        let [y_near, y_far] = across(simd, [near, far], interval.scales, (here, pitch));
+        for half in 0..1 + usize::from(in_halves) {
+            let u = places[half];
+            let gx = (x_far - x_near) * u + x_near;
+            let gy = (y_far - y_near) * u + y_near;
+            let slope = depth_slope([before, v0, v1, after], u, sharpness);
+            let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
+            let gradient = &mut batch.gradients[n][half];
+            gx.store_slice(&mut gradient[0].0);
+            gy.store_slice(&mut gradient[1].0);
+            gz.store_slice(&mut gradient[2].0);
+        }
     }
 
     /// Puts the batch's n-th vector behind what its pixels have.
