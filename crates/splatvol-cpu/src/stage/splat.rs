@@ -74,17 +74,25 @@ impl Payload for DataPayload {
     }
 }
 
+impl ColorPayload {
+    #[inline(always)]
+    fn times<S: Simd>(self, weight: S::f32s) -> [S::f32s; CHANNELS] {
+        let [a, b, c, d, e] = self.0;
+        [weight * a, weight * b, weight * c, weight * d, weight * e]
+    }
+}
+
 impl Payload for ColorPayload {
     const HAS_GRADIENT: bool = false;
 
     #[inline(always)]
     fn channels<S: Simd>(self, weight: S::f32s, _dx: S::f32s, _dy: f32) -> [S::f32s; CHANNELS] {
-        self.0.map(|factor| weight * factor)
+        self.times::<S>(weight)
     }
 
     #[inline(always)]
     fn columns<S: Simd>(self, column: S::f32s, _dx: S::f32s) -> [S::f32s; CHANNELS] {
-        self.0.map(|factor| column * factor)
+        self.times::<S>(column)
     }
 }
 
