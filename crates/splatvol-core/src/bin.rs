@@ -174,7 +174,12 @@ impl TileLists {
         next.clear();
         next.extend_from_slice(offsets);
         entries.clear();
-        entries.resize(offsets[tiles.len()] as usize, 0);
+        let count = offsets[tiles.len()] as usize;
+        if entries.capacity() < count {
+            // The next frame's are a few more or less.
+            entries.reserve(count + count / 4);
+        }
+        entries.resize(count, 0);
         for (index, brick) in sorted.iter().enumerate() {
             for_each_tile(&brick.rect, tiles, |tile| {
                 entries[next[tile] as usize] = index as u32;
