@@ -142,6 +142,8 @@ pub struct TileLists {
     next: Vec<u32>,
     /// Projected bricks, by front sheet, then by brick; what the lists' entries index.
     pub bricks: Vec<ProjectedBrick>,
+    /// Tiles, those with most bricks first.
+    longest_first: Vec<u32>,
 }
 
 impl TileLists {
@@ -159,6 +161,7 @@ impl TileLists {
             entries,
             next,
             bricks: sorted,
+            longest_first,
         } = self;
         sorted.clear();
         sorted.extend(bricks);
@@ -186,6 +189,17 @@ impl TileLists {
                 next[tile] += 1;
             });
         }
+        longest_first.clear();
+        longest_first.extend(0..tiles.len() as u32);
+        longest_first.sort_unstable_by_key(|&tile| {
+            let bricks = offsets[tile as usize + 1] - offsets[tile as usize];
+            (std::cmp::Reverse(bricks), tile)
+        });
+    }
+
+    /// All tiles, those with most bricks first: taken in this order, threads end at nearly the same time.
+    pub fn longest_first(&self) -> &[u32] {
+        &self.longest_first
     }
 
     /// Bricks of a tile, front to back.

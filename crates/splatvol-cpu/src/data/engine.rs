@@ -261,9 +261,12 @@ fn render_tiles<M: Mode<N>, const N: usize>(
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
         loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(tile) = tiles.get(index) else { break };
-            let (canvas, work) = &mut *lock(tile);
+            let order = plan.0.lists.longest_first();
+            let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                break;
+            };
+            let index = index as usize;
+            let (canvas, work) = &mut *lock(&tiles[index]);
             *work = dispatch!(run.level, simd => render(simd, plan, index, canvas, scratch));
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             (run.progress)(done as f64 / tiles.len() as f64);
