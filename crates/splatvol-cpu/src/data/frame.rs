@@ -20,7 +20,7 @@ use super::shade::PlaneShader;
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
 use super::table::ShadeTable;
-use super::tile::{DataFrame, Rays, pixel_reach};
+use super::tile::{DataFrame, Rays, blocks_of, pixel_reach};
 use crate::stage::shade::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
@@ -150,7 +150,13 @@ impl View {
             _ if changed || !round => CUT,
             _ => kernel.cut(),
         };
-        let within = steepest <= STEEPEST && groups <= MAX_GROUPS && stack.count <= MAX_SHEETS;
+        let ends =
+            [nearest, stack.plane(stack.count)].map(|depth| SheetShape::new(&shape, &screen, &raster, depth));
+        let drift_of_centres = (steepest * reach) as f32;
+        let within = steepest <= STEEPEST
+            && groups <= MAX_GROUPS
+            && stack.count <= MAX_SHEETS
+            && (round || powers_fit(&ends, drift_of_centres));
         within.then_some(Self {
             camera_from_lattice,
             screen,
@@ -226,6 +232,17 @@ impl View {
             border: Border::new(camera_from_voxel, dims, self.margin, self.kernel.sigma),
         }
     }
+}
+
+/// Whether the powers of ellipses between those of the nearest and the farthest sheet are floats: those of long and thin
+/// ones on a fine raster may not be. `drift`: how far centres move within a voxel's sheets, world length.
+fn powers_fit([near, far]: &[SheetShape; 2], drift: f32) -> bool {
+    let [xx, xy, yy] = far.exponent;
+    let steepest = 0.5 * (xx + yy + (xx - yy).hypot(xy));
+    // Centres lie up to a point and a half off the middle of their blocks along both axes.
+    let offset = 1.5 * std::f32::consts::SQRT_2 + drift * near.scale;
+    let points = blocks_of(near.half_extent(CUT as f32)) as f32;
+    2.0 * steepest * offset * points < 126.0
 }
 
 /// Groups of four sheets that a voxel may reach.

@@ -148,6 +148,9 @@ const ROW: [f32; 16] = [
     0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
 ];
 
+/// Exponents from which `exp2` is exact.
+const LEAST: f32 = -126.0;
+
 impl Stencil {
     /// Stencil of a slab's footprints of `size` blocks.
     #[inline(always)]
@@ -167,7 +170,11 @@ impl Stencil {
                 for column in 0..size {
                     let i = f32x16::from_slice(simd, &COLUMN) + (2 * column) as f32 - middle;
                     let exponent = xx * i * i + xy * i * j + yy * j * j;
-                    exp2(simd, exponent).store_slice(&mut self.blocks[row][column].0);
+                    // Not the least number where it is far less: powers of elongated footprints would show it.
+                    exponent
+                        .simd_gt(f32x16::splat(simd, LEAST))
+                        .select(exp2(simd, exponent), f32x16::splat(simd, 0.0))
+                        .store_slice(&mut self.blocks[row][column].0);
                 }
             }
         }
