@@ -152,6 +152,7 @@ impl View {
         };
         let ends =
             [nearest, stack.plane(stack.count)].map(|depth| SheetShape::new(&shape, &screen, &raster, depth));
+        let reach = if sampling == Sampling::Rays { 0.0 } else { reach };
         let drift_of_centres = (steepest * reach) as f32;
         let within = steepest <= STEEPEST
             && groups <= MAX_GROUPS
@@ -164,7 +165,7 @@ impl View {
             kernel,
             stack,
             raster,
-            reach: if sampling == Sampling::Rays { 0.0 } else { reach },
+            reach,
             spread: 0.5 * steepest * stack.spacing,
             groups,
             round,
