@@ -28,8 +28,8 @@ pub struct EngineConfig {
     pub threads: Option<usize>,
     /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes the fastest. Does not change the picture.
     pub tile_edge: Option<usize>,
-    /// Instructions to use; `None` takes the best that the processor has. Changes pictures of [`RenderSettings::best`] by rounding, those
-    /// of the other presets not at all.
+    /// Instructions to use; `None` takes the best that the processor has. Changes pictures by rounding at most, and
+    /// post-classified ones of presets other than [`RenderSettings::best`] not at all.
     pub simd: Option<SimdLevel>,
 }
 
