@@ -128,8 +128,7 @@ pub(crate) fn activate<S: Simd>(
     (brick, voxels): (&mut OpenBrick, &OpenVoxels),
     mask: &OpenMask,
     records: &mut Records,
-) -> u32 {
-    let mut tested = 0;
+) {
     let [x0, y0, z0] = brick.corner;
     let first = f32x16::splat(simd, window.depths[0] - z0);
     let limit = f32x16::splat(simd, window.depths[1] - z0);
@@ -143,16 +142,15 @@ pub(crate) fn activate<S: Simd>(
         let entering = depth.simd_le(limit);
         let count = entering.to_bitmask().count_ones();
         if count == 0 {
-            return tested;
+            return;
         }
         brick.next += count;
-        tested += count;
         let value = f32x16::from_slice(simd, &voxels.value[next..next + 16]);
         let needed = entering & depth.simd_ge(first);
         let last = count < 16 || brick.next as usize >= voxels.len;
         if !needed.any_true() {
             if last {
-                return tested;
+                return;
             }
             continue;
         }
@@ -211,7 +209,7 @@ pub(crate) fn activate<S: Simd>(
             records.len = at + found;
         }
         if last {
-            return tested;
+            return;
         }
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! Along a pixel's ray the value is the cubic through both planes with the slopes that the planes beside them give
 //! (Catmull and Rom); it is cut in the middle, and each half takes its mean extinction from the integral of the transfer
-//! function, `(K(b) - K(a)) / (b - a)`, and its colour where the material is: right for any transfer function. The gradient is the planes' central differences
-//! across the ray, and along it a difference of the four planes that is as soft as those.
+//! function, `(K(b) - K(a)) / (b - a)`, and its colour and light where its material is: right for any transfer function,
+//! and thin bands between two planes are seen as they are. The gradient is the planes' central differences across the ray,
+//! and along it a difference of the four planes that is as soft as those. Thin intervals are not cut.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::Vec3A;

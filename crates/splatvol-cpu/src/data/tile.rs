@@ -135,7 +135,6 @@ pub(crate) struct DataScratch {
 /// Work done by a tile.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DataWork {
-    pub tested: u64,
     pub voxels: u64,
     pub activate: Duration,
     pub splat: Duration,
@@ -350,7 +349,7 @@ fn enter<S: Simd, M: Mode<N>, const N: usize>(
             ..
         } = scratch;
         let voxels = &voxels[brick.voxels as usize];
-        let tested = activate(
+        activate(
             simd,
             &frame.constants,
             window,
@@ -360,7 +359,6 @@ fn enter<S: Simd, M: Mode<N>, const N: usize>(
         );
         let done = brick.next as usize >= voxels.len();
         brick.next_depth = voxels.depth(brick.next as usize) + brick.corner[2];
-        work.tested += u64::from(tested);
         if records.len > CAPACITY - BRICK_VOXELS - 16 {
             flush(
                 simd,
