@@ -1,0 +1,43 @@
+//! Plain settings of a frame. The methods of the papers are values here, never separate renderers.
+
+mod compositing;
+mod filter;
+mod kernel;
+mod presets;
+mod validate;
+
+pub use compositing::{Classification, Compositing, Gradient};
+pub use filter::Filter;
+pub use kernel::Kernel;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{ImageSize, Lighting};
+
+/// Everything about a frame that is neither scene nor camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct RenderSettings {
+    /// Picture size, pixels.
+    pub size: ImageSize,
+    /// How sheets become a picture.
+    pub compositing: Compositing,
+    /// Splat colours or splat data.
+    pub classification: Classification,
+    /// Sheet thickness, mean voxel spacings.
+    pub sheet_thickness: f64,
+    /// Screen-space low-pass.
+    pub filter: Filter,
+    /// Where the gradient that lights a sheet comes from (post-classification).
+    #[serde(default)]
+    pub gradient: Gradient,
+    /// Reconstruction kernel.
+    pub kernel: Kernel,
+    /// Whether kernel weights are solved so that the reconstruction interpolates the samples
+    /// (post-classification and MIP only; classified values are never prefiltered).
+    pub prefilter: bool,
+    /// Phong lighting; `None` shows the transfer function's colours as they are.
+    pub lighting: Option<Lighting>,
+    /// A pixel is finished when its transmittance falls below this; the error it leaves is at most this.
+    pub termination: f64,
+}
