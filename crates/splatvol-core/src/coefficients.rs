@@ -63,6 +63,26 @@ impl Coefficients {
     }
 }
 
+impl Coefficients {
+    /// Central differences at a lattice point, per voxel: one-sided at the border, missing neighbours count as the point
+    /// itself.
+    #[inline(always)]
+    pub fn difference(&self, index: usize, position: [usize; 3]) -> [f32; 3] {
+        let strides = [1, self.dims[0], self.dims[0] * self.dims[1]];
+        let here = self.values[index];
+        let value = |inside: bool, other: usize| {
+            let value = if inside { self.values[other] } else { here };
+            if value.is_nan() { here } else { value }
+        };
+        std::array::from_fn(|axis| {
+            let (left, right) = (position[axis] > 0, position[axis] + 1 < self.dims[axis]);
+            let before = value(left, index.wrapping_sub(strides[axis]));
+            let after = value(right, index + strides[axis]);
+            (after - before) / f32::from(u8::from(left) + u8::from(right)).max(1.0)
+        })
+    }
+}
+
 /// What coefficients are for.
 #[derive(Debug, Clone, Copy)]
 pub enum Use<'a> {

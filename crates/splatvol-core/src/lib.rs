@@ -7,6 +7,7 @@
 //! | cull | [`brick`] | coefficients, tables | bricks that can be seen |
 //! | project | [`footprint`], [`sheets`] | grid, kernel, camera | the one footprint type, sliced by sheets |
 //! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
+//! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
 //! [`kernel`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
 //! knows nothing of where they came from.
@@ -23,4 +24,5 @@ pub mod mip;
 pub mod normal;
 mod prefilter;
 pub mod sheets;
+pub mod splats;
 pub mod visibility;

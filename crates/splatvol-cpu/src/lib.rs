@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 mod data;
+mod footprints;
 #[doc(hidden)]
 pub mod kernels;
 mod plan;

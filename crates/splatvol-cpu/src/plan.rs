@@ -51,8 +51,8 @@ pub(crate) struct Geometry {
 pub(crate) fn splats_color(settings: &RenderSettings) -> bool {
     match settings.compositing {
         Compositing::ImageSheets => settings.classification == Classification::Pre,
-        Compositing::Xray => true,
         Compositing::Mip => false,
+        _ => true,
     }
 }
 

@@ -15,6 +15,7 @@ use splatvol_scene::{
 };
 
 use crate::data::engine::{DataEngine, Run};
+use crate::footprints::{self, FootprintEngine};
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -135,6 +136,7 @@ pub struct Renderer {
     level: Level,
     prepared: Option<Prepared>,
     data: DataEngine,
+    footprints: FootprintEngine,
     statistics: RenderStatistics,
 }
 
@@ -169,6 +171,7 @@ impl Renderer {
             level,
             prepared: None,
             data: DataEngine::default(),
+            footprints: FootprintEngine::default(),
             statistics,
         })
     }
@@ -280,6 +283,7 @@ impl Renderer {
             tiles: plan.tiles.len(),
             voxels: tiles.iter().map(|(_, work)| work.voxels).sum(),
             slices: tiles.iter().map(|(_, work)| work.slices).sum(),
+            ..RenderStatistics::default()
         };
         frame
     }
@@ -317,7 +321,9 @@ impl Renderer {
             tile_edge: self.tile_edge,
             progress,
         };
-        if splats_at_once(scene, settings)
+        if footprints::is_needed(settings) {
+            self.statistics = self.footprints.render(run, scene, (camera, settings), frame);
+        } else if splats_at_once(scene, settings)
             && let Some(statistics) = self.data.render(run, scene, (camera, settings), frame)
         {
             self.statistics = statistics;

@@ -48,4 +48,9 @@ pub struct RenderStatistics {
     pub voxels: u64,
     /// Footprint slices splatted, summed over tiles and sheets.
     pub slices: u64,
+    /// Bricks left out for being hidden, summed over tiles (footprint engine).
+    pub hidden_bricks: u64,
+    /// Voxels left out for being hidden, summed over tiles: those of hidden bricks, and hidden ones of others (footprint
+    /// engine).
+    pub hidden_voxels: u64,
 }

@@ -112,7 +112,11 @@ impl Reference {
         settings.validate()?;
         let geometry = ViewGeometry::new(&scene.volume, camera, settings);
         let mode = match settings.compositing {
-            Compositing::ImageSheets => Mode::Integral(Optics::Absorbing),
+            // Whole footprints, however they are composited, approximate the integral.
+            Compositing::ImageSheets
+            | Compositing::PerSplat
+            | Compositing::PerSplatBackToFront
+            | Compositing::AxisSheets => Mode::Integral(Optics::Absorbing),
             Compositing::Xray => Mode::Integral(Optics::Additive),
             Compositing::Mip => Mode::Maximum {
                 transfer_function: scene.transfer_function.clone(),
@@ -121,9 +125,8 @@ impl Reference {
         };
         let pre_shading = match settings.compositing {
             Compositing::Xray => Some(None),
-            Compositing::ImageSheets if settings.classification == Classification::Pre => {
-                Some(settings.lighting.map(Shading::new))
-            }
+            Compositing::Mip => None,
+            _ if settings.classification == Classification::Pre => Some(settings.lighting.map(Shading::new)),
             _ => None,
         };
         let (medium, features) = match pre_shading {

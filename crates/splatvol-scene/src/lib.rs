@@ -38,7 +38,10 @@ pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
 pub use scene::Scene;
-pub use settings::{Classification, Compositing, Filter, Gradient, Kernel, RenderSettings};
+pub use settings::{
+    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, SheetContent,
+};
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,
 };

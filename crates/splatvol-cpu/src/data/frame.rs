@@ -269,7 +269,8 @@ fn raster(
     scales: [f64; 2],
 ) -> Option<Raster> {
     let (low_pass, matched) = match settings.filter {
-        Filter::None => (0.0, false),
+        // Footprints that are scaled belong to another engine.
+        Filter::None | Filter::Swan | Filter::SwanAlpha => (0.0, false),
         Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
         Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
     };

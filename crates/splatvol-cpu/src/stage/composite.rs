@@ -82,6 +82,28 @@ impl Pixel {
         self.depth_sum += share * depth;
         self.transmittance *= through;
     }
+
+    /// Puts something of an opacity and a (lit) colour at a depth behind what is there.
+    #[inline(always)]
+    pub(crate) fn add_opacity(&mut self, opacity: f32, color: [f32; 3], depth: f32) {
+        let share = self.transmittance * opacity;
+        for (sum, channel) in self.color.iter_mut().zip(color) {
+            *sum += share * channel;
+        }
+        self.depth_sum += share * depth;
+        self.transmittance *= 1.0 - opacity;
+    }
+
+    /// Puts it before what is there.
+    #[inline(always)]
+    pub(crate) fn cover(&mut self, opacity: f32, color: [f32; 3], depth: f32) {
+        let through = 1.0 - opacity;
+        for (sum, channel) in self.color.iter_mut().zip(color) {
+            *sum = *sum * through + opacity * channel;
+        }
+        self.depth_sum = self.depth_sum * through + opacity * depth;
+        self.transmittance *= through;
+    }
 }
 
 /// Pixels that are not finished, per 8 x 8 block of a tile.

@@ -22,10 +22,23 @@ pub(crate) fn resolve(
     unit_distance: f32,
 ) -> Resolved {
     let pixel = match compositing {
-        Compositing::ImageSheets => *pixel,
         Compositing::Mip => brightest(pixel, table, unit_distance),
         Compositing::Xray => integrated(pixel),
+        _ => *pixel,
     };
+    shown(&pixel)
+}
+
+/// What a pixel shows that is no maximum: itself, or the line integral that it holds.
+pub(crate) fn resolve_plain(pixel: &Pixel, is_integral: bool) -> Resolved {
+    if is_integral {
+        shown(&integrated(pixel))
+    } else {
+        shown(pixel)
+    }
+}
+
+fn shown(pixel: &Pixel) -> Resolved {
     let [r, g, b] = pixel.color;
     let alpha = 1.0 - pixel.transmittance;
     Resolved {

@@ -36,27 +36,12 @@ impl<'a> ColorMode<'a> {
         }
     }
 
-    /// Central differences at a voxel (one-sided at the border, missing neighbours as the voxel itself), camera space,
-    /// per world length.
+    /// Gradient at a voxel, camera space, per world length.
     fn gradient(&self, index: usize, position: [usize; 3]) -> [f32; 3] {
-        let values = &self.plan.coefficients.values;
-        let dims = self.plan.coefficients.dims;
-        let strides = [1, dims[0], dims[0] * dims[1]];
-        let here = values[index];
-        let difference = |axis: usize| {
-            let at = |inside: bool, other: usize| {
-                let value = if inside { values[other] } else { here };
-                (
-                    if value.is_nan() { here } else { value },
-                    f64::from(u8::from(inside)),
-                )
-            };
-            let (before, left) = at(position[axis] > 0, index.wrapping_sub(strides[axis]));
-            let (after, right) = at(position[axis] + 1 < dims[axis], index + strides[axis]);
-            f64::from(after - before) / (left + right).max(1.0)
-        };
-        let voxel = DVec3::new(difference(0), difference(1), difference(2));
-        (self.camera_from_voxel_gradient * voxel).as_vec3().to_array()
+        let difference = DVec3::from_array(self.plan.coefficients.difference(index, position).map(f64::from));
+        (self.camera_from_voxel_gradient * difference)
+            .as_vec3()
+            .to_array()
     }
 }
 

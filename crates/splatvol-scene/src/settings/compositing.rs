@@ -13,6 +13,44 @@ pub enum Compositing {
     Xray,
     /// Largest reconstructed value along the ray, shown in its colour with its opacity per unit distance.
     Mip,
+    /// Whole footprints one by one, front to back (Westover 1989; zwicker2001 eq. 4).
+    PerSplat,
+    /// Whole footprints one by one, back to front: the same picture, and nothing can be left out for being hidden.
+    PerSplatBackToFront,
+    /// Whole footprints added up on the slices of the grid that are most nearly parallel to the picture (Westover 1990,
+    /// zwicker2001 section 6).
+    AxisSheets,
+}
+
+impl Compositing {
+    /// Whether whole footprints of classified voxels are composited, so that the data must be classified first.
+    pub fn needs_colors(self) -> bool {
+        matches!(
+            self,
+            Self::PerSplat | Self::PerSplatBackToFront | Self::AxisSheets
+        )
+    }
+}
+
+/// What a footprint leaves on a sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SheetContent {
+    /// The kernel integrated over the sheet's depth (huang2000 section 2): mass is exact.
+    Section,
+    /// The kernel's value on the sheet's plane: no blur along depth.
+    Sample,
+}
+
+/// How light is lost on the way through material.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Absorption {
+    /// `exp(-tau)` (zwicker2001 eq. 1).
+    #[default]
+    Exp,
+    /// `1 - tau`, and nothing below it, as the papers approximate it (zwicker2001 eq. 4).
+    Linear,
 }
 
 /// What is splatted.

@@ -19,13 +19,18 @@ pub enum Filter {
         /// Smallest standard deviation of a footprint, pixels.
         pixel_sigma: f64,
     },
+    /// Footprints of voxels that lie less than a pixel apart are scaled up, as a whole, until they do not; their optical
+    /// depth falls as their area grows (swan1997 section 4.3, eq. 4 and 8).
+    Swan,
+    /// The same, but their opacity falls instead, as the paper's text has it: opaque data turn translucent.
+    SwanAlpha,
 }
 
 impl Filter {
     /// Standard deviation in pixels, 0 for none.
     pub fn pixel_sigma(self) -> f64 {
         match self {
-            Self::None => 0.0,
+            Self::None | Self::Swan | Self::SwanAlpha => 0.0,
             Self::Ewa { pixel_sigma } | Self::Matched { pixel_sigma } => pixel_sigma,
         }
     }

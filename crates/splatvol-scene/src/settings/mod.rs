@@ -2,12 +2,14 @@
 
 mod compositing;
 mod filter;
+mod footprint;
 mod kernel;
 mod presets;
 mod validate;
 
-pub use compositing::{Classification, Compositing, Gradient};
+pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
 pub use filter::Filter;
+pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
 pub use kernel::Kernel;
 
 use serde::{Deserialize, Serialize};
@@ -26,8 +28,21 @@ pub struct RenderSettings {
     pub classification: Classification,
     /// Sheet thickness, mean voxel spacings.
     pub sheet_thickness: f64,
+    /// What footprints leave on sheets; none for what suits the classification: sections of classified colours,
+    /// samples of data.
+    pub sheet: Option<SheetContent>,
+    /// How light is lost on the way through material.
+    pub absorption: Absorption,
     /// Screen-space low-pass.
     pub filter: Filter,
+    /// Which integrals of a kernel make up its footprint.
+    pub alignment: Alignment,
+    /// How footprints become pixels.
+    pub rasterizer: Rasterizer,
+    /// How what is hidden is left out.
+    pub occlusion: Occlusion,
+    /// What the kernels stand for.
+    pub reconstruction: Reconstruction,
     /// Where the gradient that lights a sheet comes from (post-classification).
     #[serde(default)]
     pub gradient: Gradient,

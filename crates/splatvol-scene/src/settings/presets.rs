@@ -1,6 +1,9 @@
 //! Whole settings by name.
 
-use super::{Classification, Compositing, Filter, Gradient, Kernel, RenderSettings};
+use super::{
+    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings,
+};
 use crate::{ImageSize, Lighting};
 
 impl Default for RenderSettings {
@@ -19,7 +22,13 @@ impl RenderSettings {
             compositing: Compositing::default(),
             classification: Classification::default(),
             sheet_thickness: 0.5,
+            sheet: None,
+            absorption: Absorption::default(),
             filter: Filter::default(),
+            alignment: Alignment::default(),
+            rasterizer: Rasterizer::default(),
+            occlusion: Occlusion::default(),
+            reconstruction: Reconstruction::default(),
             gradient: Gradient::Analytic,
             kernel: Kernel::default(),
             prefilter: true,

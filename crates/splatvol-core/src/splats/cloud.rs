@@ -1,0 +1,84 @@
+//! The cloud: kernels in their own space.
+
+use glam::{DAffine3, DMat3};
+
+/// Kernels with centres, payloads and covariances, in *local* space (a grid's voxel indices).
+#[derive(Debug, Clone)]
+pub struct SplatCloud {
+    /// Local space to world.
+    pub world_from_local: DAffine3,
+    /// Centres, local.
+    pub positions: Vec<[f32; 3]>,
+    /// What each splat carries: extinction per world length and emission (extinction times linear rgb) of classified
+    /// splats; normalised value, one, and two zeros of data.
+    pub payloads: Vec<[f32; 4]>,
+    /// Gradients of the normalised value per local unit; empty where nothing needs them.
+    pub gradients: Vec<[f32; 3]>,
+    /// Covariances.
+    pub shape: KernelShape,
+    /// Integral of each kernel over space, world volume: a grid's cell.
+    pub mass: f64,
+    /// Geometric mean of the distance between neighbours, world length.
+    pub spacing: f64,
+    /// Neighbouring splats, contiguous.
+    pub chunks: Vec<Chunk>,
+}
+
+/// Covariances of a cloud's kernels, local space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KernelShape {
+    /// Spheres of one standard deviation.
+    Sphere {
+        /// Standard deviation, local units.
+        sigma: f64,
+    },
+    /// Spheres flattened along the gradient (zwicker2001 section 5): `sigma^2 (I - (1 - 1 / flatness^2) n n^T)`.
+    Flattened {
+        /// Standard deviation across the gradient, local units.
+        sigma: f64,
+        /// What it is divided by along the gradient.
+        flatness: f64,
+        /// Gradient of the normalised value, per mean spacing, from which on kernels are flattened.
+        threshold: f64,
+    },
+}
+
+impl KernelShape {
+    /// Largest standard deviation, local units.
+    pub fn sigma(&self) -> f64 {
+        match *self {
+            Self::Sphere { sigma } | Self::Flattened { sigma, .. } => sigma,
+        }
+    }
+}
+
+/// Splats that lie close together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chunk {
+    /// First splat.
+    pub first: u32,
+    /// One past the last.
+    pub end: u32,
+    /// Least coordinates of the centres, local.
+    pub low: [f32; 3],
+    /// Greatest coordinates.
+    pub high: [f32; 3],
+}
+
+impl SplatCloud {
+    /// Number of splats.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// True for a cloud of nothing.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// Rows of the matrix that takes gradients per local unit to gradients per world length, in a space rotated from the
+    /// world by `rotation`.
+    pub fn gradient_from_local(&self, rotation: DMat3) -> DMat3 {
+        (rotation * self.world_from_local.matrix3).inverse().transpose()
+    }
+}

@@ -1,0 +1,133 @@
+//! The cloud of a volume: only voxels that can be seen are kept, as the papers' sparse splat lists do (mueller1998 section
+//! 3.5, huang2000 section 1).
+
+use glam::DMat3;
+use rayon::prelude::*;
+use splatvol_scene::Grid;
+
+use super::cloud::{Chunk, KernelShape, SplatCloud};
+use crate::brick::{ActiveBrick, BLOCK, BrickGrid};
+use crate::classification::ClassificationTable;
+use crate::coefficients::Coefficients;
+
+/// What a cloud is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Extract<'a> {
+    /// Where the samples lie.
+    pub grid: &'a Grid,
+    /// The samples, normalised; no margin.
+    pub samples: &'a Coefficients,
+    /// Their bricks.
+    pub bricks: &'a BrickGrid,
+    /// What can be seen.
+    pub table: &'a ClassificationTable,
+    /// Covariances.
+    pub shape: KernelShape,
+    /// Whether splats need gradients: for light, or to be flattened along them.
+    pub gradients: bool,
+}
+
+/// Splats of one brick.
+#[derive(Debug, Default)]
+struct Part {
+    positions: Vec<[f32; 3]>,
+    payloads: Vec<[f32; 4]>,
+    gradients: Vec<[f32; 3]>,
+}
+
+/// Voxels of visible values, with extinction and emission.
+pub fn classified(from: &Extract<'_>) -> SplatCloud {
+    let payload = |value: f32| {
+        let lit = from.table.at(value);
+        (lit[0] > 0.0).then_some(lit)
+    };
+    from.collect(&from.bricks.visible(from.table), payload)
+}
+
+/// Voxels whose values can take part in visible ones, with their values. `reach`: how far a voxel acts, voxels per axis.
+pub fn data(from: &Extract<'_>, reach: [f64; 3]) -> SplatCloud {
+    from.collect(&from.bricks.active(from.table, reach), |value| {
+        Some([value, 1.0, 0.0, 0.0])
+    })
+}
+
+impl Extract<'_> {
+    fn collect(
+        &self,
+        bricks: &[ActiveBrick],
+        payload: impl Fn(f32) -> Option<[f32; 4]> + Sync,
+    ) -> SplatCloud {
+        let parts: Vec<Part> = bricks
+            .par_iter()
+            .map(|&brick| self.part(brick, &payload))
+            .collect();
+        let count = parts.iter().map(|part| part.positions.len()).sum();
+        let mut cloud = SplatCloud {
+            world_from_local: self.grid.world_from_voxel(),
+            positions: Vec::with_capacity(count),
+            payloads: Vec::with_capacity(count),
+            gradients: Vec::with_capacity(if self.gradients { count } else { 0 }),
+            shape: self.shape,
+            mass: self.grid.cell_volume(),
+            spacing: self.grid.mean_spacing(),
+            chunks: Vec::with_capacity(parts.len()),
+        };
+        for mut part in parts {
+            let first = cloud.len() as u32;
+            cloud.chunks.extend(part.chunk(first));
+            cloud.positions.append(&mut part.positions);
+            cloud.payloads.append(&mut part.payloads);
+            cloud.gradients.append(&mut part.gradients);
+        }
+        cloud
+    }
+
+    fn part(&self, active: ActiveBrick, payload: impl Fn(f32) -> Option<[f32; 4]>) -> Part {
+        let ([x0, y0, z0], [x1, y1, z1]) = self.bricks.voxel_box(active.brick as usize);
+        let [nx, ny, _] = self.samples.dims;
+        let mut part = Part::default();
+        for z in z0..z1 {
+            for y in y0..y1 {
+                let blocks = active.blocks >> ((y - y0) / BLOCK * 2 + (z - z0) / BLOCK * 4);
+                for x in (x0..x1).filter(|x| blocks >> ((x - x0) / BLOCK) & 1 == 1) {
+                    let index = (z * ny + y) * nx + x;
+                    let value = self.samples.values[index];
+                    // A missing sample, NaN, has no splat.
+                    if value.is_nan() {
+                        continue;
+                    }
+                    let Some(payload) = payload(value) else { continue };
+                    part.positions.push([x, y, z].map(|i| i as f32));
+                    part.payloads.push(payload);
+                    if self.gradients {
+                        part.gradients.push(self.samples.difference(index, [x, y, z]));
+                    }
+                }
+            }
+        }
+        part
+    }
+}
+
+impl Part {
+    fn chunk(&self, first: u32) -> Option<Chunk> {
+        let (&start, rest) = self.positions.split_first()?;
+        let bound = |pick: fn(f32, f32) -> f32| {
+            rest.iter()
+                .fold(start, |at, p| std::array::from_fn(|a| pick(at[a], p[a])))
+        };
+        Some(Chunk {
+            first,
+            end: first + self.positions.len() as u32,
+            low: bound(f32::min),
+            high: bound(f32::max),
+        })
+    }
+}
+
+impl SplatCloud {
+    /// Gradients per local unit to gradients per mean spacing, whatever the orientation: for thresholds.
+    pub(crate) fn steepness_from_local(&self) -> DMat3 {
+        self.gradient_from_local(DMat3::IDENTITY) * self.spacing
+    }
+}

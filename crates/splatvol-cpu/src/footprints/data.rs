@@ -1,0 +1,195 @@
+//! Sheets of data: classified and lit pixel by pixel (huang2000 section 4, "post-rendering classification").
+//!
+//! A sheet holds, per pixel, the sums `S = sum v_k w_k` and `W = sum w_k` of its sections, w being line integrals: W is the length
+//! of the ray's path through the volume within the sheet, so a pixel's value is `S / W` and its optical depth `kappa(S / W) W`.
+//! The gradient comes from central differences between neighbouring pixels and between the sheets before and behind.
+
+use splatvol_core::splats::Profile;
+use splatvol_scene::Absorption;
+
+use super::order::Order;
+use super::raster::Target;
+use super::sheet::Sheet;
+use super::tile::{Tile, TileScratch};
+
+/// Three neighbouring sheets: before, here, behind.
+#[derive(Debug, Default)]
+pub(crate) struct DataSheets {
+    sheets: [Sheet<2>; 3],
+    /// Turn of the sheet behind.
+    newest: Option<usize>,
+}
+
+impl DataSheets {
+    /// Empty sheets.
+    pub(crate) fn reset(&mut self, width: usize, height: usize) {
+        for sheet in &mut self.sheets {
+            sheet.reset(width, height);
+        }
+        self.newest = None;
+    }
+
+    /// True where all three are empty.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.sheets.iter().all(Sheet::is_empty)
+    }
+
+    fn advance(&mut self) {
+        self.sheets.rotate_left(1);
+        self.sheets[2].clear();
+    }
+}
+
+/// Path lengths below this share of a sheet's thickness hold no value.
+const FADED: f32 = 0.02;
+
+struct Sum<'a> {
+    sheet: &'a mut Sheet<2>,
+    value: f32,
+}
+
+impl Target for Sum<'_> {
+    #[inline(always)]
+    fn row(&mut self, place: (usize, usize), weights: &[f32]) {
+        self.sheet.add_row(place, weights, &[self.value, 1.0]);
+    }
+}
+
+impl<P: Profile> Tile<'_, P> {
+    /// Splats a sheet's sections of the open splats behind the sheets that are there.
+    #[inline(always)]
+    pub(crate) fn splat_data(&mut self, turn: usize, section: [f32; 2]) {
+        let TileScratch { open, data, row, .. } = &mut *self.scratch;
+        data.advance();
+        data.newest = Some(turn);
+        let reach = self.plan.projection.depth_reach();
+        let (brush, work) = (&self.brush, &mut self.work);
+        open.retain(|splat| {
+            work.slices += 1;
+            let mut target = Sum {
+                sheet: &mut data.sheets[2],
+                value: splat.payload[0],
+            };
+            target.sheet.touch(splat.area);
+            brush.draw(&splat.footprint, Some(section), splat.area, row, &mut target);
+            section[1] < splat.footprint.depth + reach
+        });
+    }
+
+    /// Shades the sheet before the newest one, which is between its neighbours now.
+    #[inline(always)]
+    pub(crate) fn shade_data(&mut self, turn: usize) {
+        if let (Some(middle), Order::Sheets { sheets, .. }) = (turn.checked_sub(1), self.plan.order) {
+            let [near, far] = sheets.slab(middle).map(|depth| depth as f32);
+            self.shade_between(0.5 * (near + far), far - near);
+        }
+    }
+
+    /// Shades what no later sheet will follow.
+    #[inline(always)]
+    pub(crate) fn finish_data(&mut self) {
+        if let Some(newest) = self.scratch.data.newest {
+            self.scratch.data.advance();
+            self.shade_data(newest + 1);
+        }
+    }
+
+    #[inline(always)]
+    fn shade_between(&mut self, depth: f32, thickness: f32) {
+        let plan = self.plan;
+        let Some((table, phong)) = &plan.shading else {
+            return;
+        };
+        let TileScratch {
+            data,
+            pixels,
+            finished,
+            ..
+        } = &mut *self.scratch;
+        if data.sheets[1].is_empty() {
+            return;
+        }
+        let (own, splatted) = (self.rect, self.brush.rect);
+        let width = own.x1 - own.x0;
+        let [x0, y0, x1, y1] = data.sheets[1].touched();
+        let stencil = Stencil {
+            sheets: &data.sheets,
+            size: [splatted.x1 - splatted.x0, splatted.y1 - splatted.y0],
+            least: FADED * thickness,
+            thickness,
+            per_pixel: 1.0 / plan.view.screen.scale_at(f64::from(depth)) as f32,
+        };
+        let (first, end) = (x0 + splatted.x0, x1 + splatted.x0);
+        for py in (y0 + splatted.y0).max(own.y0)..(y1 + splatted.y0).min(own.y1) {
+            for px in first.max(own.x0)..end.min(own.x1) {
+                let (x, y) = (px - own.x0, py - own.y0);
+                let at = [px - splatted.x0, py - splatted.y0];
+                let path = stencil.sheets[1].pixel(at[0], at[1])[1];
+                if finished.is(x, y) || path <= stencil.least {
+                    continue;
+                }
+                let value = stencil.value(1, at).unwrap_or_default();
+                let [extinction, emission @ ..] = table.at(value);
+                if extinction <= 0.0 {
+                    continue;
+                }
+                let mut color = emission.map(|e| e / extinction);
+                if let Some(phong) = phong {
+                    let ray = plan.ray([px, py]);
+                    let lit = phong.at(stencil.gradient(at, value, ray));
+                    color = color.map(|c| c * lit.diffuse + lit.specular);
+                }
+                let pixel = &mut pixels[y * width + x];
+                let optical_depth = extinction * path;
+                match plan.settings.absorption {
+                    Absorption::Exp => pixel.add(optical_depth, color, depth),
+                    Absorption::Linear => pixel.add_opacity(optical_depth.min(1.0), color, depth),
+                }
+                if pixel.transmittance <= plan.settings.termination as f32 {
+                    finished.finish(x, y);
+                }
+            }
+        }
+    }
+}
+
+/// Differences between pixels of three sheets.
+struct Stencil<'a> {
+    sheets: &'a [Sheet<2>; 3],
+    size: [usize; 2],
+    /// Path length that holds a value.
+    least: f32,
+    thickness: f32,
+    /// World length between pixels.
+    per_pixel: f32,
+}
+
+impl Stencil<'_> {
+    #[inline(always)]
+    fn value(&self, sheet: usize, [x, y]: [usize; 2]) -> Option<f32> {
+        let &[sum, path] = self.sheets[sheet].pixel(x, y);
+        (path > self.least).then(|| sum / path)
+    }
+
+    /// Gradient in camera space, per world length. Where there is no neighbour, the pixel stands for it.
+    #[inline(always)]
+    fn gradient(&self, [x, y]: [usize; 2], here: f32, ray: [f32; 2]) -> [f32; 3] {
+        let rise = |before: Option<f32>, after: Option<f32>, step: f32| {
+            let steps = f32::from(u8::from(before.is_some()) + u8::from(after.is_some())).max(1.0);
+            (after.unwrap_or(here) - before.unwrap_or(here)) / (steps * step)
+        };
+        let beside = |inside: bool, at: [usize; 2]| if inside { self.value(1, at) } else { None };
+        let across = rise(
+            beside(x > 0, [x.wrapping_sub(1), y]),
+            beside(x + 1 < self.size[0], [x + 1, y]),
+            self.per_pixel,
+        );
+        let down = rise(
+            beside(y > 0, [x, y.wrapping_sub(1)]),
+            beside(y + 1 < self.size[1], [x, y + 1]),
+            self.per_pixel,
+        );
+        let along = rise(self.value(0, [x, y]), self.value(2, [x, y]), self.thickness);
+        [across, down, along - ray[0] * across - ray[1] * down]
+    }
+}

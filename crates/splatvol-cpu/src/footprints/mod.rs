@@ -1,0 +1,144 @@
+//! The footprint engine: renders what is projected to footprints, by the methods of the papers.
+//!
+//! It knows [`SplatCloud`]s and [`splatvol_core::splats::Footprint`]s, and nothing of where they came from. A picture is
+//!
+//! | stage | module | what happens |
+//! |---|---|---|
+//! | extract | `cloud` | the volume's visible voxels become a cloud, kept between frames |
+//! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
+//! | open | `turns` | chunks that are not hidden give their splats to the turns |
+//! | splat | `raster`, `sheet` | footprints, whole or a sheet's section of them, become pixels |
+//! | composite | `tile`, `data` | sheets, or splats one by one, go behind what a pixel has |
+//!
+//! A *turn* is a sheet, a slice of the grid, or a range of depths whose splats are sorted, front to back (`order`). Pixels
+//! receive their contributions turn by turn, then by depth and index, so pictures are the same for any number of
+//! threads and any tile.
+
+mod cloud;
+mod data;
+mod light;
+mod occlusion;
+mod order;
+mod plan;
+mod raster;
+mod sheet;
+mod tile;
+mod turns;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+use splatvol_core::splats::{GaussianProfile, Profile};
+use splatvol_scene::{
+    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Kernel, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, Scene, SheetContent,
+};
+
+use self::cloud::CloudStore;
+use self::plan::Plan;
+use self::tile::{TileScratch, TileWork};
+use crate::data::engine::Run;
+use crate::statistics::{RenderStatistics, StageSeconds};
+
+/// Whether settings ask for something that the engines for grids do not have.
+pub(crate) fn is_needed(settings: &RenderSettings) -> bool {
+    let post = settings.classification == Classification::Post;
+    settings.compositing.needs_colors()
+        || matches!(settings.filter, Filter::Swan | Filter::SwanAlpha)
+        || settings.alignment != Alignment::Sheet
+        || settings.rasterizer != Rasterizer::Auto
+        || settings.occlusion != Occlusion::Auto
+        || settings.absorption != Absorption::Exp
+        || settings.reconstruction != Reconstruction::Volume
+        || (post
+            && settings.compositing == Compositing::ImageSheets
+            && settings.sheet == Some(SheetContent::Section))
+}
+
+/// Keeps the cloud between frames.
+#[derive(Debug, Default)]
+pub(crate) struct FootprintEngine {
+    store: CloudStore,
+}
+
+impl FootprintEngine {
+    /// Renders a frame.
+    pub(crate) fn render(
+        &mut self,
+        run: Run<'_>,
+        scene: &Scene,
+        (camera, settings): (&Camera, &RenderSettings),
+        frame: &mut Frame,
+    ) -> RenderStatistics {
+        let start = Instant::now();
+        let cloud = run.pool.install(|| self.store.cloud(scene, settings));
+        let seconds = StageSeconds {
+            classify: start.elapsed().as_secs_f64(),
+            ..StageSeconds::default()
+        };
+        let Kernel::Gaussian { sigma, radius } = settings.kernel;
+        let profile = GaussianProfile::new(radius / sigma);
+        let plan = run
+            .pool
+            .install(|| Plan::new(cloud, scene, (camera, settings), profile));
+        let mut statistics = render_tiles(run, &plan, frame, seconds);
+        statistics.seconds.total = start.elapsed().as_secs_f64();
+        statistics
+    }
+}
+
+/// Renders all tiles into a frame.
+fn render_tiles<P: Profile + Clone + std::fmt::Debug>(
+    run: Run<'_>,
+    plan: &Plan<'_, P>,
+    frame: &mut Frame,
+    mut seconds: StageSeconds,
+) -> RenderStatistics {
+    let start = Instant::now();
+    let done = AtomicUsize::new(0);
+    let count = plan.tiles.len();
+    let tiles: Vec<_> = run.pool.install(|| {
+        plan.lists
+            .longest_first()
+            .par_iter()
+            .with_max_len(1)
+            .map_init(TileScratch::default, |scratch, &tile| {
+                let work = render_tile(run.level, plan, tile as usize, scratch);
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                (run.progress)(done as f64 / count as f64);
+                (tile as usize, work)
+            })
+            .collect()
+    });
+    for (tile, (pixels, _)) in &tiles {
+        crate::stage::resolve::store(frame, &plan.tiles.rect(*tile), pixels);
+    }
+    let sum = |pick: fn(&TileWork) -> u64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<u64>();
+    let time = |pick: fn(&TileWork) -> f64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<f64>();
+    seconds.bin = plan.seconds;
+    seconds.tiles = start.elapsed().as_secs_f64();
+    seconds.splat = time(|work| work.splat.as_secs_f64());
+    seconds.shade = time(|work| work.shade.as_secs_f64());
+    RenderStatistics {
+        seconds,
+        threads: run.pool.current_num_threads(),
+        simd: crate::level_name(run.level),
+        bricks: plan.bricks,
+        active_bricks: plan.cloud.chunks.len(),
+        sheets: plan.order.count(),
+        tiles: count,
+        voxels: sum(|work| work.splats),
+        slices: sum(|work| work.slices),
+        hidden_bricks: sum(|work| work.hidden_chunks),
+        hidden_voxels: sum(|work| work.hidden_splats),
+        ..RenderStatistics::default()
+    }
+}
+
+type Tile = (Vec<crate::stage::resolve::Resolved>, TileWork);
+
+fn render_tile<P: Profile>(level: Level, plan: &Plan<'_, P>, tile: usize, scratch: &mut TileScratch) -> Tile {
+    dispatch!(level, _simd => tile::render(plan, tile, scratch))
+}

@@ -1,0 +1,161 @@
+//! The plan of a frame: what tiles share and only read.
+
+use std::time::Instant;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
+use splatvol_core::brick::ActiveBrick;
+use splatvol_core::classification::ClassificationTable;
+use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
+use splatvol_scene::{Camera, Compositing, Occlusion, RenderSettings, Scene};
+
+use super::cloud::splats_data;
+use super::light::SplatLight;
+use super::order::{Order, extent};
+use crate::stage::shade::Phong;
+
+/// Edge of a tile, pixels, where the whole picture is not one.
+const TILE_EDGE: usize = 64;
+
+/// Everything that tiles need.
+#[derive(Debug)]
+pub(crate) struct Plan<'a, P> {
+    pub settings: &'a RenderSettings,
+    pub cloud: &'a SplatCloud,
+    pub projection: Projection<'a>,
+    pub profile: P,
+    pub order: Order,
+    pub view: View,
+    /// Chunks per tile, by their first turn; what a brick is called there is a chunk's index.
+    pub lists: TileLists,
+    pub tiles: TileGrid,
+    /// Light on classified splats.
+    pub light: Option<SplatLight>,
+    /// What sheets of data are classified and lit by.
+    pub shading: Option<(ClassificationTable, Option<Phong>)>,
+    /// Pixels around a tile that are splatted as well.
+    pub apron: usize,
+    pub bricks: usize,
+    /// What this took.
+    pub seconds: f64,
+}
+
+impl<'a, P: Profile> Plan<'a, P> {
+    /// Projects and bins a cloud's chunks.
+    pub(crate) fn new(
+        (cloud, bricks): (&'a SplatCloud, usize),
+        scene: &Scene,
+        (camera, settings): (&Camera, &'a RenderSettings),
+        profile: P,
+    ) -> Self {
+        let start = Instant::now();
+        let camera_from_world = camera.camera_from_world();
+        let view = View {
+            camera_from_world,
+            screen: camera.screen_from_camera(settings.size),
+            size: settings.size,
+            near: 0.5 * settings.sheet_thickness * cloud.spacing,
+        };
+        let projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile);
+        let reach = projection.depth_reach();
+        let corners = corners(cloud)
+            .map(|local| camera_from_world.transform_point3(cloud.world_from_local.transform_point3(local)));
+        let order = Order::new(settings, cloud, &view, &corners, reach);
+        let data = splats_data(settings);
+        let apron = usize::from(data);
+        let edge = if settings.occlusion == Occlusion::Sat {
+            settings.size.width().max(settings.size.height()) as usize
+        } else {
+            TILE_EDGE
+        };
+        let tiles = TileGrid::new(settings.size, edge);
+        let chunk = |(index, chunk)| {
+            let bounds = projection.bounds(chunk)?;
+            let [x0, y0, x1, y1] = bounds.rect;
+            let grown = apron as f32;
+            Some(ProjectedBrick {
+                active: ActiveBrick {
+                    brick: index as u32,
+                    blocks: u8::MAX,
+                },
+                front_sheet: order.first_turn(chunk, &bounds, reach) as u32,
+                rect: [x0 - grown, y0 - grown, x1 + grown, y1 + grown],
+            })
+        };
+        let projected: Vec<_> = cloud.chunks.par_iter().enumerate().filter_map(chunk).collect();
+        let lists = TileLists::new(projected, &tiles);
+        let lighting = settings.lighting.as_ref();
+        let lit = lighting.filter(|_| !data && settings.compositing != Compositing::Xray);
+        Self {
+            settings,
+            cloud,
+            light: lit.map(|lighting| SplatLight::new(lighting, cloud, camera)),
+            shading: data.then(|| {
+                let table = ClassificationTable::new(
+                    &scene.transfer_function,
+                    scene.volume.value_range(),
+                    scene.unit_distance(),
+                );
+                (
+                    table,
+                    lighting.map(|lighting| Phong::new(lighting, cloud.spacing)),
+                )
+            }),
+            projection,
+            profile,
+            order,
+            view,
+            lists,
+            tiles,
+            apron,
+            bricks,
+            seconds: start.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// A tile's pixels and those around it that are splatted with it.
+    pub(crate) fn splatted(&self, rect: &TileRect) -> TileRect {
+        let size = self.settings.size;
+        TileRect {
+            x0: rect.x0.saturating_sub(self.apron),
+            y0: rect.y0.saturating_sub(self.apron),
+            x1: (rect.x1 + self.apron).min(size.width() as usize),
+            y1: (rect.y1 + self.apron).min(size.height() as usize),
+        }
+    }
+
+    /// A pixel's movement in camera x and y per depth.
+    #[inline(always)]
+    pub(crate) fn ray(&self, [px, py]: [usize; 2]) -> [f32; 2] {
+        let screen = &self.view.screen;
+        if !screen.perspective {
+            return [0.0; 2];
+        }
+        let along = |p: usize, c: f64| ((p as f64 + 0.5 - c) / screen.scale) as f32;
+        [along(px, screen.centre.x), along(py, screen.centre.y)]
+    }
+
+    /// What a splat carries, in its light.
+    #[inline(always)]
+    pub(crate) fn payload(&self, splat: usize) -> [f32; 4] {
+        let payload = self.cloud.payloads[splat];
+        match &self.light {
+            Some(light) => light.on(payload, self.cloud.gradients[splat]),
+            None => payload,
+        }
+    }
+}
+
+fn corners(cloud: &SplatCloud) -> [DVec3; 8] {
+    let (low, high) = extent(cloud);
+    std::array::from_fn(|corner| {
+        DVec3::from_array(std::array::from_fn(|axis| {
+            f64::from(if corner >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            })
+        }))
+    })
+}

@@ -1,0 +1,64 @@
+//! How footprints are shaped, drawn and hidden: what the papers' methods differ in.
+
+use serde::{Deserialize, Serialize};
+
+/// Which integrals of a kernel make up its footprint.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Alignment {
+    /// On sheets of constant depth, where a perspective view only scales: exact there (docs/numerics.md). Whole footprints
+    /// are affine.
+    #[default]
+    Sheet,
+    /// Along rays parallel to the one through the kernel's centre, the perspective map being linear there (zwicker2001
+    /// section 4.4).
+    Affine,
+    /// Along each pixel's own ray, in closed form.
+    Exact,
+    /// Along the viewing axis: the footprint lies parallel to the picture (mueller1998 table 1, row 5).
+    Grid,
+}
+
+/// How footprints become pixels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rasterizer {
+    /// The fastest for the footprint, evaluated without tables where the kernel is a Gaussian.
+    #[default]
+    Auto,
+}
+
+/// How what is hidden is left out.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Occlusion {
+    /// A count of unfinished pixels per block of 8 x 8.
+    #[default]
+    Auto,
+    /// Nothing is left out, and no pixel is ever finished.
+    None,
+    /// A summed-area table of finished pixels over the whole picture, asked for every brick and every splat (huang2000
+    /// section 4.1).
+    Sat,
+}
+
+/// What the kernels stand for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reconstruction {
+    /// A volume: kernels as the grid has them.
+    #[default]
+    Volume,
+    /// Surfaces: every kernel is flattened along the gradient (zwicker2001 section 5).
+    Surface {
+        /// What the standard deviation along the gradient is divided by, 1 or more; infinite for a surface kernel.
+        flatness: f64,
+    },
+    /// Surfaces inside a volume: kernels are flattened where there is a surface (zwicker2001 figure 10).
+    Mixed {
+        /// What the standard deviation along the gradient is divided by on surfaces.
+        flatness: f64,
+        /// Gradient from which on a voxel belongs to a surface, value ranges per mean voxel spacing.
+        gradient: f64,
+    },
+}
