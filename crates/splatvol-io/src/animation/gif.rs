@@ -1,7 +1,7 @@
 //! GIF 89a: at most 256 colours per frame, pixels opaque or not.
 //!
 //! A frame of few colours keeps them. Otherwise its most frequent colour, which is the background's, keeps its own
-//! entry, so that it does not flicker from frame to frame; the others are chosen by NeuQuant (Dekker, *Kohonen neural
+//! entry, so that it does not flicker from frame to frame; the others are chosen by `NeuQuant` (Dekker, *Kohonen neural
 //! networks for optimal colour quantization*, Network 5, 1994). A pixel at least half opaque is opaque.
 
 use std::cmp::Reverse;
@@ -19,7 +19,7 @@ use crate::image::png;
 const FORMAT: &str = "GIF";
 /// Entries of a palette.
 const ENTRIES: usize = 256;
-/// NeuQuant learns from one pixel in this many: 1 is best, 30 fastest.
+/// `NeuQuant` learns from one pixel in this many: 1 is best, 30 fastest.
 const SAMPLING: i32 = 6;
 
 /// Writes a GIF.
@@ -163,7 +163,7 @@ fn exact(counts: &HashMap<[u8; 3], u32>) -> Palette {
     (palette, index_of)
 }
 
-/// The most frequent colour, and what NeuQuant makes of the others.
+/// The most frequent colour, and what `NeuQuant` makes of the others.
 fn chosen(colors: impl Iterator<Item = [u8; 3]>, counts: &HashMap<[u8; 3], u32>, entries: usize) -> Palette {
     let most = counts
         .iter()
