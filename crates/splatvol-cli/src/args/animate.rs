@@ -16,7 +16,8 @@ const MOTION: &str = "Motion";
     )),
     mut_arg("stats", |arg| arg.help("Write times of all frames as JSON to this file, or to stdout (-)")),
     after_help = "All flags of render say what a frame shows. The animation goes round seamlessly where its path is closed: a
-turntable by whole turns, or key frames of which the last is the first.
+turntable by whole turns, or key frames of which the last is the first. On a turntable an automatic camera
+keeps all sides in the picture.
 
 --path FILE names key frames, as TOML or JSON; what a key leaves out is taken from the camera flags:
   [[key]]

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let start = Instant::now();
     let (like, reference) = sources(args)?;
     let outputs = Outputs::new(args, &reference)?;
-    let prepared = prepare(args, like.as_ref(), reference, terminal)?;
+    let prepared = prepare(args, (like.as_ref(), reference), false, terminal)?;
     let (frame, statistics) = render(&prepared, terminal)?;
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
 
@@ -66,11 +66,11 @@ pub(super) struct Prepared {
     pub(super) threads: Option<usize>,
 }
 
-/// Reads the volume and resolves the flags.
+/// Reads the volume and resolves the flags. Where the camera `turns`, an automatic one shows all sides.
 pub(super) fn prepare(
     args: &RenderArgs,
-    like: Option<&Recipe>,
-    reference: InputRecipe,
+    (like, reference): (Option<&Recipe>, InputRecipe),
+    turns: bool,
     terminal: &Terminal,
 ) -> Result<Prepared, Failure> {
     let start = Instant::now();
@@ -89,7 +89,7 @@ pub(super) fn prepare(
     let loaded = input::load(&reference, args.read.strict, beside, terminal)?;
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
 
-    let resolved = Resolved::new(args, like, &loaded, terminal)?;
+    let resolved = Resolved::new(args, like, (&loaded, turns), terminal)?;
     terminal.detail(format!("camera: {}", describe(&resolved.camera)));
     Ok(Prepared {
         recipe: resolved.recipe(args, like, reference),
@@ -200,7 +200,7 @@ impl Resolved {
     fn new(
         args: &RenderArgs,
         like: Option<&Recipe>,
-        input: &Input,
+        (input, turns): (&Input, bool),
         terminal: &Terminal,
     ) -> Result<Self, Failure> {
         let like_settings = like.map(|like| &like.settings);
@@ -220,7 +220,8 @@ impl Resolved {
                 input,
                 &look.transfer_function,
                 settings.size.aspect(),
-            ),
+            )
+            .turning(turns),
             like.map(|like| &like.camera),
         )?;
         Ok(Self {

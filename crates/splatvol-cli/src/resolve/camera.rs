@@ -1,7 +1,7 @@
 //! The camera: explicit, framed automatically, or an earlier picture's.
 
 use glam::{DQuat, DVec3};
-use splatvol::{Camera, Projection, TransferFunction, View};
+use splatvol::{Camera, Projection, SceneError, TransferFunction, View};
 
 use super::framing::framing;
 use super::input::Input;
@@ -21,6 +21,8 @@ pub(crate) struct Surroundings<'a> {
     aspect: f64,
     /// Where to look from unless asked otherwise.
     preferred: View,
+    /// Whether all sides are to fit, as on a turntable.
+    turns: bool,
 }
 
 impl<'a> Surroundings<'a> {
@@ -42,7 +44,13 @@ impl<'a> Surroundings<'a> {
                 .sample
                 .and_then(|sample| sample.preferred_view())
                 .unwrap_or(View::Iso),
+            turns: false,
         }
+    }
+
+    /// The same, for a camera that turns around its target if so said.
+    pub(crate) fn turning(self, turns: bool) -> Self {
+        Self { turns, ..self }
     }
 }
 
@@ -105,7 +113,19 @@ fn framed(
     };
     let outline = (surroundings.outline)();
     let view = args.view.map_or(surroundings.preferred, view);
-    let automatic = framing(&outline, view, projection, surroundings.aspect).during(Step::Usage)?;
+    let framed = |outline: &[DVec3]| framing(outline, view, projection, surroundings.aspect);
+    let still = framed(&outline).during(Step::Usage)?;
+    let automatic = if surroundings.turns {
+        let axis = args
+            .camera_up
+            .map_or(still.up(), DVec3::from_array)
+            .normalize_or(DVec3::Z);
+        let turned = turned_outline(&outline, axis);
+        let framed = framed(&turned).during(Step::Usage)?;
+        aimed_at(&framed, middle(&outline), axis).during(Step::Usage)?
+    } else {
+        still
+    };
     let target = args.camera_target.map_or(automatic.target(), DVec3::from_array);
     // A target of its own moves the automatic camera along.
     let position = args.camera_pos.map_or(
@@ -122,6 +142,38 @@ fn framed(
         _ => automatic.projection(),
     };
     Camera::new(position, target, up, projection).during(Step::Usage)
+}
+
+/// Turns of [`turned_outline`]: points between them are at most 2 % farther out, less than the margin of a picture.
+const TURNS: u32 = 16;
+
+/// The outline on all sides of the axis through its middle.
+fn turned_outline(outline: &[DVec3], axis: DVec3) -> Vec<DVec3> {
+    let middle = middle(outline);
+    (0..TURNS)
+        .map(|i| DQuat::from_axis_angle(axis, f64::from(i) * std::f64::consts::TAU / f64::from(TURNS)))
+        .flat_map(|turn| outline.iter().map(move |&point| middle + turn * (point - middle)))
+        .collect()
+}
+
+/// The middle of the box around points.
+fn middle(points: &[DVec3]) -> DVec3 {
+    let least = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+    let most = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+    0.5 * (least + most)
+}
+
+/// The same view with its target where it comes nearest to the axis through `middle`.
+fn aimed_at(camera: &Camera, middle: DVec3, axis: DVec3) -> Result<Camera, SceneError> {
+    let forward = (camera.target() - camera.position()).normalize();
+    let (offset, along) = (middle - camera.position(), forward.dot(axis));
+    let distance = (offset.dot(forward) - along * offset.dot(axis)) / (1.0 - along * along);
+    let target = if along.abs() < 0.999 && distance > 0.0 {
+        camera.position() + distance * forward
+    } else {
+        camera.target()
+    };
+    Camera::new(camera.position(), target, camera.up(), camera.projection())
 }
 
 /// +z, or +y where one looks along z.
@@ -202,6 +254,7 @@ mod tests {
             }),
             aspect: 1.0,
             preferred: View::Front,
+            turns: false,
         };
         resolve(args, &surroundings, like)
             .map_err(|failure| format!("{failure:?}"))
@@ -280,6 +333,47 @@ mod tests {
             camera(&args, None).screen_from_camera(size).scale
         };
         assert!((scale(Some(2.0)) / scale(None) - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn all_sides_fit_a_picture_that_turns() {
+        // Long from front to back, and beside the world's axis.
+        let bounds = Bounds {
+            min: DVec3::new(9.0, 1.0, -1.0),
+            max: DVec3::new(11.0, 9.0, 2.0),
+        };
+        let size = splatvol::ImageSize::new(200, 100).unwrap();
+        let projections = [Some(None), None];
+        for (view, orthographic) in [ViewName::Front, ViewName::Iso]
+            .into_iter()
+            .flat_map(|view| projections.map(|projection| (view, projection)))
+        {
+            let args = CameraArgs {
+                view: Some(view),
+                orthographic,
+                ..CameraArgs::default()
+            };
+            let surroundings = Surroundings {
+                outline: Box::new(|| bounds.corners().to_vec()),
+                aspect: size.aspect(),
+                preferred: View::Front,
+                turns: true,
+            };
+            let start = resolve(&args, &surroundings, None).ok().unwrap();
+            let path = splatvol::CameraPath::turntable(start, 360.0).unwrap();
+            let mut reach: f64 = 0.0;
+            for i in 0..100 {
+                let camera = path.camera(f64::from(i) / 100.0).unwrap();
+                let screen = camera.screen_from_camera(size);
+                for corner in bounds.corners() {
+                    let pixel = screen.project(camera.camera_from_world().transform_point3(corner));
+                    reach = reach
+                        .max((pixel.x / 100.0 - 1.0).abs())
+                        .max((pixel.y / 50.0 - 1.0).abs());
+                }
+            }
+            assert!((0.9..1.0).contains(&reach), "{view:?}: {reach}");
+        }
     }
 
     #[test]

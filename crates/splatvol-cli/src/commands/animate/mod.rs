@@ -33,7 +33,7 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
         stats.check(overwrite)?;
     }
     let (like, reference) = render::sources(&args.render)?;
-    let mut prepared = render::prepare(&args.render, like.as_ref(), reference, terminal)?;
+    let mut prepared = render::prepare(&args.render, (like.as_ref(), reference), keys.is_none(), terminal)?;
     let plan = Plan::new(args, keys.as_deref(), &prepared.camera)?;
     if let Destination::Frames(names) = &destination {
         names.check(plan.frames(), overwrite || args.resume)?;

@@ -29,8 +29,9 @@ impl Codec {
     }
 }
 
-/// sRGB to BT.709 video of halved chroma, whose sides must be even.
-const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p";
+/// sRGB to BT.709 video of halved chroma, whose sides must be even; and that it says so.
+const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,\
+                      setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1";
 
 /// Refuses before the work what would fail after it.
 pub(crate) fn check_ffmpeg() -> Result<(), Failure> {
@@ -83,8 +84,6 @@ impl Film {
                 "-vf",
                 FILTER,
             ])
-            .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
-            .args(["-color_trc", "iec61966-2-1", "-color_range", "tv"])
             .args(codec.flags())
             // A name that begins with a dash is no flag behind a folder.
             .arg(if path.is_relative() {
