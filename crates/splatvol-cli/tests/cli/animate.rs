@@ -11,11 +11,11 @@ const TINY: &str = "animate sample:ball:20 --size 24x20 --opacity linear --cmap 
 fn gif(sandbox: &Sandbox, name: &str) -> (Vec<Vec<u8>>, Vec<u16>) {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
-    let file = BufReader::new(File::open(sandbox.path(name)).unwrap());
-    let mut decoder = options.read_info(file).unwrap();
+    let file = BufReader::new(File::open(sandbox.path(name)).expect("it is there and whole"));
+    let mut decoder = options.read_info(file).expect("it is there and whole");
     assert!(matches!(decoder.repeat(), gif::Repeat::Infinite));
     let (mut frames, mut delays) = (Vec::new(), Vec::new());
-    while let Some(frame) = decoder.read_next_frame().unwrap() {
+    while let Some(frame) = decoder.read_next_frame().expect("it is there and whole") {
         assert_eq!((frame.width, frame.height), (24, 20));
         frames.push(frame.buffer.to_vec());
         delays.push(frame.delay);
@@ -25,15 +25,17 @@ fn gif(sandbox: &Sandbox, name: &str) -> (Vec<Vec<u8>>, Vec<u16>) {
 
 /// Codes and delays (fractions of a second) of an animated PNG.
 fn apng(sandbox: &Sandbox, name: &str) -> (Vec<Vec<u8>>, Vec<[u16; 2]>) {
-    let file = BufReader::new(File::open(sandbox.path(name)).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let file = BufReader::new(File::open(sandbox.path(name)).expect("it is there and whole"));
+    let mut reader = png::Decoder::new(file)
+        .read_info()
+        .expect("it is there and whole");
     let control = *reader.info().animation_control().expect("it is animated");
     assert_eq!(control.num_plays, 0);
     let (mut frames, mut delays) = (Vec::new(), Vec::new());
     for _ in 0..control.num_frames {
-        let mut codes = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut codes).unwrap();
-        let control = reader.info().frame_control().unwrap();
+        let mut codes = vec![0; reader.output_buffer_size().expect("it is there and whole")];
+        reader.next_frame(&mut codes).expect("it is there and whole");
+        let control = reader.info().frame_control().expect("it is there and whole");
         frames.push(codes);
         delays.push([control.delay_num, control.delay_den]);
     }
@@ -137,9 +139,9 @@ fn sub_frames_average_linear_premultiplied_light() {
         read("s-01.exr").image,
     );
     for (i, mean) in blurred.pixels.iter().enumerate() {
-        for c in 0..4 {
+        for (c, &value) in mean.iter().enumerate() {
             let expected = 0.5 * (f64::from(before.pixels[i][c]) + f64::from(after.pixels[i][c]));
-            let error = (f64::from(mean[c]) - expected).abs();
+            let error = (f64::from(value) - expected).abs();
             // The cameras agree but for rounding.
             assert!(error < 1e-4, "pixel {i} channel {c}: off by {error}");
         }
@@ -371,14 +373,15 @@ fn films_need_ffmpeg() {
 fn ffmpeg(sandbox: &Sandbox, script: &str) -> String {
     use std::os::unix::fs::PermissionsExt;
     let folder = sandbox.path("bin");
-    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(&folder).expect("it is there and whole");
     let program = folder.join("ffmpeg");
     std::fs::write(
         &program,
         format!("#!/bin/sh\n[ \"$1\" = -version ] && exit 0\n{script}\n"),
     )
-    .unwrap();
-    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    .expect("it is there and whole");
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755))
+        .expect("it is there and whole");
     format!("{}:/usr/bin:/bin", folder.display())
 }
 

@@ -19,8 +19,8 @@ use crate::image::png;
 const FORMAT: &str = "GIF";
 /// Entries of a palette.
 const ENTRIES: usize = 256;
-/// `NeuQuant` learns from one pixel in this many: 1 is best, 30 fastest.
-const SAMPLING: i32 = 6;
+/// `NeuQuant` learns from about so many pixels, and from one in 10 at least: few teach it badly, more take long.
+const LESSONS: usize = 100_000;
 
 /// Writes a GIF.
 pub struct GifWriter<W: Write> {
@@ -173,7 +173,8 @@ fn chosen(colors: impl Iterator<Item = [u8; 3]>, counts: &HashMap<[u8; 3], u32>,
         .filter(|color| *color != frequent)
         .flat_map(|[r, g, b]| [r, g, b, 255])
         .collect();
-    let quantised = NeuQuant::new(SAMPLING, entries - 1, &others);
+    let sampling = (others.len() / 4 / LESSONS).clamp(1, 10) as i32;
+    let quantised = NeuQuant::new(sampling, entries - 1, &others);
     let mut palette = vec![frequent];
     palette.extend(
         quantised
