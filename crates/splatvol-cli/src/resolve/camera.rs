@@ -1,10 +1,11 @@
 //! The camera: explicit, framed automatically, or an earlier picture's.
 
 use glam::{DQuat, DVec3};
-use splatvol::{Camera, Projection, SceneError, TransferFunction, View};
+use splatvol::{Camera, Projection, TransferFunction, View};
 
 use super::framing::framing;
 use super::input::Input;
+use super::turning::{aimed_at, middle, turned_outline};
 use super::visible;
 use crate::args::{CameraArgs, Fit, ViewName};
 use crate::failure::{During, Failure, Step};
@@ -142,38 +143,6 @@ fn framed(
         _ => automatic.projection(),
     };
     Camera::new(position, target, up, projection).during(Step::Usage)
-}
-
-/// Turns of [`turned_outline`]: points between them are at most 2 % farther out, less than the margin of a picture.
-const TURNS: u32 = 16;
-
-/// The outline on all sides of the axis through its middle.
-fn turned_outline(outline: &[DVec3], axis: DVec3) -> Vec<DVec3> {
-    let middle = middle(outline);
-    (0..TURNS)
-        .map(|i| DQuat::from_axis_angle(axis, f64::from(i) * std::f64::consts::TAU / f64::from(TURNS)))
-        .flat_map(|turn| outline.iter().map(move |&point| middle + turn * (point - middle)))
-        .collect()
-}
-
-/// The middle of the box around points.
-fn middle(points: &[DVec3]) -> DVec3 {
-    let least = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
-    let most = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
-    0.5 * (least + most)
-}
-
-/// The same view with its target where it comes nearest to the axis through `middle`.
-fn aimed_at(camera: &Camera, middle: DVec3, axis: DVec3) -> Result<Camera, SceneError> {
-    let forward = (camera.target() - camera.position()).normalize();
-    let (offset, along) = (middle - camera.position(), forward.dot(axis));
-    let distance = (offset.dot(forward) - along * offset.dot(axis)) / (1.0 - along * along);
-    let target = if along.abs() < 0.999 && distance > 0.0 {
-        camera.position() + distance * forward
-    } else {
-        camera.target()
-    };
-    Camera::new(camera.position(), target, camera.up(), camera.projection())
 }
 
 /// +z, or +y where one looks along z.
