@@ -30,7 +30,8 @@ impl Codec {
 }
 
 /// sRGB to BT.709 video of halved chroma, whose sides must be even; and that it says so.
-const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,\
+const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv:\
+                      flags=bicubic+accurate_rnd+full_chroma_int,format=yuv420p,\
                       setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1";
 
 /// Refuses before the work what would fail after it.
