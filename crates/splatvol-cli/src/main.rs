@@ -22,6 +22,7 @@ fn main() -> ExitCode {
     let terminal = Terminal::new(cli.verbosity);
     let done = match &cli.command {
         Command::Render(args) => commands::render::run(args, &terminal),
+        Command::Animate(args) => commands::animate::run(args, &terminal),
         Command::Info(args) => commands::info::run(args, &terminal),
         Command::Sample(args) => commands::sample::run(args, &terminal),
         Command::Convert(args) => commands::convert::run(args, &terminal),

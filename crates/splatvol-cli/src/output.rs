@@ -114,20 +114,53 @@ pub(crate) fn replace(
     overwrite: bool,
     write: impl FnOnce(&Path) -> anyhow::Result<()>,
 ) -> Result<(), Failure> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let scratch = path.with_file_name(format!(".{}.{name}", std::process::id()));
-    let moved = write(&scratch).and_then(|()| {
-        if !overwrite {
-            // Claims the name, so that a file that appeared meanwhile survives.
-            OpenOptions::new().write(true).create_new(true).open(path)?;
-        }
-        Ok(fs::rename(&scratch, path)?)
-    });
-    if moved.is_err() {
-        // The scratch file may never have come to be.
-        let _ = fs::remove_file(&scratch);
-    }
-    moved
+    let scratch = Scratch::beside(path);
+    write(scratch.path())
         .with_context(|| format!("cannot write {}", path.display()))
-        .during(Step::Output)
+        .during(Step::Output)?;
+    scratch.keep(overwrite)
+}
+
+/// A file beside its place, with the same extension, until it is whole; dropped before, it goes away.
+pub(crate) struct Scratch {
+    scratch: PathBuf,
+    place: PathBuf,
+}
+
+impl Scratch {
+    /// For a file at `path`; nothing is created yet.
+    pub(crate) fn beside(path: &Path) -> Self {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Self {
+            scratch: path.with_file_name(format!(".{}.{name}", std::process::id())),
+            place: path.to_owned(),
+        }
+    }
+
+    /// Where to write.
+    pub(crate) fn path(&self) -> &Path {
+        &self.scratch
+    }
+
+    /// Moves the file to its place.
+    pub(crate) fn keep(self, overwrite: bool) -> Result<(), Failure> {
+        let claimed = if overwrite {
+            Ok(())
+        } else {
+            // Claims the name, so that a file that appeared meanwhile survives.
+            let mut claim = OpenOptions::new();
+            claim.write(true).create_new(true).open(&self.place).map(drop)
+        };
+        claimed
+            .and_then(|()| fs::rename(&self.scratch, &self.place))
+            .with_context(|| format!("cannot write {}", self.place.display()))
+            .during(Step::Output)
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // It may have been moved, or may never have come to be.
+        let _ = fs::remove_file(&self.scratch);
+    }
 }

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, bail};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use splatvol::{Camera, Projection, RenderSettings, TransferFunction};
+use splatvol::{Camera, Projection, RenderSettings, SceneError, TransferFunction};
 use splatvol_io::image::metadata;
 
 use crate::args::LookArgs;
@@ -22,6 +23,9 @@ pub(crate) struct Recipe {
     pub(crate) input: InputRecipe,
     /// Camera, world.
     pub(crate) camera: CameraRecipe,
+    /// Cameras of the pictures of which this is the mean, where it is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) sub_frames: Vec<CameraRecipe>,
     /// What was asked about colour and opacity.
     pub(crate) look: LookArgs,
     /// What came of it.
@@ -87,6 +91,18 @@ impl From<&Camera> for CameraRecipe {
     }
 }
 
+impl CameraRecipe {
+    /// The camera.
+    pub(crate) fn camera(&self) -> Result<Camera, SceneError> {
+        Camera::new(
+            DVec3::from_array(self.position),
+            DVec3::from_array(self.target),
+            DVec3::from_array(self.up),
+            self.projection,
+        )
+    }
+}
+
 impl Recipe {
     /// The recipe that a picture carries.
     pub(crate) fn of_picture(path: &Path) -> Result<Self, Failure> {
@@ -103,6 +119,16 @@ impl Recipe {
             );
         };
         serde_json::from_str(text).context("its settings are malformed, or from a later version")
+    }
+
+    /// Whether pictures of both recipes are the same; the command may say it in other words.
+    pub(crate) fn is_same_picture(&self, other: &Self) -> bool {
+        let command = other.command.clone();
+        *other
+            == Self {
+                command,
+                ..self.clone()
+            }
     }
 
     /// Keywords and texts for a picture's file.

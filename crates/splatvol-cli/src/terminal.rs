@@ -53,6 +53,17 @@ impl Terminal {
         Progress(bar)
     }
 
+    /// A bar of frames, with the time that is left; hidden in pipes and where quiet.
+    pub(crate) fn frames(&self, count: u32) -> Progress {
+        let bar = self.progress("Rendering");
+        bar.0.set_length(u64::from(count));
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {elapsed}, {eta} left")
+        {
+            bar.0.set_style(style);
+        }
+        bar
+    }
+
     /// A spinner for work of unknown length.
     pub(crate) fn spinner(&self, label: String) -> Progress {
         if self.verbosity.quiet || !std::io::stderr().is_terminal() {
@@ -73,6 +84,11 @@ impl Progress {
     /// Shows the finished share, 0..1.
     pub(crate) fn set(&self, share: f64) {
         self.0.set_position((share * Self::STEPS as f64) as u64);
+    }
+
+    /// Shows one more frame as finished.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
     }
 }
 

@@ -5,19 +5,26 @@
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR |
+//! | [`animation`] | GIF, animated PNG (written only) |
+//! | [`camera_keys`] | key frames of a camera path, TOML or JSON |
 //!
 //! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
 //! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
 //! and [`ReadOptions::strict`] makes errors of them); no path outside the input's folder is followed.
 #![forbid(unsafe_code)]
 
+pub mod animation;
+pub mod camera_keys;
 mod error;
 pub mod image;
+mod json;
 mod samples;
 mod source;
 pub mod transfer_function;
 pub mod volume;
 
+pub use animation::{AnimationSettings, ApngWriter, GifWriter};
+pub use camera_keys::{StoredCameraKey, read_camera_keys};
 pub use error::{FormatError, IoError};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};

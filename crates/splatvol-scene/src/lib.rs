@@ -6,11 +6,13 @@
 //! | [`grid`] | where samples lie: dimensions and `world_from_voxel` |
 //! | [`volume`] | samples on a grid, in their own type, with value range and statistics |
 //! | [`camera`] | `camera_from_world` and the projection to pixels |
+//! | [`camera_path`] | cameras that move: turntables and key frames |
 //! | [`transfer_function`] | piecewise colour and opacity per unit distance; named maps; automatic choice |
 //! | [`lighting`] | the Phong model that engines and reference share |
 //! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
 //! | [`scene`] | volume + transfer function |
 //! | [`image`] | linear premultiplied float images, frames with depth |
+//! | [`exposure`] | the mean of frames |
 //!
 //! # Spaces and units
 //!
@@ -23,7 +25,9 @@
 #![forbid(unsafe_code)]
 
 pub mod camera;
+pub mod camera_path;
 mod error;
+pub mod exposure;
 pub mod grid;
 pub mod image;
 pub mod lighting;
@@ -33,7 +37,9 @@ pub mod transfer_function;
 pub mod volume;
 
 pub use camera::{Camera, Projection, ScreenFromCamera, View};
+pub use camera_path::{CameraKey, CameraPath};
 pub use error::SceneError;
+pub use exposure::Exposure;
 pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;

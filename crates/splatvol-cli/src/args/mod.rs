@@ -9,6 +9,7 @@
     reason = "likewise: brackets are optional parts, not links"
 )]
 
+mod animate;
 mod bench;
 mod camera;
 mod input;
@@ -21,6 +22,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use input::InputArgs;
@@ -42,6 +44,7 @@ pub(crate) use render::{Background, RenderArgs};
 #[command(after_help = "Examples:
   splatvol render scan.nii.gz                     makes scan.png
   splatvol render sample:head --view front -o head.png
+  splatvol animate sample:head --view front -o spin.gif
   splatvol info scan.nii.gz
   splatvol sample                                 lists the built-in volumes
 
@@ -68,6 +71,8 @@ pub(crate) struct Verbosity {
 pub(crate) enum Command {
     /// Render a volume to a picture (PNG or EXR)
     Render(Box<RenderArgs>),
+    /// Render a volume from a camera that moves (GIF, animated PNG, films, frames)
+    Animate(Box<AnimateArgs>),
     /// Say what a volume is, and how it would be shown
     Info(InfoArgs),
     /// Write a built-in volume to a file, or list them

@@ -1,5 +1,6 @@
 //! One module per subcommand.
 
+pub(crate) mod animate;
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod convert;
@@ -7,3 +8,4 @@ pub(crate) mod info;
 mod metrics;
 pub(crate) mod render;
 pub(crate) mod sample;
+mod studio;

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use splatvol::{Camera, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene};
+use splatvol::{Camera, Frame, RenderSettings, RenderStatistics, Scene};
 use splatvol_io::ImageFormat;
 
-use crate::args::{Background, RenderArgs, values};
+use super::studio::{Studio, engine};
+use crate::args::{Background, CameraArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, encode_frame, picture_format};
 use crate::recipe::{CameraRecipe, InputRecipe, Recipe, command_line};
@@ -18,13 +19,61 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
     let start = Instant::now();
+    let (like, reference) = sources(args)?;
+    let outputs = Outputs::new(args, &reference)?;
+    let prepared = prepare(args, (like.as_ref(), reference), false, terminal)?;
+    let (frame, statistics) = render(&prepared, terminal)?;
+    terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
+
+    outputs.write(&frame, &prepared.recipe, args.write.overwrite)?;
+    if let Some(stats) = &outputs.stats {
+        let mut json = serde_json::to_string_pretty(&statistics).during(Step::Output)?;
+        json.push('\n');
+        stats.write(json.as_bytes(), args.write.overwrite)?;
+    }
+    if let Target::File(path) = &outputs.picture {
+        let size = prepared.recipe.settings.size;
+        terminal.note(format!(
+            "wrote {} ({}x{}, {:.2} s)",
+            path.display(),
+            size.width(),
+            size.height(),
+            start.elapsed().as_secs_f64()
+        ));
+    }
+    Ok(())
+}
+
+/// The earlier picture that the flags name, if they do, and the volume.
+pub(super) fn sources(args: &RenderArgs) -> Result<(Option<Recipe>, InputRecipe), Failure> {
     let like = args.like.as_deref().map(Recipe::of_picture).transpose()?;
     let reference = input::recipe(
         args.input.as_deref(),
         &args.read,
         like.as_ref().map(|like| &like.input),
     )?;
-    let outputs = Outputs::new(args, &reference)?;
+    Ok((like, reference))
+}
+
+/// All that rendering needs.
+pub(super) struct Prepared {
+    pub(super) scene: Scene,
+    pub(super) camera: Camera,
+    /// What a picture of it remembers.
+    pub(super) recipe: Recipe,
+    /// Files that the volume was read from.
+    pub(super) files: Vec<PathBuf>,
+    pub(super) threads: Option<usize>,
+}
+
+/// Reads the volume and resolves the flags. Where the camera `turns`, an automatic one shows all sides.
+pub(super) fn prepare(
+    args: &RenderArgs,
+    (like, reference): (Option<&Recipe>, InputRecipe),
+    turns: bool,
+    terminal: &Terminal,
+) -> Result<Prepared, Failure> {
+    let start = Instant::now();
     let threads = args.threads.filter(|&n| n > 0);
     if let Some(threads) = threads {
         // Reading and generating use the global pool; it exists already only if this ran before.
@@ -40,49 +89,47 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let loaded = input::load(&reference, args.read.strict, beside, terminal)?;
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
 
-    let resolved = Resolved::new(args, like.as_ref(), &loaded, terminal)?;
+    let resolved = Resolved::new(args, like, (&loaded, turns), terminal)?;
     terminal.detail(format!("camera: {}", describe(&resolved.camera)));
-    let recipe = resolved.recipe(args, like.as_ref(), reference);
-    let scene = Scene::new(loaded.volume, resolved.look.transfer_function);
-    let (frame, statistics) = render(&scene, &resolved.camera, &resolved.settings, threads, terminal)?;
-    terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
-
-    outputs.write(&frame, &recipe, args.write.overwrite)?;
-    if let Some(stats) = &outputs.stats {
-        let mut json = serde_json::to_string_pretty(&statistics).during(Step::Output)?;
-        json.push('\n');
-        stats.write(json.as_bytes(), args.write.overwrite)?;
-    }
-    if let Target::File(path) = &outputs.picture {
-        let size = resolved.settings.size;
-        terminal.note(format!(
-            "wrote {} ({}x{}, {:.2} s)",
-            path.display(),
-            size.width(),
-            size.height(),
-            start.elapsed().as_secs_f64()
-        ));
-    }
-    Ok(())
+    Ok(Prepared {
+        recipe: resolved.recipe(args, like, reference),
+        camera: resolved.camera,
+        scene: Scene::new(loaded.volume, resolved.look.transfer_function),
+        files: loaded.description.files,
+        threads,
+    })
 }
 
-fn render(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &RenderSettings,
-    threads: Option<usize>,
-    terminal: &Terminal,
-) -> Result<(Frame, RenderStatistics), Failure> {
-    let config = EngineConfig {
+fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStatistics), Failure> {
+    let Prepared {
+        scene,
+        camera,
+        recipe,
         threads,
-        ..EngineConfig::default()
-    };
-    let mut renderer = Renderer::new(config).during(Step::Render)?;
+        ..
+    } = prepared;
+    if !recipe.sub_frames.is_empty() {
+        let cameras = recipe.sub_frames.iter().map(CameraRecipe::camera);
+        let cameras: Vec<Camera> = cameras.collect::<Result<_, _>>().during(Step::Input)?;
+        let mut studio = Studio::new(scene, recipe.settings, *threads)?;
+        let frame = studio.expose(&cameras)?.clone();
+        return Ok((frame, studio.renderer().statistics().clone()));
+    }
+    let mut renderer = engine(*threads)?;
     let bar = terminal.progress("Rendering");
     let frame = renderer
-        .render_with_progress(scene, camera, settings, &|share| bar.set(share))
+        .render_with_progress(scene, camera, &recipe.settings, &|share| bar.set(share))
         .during(Step::Render)?;
     Ok((frame, renderer.statistics().clone()))
+}
+
+/// A frame as a picture file.
+pub(super) fn encode(frame: &Frame, format: ImageFormat, recipe: &Recipe) -> Result<Vec<u8>, Failure> {
+    let format = match format {
+        ImageFormat::Png8 if recipe.bits == 16 => ImageFormat::Png16,
+        format => format,
+    };
+    encode_frame(frame, format, recipe.background, &recipe.metadata()?)
 }
 
 /// Where everything goes; made before the work, so that a refusal costs nothing.
@@ -118,12 +165,8 @@ impl Outputs {
     }
 
     fn write(&self, frame: &Frame, recipe: &Recipe, overwrite: bool) -> Result<(), Failure> {
-        let format = match self.format {
-            ImageFormat::Png8 if recipe.bits == 16 => ImageFormat::Png16,
-            format => format,
-        };
-        let bytes = encode_frame(frame, format, recipe.background, &recipe.metadata()?)?;
-        self.picture.write(&bytes, overwrite)
+        self.picture
+            .write(&encode(frame, self.format, recipe)?, overwrite)
     }
 }
 
@@ -157,7 +200,7 @@ impl Resolved {
     fn new(
         args: &RenderArgs,
         like: Option<&Recipe>,
-        input: &Input,
+        (input, turns): (&Input, bool),
         terminal: &Terminal,
     ) -> Result<Self, Failure> {
         let like_settings = like.map(|like| &like.settings);
@@ -177,7 +220,8 @@ impl Resolved {
                 input,
                 &look.transfer_function,
                 settings.size.aspect(),
-            ),
+            )
+            .turning(turns),
             like.map(|like| &like.camera),
         )?;
         Ok(Self {
@@ -200,23 +244,19 @@ impl Resolved {
             command: command_line(),
             input,
             camera: CameraRecipe::from(&self.camera),
+            // A frame of an animation is the mean that it was, unless it is seen from elsewhere.
+            sub_frames: like
+                .filter(|_| args.camera == CameraArgs::default())
+                .map_or_else(Vec::new, |like| like.sub_frames.clone()),
             look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look)),
             transfer_function: self.look.transfer_function.clone(),
             settings: self.settings,
             background,
             bits: args.bits.or(like.map(|like| like.bits)).unwrap_or(8),
         };
-        match like {
-            Some(like)
-                if (Recipe {
-                    command: like.command.clone(),
-                    ..recipe.clone()
-                }) == *like =>
-            {
-                like.clone()
-            }
-            _ => recipe,
-        }
+        like.filter(|like| like.is_same_picture(&recipe))
+            .cloned()
+            .unwrap_or(recipe)
     }
 }
 

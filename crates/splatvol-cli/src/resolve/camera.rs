@@ -5,6 +5,7 @@ use splatvol::{Camera, Projection, TransferFunction, View};
 
 use super::framing::framing;
 use super::input::Input;
+use super::turning::{aimed_at, middle, turned_outline};
 use super::visible;
 use crate::args::{CameraArgs, Fit, ViewName};
 use crate::failure::{During, Failure, Step};
@@ -21,6 +22,8 @@ pub(crate) struct Surroundings<'a> {
     aspect: f64,
     /// Where to look from unless asked otherwise.
     preferred: View,
+    /// Whether all sides are to fit, as on a turntable.
+    turns: bool,
 }
 
 impl<'a> Surroundings<'a> {
@@ -42,7 +45,13 @@ impl<'a> Surroundings<'a> {
                 .sample
                 .and_then(|sample| sample.preferred_view())
                 .unwrap_or(View::Iso),
+            turns: false,
         }
+    }
+
+    /// The same, for a camera that turns around its target if so said.
+    pub(crate) fn turning(self, turns: bool) -> Self {
+        Self { turns, ..self }
     }
 }
 
@@ -105,7 +114,19 @@ fn framed(
     };
     let outline = (surroundings.outline)();
     let view = args.view.map_or(surroundings.preferred, view);
-    let automatic = framing(&outline, view, projection, surroundings.aspect).during(Step::Usage)?;
+    let framed = |outline: &[DVec3]| framing(outline, view, projection, surroundings.aspect);
+    let still = framed(&outline).during(Step::Usage)?;
+    let automatic = if surroundings.turns {
+        let axis = args
+            .camera_up
+            .map_or(still.up(), DVec3::from_array)
+            .normalize_or(DVec3::Z);
+        let turned = turned_outline(&outline, axis);
+        let framed = framed(&turned).during(Step::Usage)?;
+        aimed_at(&framed, middle(&outline), axis).during(Step::Usage)?
+    } else {
+        still
+    };
     let target = args.camera_target.map_or(automatic.target(), DVec3::from_array);
     // A target of its own moves the automatic camera along.
     let position = args.camera_pos.map_or(
@@ -202,6 +223,7 @@ mod tests {
             }),
             aspect: 1.0,
             preferred: View::Front,
+            turns: false,
         };
         resolve(args, &surroundings, like)
             .map_err(|failure| format!("{failure:?}"))
@@ -280,6 +302,47 @@ mod tests {
             camera(&args, None).screen_from_camera(size).scale
         };
         assert!((scale(Some(2.0)) / scale(None) - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn all_sides_fit_a_picture_that_turns() {
+        // Long from front to back, and beside the world's axis.
+        let bounds = Bounds {
+            min: DVec3::new(9.0, 1.0, -1.0),
+            max: DVec3::new(11.0, 9.0, 2.0),
+        };
+        let size = splatvol::ImageSize::new(200, 100).unwrap();
+        let projections = [Some(None), None];
+        for (view, orthographic) in [ViewName::Front, ViewName::Iso]
+            .into_iter()
+            .flat_map(|view| projections.map(|projection| (view, projection)))
+        {
+            let args = CameraArgs {
+                view: Some(view),
+                orthographic,
+                ..CameraArgs::default()
+            };
+            let surroundings = Surroundings {
+                outline: Box::new(|| bounds.corners().to_vec()),
+                aspect: size.aspect(),
+                preferred: View::Front,
+                turns: true,
+            };
+            let start = resolve(&args, &surroundings, None).ok().unwrap();
+            let path = splatvol::CameraPath::turntable(start, 360.0).unwrap();
+            let mut reach: f64 = 0.0;
+            for i in 0..100 {
+                let camera = path.camera(f64::from(i) / 100.0).unwrap();
+                let screen = camera.screen_from_camera(size);
+                for corner in bounds.corners() {
+                    let pixel = screen.project(camera.camera_from_world().transform_point3(corner));
+                    reach = reach
+                        .max((pixel.x / 100.0 - 1.0).abs())
+                        .max((pixel.y / 50.0 - 1.0).abs());
+                }
+            }
+            assert!((0.9..1.0).contains(&reach), "{view:?}: {reach}");
+        }
     }
 
     #[test]

@@ -8,4 +8,5 @@ mod framing;
 pub(crate) mod input;
 pub(crate) mod look;
 pub(crate) mod method;
+mod turning;
 mod visible;

@@ -1,5 +1,6 @@
 //! The built command, end to end: what it writes, what it says, how it exits.
 
+mod animate;
 mod bench;
 mod commands;
 mod orientation;

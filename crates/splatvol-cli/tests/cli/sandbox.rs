@@ -31,7 +31,17 @@ impl Sandbox {
 
     /// Runs `splatvol` with arguments separated by blanks.
     pub(crate) fn run(&self, arguments: &str) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_splatvol"))
+        self.output_of(arguments, &mut Command::new(env!("CARGO_BIN_EXE_splatvol")))
+    }
+
+    /// Runs `splatvol` where programs are looked for in `path`.
+    pub(crate) fn run_with_path(&self, arguments: &str, path: &str) -> Run {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_splatvol"));
+        self.output_of(arguments, command.env("PATH", path))
+    }
+
+    fn output_of(&self, arguments: &str, command: &mut Command) -> Run {
+        let output = command
             .args(arguments.split_whitespace())
             .current_dir(self.folder.path())
             .output()

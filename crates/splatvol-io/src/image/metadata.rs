@@ -23,7 +23,7 @@ pub fn find<'a>(metadata: &'a [(String, String)], keyword: &str) -> Option<&'a s
 }
 
 /// Refuses what could not be read back.
-pub(super) fn check(format: &'static str, metadata: &[(String, String)]) -> Result<(), IoError> {
+pub(crate) fn check(format: &'static str, metadata: &[(String, String)]) -> Result<(), IoError> {
     for (keyword, text) in metadata {
         let printable = keyword.bytes().all(|byte| (b' '..=b'~').contains(&byte));
         let spaced = keyword.trim() != keyword || keyword.contains("  ");

@@ -5,7 +5,7 @@
 //! type and bit depth; `gAMA` is followed where there is no `sRGB`, embedded ICC profiles are not.
 //! A picture read and written again at its own depth has the same codes.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 use png::text_metadata::{ITXtChunk, TEXtChunk};
@@ -54,18 +54,38 @@ pub fn encode(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Res
 }
 
 fn write(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Result<Vec<u8>, png::EncodingError> {
-    let codes: Vec<[u16; 4]> = image.pixels.iter().map(|&pixel| code(pixel, depth)).collect();
+    let codes = codes(image, depth);
     let opaque = codes.iter().all(|code| f64::from(code[3]) == depth.largest());
-    let channels = if opaque { 3 } else { 4 };
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, image.size().width(), image.size().height());
+    let mut writer = encoder(&mut bytes, image.size(), depth, opaque).write_header()?;
+    write_texts(&mut writer, metadata)?;
+    writer.write_image_data(&data(&codes, depth, opaque))?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// An encoder of RGB (opaque) or RGBA in sRGB.
+pub(crate) fn encoder<W: Write>(
+    sink: W,
+    size: ImageSize,
+    depth: Depth,
+    opaque: bool,
+) -> png::Encoder<'static, W> {
+    let mut encoder = png::Encoder::new(sink, size.width(), size.height());
     encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     encoder.set_depth(match depth {
         Depth::Eight => BitDepth::Eight,
         Depth::Sixteen => BitDepth::Sixteen,
     });
-    let mut writer = encoder.write_header()?;
+    encoder
+}
+
+/// Text chunks, compressed where they are long.
+pub(crate) fn write_texts<W: Write>(
+    writer: &mut png::Writer<W>,
+    metadata: &[(String, String)],
+) -> Result<(), png::EncodingError> {
     for (keyword, text) in metadata {
         if text.is_ascii() && text.len() <= LONG_TEXT {
             writer.write_text_chunk(&TEXtChunk::new(keyword, text))?;
@@ -75,14 +95,28 @@ fn write(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Result<V
             writer.write_text_chunk(&chunk)?;
         }
     }
+    Ok(())
+}
+
+/// Codes of a picture: sRGB, straight alpha, row-major.
+pub(crate) fn codes(image: &Image, depth: Depth) -> Vec<[u16; 4]> {
+    image.pixels.iter().map(|&pixel| code(pixel, depth)).collect()
+}
+
+/// Codes as PNG orders their bytes; without alpha where opaque.
+pub(crate) fn data(codes: &[[u16; 4]], depth: Depth, opaque: bool) -> Vec<u8> {
+    let channels = if opaque { 3 } else { 4 };
     let kept = codes.iter().flat_map(|code| &code[..channels]);
-    let data: Vec<u8> = match depth {
+    match depth {
         Depth::Eight => kept.map(|&code| code as u8).collect(),
         Depth::Sixteen => kept.flat_map(|code| code.to_be_bytes()).collect(),
-    };
-    writer.write_image_data(&data)?;
-    writer.finish()?;
-    Ok(bytes)
+    }
+}
+
+/// A picture as 8-bit RGBA: sRGB, straight alpha, row-major; the codes of an 8-bit PNG.
+pub fn srgb8(image: &Image) -> Vec<[u8; 4]> {
+    let byte = |pixel: &[f32; 4]| code(*pixel, Depth::Eight).map(|code| code as u8);
+    image.pixels.iter().map(byte).collect()
 }
 
 /// Straight sRGB codes of a linear premultiplied pixel.

@@ -13,7 +13,6 @@
 mod color_space;
 pub mod imagej;
 pub mod inviwo;
-mod json;
 pub mod paraview;
 pub mod slicer;
 

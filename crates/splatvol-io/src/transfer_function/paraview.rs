@@ -12,9 +12,9 @@ use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
 
 use super::Draft;
 use super::color_space::ColorSpace;
-use super::json::{Node, parse};
 use crate::IoError;
 use crate::error::Context;
+use crate::json::{Node, parse};
 
 /// Reads a preset from the bytes of a file; `path` is only named in errors. See [`super::read_transfer_function`].
 ///

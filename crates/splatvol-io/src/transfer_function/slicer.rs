@@ -10,9 +10,9 @@ use serde_json::{Value, json};
 use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
 
 use super::Draft;
-use super::json::{Node, parse};
 use crate::IoError;
 use crate::error::Context;
+use crate::json::{Node, parse};
 
 /// The schema as Slicer itself writes it.
 const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/main/Modules/Loadable/VolumeRendering/Resources/Schema/volume-property-schema-v1.0.0.json#";

@@ -6,21 +6,21 @@ use crate::IoError;
 use crate::error::Context;
 
 /// Parses a whole document; the error names line and column.
-pub(super) fn parse(bytes: &[u8], context: &Context<'_>) -> Result<Value, IoError> {
+pub(crate) fn parse(bytes: &[u8], context: &Context<'_>) -> Result<Value, IoError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     serde_json::from_slice(bytes).map_err(|error| context.field("contents", error, None, "valid JSON"))
 }
 
 /// A value and the path that leads to it.
 #[derive(Clone)]
-pub(super) struct Node<'a> {
+pub(crate) struct Node<'a> {
     value: &'a Value,
     path: String,
     context: &'a Context<'a>,
 }
 
 impl<'a> Node<'a> {
-    pub(super) fn root(value: &'a Value, context: &'a Context<'a>) -> Self {
+    pub(crate) fn root(value: &'a Value, context: &'a Context<'a>) -> Self {
         let path = String::new();
         Self { value, path, context }
     }
@@ -39,21 +39,34 @@ impl<'a> Node<'a> {
     }
 
     /// A member of an object, if it is there and not null.
-    pub(super) fn get(&self, key: &str) -> Option<Self> {
+    pub(crate) fn get(&self, key: &str) -> Option<Self> {
         let value = self.value.get(key).filter(|value| !value.is_null())?;
         Some(self.child(value, key))
     }
 
     /// A member that must be there.
-    pub(super) fn require(&self, key: &str) -> Result<Self, IoError> {
+    pub(crate) fn require(&self, key: &str) -> Result<Self, IoError> {
         self.get(key).ok_or_else(|| {
             let missing = self.child(&Value::Null, key);
             self.context.field(missing.path, "(absent)", None, "a value")
         })
     }
 
+    /// That this is an object without other members than `known`.
+    pub(crate) fn only(&self, known: &[&str]) -> Result<(), IoError> {
+        let Value::Object(members) = self.value else {
+            return Err(self.error("an object"));
+        };
+        match members.iter().find(|(name, _)| !known.contains(&name.as_str())) {
+            None => Ok(()),
+            Some((name, value)) => Err(self
+                .child(value, name)
+                .error(&format!("no such field, but {}", known.join(", ")))),
+        }
+    }
+
     /// The elements of an array.
-    pub(super) fn items(&self) -> Result<Vec<Self>, IoError> {
+    pub(crate) fn items(&self) -> Result<Vec<Self>, IoError> {
         let Value::Array(items) = self.value else {
             return Err(self.error("an array"));
         };
@@ -62,12 +75,12 @@ impl<'a> Node<'a> {
     }
 
     /// A number.
-    pub(super) fn number(&self) -> Result<f64, IoError> {
+    pub(crate) fn number(&self) -> Result<f64, IoError> {
         self.value.as_f64().ok_or_else(|| self.error("a number"))
     }
 
     /// A number in 0..1.
-    pub(super) fn unit(&self) -> Result<f64, IoError> {
+    pub(crate) fn unit(&self) -> Result<f64, IoError> {
         let number = self.number()?;
         if (0.0..=1.0).contains(&number) {
             Ok(number)
@@ -77,24 +90,24 @@ impl<'a> Node<'a> {
     }
 
     /// True for `true` and for numbers that are not 0.
-    pub(super) fn is_true(&self) -> bool {
+    pub(crate) fn is_true(&self) -> bool {
         self.value
             .as_bool()
             .unwrap_or_else(|| self.value.as_f64().is_some_and(|number| number != 0.0))
     }
 
     /// The path that leads here.
-    pub(super) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.path
     }
 
     /// The text of a string, if it is one.
-    pub(super) fn text(&self) -> Option<&'a str> {
+    pub(crate) fn text(&self) -> Option<&'a str> {
         self.value.as_str()
     }
 
     /// That this value is not what was expected.
-    pub(super) fn error(&self, expected: &str) -> IoError {
+    pub(crate) fn error(&self, expected: &str) -> IoError {
         self.context.field(self.path.clone(), self.value, None, expected)
     }
 }

@@ -1,0 +1,91 @@
+//! `splatvol animate`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{RenderArgs, values};
+
+const MOTION: &str = "Motion";
+
+/// Raw arguments of `animate`: those of `render`, which say what every frame shows, and those of the motion.
+#[derive(Debug, Clone, Args)]
+#[command(
+    mut_arg("output", |arg| arg.required(true).help(
+        "Animation: .gif, .apng, .mp4 .webm .mov .mkv (by ffmpeg), or frames: name-####.png, name-####.exr"
+    )),
+    mut_arg("stats", |arg| arg.help("Write times of all frames as JSON to this file, or to stdout (-)")),
+    after_help = "All flags of render say what a frame shows. The animation goes round seamlessly where its path is closed: a
+turntable by whole turns, or key frames of which the last is the first. On a turntable an automatic camera
+keeps all sides in the picture.
+
+--path FILE names key frames, as TOML or JSON; what a key leaves out is taken from the camera flags:
+  [[key]]
+  time = 0.0                 # seconds; all keys have it, or none. Without --frames it says how long all takes
+  position = [0, 400, 0]     # world; the path between keys is a Catmull-Rom spline
+  target = [0, 0, 0]
+  up = [0, 0, 1]
+  fov = 30                   # degrees; or height, in world units, with --orthographic
+
+Every frame carries the settings that made it: render --like spin-0007.png makes it again.
+
+Examples:
+  splatvol animate sample:head --view front -o spin.gif --size 400 --frames 60 --fps 20
+  splatvol animate scan.nii.gz --turntable 90 --ease -o quarter.apng
+  splatvol animate scan.nii.gz --frames 180 --shutter 0.5 -o spin.mp4
+  splatvol animate scan.nii.gz --path flight.toml -o 'flight-####.png'
+  splatvol animate scan.nii.gz --path flight.toml -o 'flight-####.png' --resume"
+)]
+pub(crate) struct AnimateArgs {
+    #[command(flatten)]
+    pub(crate) render: RenderArgs,
+    /// Turn the camera by this angle in all, around the target and the up axis, to its right [default: 360]
+    #[arg(long, value_name = "DEGREES", value_parser = values::finite, help_heading = MOTION,
+          allow_negative_numbers = true, conflicts_with = "path")]
+    pub(crate) turntable: Option<f64>,
+    /// Move the camera through the key frames of this file (.toml, .json)
+    #[arg(long, value_name = "FILE", help_heading = MOTION)]
+    pub(crate) path: Option<PathBuf>,
+    /// Number of frames [default: 90, or what the times of --path ask for]
+    #[arg(long, value_name = "N", help_heading = MOTION, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) frames: Option<u32>,
+    /// Frames per second
+    #[arg(long, value_name = "RATE", help_heading = MOTION, default_value_t = 30.0, value_parser = frame_rate)]
+    pub(crate) fps: f64,
+    /// Start and stop gently: at time t of 0..1 the camera is at 3t² - 2t³ of its way
+    #[arg(long, help_heading = MOTION)]
+    pub(crate) ease: bool,
+    /// Motion blur: share of a frame's time that the shutter is open, around the middle of the frame
+    #[arg(long, value_name = "SHARE", help_heading = MOTION, default_value_t = 0.0, value_parser = share)]
+    pub(crate) shutter: f64,
+    /// How motion is blurred
+    #[arg(long, value_name = "METHOD", help_heading = MOTION, default_value = "subframes")]
+    pub(crate) motion_blur: MotionBlurName,
+    /// Pictures averaged to a frame, while the shutter is open
+    #[arg(long, value_name = "N", help_heading = MOTION, default_value_t = 16,
+          value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) subframes: u32,
+    /// Keep frames that are there already and as they would be made; make the others (also over existing files)
+    #[arg(long, help_heading = "Output", conflicts_with = "overwrite")]
+    pub(crate) resume: bool,
+}
+
+/// How motion is blurred.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MotionBlurName {
+    /// Mean of pictures taken while the shutter is open: right for all scenes, at the cost of all pictures
+    Subframes,
+}
+
+fn frame_rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok();
+    rate.filter(|rate| (0.01..=1000.0).contains(rate))
+        .ok_or_else(|| "expected frames per second, 0.01 to 1000".to_owned())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok();
+    share
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| "expected a share from 0 to 1".to_owned())
+}

@@ -1,0 +1,143 @@
+//! Where an animation goes: one file, or a file per frame.
+
+use std::path::{Path, PathBuf};
+
+use splatvol_io::ImageFormat;
+
+use super::video::{self, Codec};
+use crate::args::AnimateArgs;
+use crate::failure::Failure;
+use crate::output::Target;
+
+/// What is written.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Destination {
+    /// A picture per frame.
+    Frames(FrameNames),
+    /// One file of all frames.
+    Movie(PathBuf, Container),
+}
+
+/// Kinds of one file with many frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Container {
+    Gif,
+    Apng,
+    Video(Codec),
+}
+
+/// `before####after`, with the frame's number for `####`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct FrameNames {
+    folder: PathBuf,
+    before: String,
+    digits: usize,
+    after: String,
+    pub(crate) format: ImageFormat,
+}
+
+impl FrameNames {
+    /// The file of a frame, from 0.
+    pub(crate) fn path(&self, frame: u32) -> PathBuf {
+        let (before, after) = (&self.before, &self.after);
+        self.folder
+            .join(format!("{before}{frame:0width$}{after}", width = self.digits))
+    }
+
+    /// Refuses before the work what cannot be written after it: too few digits, or files that are there.
+    pub(crate) fn check(&self, frames: u32, overwrite: bool) -> Result<(), Failure> {
+        let needed = (frames - 1).checked_ilog10().unwrap_or(0) as usize + 1;
+        if needed > self.digits {
+            return Err(Failure::usage(format!(
+                "{frames} frames need {needed} # in the output's name, not {}",
+                self.digits
+            )));
+        }
+        (0..frames).try_for_each(|frame| Target::File(self.path(frame)).check(overwrite))
+    }
+}
+
+impl Destination {
+    /// What the output's name asks for; a file that is there, or a program that is not, is found now.
+    pub(crate) fn new(args: &AnimateArgs) -> Result<Self, Failure> {
+        let path = args.render.output.as_deref().unwrap_or(Path::new(""));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.contains('#') {
+            return frames(path, &name).map(Self::Frames);
+        }
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let container = match extension.to_str().unwrap_or_default() {
+            "gif" => Container::Gif,
+            "apng" => Container::Apng,
+            "mp4" | "mov" | "mkv" => Container::Video(Codec::H264),
+            "webm" => Container::Video(Codec::Vp9),
+            "png" | "exr" => {
+                let extension = extension.display();
+                return Err(
+                    Failure::usage(format!("{name} names one picture, not an animation")).hint(format!(
+                        "name frames like spin-####.{extension}, or one file like spin.apng"
+                    )),
+                );
+            }
+            _ => {
+                return Err(
+                    Failure::usage(format!("{}: no animation has this extension", path.display()))
+                        .hint("use .gif, .apng, .mp4, .webm, .mov, .mkv, or frames: name-####.png"),
+                );
+            }
+        };
+        if args.resume {
+            return Err(Failure::usage(format!("--resume cannot continue {name}"))
+                .hint("frames can be continued: name-####.png"));
+        }
+        if args.render.bits == Some(16) && container != Container::Apng {
+            return Err(Failure::usage(format!("--bits 16 has no meaning for {name}")));
+        }
+        Target::File(path.to_owned()).check(args.render.write.overwrite)?;
+        if let Container::Video(_) = container {
+            video::check_ffmpeg()?;
+        }
+        Ok(Self::Movie(path.to_owned(), container))
+    }
+}
+
+fn frames(path: &Path, name: &str) -> Result<FrameNames, Failure> {
+    let refused = |why: &str| {
+        Failure::usage(format!("{}: {why}", path.display()))
+            .hint("name frames like spin-####.png or spin-####.exr")
+    };
+    let format = ImageFormat::from_path(path).ok_or_else(|| refused("frames are .png or .exr"))?;
+    let start = name.find('#').unwrap_or(0);
+    let digits = name[start..].bytes().take_while(|&byte| byte == b'#').count();
+    let after = &name[start + digits..];
+    if after.contains('#') {
+        return Err(refused("all # of a name must be together"));
+    }
+    Ok(FrameNames {
+        folder: path.parent().map(Path::to_owned).unwrap_or_default(),
+        before: name[..start].to_owned(),
+        digits,
+        after: after.to_owned(),
+        format,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_digits_of_the_frame() {
+        let names = |text: &str| {
+            let path = Path::new(text);
+            let name = path.file_name().unwrap().to_string_lossy();
+            frames(path, &name).map_err(|failure| format!("{failure:?}"))
+        };
+        let found = names("a#b/spin-###x.png").unwrap();
+        assert_eq!(found.path(7), Path::new("a#b").join("spin-007x.png"));
+        assert!(found.check(1001, false).is_err());
+        assert!(names("a-#-#.png").is_err());
+        assert!(names("a-#.tiff").is_err());
+        assert_eq!(names("#.exr").unwrap().path(3), Path::new("3.exr"));
+    }
+}

@@ -1,0 +1,202 @@
+//! `splatvol animate`: many frames of one scene from a camera that moves.
+
+mod destination;
+mod movie;
+mod plan;
+mod video;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::Serialize;
+use splatvol::Frame;
+
+use self::destination::{Destination, FrameNames};
+use self::movie::Movie;
+use self::plan::{Plan, stored_keys};
+use crate::args::AnimateArgs;
+use crate::commands::render::{self, Prepared};
+use crate::commands::studio::Studio;
+use crate::failure::{During, Failure, Step};
+use crate::output::Target;
+use crate::recipe::{CameraRecipe, Recipe};
+use crate::terminal::Terminal;
+
+pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure> {
+    let start = Instant::now();
+    let overwrite = args.render.write.overwrite;
+    let keys = stored_keys(args)?;
+    let destination = Destination::new(args)?;
+    let stats = args.render.stats.as_deref().map(Target::new);
+    if let Some(stats) = &stats {
+        stats.check(overwrite)?;
+    }
+    let (like, reference) = render::sources(&args.render)?;
+    let mut prepared = render::prepare(&args.render, (like.as_ref(), reference), keys.is_none(), terminal)?;
+    let plan = Plan::new(args, keys.as_deref(), &prepared.camera)?;
+    if let Destination::Frames(names) = &destination {
+        names.check(plan.frames(), overwrite || args.resume)?;
+    }
+    // That of the first frame says how to begin a file of all.
+    prepared.recipe = frame_recipe(&prepared, &plan, 0)?;
+
+    let job = Job {
+        args,
+        plan: &plan,
+        prepared: &prepared,
+        terminal,
+    };
+    let times = match &destination {
+        Destination::Frames(names) => job.frames(names)?,
+        Destination::Movie(path, container) => {
+            let timing = (plan.frames(), args.fps);
+            job.movie(Movie::start(path, *container, &prepared.recipe, timing)?)?
+        }
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    job.say_done(&times, seconds);
+    if let Some(stats) = stats {
+        let mut json = serde_json::to_string_pretty(&times.report(&plan, seconds)).during(Step::Output)?;
+        json.push('\n');
+        stats.write(json.as_bytes(), overwrite)?;
+    }
+    Ok(())
+}
+
+/// Seconds that the frames took; none for those that were kept.
+#[derive(Debug, Default)]
+struct Times(Vec<Option<f64>>);
+
+/// What `--stats` writes.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+struct Report {
+    frames: u32,
+    kept: usize,
+    seconds: f64,
+    /// Rendering, one number per frame; null where it was kept.
+    frame_seconds: Vec<Option<f64>>,
+}
+
+impl Times {
+    fn kept(&self) -> usize {
+        self.0.iter().filter(|seconds| seconds.is_none()).count()
+    }
+
+    fn report(&self, plan: &Plan, seconds: f64) -> Report {
+        Report {
+            frames: plan.frames(),
+            kept: self.kept(),
+            seconds,
+            frame_seconds: self.0.clone(),
+        }
+    }
+}
+
+/// Everything about an animation but where it goes.
+struct Job<'a> {
+    args: &'a AnimateArgs,
+    plan: &'a Plan,
+    prepared: &'a Prepared,
+    terminal: &'a Terminal,
+}
+
+impl Job<'_> {
+    fn studio(&self) -> Result<Studio<'_>, Failure> {
+        let Prepared {
+            scene,
+            recipe,
+            threads,
+            ..
+        } = self.prepared;
+        Studio::new(scene, recipe.settings, *threads)
+    }
+
+    fn frames(&self, names: &FrameNames) -> Result<Times, Failure> {
+        let mut studio = self.studio()?;
+        let mut times = Times::default();
+        let bar = self.terminal.frames(self.plan.frames());
+        for frame in 0..self.plan.frames() {
+            let (path, recipe) = (names.path(frame), frame_recipe(self.prepared, self.plan, frame)?);
+            if self.args.resume && self.is_made(&path, &recipe) {
+                times.0.push(None);
+            } else {
+                let begun = Instant::now();
+                let picture = self.expose(&mut studio, frame)?;
+                times.0.push(Some(begun.elapsed().as_secs_f64()));
+                let bytes = render::encode(picture, names.format, &recipe)?;
+                let overwrite = self.args.render.write.overwrite || self.args.resume;
+                Target::File(path).write(&bytes, overwrite)?;
+            }
+            bar.advance();
+        }
+        Ok(times)
+    }
+
+    fn movie(&self, mut movie: Movie) -> Result<Times, Failure> {
+        let mut studio = self.studio()?;
+        let mut times = Times::default();
+        let bar = self.terminal.frames(self.plan.frames());
+        for frame in 0..self.plan.frames() {
+            let begun = Instant::now();
+            let picture = self.expose(&mut studio, frame)?;
+            times.0.push(Some(begun.elapsed().as_secs_f64()));
+            movie.write(picture)?;
+            bar.advance();
+        }
+        movie.finish(self.args.render.write.overwrite)?;
+        Ok(times)
+    }
+
+    fn expose<'s>(&self, studio: &'s mut Studio<'_>, frame: u32) -> Result<&'s Frame, Failure> {
+        let sub_frames = self.plan.sub_frames(frame)?;
+        if sub_frames.is_empty() {
+            studio.expose(&[self.plan.camera(frame)?])
+        } else {
+            studio.expose(&sub_frames)
+        }
+    }
+
+    /// Whether the file holds the very frame that would be made: its own recipe says so, and the data are no newer.
+    fn is_made(&self, path: &Path, recipe: &Recipe) -> bool {
+        path.exists()
+            && Recipe::of_picture(path).is_ok_and(|made| made.is_same_picture(recipe))
+            && !is_older(path, &self.prepared.files)
+    }
+
+    fn say_done(&self, times: &Times, seconds: f64) {
+        let size = self.prepared.recipe.settings.size;
+        let output = self.args.render.output.clone().unwrap_or_default();
+        let kept = match times.kept() {
+            0 => String::new(),
+            kept => format!(", {kept} of them kept"),
+        };
+        self.terminal.note(format!(
+            "wrote {} ({} frames{kept}, {}x{}, {seconds:.2} s)",
+            output.display(),
+            self.plan.frames(),
+            size.width(),
+            size.height()
+        ));
+    }
+}
+
+/// What a frame remembers of its making.
+fn frame_recipe(prepared: &Prepared, plan: &Plan, frame: u32) -> Result<Recipe, Failure> {
+    let sub_frames = plan.sub_frames(frame)?;
+    Ok(Recipe {
+        camera: CameraRecipe::from(&plan.camera(frame)?),
+        sub_frames: sub_frames.iter().map(CameraRecipe::from).collect(),
+        ..prepared.recipe.clone()
+    })
+}
+
+/// Whether a file is older than one of the others; where the system does not say, it is not.
+fn is_older(path: &Path, others: &[PathBuf]) -> bool {
+    let modified = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
+    let own = modified(path);
+    others
+        .iter()
+        .any(|other| matches!((own, modified(other)), (Some(own), Some(other)) if own < other))
+}
