@@ -8,7 +8,7 @@
 //! | project | [`footprint`], [`sheets`] | grid, kernel, camera | the one footprint type, sliced by sheets |
 //! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
 //!
-//! [`kernel`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
+//! [`kernel`], [`radial`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
 //! knows nothing of where they came from.
 #![forbid(unsafe_code)]
 
@@ -22,5 +22,6 @@ pub mod kernel;
 pub mod mip;
 pub mod normal;
 mod prefilter;
+pub mod radial;
 pub mod sheets;
 pub mod visibility;

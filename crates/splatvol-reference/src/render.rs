@@ -110,7 +110,7 @@ impl Reference {
         options: &ReferenceSettings,
     ) -> Result<Self, ReferenceError> {
         settings.validate()?;
-        let geometry = ViewGeometry::new(&scene.volume, camera, settings);
+        let geometry = ViewGeometry::new(&scene.volume, camera, settings)?;
         let mode = match settings.compositing {
             Compositing::ImageSheets => Mode::Integral(Optics::Absorbing),
             Compositing::Xray => Mode::Integral(Optics::Additive),

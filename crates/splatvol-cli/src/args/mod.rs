@@ -12,6 +12,7 @@
 mod bench;
 mod camera;
 mod input;
+mod kernel;
 mod look;
 mod method;
 mod render;
@@ -24,6 +25,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use input::InputArgs;
+pub(crate) use kernel::{KernelArgs, KernelName};
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
     ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName,
@@ -68,7 +70,7 @@ pub(crate) struct Verbosity {
 pub(crate) enum Command {
     /// Render a volume to a picture (PNG or EXR)
     Render(Box<RenderArgs>),
-    /// Say what a volume is, and how it would be shown
+    /// Say what a volume is and how it would be shown, or what a kernel does
     Info(InfoArgs),
     /// Write a built-in volume to a file, or list them
     Sample(SampleArgs),
@@ -88,20 +90,28 @@ pub(crate) struct WriteArgs {
     pub(crate) overwrite: bool,
 }
 
+/// Flags that make `info` describe a kernel.
+const KERNEL_FLAGS: [&str; 4] = ["kernel", "kernel_sigma", "kernel_radius", "kernel_alpha"];
+
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   splatvol info scan.nii.gz
   splatvol info scan.raw --dims 256x256x109 --type u16 --endian big
-  splatvol info sample:head --json")]
+  splatvol info sample:head --json
+  splatvol info --kernel kaiser-bessel --kernel-radius 2.5")]
 pub(crate) struct InfoArgs {
     /// Volume: a file, or sample:NAME[:SIZE]
-    pub(crate) input: String,
+    #[arg(required_unless_present_any = KERNEL_FLAGS, conflicts_with_all = KERNEL_FLAGS)]
+    pub(crate) input: Option<String>,
+    /// Describe a kernel instead of a volume
+    #[command(flatten)]
+    pub(crate) kernel: KernelArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Bins of the histogram
+    /// Bins of the histogram, or rows of the kernel's profile
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) bins: u16,
 }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod commands;
+mod kernels;
 mod orientation;
 mod render;
 mod sandbox;
