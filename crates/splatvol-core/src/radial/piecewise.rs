@@ -19,7 +19,7 @@ pub(super) struct PiecewiseCubic {
 }
 
 impl PiecewiseCubic {
-    /// Crawfis and Max 1993 (Texture splats for 3D scalar and vector field visualization), section 2: optimised for the
+    /// Crawfis and Max 1993 (Texture splats for 3D scalar and vector field visualization): optimised for the
     /// least ripple of the sum over the lattice. The second piece is written in powers of the distance from the edge.
     pub(super) fn crawfis_max() -> Self {
         const EDGE: f64 = 1.556_228;

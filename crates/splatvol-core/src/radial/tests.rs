@@ -45,7 +45,7 @@ impl Random {
     }
 }
 
-/// I_2(x), or x^2 / 8 times a constant for an x near zero: `1 / pi int_0^pi exp(x cos t) cos 2t dt`.
+/// `I_2(x) = 1 / pi int_0^pi exp(x cos t) cos 2t dt`.
 fn bessel_2(x: f64) -> f64 {
     const COUNT: usize = 80;
     let at = |i: usize| {
@@ -199,7 +199,7 @@ fn responses_are_the_closed_forms() {
             "{frequency}"
         );
     }
-    // Lewitt 1990 eq. (A5) where the argument is imaginary: J_7/2(y) / y^7/2 by spherical Bessel functions.
+    // The transform of a blob where the argument is imaginary: J_7/2(y) / y^7/2 by spherical Bessel functions.
     let blob = RadialKernel::new(Kernel::KAISER_BESSEL);
     let Kernel::KaiserBessel { radius, alpha } = Kernel::KAISER_BESSEL else {
         panic!("no blob")

@@ -14,7 +14,7 @@ pub enum Kernel {
         /// Cut-off, voxels.
         radius: f64,
     },
-    /// The piecewise cubic of Crawfis and Max, of radius 1.556 voxels: the least ripple for its size.
+    /// The piecewise cubic of Crawfis and Max, of radius 1.556 voxels: the smallest footprint.
     CrawfisMax,
     /// The cubic B-spline as a function of the distance from the voxel (not the product of three axes), of radius 2.
     CubicBspline,
