@@ -26,7 +26,7 @@ fn info_describes_kernels() {
         (
             "--kernel kaiser-bessel --kernel-radius 1.5 --kernel-alpha 3",
             1.5,
-            0.003..0.1,
+            0.149..0.154,
         ),
     ] {
         let report = info(&sandbox, arguments);
