@@ -2,8 +2,10 @@
 
 use clap::{Args, ValueEnum};
 
-use splatvol::{Kernel, Lighting, RenderSettings};
+use splatvol::{Lighting, RenderSettings};
 
+use super::FootprintArgs;
+use super::KernelArgs;
 use super::values::{self, Triple};
 
 const METHOD: &str = "Method";
@@ -33,12 +35,8 @@ pub(crate) struct MethodArgs {
     /// Standard deviation of the EWA filter, pixels
     #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.filter.pixel_sigma()))]
     pub(crate) pixel_sigma: Option<f64>,
-    /// Standard deviation of the reconstruction kernel, voxels
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Standard deviation of the reconstruction kernel, voxels", |s| kernel(s)[0]))]
-    pub(crate) kernel_sigma: Option<f64>,
-    /// Cut-off of the reconstruction kernel, voxels
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Cut-off of the reconstruction kernel, voxels", |s| kernel(s)[1]))]
-    pub(crate) kernel_radius: Option<f64>,
+    #[command(flatten)]
+    pub(crate) kernel: KernelArgs,
     /// Let the kernel smooth the data instead of interpolating them
     #[arg(long, help_heading = METHOD)]
     pub(crate) no_prefilter: bool,
@@ -48,6 +46,8 @@ pub(crate) struct MethodArgs {
     /// Transmittance at which a pixel is finished
     #[arg(long, value_name = "SHARE", help_heading = METHOD, help = with_default("Transmittance at which a pixel is finished", |s| s.termination))]
     pub(crate) termination: Option<f64>,
+    #[command(flatten)]
+    pub(crate) footprint: FootprintArgs,
     /// Show the transfer function's colours as they are
     #[arg(long, help_heading = LIGHT)]
     pub(crate) no_shade: bool,
@@ -92,6 +92,12 @@ pub(crate) enum CompositingName {
     Xray,
     /// Largest value along the ray
     Mip,
+    /// Whole footprints one by one, front to back (Westover 1989)
+    PerSplat,
+    /// Whole footprints one by one, back to front
+    PerSplatBackToFront,
+    /// Whole footprints on slices of the grid (Westover 1990)
+    AxisSheets,
 }
 
 /// What is splatted.
@@ -110,6 +116,10 @@ pub(crate) enum FilterName {
     Ewa,
     /// Footprints narrower than the filter are widened to it
     Matched,
+    /// Footprints of voxels less than a pixel apart are scaled up, and get thinner (Swan 1997)
+    Swan,
+    /// The same, but their opacity falls, as the paper has it
+    SwanAlpha,
 }
 
 /// Where the gradient that lights a sheet comes from.
@@ -122,14 +132,9 @@ pub(crate) enum GradientName {
 }
 
 /// A help text that names the settings' own default.
-fn with_default(text: &str, pick: fn(&RenderSettings) -> f64) -> String {
+pub(super) fn with_default(text: &str, pick: fn(&RenderSettings) -> f64) -> String {
     let value = pick(&RenderSettings::default());
     format!("{text} [default: {value}]")
-}
-
-fn kernel(settings: &RenderSettings) -> [f64; 2] {
-    let Kernel::Gaussian { sigma, radius } = settings.kernel;
-    [sigma, radius]
 }
 
 fn light(settings: &RenderSettings) -> Lighting {

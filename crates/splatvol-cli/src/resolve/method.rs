@@ -1,9 +1,11 @@
 //! The render settings.
 
-use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Kernel, Lighting, RenderSettings};
+use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Lighting, RenderSettings};
 
+use super::footprint;
 use crate::args::{ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName};
 use crate::failure::{During, Failure, Step};
+use crate::resolve::kernel;
 
 /// Side of a picture unless asked otherwise, pixels.
 const SIDE: u32 = 1024;
@@ -14,6 +16,9 @@ pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> C
         Some(CompositingName::ImageSheets) => Compositing::ImageSheets,
         Some(CompositingName::Xray) => Compositing::Xray,
         Some(CompositingName::Mip) => Compositing::Mip,
+        Some(CompositingName::PerSplat) => Compositing::PerSplat,
+        Some(CompositingName::PerSplatBackToFront) => Compositing::PerSplatBackToFront,
+        Some(CompositingName::AxisSheets) => Compositing::AxisSheets,
         None => like.map_or_else(Compositing::default, |like| like.compositing),
     }
 }
@@ -48,14 +53,19 @@ pub(crate) fn resolve(
     set(&mut settings.sheet_thickness, args.sheet_thickness);
     set(&mut settings.termination, args.termination);
     settings.filter = filter(args, settings.filter)?;
-    settings.kernel = kernel(args, settings.kernel);
+    settings.kernel = kernel::resolve(&args.kernel, settings.kernel)?;
     match args.gradient {
         Some(GradientName::Analytic) => settings.gradient = Gradient::Analytic,
         Some(GradientName::Differences) => settings.gradient = Gradient::Differences,
         None => {}
     }
-    settings.prefilter = !args.no_prefilter && (args.prefilter || settings.prefilter);
+    // Only Gaussians are prefiltered: with another kernel it has to be asked for, and is then refused.
+    let kept = settings.prefilter && settings.kernel.gaussian().is_some();
+    settings.prefilter = !args.no_prefilter && (args.prefilter || kept);
     settings.lighting = lighting(args, settings.lighting);
+    footprint::set(&args.footprint, &mut settings)?;
+    let is_free = args.classification.is_none() && like.is_none();
+    footprint::complete(&args.footprint, &mut settings, is_free);
     settings.validate().during(Step::Usage)?;
     Ok(settings)
 }
@@ -85,13 +95,18 @@ fn set<T>(field: &mut T, value: Option<T>) {
 
 fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
     let width = match old {
-        Filter::None => Filter::default().pixel_sigma(),
+        Filter::None | Filter::Swan | Filter::SwanAlpha => Filter::default().pixel_sigma(),
         Filter::Ewa { pixel_sigma } | Filter::Matched { pixel_sigma } => pixel_sigma,
     };
     match (args.filter, args.pixel_sigma) {
         (Some(FilterName::None), Some(_)) => {
             Err(Failure::usage("--pixel-sigma has no meaning with --filter none"))
         }
+        (Some(FilterName::Swan | FilterName::SwanAlpha), Some(_)) => Err(Failure::usage(
+            "--pixel-sigma has no meaning with --filter swan: footprints grow until voxels are a pixel apart",
+        )),
+        (Some(FilterName::Swan), None) => Ok(Filter::Swan),
+        (Some(FilterName::SwanAlpha), None) => Ok(Filter::SwanAlpha),
         (Some(FilterName::None), None) => Ok(Filter::None),
         (Some(FilterName::Ewa), Some(pixel_sigma)) => Ok(Filter::Ewa { pixel_sigma }),
         (Some(FilterName::Matched), Some(pixel_sigma)) => Ok(Filter::Matched { pixel_sigma }),
@@ -99,24 +114,10 @@ fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
         (Some(FilterName::Matched), None) => Ok(Filter::Matched { pixel_sigma: width }),
         (None, Some(pixel_sigma)) => Ok(match old {
             Filter::Matched { .. } => Filter::Matched { pixel_sigma },
-            Filter::None | Filter::Ewa { .. } => Filter::Ewa { pixel_sigma },
+            _ => Filter::Ewa { pixel_sigma },
         }),
         (None, None) => Ok(old),
     }
-}
-
-/// A kernel of another sigma keeps its cut-off in sigmas.
-fn kernel(args: &MethodArgs, old: Kernel) -> Kernel {
-    let Kernel::Gaussian {
-        sigma: old_sigma,
-        radius: old_radius,
-    } = old;
-    let sigma = args.kernel_sigma.unwrap_or(old_sigma);
-    let scaled = args
-        .kernel_sigma
-        .map_or(old_radius, |sigma| old_radius / old_sigma * sigma);
-    let radius = args.kernel_radius.unwrap_or(scaled);
-    Kernel::Gaussian { sigma, radius }
 }
 
 /// Asking for any property of the light turns it on.
@@ -138,6 +139,7 @@ fn lighting(args: &MethodArgs, old: Option<Lighting>) -> Option<Lighting> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::KernelArgs;
 
     #[test]
     fn flags_beat_the_earlier_picture_which_beats_defaults() {
@@ -173,7 +175,10 @@ mod tests {
         let args = MethodArgs {
             preset: Some(PresetName::Fast),
             filter: Some(FilterName::None),
-            kernel_sigma: Some(0.7),
+            kernel: KernelArgs {
+                kernel_sigma: Some(0.7),
+                ..KernelArgs::default()
+            },
             ..MethodArgs::default()
         };
         let settings = resolve(&args, None, Some(&like), None).unwrap();
@@ -182,9 +187,8 @@ mod tests {
         assert_eq!(settings.filter, Filter::None);
         // What is shown stays the picture's.
         assert_eq!((settings.prefilter, settings.lighting), (true, None));
-        let (Kernel::Gaussian { sigma, .. }, Kernel::Gaussian { sigma: of_fast, .. }) =
-            (settings.kernel, fast.kernel);
-        assert!(sigma == 0.7 && of_fast != 0.7);
+        let sigma = |settings: RenderSettings| settings.kernel.gaussian().unwrap().0;
+        assert!(sigma(settings) == 0.7 && sigma(fast) != 0.7);
         let args = MethodArgs {
             preset: Some(PresetName::Best),
             ..MethodArgs::default()
@@ -202,16 +206,16 @@ mod tests {
     #[test]
     fn a_wider_kernel_keeps_its_cut_off_in_sigmas() {
         let args = MethodArgs {
-            kernel_sigma: Some(1.4),
+            kernel: KernelArgs {
+                kernel_sigma: Some(1.4),
+                ..KernelArgs::default()
+            },
             no_prefilter: true,
             ..MethodArgs::default()
         };
         let settings = resolve(&args, None, None, None).unwrap();
-        let Kernel::Gaussian { sigma, radius } = settings.kernel;
-        let Kernel::Gaussian {
-            sigma: default_sigma,
-            radius: default_radius,
-        } = RenderSettings::default().kernel;
+        let (sigma, radius) = settings.kernel.gaussian().unwrap();
+        let (default_sigma, default_radius) = RenderSettings::default().kernel.gaussian().unwrap();
         assert_eq!(sigma, 1.4);
         assert!((radius / sigma - default_radius / default_sigma).abs() < 1e-12);
         assert!(!settings.prefilter);

@@ -4,8 +4,10 @@
 
 pub(crate) mod around;
 pub(crate) mod camera;
+pub(crate) mod footprint;
 mod framing;
 pub(crate) mod input;
+pub(crate) mod kernel;
 pub(crate) mod look;
 pub(crate) mod method;
 mod turning;

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
+use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::splats::{self, Extract, KernelShape, SplatCloud};
 use splatvol_scene::{
-    Classification, Compositing, Kernel, Reconstruction, RenderSettings, Scene, TransferFunction, Volume,
+    Classification, Compositing, Reconstruction, RenderSettings, Scene, TransferFunction, Volume,
 };
 
 /// What a cloud depends on, besides the volume.
@@ -32,7 +33,7 @@ pub(crate) fn splats_data(settings: &RenderSettings) -> bool {
 }
 
 fn shape(settings: &RenderSettings) -> KernelShape {
-    let Kernel::Gaussian { sigma, .. } = settings.kernel;
+    let sigma = GaussianKernel::new(settings.kernel).sigma;
     match settings.reconstruction {
         Reconstruction::Volume => KernelShape::Sphere { sigma },
         Reconstruction::Surface { flatness } => KernelShape::Flattened {
@@ -105,7 +106,7 @@ fn extract(
         gradients: key.gradients,
     };
     if key.data {
-        let Kernel::Gaussian { radius, .. } = settings.kernel;
+        let radius = GaussianKernel::new(settings.kernel).radius;
         // A sheet's spacing more, on either side, for its differences.
         let reach = radius + 2.0 * settings.sheet_thickness.max(1.0) + 2.0;
         splats::data(&from, [reach; 3])

@@ -30,9 +30,10 @@ use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
+use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::splats::{GaussianProfile, Profile};
 use splatvol_scene::{
-    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Kernel, Occlusion, Rasterizer,
+    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Occlusion, Rasterizer,
     Reconstruction, RenderSettings, Scene, SheetContent,
 };
 
@@ -78,8 +79,7 @@ impl FootprintEngine {
             classify: start.elapsed().as_secs_f64(),
             ..StageSeconds::default()
         };
-        let Kernel::Gaussian { sigma, radius } = settings.kernel;
-        let profile = GaussianProfile::new(radius / sigma);
+        let profile = GaussianProfile::new(GaussianKernel::new(settings.kernel).cut());
         let plan = run
             .pool
             .install(|| Plan::new(cloud, scene, (camera, settings), profile));

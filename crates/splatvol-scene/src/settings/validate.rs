@@ -1,12 +1,48 @@
 //! Whether settings can be rendered.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 
-use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Kernel, Occlusion, Reconstruction,
-    RenderSettings, SheetContent,
-};
+use super::{Classification, Compositing, Kernel, RenderSettings, SheetContent};
 use crate::SceneError;
+
+const NO_PREFILTER: &str =
+    "gaussian where data are interpolated; others without the prefilter, --no-prefilter";
+
+fn check(
+    field: &'static str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), SceneError> {
+    if range.contains(&value) {
+        Ok(())
+    } else {
+        Err(SceneError::invalid(field, value, expected))
+    }
+}
+
+impl Kernel {
+    /// Checks the domain of the kernel's parameters, as [`RenderSettings::validate`] does too.
+    ///
+    /// # Errors
+    /// The first parameter outside its domain, by name.
+    pub fn validate(self) -> Result<(), SceneError> {
+        match self {
+            Self::Gaussian { sigma, radius } => {
+                check("kernel sigma", sigma, 0.3..=4.0, "0.3 to 4 voxels")?;
+                let radii = 1.5 * sigma..=8.0 * sigma;
+                check("kernel radius", radius, radii, "1.5 to 8 sigma")
+            }
+            Self::CrawfisMax | Self::CubicBspline => Ok(()),
+            Self::KaiserBessel { radius, alpha } => {
+                check("kernel radius", radius, 1.0..=4.0, "1 to 4 voxels")?;
+                check("kernel alpha", alpha, 0.0..=40.0, "0 to 40")
+            }
+        }
+    }
+}
 
 impl RenderSettings {
     /// Checks every field's domain.
@@ -14,13 +50,6 @@ impl RenderSettings {
     /// # Errors
     /// The first field outside its domain, by name.
     pub fn validate(&self) -> Result<(), SceneError> {
-        let check = |field, value: f64, range: std::ops::RangeInclusive<f64>, expected| {
-            if range.contains(&value) {
-                Ok(())
-            } else {
-                Err(SceneError::invalid(field, value, expected))
-            }
-        };
         check(
             "sheet thickness",
             self.sheet_thickness,
@@ -35,23 +64,8 @@ impl RenderSettings {
         )?;
         self.combinations()?;
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
-        let Kernel::Gaussian { sigma, radius } = self.kernel;
-        check("kernel sigma", sigma, 0.3..=4.0, "0.3 to 4 voxels")?;
-        check(
-            "kernel radius",
-            radius,
-            1.5 * sigma..=8.0 * sigma,
-            "1.5 to 8 sigma",
-        )?;
-        // Wider kernels amplify noise without bound when they are inverted.
-        if self.prefilter && self.classification == Classification::Post {
-            check(
-                "kernel sigma",
-                sigma,
-                0.3..=1.2,
-                "0.3 to 1.2 voxels with the prefilter",
-            )?;
-        }
+        self.kernel.validate()?;
+        self.kernel_suits_method()?;
         if let Some(light) = self.lighting {
             for (field, value) in [
                 ("ambient", light.ambient),
@@ -78,86 +92,81 @@ impl RenderSettings {
         }
         Ok(())
     }
-
-    /// Refuses methods that make no sense together.
-    fn combinations(&self) -> Result<(), SceneError> {
-        let refuse =
-            |field, value: &dyn std::fmt::Debug, reason| Err(SceneError::invalid(field, value, reason));
-        let pre = self.classification == Classification::Pre;
-        let colors = self.compositing == Compositing::Xray || pre;
-        if self.compositing.needs_colors() && !pre {
-            return refuse(
-                "classification",
-                &self.classification,
-                "pre: whole footprints are composited as colours, so data must be classified before they are splatted",
-            );
-        }
-        if self.sheet == Some(SheetContent::Sample) && colors {
-            return refuse(
-                "sheet",
-                &SheetContent::Sample,
-                "section: classified colours are integrated over a sheet's depth, or mass would be lost",
-            );
-        }
-        if self.filter == Filter::SwanAlpha
-            && !matches!(
-                self.compositing,
-                Compositing::PerSplat | Compositing::PerSplatBackToFront
-            )
-        {
-            return refuse(
-                "filter",
-                &self.filter,
-                "swan: swan-alpha lowers the opacity of single splats, which only per-splat compositing has",
-            );
-        }
-        if self.occlusion == Occlusion::Sat
-            && matches!(
-                self.compositing,
-                Compositing::PerSplatBackToFront | Compositing::Xray | Compositing::Mip
-            )
-        {
-            return refuse(
-                "occlusion",
-                &self.occlusion,
-                "none: only what is composited front to back can be hidden by what is there",
-            );
-        }
-        match self.reconstruction {
-            Reconstruction::Surface { flatness } | Reconstruction::Mixed { flatness, .. }
-                if !(1.0..=1e6).contains(&flatness) =>
-            {
-                return refuse("flatness", &flatness, "1 to 1000000");
-            }
-            Reconstruction::Mixed { gradient, .. } if !(0.0..=1e3).contains(&gradient) => {
-                return refuse("surface gradient", &gradient, "0 to 1000 value ranges per voxel");
-            }
-            Reconstruction::Surface { .. } | Reconstruction::Mixed { .. } if !colors => {
-                return refuse(
-                    "reconstruction",
-                    &self.reconstruction,
-                    "volume: flattened kernels of data do not add up to one; classify before splatting (pre)",
-                );
-            }
-            _ => {}
-        }
-        let samples = !colors && self.sheet != Some(SheetContent::Section);
-        if samples && self.uses_footprints() {
-            return refuse(
-                "sheet",
-                &self.sheet,
-                "section: this filter, alignment, kernel, occlusion or absorption works on footprints, which are \
-                 classified first (pre) or splatted as sections of sheets",
-            );
+    /// Whether the kernel and the method can be used together.
+    fn kernel_suits_method(&self) -> Result<(), SceneError> {
+        let gaussian = self.kernel.gaussian();
+        gaussian.ok_or_else(|| self.refused_kernel("gaussian: no engine renders others yet"))?;
+        let Some((sigma, _)) = gaussian else {
+            return if self.interpolates() {
+                Err(self.refused_kernel(NO_PREFILTER))
+            } else {
+                Ok(())
+            };
+        };
+        // Wider kernels amplify noise without bound when they are inverted.
+        if self.prefilter && self.classification == Classification::Post {
+            let expected = "0.3 to 1.2 voxels with the prefilter";
+            check("kernel sigma", sigma, 0.3..=1.2, expected)?;
         }
         Ok(())
     }
 
-    /// Whether a method is asked for that only whole or sectioned footprints have.
-    fn uses_footprints(&self) -> bool {
-        matches!(self.filter, Filter::Swan | Filter::SwanAlpha)
-            || self.alignment != Alignment::Sheet
-            || self.occlusion != Occlusion::Auto
-            || self.absorption != Absorption::Exp
+    /// Whether the prefilter has an effect.
+    fn interpolates(&self) -> bool {
+        let of_data = match self.compositing {
+            Compositing::ImageSheets => {
+                self.classification == Classification::Post && self.sheet != Some(SheetContent::Section)
+            }
+            Compositing::Mip => true,
+            _ => false,
+        };
+        self.prefilter && of_data
+    }
+
+    fn refused_kernel(&self, expected: &'static str) -> SceneError {
+        SceneError::invalid("kernel", self.kernel.name(), expected)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(kernel: Kernel) -> String {
+        kernel.validate().expect_err("outside its domain").to_string()
+    }
+
+    #[test]
+    fn kernels_outside_their_domain_are_refused_by_name() {
+        let gaussian = |sigma, radius| Kernel::Gaussian { sigma, radius };
+        let blob = |radius, alpha| Kernel::KaiserBessel { radius, alpha };
+        assert!(refusal(gaussian(0.1, 0.5)).starts_with("kernel sigma: 0.1"));
+        assert!(refusal(gaussian(1.0, 9.0)).starts_with("kernel radius: 9.0"));
+        assert!(refusal(blob(5.0, 10.0)).starts_with("kernel radius: 5.0"));
+        assert!(refusal(blob(2.0, 41.0)).starts_with("kernel alpha: 41.0"));
+        assert!(refusal(blob(2.0, f64::NAN)).starts_with("kernel alpha: NaN"));
+        for kernel in [
+            Kernel::default(),
+            Kernel::CrawfisMax,
+            Kernel::CubicBspline,
+            Kernel::KAISER_BESSEL,
+            blob(1.0, 0.0),
+        ] {
+            assert_eq!(kernel.validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn other_kernels_are_not_prefiltered() {
+        for compositing in [Compositing::ImageSheets, Compositing::Mip] {
+            let settings = RenderSettings {
+                kernel: Kernel::CrawfisMax,
+                compositing,
+                prefilter: true,
+                ..RenderSettings::default()
+            };
+            let text = settings.validate().expect_err("refused").to_string();
+            assert!(text.starts_with("kernel: \"crawfis-max\""), "{text}");
+        }
     }
 }
