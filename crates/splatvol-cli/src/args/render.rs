@@ -22,12 +22,14 @@ Examples:
   splatvol render scan.raw --dims 256x256x109 --type u16 --endian big --spacing 1,1,2
   splatvol render ct.nrrd --iso 300 --light=-1,-1,-1 --background white
   splatvol render ct.nrrd --compositing mip --orthographic --view left
+  splatvol render sample:tunnel --compositing axis-sheets --filter swan
+  splatvol render --list-methods
   splatvol render --like head.png --azimuth 30 -o head-30.png
   splatvol render sample:head:128 --background none -o - > head.png"
 )]
 pub(crate) struct RenderArgs {
     /// Volume: a file, or sample:NAME[:SIZE] (see splatvol sample)
-    #[arg(required_unless_present = "like")]
+    #[arg(required_unless_present_any = ["like", "list_methods"])]
     pub(crate) input: Option<String>,
     /// Picture: .png, .exr, or - for a PNG on stdout [default: INPUT's name with .png]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
@@ -54,6 +56,9 @@ pub(crate) struct RenderArgs {
     pub(crate) method: MethodArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
+    /// List every method that a picture can be made by, with the flag that selects it
+    #[arg(long)]
+    pub(crate) list_methods: bool,
     /// Threads; 0 takes one per processor. The picture does not depend on it [default: 0]
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,

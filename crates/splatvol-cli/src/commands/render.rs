@@ -18,6 +18,9 @@ use crate::resolve::{camera, input, look, method};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
+    if args.list_methods {
+        return Target::Stdout.write(super::methods::list().as_bytes(), false);
+    }
     let start = Instant::now();
     let (like, reference) = sources(args)?;
     let outputs = Outputs::new(args, &reference)?;
