@@ -10,9 +10,7 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{
-    Camera, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume,
-};
+use splatvol_scene::{Camera, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
@@ -405,7 +403,7 @@ fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame 
         store(&mut frame, &plan.tiles.rect(tile), pixels);
     }
     debug_assert!(
-        plan.settings.compositing == Compositing::Mip || frame.image.pixels.iter().all(|p| p[3] <= 1.0),
+        plan.settings.compositing.shows_one_value() || frame.image.pixels.iter().all(|p| p[3] <= 1.0),
         "no pixel is more than opaque"
     );
     frame

@@ -66,6 +66,9 @@ pub(crate) struct MethodArgs {
     /// Exponent of the highlight
     #[arg(long, value_name = "POWER", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Exponent of the highlight", |s| light(s).specular_power))]
     pub(crate) specular_power: Option<f64>,
+    /// Gradient (value ranges per voxel) that is half a surface
+    #[arg(long, value_name = "GRADIENT", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Gradient (value ranges per voxel) that is half a surface; what has less is lit from all sides", |s| light(s).gradient_floor))]
+    pub(crate) gradient_floor: Option<f64>,
     /// Towards the light: x right, y down, z forward [default: 0,0,-1, at the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
           allow_hyphen_values = true, conflicts_with = "no_shade")]
@@ -92,6 +95,10 @@ pub(crate) enum CompositingName {
     Xray,
     /// Largest value along the ray
     Mip,
+    /// Smallest value along the ray
+    Minip,
+    /// Mean value along the ray
+    Mean,
     /// Whole footprints one by one, front to back (Westover 1989)
     PerSplat,
     /// Whole footprints one by one, back to front

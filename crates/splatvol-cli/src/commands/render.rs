@@ -215,7 +215,7 @@ impl Resolved {
                 look::resolve(&asked, input, compositing, terminal)?
             }
         };
-        let settings = method::resolve(&args.method, args.size, like_settings, look.classification)?;
+        let settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
         let camera = camera::resolve(
             &args.camera,
             &Surroundings::new(

@@ -18,15 +18,22 @@ const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
 /// A transfer function and what its choice implies.
 pub(crate) struct Look {
     pub(crate) transfer_function: TransferFunction,
-    /// Where the data want another classification than the default.
+    pub(crate) wishes: Wishes,
+}
+
+/// What the data want otherwise than the defaults.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Wishes {
     pub(crate) classification: Option<Classification>,
+    /// Colours as they are, without light.
+    pub(crate) unlit: bool,
 }
 
 impl From<TransferFunction> for Look {
     fn from(transfer_function: TransferFunction) -> Self {
         Self {
             transfer_function,
-            classification: None,
+            wishes: Wishes::default(),
         }
     }
 }
@@ -77,12 +84,12 @@ fn chosen(
         };
     }
     if args.opacity.is_none() && args.clim.is_none() {
-        if compositing == Compositing::Mip && map.is_none() {
+        if compositing.shows_one_value() && map.is_none() {
             return TransferFunction::gray_ramp([low, high], 1.0)
                 .during(Step::Usage)
                 .map(Look::from);
         }
-        if compositing != Compositing::Mip {
+        if !compositing.shows_one_value() {
             return automatic(input, map, terminal);
         }
     }
@@ -90,7 +97,7 @@ fn chosen(
     let curve = OpacityCurve::from_name(curve).during(Step::Usage)?;
     let range = match args.clim {
         Some(range) => range,
-        None if compositing == Compositing::Mip => [low, high],
+        None if compositing.shows_one_value() => [low, high],
         None => TransferFunction::automatic(volume, None).1.range,
     };
     let map = match map {
@@ -132,14 +139,20 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         let transfer_function = sample.default_transfer_function().during(Step::Render)?;
         return Ok(Look {
             transfer_function,
-            classification: Some(sample.preferred_classification()),
+            wishes: Wishes {
+                classification: Some(sample.preferred_classification()),
+                unlit: !sample.is_lit(),
+            },
         });
     }
     let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
     terminal.detail(format!("transfer function: {}", choice.reason));
     Ok(Look {
         transfer_function,
-        classification: Some(choice.classification),
+        wishes: Wishes {
+            classification: Some(choice.classification),
+            unlit: false,
+        },
     })
 }
 

@@ -4,7 +4,7 @@
 //! which continues the box by a margin, is the same with the margin added. Only vectors of pixels that come near a face
 //! are asked for; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` errs by less than 2e-4.
 
-use fearless_simd::{f32x16, prelude::*};
+use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Vec3, Vec3A};
 use splatvol_core::bin::TileRect;
 
@@ -30,6 +30,17 @@ pub(crate) struct Shares<S: Simd> {
     pub coverage: f32x16<S>,
     /// One over the share on the lattice.
     pub per_weight: f32x16<S>,
+}
+
+/// Shares on the lattice below this lie so far outside the volume that their values count for nothing.
+const FADED: f32 = 0.15;
+
+impl<S: Simd> Shares<S> {
+    /// Where the share on the lattice is too small for a value.
+    #[inline(always)]
+    pub(crate) fn is_faded(&self, simd: S) -> mask32x16<S> {
+        self.per_weight.simd_ge(f32x16::splat(simd, 0.999 / FADED))
+    }
 }
 
 /// Standard deviations from a face beyond which it does not matter.
@@ -112,7 +123,7 @@ impl Border {
             .min(one);
         Shares {
             coverage,
-            per_weight: one / all.max(f32x16::splat(simd, 0.15)),
+            per_weight: one / all.max(f32x16::splat(simd, FADED)),
         }
     }
 }

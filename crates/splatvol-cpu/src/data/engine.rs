@@ -14,13 +14,14 @@ use super::classified::ClassifiedBricks;
 use super::compose::Compose;
 use super::frame::{Plan, Sampling, View};
 use super::integral::Integral;
-use super::intensity::Intensity;
+use super::intensity::{Extreme, Intensity, Mean};
 use super::level::{Detail, Pyramid, Wanted};
 use super::mode::{Bricks, Mode};
 use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
+use crate::stage::extremum::{Largest, Smallest};
 use crate::stage::shade::Phong;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
@@ -153,6 +154,7 @@ impl DataEngine {
         statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
         let look = (&level.classification, level.hull);
         let bricks = ClassifiedBricks::new((store, &level.visible), look);
+        let classified = (&level.classification, scene.unit_distance());
         let shader = || view.shader((store, &level.table), (settings, spacing));
         match (wanted, sampling) {
             (Wanted::Classified, Sampling::Rays) => {
@@ -175,8 +177,15 @@ impl DataEngine {
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Largest, _) => {
-                let classified = (&level.classification, scene.unit_distance());
-                let mode = Intensity::new(store, shader(), classified);
+                let mode = Intensity::<Extreme<Largest>>::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::Smallest, _) => {
+                let mode = Intensity::<Extreme<Smallest>>::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::All, _) => {
+                let mode = Intensity::<Mean>::new(store, shader(), classified);
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {

@@ -8,7 +8,7 @@
 //! | splat | `splat`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
-//! | | `intensity` | or their largest value kept |
+//! | | `intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
@@ -24,6 +24,7 @@ pub(crate) mod activate;
 pub(crate) mod border;
 pub(crate) mod classified;
 pub(crate) mod compose;
+pub(crate) mod cubic;
 pub(crate) mod engine;
 pub(crate) mod frame;
 pub(crate) mod integral;

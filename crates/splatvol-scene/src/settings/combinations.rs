@@ -40,10 +40,11 @@ impl RenderSettings {
             );
         }
         if self.occlusion == Occlusion::Sat
-            && matches!(
-                self.compositing,
-                Compositing::PerSplatBackToFront | Compositing::Xray | Compositing::Mip
-            )
+            && (self.compositing.shows_one_value()
+                || matches!(
+                    self.compositing,
+                    Compositing::PerSplatBackToFront | Compositing::Xray
+                ))
         {
             return refuse(
                 "occlusion",

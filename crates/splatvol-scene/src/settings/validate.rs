@@ -117,8 +117,7 @@ impl RenderSettings {
             Compositing::ImageSheets => {
                 self.classification == Classification::Post && self.sheet != Some(SheetContent::Section)
             }
-            Compositing::Mip => true,
-            _ => false,
+            shown => shown.shows_one_value(),
         };
         self.prefilter && of_data
     }
@@ -158,7 +157,7 @@ mod tests {
 
     #[test]
     fn other_kernels_are_not_prefiltered() {
-        for compositing in [Compositing::ImageSheets, Compositing::Mip] {
+        for compositing in [Compositing::ImageSheets, Compositing::Mip, Compositing::Mean] {
             let settings = RenderSettings {
                 kernel: Kernel::CrawfisMax,
                 compositing,
