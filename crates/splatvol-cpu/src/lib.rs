@@ -18,6 +18,7 @@
 mod data;
 #[doc(hidden)]
 pub mod kernels;
+mod operations;
 mod plan;
 mod progressive;
 mod rasterize;

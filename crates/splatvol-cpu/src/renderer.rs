@@ -15,6 +15,7 @@ use splatvol_scene::{
 };
 
 use crate::data::engine::{DataEngine, Run};
+use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -308,6 +309,7 @@ impl Renderer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
         settings.validate()?;
+        operations::check(scene, settings)?;
         if frame.image.size() != settings.size {
             *frame = Frame::empty(settings.size);
         }
@@ -322,6 +324,7 @@ impl Renderer {
         {
             self.statistics = statistics;
         } else {
+            operations::too_close(scene)?;
             *frame = self.render_slices(scene, camera, settings, progress);
         }
         Ok(())

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
-//! | [`image`] | PNG, OpenEXR |
+//! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //!
 //! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
 //! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
@@ -19,9 +19,12 @@ pub mod transfer_function;
 pub mod volume;
 
 pub use error::{FormatError, IoError};
+pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};
-pub use transfer_function::{read_transfer_function, write_transfer_function};
+pub use transfer_function::{
+    read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,
+};
 pub use volume::{
     Description, Loaded, RawLayout, ReadOptions, WriteOptions, axis_codes, read_volume, write_volume,
 };

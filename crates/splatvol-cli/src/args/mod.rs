@@ -11,6 +11,7 @@
 
 mod bench;
 mod camera;
+mod effects;
 mod input;
 mod look;
 mod method;
@@ -23,6 +24,7 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
+pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve, TextureName};
 pub(crate) use input::InputArgs;
 pub(crate) use look::LookArgs;
 pub(crate) use method::{

@@ -7,8 +7,10 @@ use splatvol::{
     Classification, ColorMap, ColorPoint, Compositing, OpacityCurve, OpacityPoint, TransferFunction,
 };
 
+use splatvol_io::transfer_function::GRADIENT_OPACITY_LEFT_OUT;
+
 use super::input::Input;
-use crate::args::LookArgs;
+use crate::args::{GradientCurve, LookArgs};
 use crate::failure::{During, Failure, Step};
 use crate::terminal::Terminal;
 
@@ -20,6 +22,8 @@ pub(crate) struct Look {
     pub(crate) transfer_function: TransferFunction,
     /// Where the data want another classification than the default.
     pub(crate) classification: Option<Classification>,
+    /// What the file says beyond value and colour.
+    pub(crate) gradient_opacity: Option<GradientCurve>,
 }
 
 impl From<TransferFunction> for Look {
@@ -27,6 +31,7 @@ impl From<TransferFunction> for Look {
         Self {
             transfer_function,
             classification: None,
+            gradient_opacity: None,
         }
     }
 }
@@ -65,7 +70,11 @@ fn chosen(
         .transpose()
         .during(Step::Usage)?;
     if let Some(path) = &args.tf {
-        return from_file(path, args.clim, volume.value_range(), terminal).map(Look::from);
+        let curve = splatvol_io::read_gradient_opacity(path).during(Step::Input)?;
+        return Ok(Look {
+            gradient_opacity: curve.map(GradientCurve),
+            ..from_file(path, args.clim, volume.value_range(), terminal)?.into()
+        });
     }
     let [low, high] = args.clim.unwrap_or(volume.value_range());
     if let Some(value) = args.iso {
@@ -111,7 +120,8 @@ fn from_file(
 ) -> Result<TransferFunction, Failure> {
     let read = |range| splatvol_io::read_transfer_function(path, range).during(Step::Input);
     let (own, warnings) = read(value_range)?;
-    for warning in warnings {
+    // Gradient opacity is read besides.
+    for warning in warnings.into_iter().filter(|w| w != GRADIENT_OPACITY_LEFT_OUT) {
         terminal.warn(format!("{}: {warning}", path.display()));
     }
     let Some(range) = clim else {
@@ -133,6 +143,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         return Ok(Look {
             transfer_function,
             classification: Some(sample.preferred_classification()),
+            gradient_opacity: None,
         });
     }
     let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
@@ -140,6 +151,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
     Ok(Look {
         transfer_function,
         classification: Some(choice.classification),
+        gradient_opacity: None,
     })
 }
 

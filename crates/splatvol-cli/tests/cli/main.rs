@@ -2,6 +2,7 @@
 
 mod bench;
 mod commands;
+mod effects;
 mod orientation;
 mod render;
 mod sandbox;
