@@ -14,6 +14,7 @@ use splatvol_scene::{Camera, Frame, Gradient, Kernel, RenderSettings, Scene, Sce
 
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
+use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -310,6 +311,7 @@ impl Renderer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
         settings.validate()?;
+        operations::check(scene, settings)?;
         if frame.image.size() != settings.size {
             *frame = Frame::empty(settings.size);
         }
@@ -326,6 +328,7 @@ impl Renderer {
         {
             self.statistics = statistics;
         } else {
+            operations::too_close(scene)?;
             *frame = self.render_slices(scene, camera, settings, progress);
         }
         Ok(())

@@ -12,6 +12,7 @@
 mod animate;
 mod bench;
 mod camera;
+mod effects;
 mod footprint;
 mod input;
 mod kernel;
@@ -27,6 +28,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
+pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve, TextureName};
 pub(crate) use footprint::{AbsorptionName, FootprintArgs, OcclusionName, ReconstructionName, SheetName};
 pub(crate) use input::InputArgs;
 pub(crate) use kernel::{KernelArgs, KernelName};

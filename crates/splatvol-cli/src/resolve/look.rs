@@ -7,8 +7,10 @@ use splatvol::{
     Classification, ColorMap, ColorPoint, Compositing, OpacityCurve, OpacityPoint, TransferFunction,
 };
 
+use splatvol_io::transfer_function::GRADIENT_OPACITY_LEFT_OUT;
+
 use super::input::Input;
-use crate::args::LookArgs;
+use crate::args::{GradientCurve, LookArgs};
 use crate::failure::{During, Failure, Step};
 use crate::terminal::Terminal;
 
@@ -19,6 +21,8 @@ const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
 pub(crate) struct Look {
     pub(crate) transfer_function: TransferFunction,
     pub(crate) wishes: Wishes,
+    /// What the file says beyond value and colour.
+    pub(crate) gradient_opacity: Option<GradientCurve>,
 }
 
 /// What the data want otherwise than the defaults.
@@ -34,6 +38,7 @@ impl From<TransferFunction> for Look {
         Self {
             transfer_function,
             wishes: Wishes::default(),
+            gradient_opacity: None,
         }
     }
 }
@@ -72,7 +77,11 @@ fn chosen(
         .transpose()
         .during(Step::Usage)?;
     if let Some(path) = &args.tf {
-        return from_file(path, args.clim, volume.value_range(), terminal).map(Look::from);
+        let curve = splatvol_io::read_gradient_opacity(path).during(Step::Input)?;
+        return Ok(Look {
+            gradient_opacity: curve.map(GradientCurve),
+            ..from_file(path, args.clim, volume.value_range(), terminal)?.into()
+        });
     }
     let [low, high] = args.clim.unwrap_or(volume.value_range());
     if let Some(value) = args.iso {
@@ -118,7 +127,8 @@ fn from_file(
 ) -> Result<TransferFunction, Failure> {
     let read = |range| splatvol_io::read_transfer_function(path, range).during(Step::Input);
     let (own, warnings) = read(value_range)?;
-    for warning in warnings {
+    // Gradient opacity is read besides.
+    for warning in warnings.into_iter().filter(|w| w != GRADIENT_OPACITY_LEFT_OUT) {
         terminal.warn(format!("{}: {warning}", path.display()));
     }
     let Some(range) = clim else {
@@ -143,6 +153,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
                 classification: Some(sample.preferred_classification()),
                 unlit: !sample.is_lit(),
             },
+            gradient_opacity: None,
         });
     }
     let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
@@ -153,6 +164,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
             classification: Some(choice.classification),
             unlit: false,
         },
+        gradient_opacity: None,
     })
 }
 

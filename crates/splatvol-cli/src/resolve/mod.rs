@@ -4,6 +4,7 @@
 
 pub(crate) mod around;
 pub(crate) mod camera;
+pub(crate) mod effects;
 pub(crate) mod footprint;
 mod framing;
 pub(crate) mod input;

@@ -6,17 +6,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
+use glam::Affine3A;
 use rayon::prelude::*;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
 
 use super::classified::ClassifiedBricks;
 use super::compose::Compose;
+use super::cut::{Cut, world_from_lattice};
 use super::frame::{Plan, Sampling, View};
 use super::integral::Integral;
 use super::intensity::{Extreme, Intensity, Mean};
 use super::level::{Detail, Pyramid, Wanted};
 use super::mode::{Bricks, Mode};
+use super::operated::Operated;
+use super::pixel::Units;
 use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
@@ -153,7 +157,18 @@ impl DataEngine {
         let spacing = scene.volume.grid().mean_spacing();
         statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
         let look = (&level.classification, level.hull);
-        let bricks = ClassifiedBricks::new((store, &level.visible), look);
+        let cut = || {
+            Cut::new(
+                &scene.clips,
+                world_from_lattice(grid.world_from_voxel(), view.margin()),
+            )
+        };
+        let voxel_cut = if wanted == Wanted::Classified {
+            cut()
+        } else {
+            Cut::default()
+        };
+        let bricks = ClassifiedBricks::new((store, &level.visible), look).cut(&voxel_cut);
         let classified = (&level.classification, scene.unit_distance());
         let shader = || view.shader((store, &level.table), (settings, spacing));
         match (wanted, sampling) {
@@ -192,12 +207,29 @@ impl DataEngine {
                 let mode = Shaded {
                     store,
                     shader: shader(),
+                    operated: operated(scene, camera, store),
                 };
                 job.render(store, &mode, frame, statistics);
             }
         }
         Some(())
     }
+}
+
+/// What a scene asks to be done to pixels.
+fn operated<'a>(scene: &'a Scene, camera: &Camera, store: &FieldStore) -> Option<Operated<'a>> {
+    let [low, high] = store.volume().value_range();
+    let world_from_camera = camera.camera_from_world().inverse();
+    let range = if high > low { high - low } else { 1.0 };
+    let units = Units {
+        world_from_camera: Affine3A::from_mat3_translation(
+            world_from_camera.matrix3.as_mat3(),
+            world_from_camera.translation.as_vec3(),
+        ),
+        lowest: low as f32,
+        range: range as f32,
+    };
+    Operated::new(scene, Cut::new(&scene.clips, world_from_camera), units)
 }
 
 /// The tiles of one level's picture.

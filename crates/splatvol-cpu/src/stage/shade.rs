@@ -372,6 +372,27 @@ impl Phong {
         }
     }
 
+    /// Surfaceness of a gradient of this length, per world length.
+    pub(crate) fn surfaceness(&self, gradient: f32) -> f32 {
+        let squared = (gradient * self.spacing).powi(2);
+        squared / (squared + self.floor_squared).max(1e-12)
+    }
+
+    /// Light on as much of a surface, with this normal (camera space, length 1).
+    pub(crate) fn on_surface(&self, normal: [f32; 3], surfaceness: f32) -> Lit {
+        let dot = |b: [f32; 3]| {
+            (normal[0] * b[0] + normal[1] * b[1] + normal[2] * b[2])
+                .abs()
+                .min(1.0)
+        };
+        let facing = dot(self.towards_light);
+        let shining = dot(self.half_way).max(self.least_shining);
+        Lit {
+            diffuse: (surfaceness * (facing - 1.0) + 1.0) * self.diffuse + self.ambient,
+            specular: shining.powf(self.power) * surfaceness * self.specular,
+        }
+    }
+
     /// Light on material with this gradient (camera space, per world length).
     #[inline(always)]
     pub(crate) fn at(&self, gradient: [f32; 3]) -> Lit {
