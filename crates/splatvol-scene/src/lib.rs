@@ -46,7 +46,7 @@ pub use lighting::Lighting;
 pub use scene::Scene;
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent,
+    Reconstruction, RenderSettings, SheetContent, Stretch,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{
     Absorption, Alignment, Classification, Compositing, Filter, Kernel, Occlusion, Reconstruction,
-    RenderSettings, SheetContent,
+    RenderSettings, SheetContent, Stretch,
 };
 use crate::SceneError;
 
@@ -33,7 +33,11 @@ impl RenderSettings {
             0.0..=16.0,
             "0 to 16 pixels",
         )?;
+        if let Alignment::Auto { budget } = self.alignment {
+            check("alignment budget", budget, 0.0..=1.0, "0 to 1 of a footprint's peak")?;
+        }
         self.combinations()?;
+        self.stretching()?;
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
         let Kernel::Gaussian { sigma, radius } = self.kernel;
         check("kernel sigma", sigma, 0.3..=4.0, "0.3 to 4 voxels")?;
@@ -151,6 +155,21 @@ impl RenderSettings {
             );
         }
         Ok(())
+    }
+
+    /// Refuses a stretch that nothing would apply.
+    fn stretching(&self) -> Result<(), SceneError> {
+        if self.stretch == Stretch::Box {
+            return Ok(());
+        }
+        let reason = if !matches!(self.filter, Filter::Swan | Filter::SwanAlpha) {
+            "box: only the swan filter stretches kernels"
+        } else if self.alignment != Alignment::Exact {
+            "box: a trapezoid has another footprint at every depth, which only exact alignment integrates"
+        } else {
+            return Ok(());
+        };
+        Err(SceneError::invalid("stretch", self.stretch, reason))
     }
 
     /// Whether a method is asked for that only whole or sectioned footprints have.
