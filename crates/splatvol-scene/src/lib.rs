@@ -55,7 +55,7 @@ pub use operator::{
 pub use scene::{Isosurface, Scene};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent,
+    Reconstruction, RenderSettings, SheetContent, Stretch,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

@@ -3,6 +3,9 @@
 //! A pixel gets `weight gain profile(r^2)`, world length: the line integral along the pixel's ray of a kernel whose
 //! integral over space is its cell. What the methods of alignment differ in is the map from pixels to `r^2`, the [`Warp`].
 
+use super::profile::Profile;
+use super::ray::{Ray, Trapezoid};
+
 /// A splat as the picture sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {
@@ -18,6 +21,8 @@ pub struct Footprint {
     pub depth: f32,
     /// Standard deviation in depth along a ray.
     pub depth_sigma: f32,
+    /// Camera depth from which on the kernel counts, where it reaches before the near plane; minus infinity otherwise.
+    pub clip: f32,
     /// From pixels to radii.
     pub warp: Warp,
 }
@@ -47,52 +52,15 @@ pub enum Warp {
     },
     /// The true distance of the pixel's ray from the centre.
     Ray(Ray),
-}
-
-/// A kernel in perspective: whitened camera space, where it is a unit sphere.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    /// Inverse of the covariance's Cholesky factor, rows of the lower triangle: 00, 10, 11, 20, 21, 22.
-    pub whitening: [f32; 6],
-    /// The centre, whitened.
-    pub centre: [f32; 3],
-    /// Principal point, pixels.
-    pub principal: [f32; 2],
-    /// Rays' x and y per pixel at depth 1.
-    pub per_pixel: f32,
-}
-
-impl Ray {
-    /// With `w = L^-1 (x, y, 1)` the pixel's whitened direction and `c = L^-1 u` the centre: `r = |c x w| / |w|`; a piece of
-    /// the ray of length `|(x, y, 1)|` is `|w|` standard deviations long, which is the gain.
-    #[inline(always)]
-    pub fn at(&self, [px, py]: [f32; 2]) -> Sample {
-        let x = (px - self.principal[0]) * self.per_pixel;
-        let y = (py - self.principal[1]) * self.per_pixel;
-        let [a, b, c, d, e, f] = self.whitening;
-        let w = [a * x, b * x + c * y, d * x + e * y + f];
-        let u = self.centre;
-        let length_squared = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-        let cross = [
-            u[1] * w[2] - u[2] * w[1],
-            u[2] * w[0] - u[0] * w[2],
-            u[0] * w[1] - u[1] * w[0],
-        ];
-        let distance = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
-        let inverse = 1.0 / length_squared;
-        let along = u[0] * w[0] + u[1] * w[1] + u[2] * w[2];
-        let depth_sigma = inverse.sqrt();
-        Sample {
-            squared: distance * inverse,
-            gain: (1.0 + x * x + y * y).sqrt() * depth_sigma,
-            depth: along * inverse,
-            depth_sigma,
-        }
-    }
+    /// The distance at which the pixel's ray passes the plane across the ray through the centre.
+    Perpendicular(Ray),
+    /// The true distance, from a kernel that is wider the deeper it is.
+    Trapezoid(Trapezoid),
 }
 
 impl Footprint {
-    /// How the ray through a point of the picture (pixels) meets the kernel.
+    /// How the ray through a point of the picture (pixels) meets the kernel; a kernel that is not as wide at every depth, as
+    /// wide as at its centre.
     #[inline(always)]
     pub fn at(&self, [px, py]: [f32; 2]) -> Sample {
         match self.warp {
@@ -107,6 +75,53 @@ impl Footprint {
                 }
             }
             Warp::Ray(ray) => ray.at([px, py]),
+            Warp::Perpendicular(ray) => ray.at_plane([px, py], self.clip),
+            Warp::Trapezoid(trapezoid) => trapezoid.at([px, py]),
+        }
+    }
+
+    /// The line integral along the ray through a point of the picture (pixels), world length; of what lies between two camera
+    /// depths where a section is asked for.
+    #[inline(always)]
+    pub fn integral<P: Profile>(&self, profile: &P, section: Option<[f32; 2]>, pixel: [f32; 2]) -> f32 {
+        let section = self.section(section);
+        if let Warp::Trapezoid(trapezoid) = &self.warp {
+            return self.weight * trapezoid.integral(profile, section, pixel);
+        }
+        let sample = self.at(pixel);
+        // False where a square is not a number.
+        if sample.squared < profile.cut() * profile.cut() {
+            self.weight * sample.gain * sample.share(profile, section)
+        } else {
+            0.0
+        }
+    }
+
+    /// A section without what lies before the near plane.
+    #[inline(always)]
+    pub fn section(&self, section: Option<[f32; 2]>) -> Option<[f32; 2]> {
+        match section {
+            Some([near, far]) => Some([near.max(self.clip), far.max(self.clip)]),
+            None if self.clip > f32::NEG_INFINITY => Some([self.clip, f32::INFINITY]),
+            None => None,
+        }
+    }
+}
+
+impl Sample {
+    /// The profile here, or the part of it between two camera depths.
+    #[inline(always)]
+    pub(super) fn share<P: Profile>(&self, profile: &P, section: Option<[f32; 2]>) -> f32 {
+        match section {
+            None => profile.whole(self.squared),
+            Some([near, far]) => {
+                let inverse = 1.0 / self.depth_sigma.max(1e-20);
+                profile.between(
+                    self.squared,
+                    (near - self.depth) * inverse,
+                    (far - self.depth) * inverse,
+                )
+            }
         }
     }
 }

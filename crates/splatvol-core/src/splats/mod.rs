@@ -10,6 +10,7 @@
 //! | `extract` | the cloud of a classified volume, and that of its data |
 //! | `profile` | the radial profile of a footprint, whole and between depths |
 //! | `footprint` | the footprint: from pixel to radius |
+//! | `ray` | footprints of kernels that are whitened, for rays that diverge |
 //! | `projection` | alignment, low-pass, scaling: from splat to footprint |
 
 mod cloud;
@@ -17,9 +18,11 @@ mod extract;
 mod footprint;
 mod profile;
 mod projection;
+mod ray;
 
 pub use cloud::{Chunk, KernelShape, SplatCloud};
 pub use extract::{Extract, classified, data};
-pub use footprint::{Footprint, Ray, Sample, Warp};
+pub use footprint::{Footprint, Sample, Warp};
 pub use profile::{GaussianProfile, Profile};
-pub use projection::{Bounds, Projection, View};
+pub use projection::{AlignmentErrors, Bounds, Projection, View};
+pub use ray::{Ray, Trapezoid};

@@ -57,7 +57,8 @@ impl<'a, P: Profile> Plan<'a, P> {
             size: settings.size,
             near: 0.5 * settings.sheet_thickness * cloud.spacing,
         };
-        let projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile);
+        let projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile)
+            .with_stretch(settings.stretch);
         let reach = projection.depth_reach();
         let corners = corners(cloud)
             .map(|local| camera_from_world.transform_point3(cloud.world_from_local.transform_point3(local)));

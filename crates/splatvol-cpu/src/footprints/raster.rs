@@ -89,7 +89,7 @@ impl<P: Profile> Brush<'_, P> {
     /// The share of the kernel in a section, where it is the same on all rays.
     #[inline(always)]
     fn share(&self, footprint: &Footprint, section: Option<Section>) -> Option<f32> {
-        let Some([near, far]) = section else {
+        let Some([near, far]) = footprint.section(section) else {
             return Some(1.0);
         };
         let Warp::Affine { slope, .. } = footprint.warp else {
@@ -113,22 +113,8 @@ impl<P: Profile> Brush<'_, P> {
         [left, py]: [f32; 2],
         weights: &mut [f32],
     ) {
-        let limit = self.profile.cut() * self.profile.cut();
         for (i, weight) in weights.iter_mut().enumerate() {
-            let sample = footprint.at([left + i as f32, py]);
-            *weight = 0.0;
-            if sample.squared < limit {
-                let inverse = 1.0 / sample.depth_sigma.max(1e-20);
-                let value = match section {
-                    None => self.profile.whole(sample.squared),
-                    Some([near, far]) => self.profile.between(
-                        sample.squared,
-                        (near - sample.depth) * inverse,
-                        (far - sample.depth) * inverse,
-                    ),
-                };
-                *weight = footprint.weight * sample.gain * value;
-            }
+            *weight = footprint.integral(self.profile, section, [left + i as f32, py]);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Absorption, Alignment, Classification, Compositing, Filter, Occlusion, Reconstruction, RenderSettings,
-    SheetContent,
+    SheetContent, Stretch,
 };
 use crate::SceneError;
 
@@ -80,6 +80,21 @@ impl RenderSettings {
             );
         }
         Ok(())
+    }
+
+    /// Refuses a stretch that nothing would apply.
+    pub(super) fn stretching(&self) -> Result<(), SceneError> {
+        if self.stretch == Stretch::Box {
+            return Ok(());
+        }
+        let reason = if !matches!(self.filter, Filter::Swan | Filter::SwanAlpha) {
+            "box: only the swan filter stretches kernels"
+        } else if self.alignment != Alignment::Exact {
+            "box: a trapezoid has another footprint at every depth, which only exact alignment integrates"
+        } else {
+            return Ok(());
+        };
+        Err(SceneError::invalid("stretch", self.stretch, reason))
     }
 
     /// Whether a method is asked for that only whole footprints have, or sections of them.

@@ -17,6 +17,22 @@ pub enum Alignment {
     Exact,
     /// Along the viewing axis: the footprint lies parallel to the picture (mueller1998 table 1, row 5).
     Grid,
+    /// Along rays parallel to the one through the kernel's centre, the footprint lying across that ray and being seen in true
+    /// perspective (mueller1998 table 1, row 4).
+    Ray,
+    /// Along each pixel's own ray; what the swan filter stretches, it stretches across the ray through the centre (mueller1998
+    /// table 1, row 3). The same as exact for any other filter.
+    RayIdeal,
+    /// Affine wherever that is good enough, exact otherwise: footprint by footprint.
+    Auto {
+        /// Largest error of a footprint that is good enough, share of its peak.
+        budget: f64,
+    },
+}
+
+impl Alignment {
+    /// A footprint may err by one level of eight bits.
+    pub const AUTO: Self = Self::Auto { budget: 1.0 / 256.0 };
 }
 
 /// How footprints become pixels.

@@ -6,12 +6,14 @@ mod filter;
 mod footprint;
 mod kernel;
 mod presets;
+mod stretch;
 mod validate;
 
 pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
 pub use filter::Filter;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
 pub use kernel::Kernel;
+pub use stretch::Stretch;
 
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +40,8 @@ pub struct RenderSettings {
     pub filter: Filter,
     /// Which integrals of a kernel make up its footprint.
     pub alignment: Alignment,
+    /// How the swan filter stretches kernels.
+    pub stretch: Stretch,
     /// How footprints become pixels.
     pub rasterizer: Rasterizer,
     /// How what is hidden is left out.

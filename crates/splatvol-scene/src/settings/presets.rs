@@ -2,7 +2,7 @@
 
 use super::{
     Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings,
+    Reconstruction, RenderSettings, Stretch,
 };
 use crate::{ImageSize, Lighting};
 
@@ -26,6 +26,7 @@ impl RenderSettings {
             absorption: Absorption::default(),
             filter: Filter::default(),
             alignment: Alignment::default(),
+            stretch: Stretch::default(),
             rasterizer: Rasterizer::default(),
             occlusion: Occlusion::default(),
             reconstruction: Reconstruction::default(),

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Classification, Compositing, Kernel, RenderSettings, SheetContent};
+use super::{Alignment, Classification, Compositing, Kernel, RenderSettings, SheetContent};
 use crate::SceneError;
 
 const NO_PREFILTER: &str =
@@ -62,7 +62,16 @@ impl RenderSettings {
             0.0..=16.0,
             "0 to 16 pixels",
         )?;
+        if let Alignment::Auto { budget } = self.alignment {
+            check(
+                "alignment budget",
+                budget,
+                0.0..=1.0,
+                "0 to 1 of a footprint's peak",
+            )?;
+        }
         self.combinations()?;
+        self.stretching()?;
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
         self.kernel.validate()?;
         self.kernel_suits_method()?;
