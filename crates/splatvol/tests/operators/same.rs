@@ -190,9 +190,16 @@ fn what_cannot_be_shown_is_refused_with_the_reason() {
         gradient: Gradient::Analytic,
         ..base
     };
+    let per_splat = RenderSettings {
+        compositing: Compositing::PerSplat,
+        classification: Classification::Pre,
+        prefilter: false,
+        ..base
+    };
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let [camera, _] = cameras();
     for (scene, settings, words) in [
+        (&clipped, per_splat, "whole footprints and sections of them"),
         (&operated, mip, "an operator (texture"),
         (&operated, xray, "X-rays have no sheets"),
         (&operated, pre, "use post-classification"),
