@@ -182,7 +182,7 @@ fn footprints_are_the_rows_of_table_1() {
 fn exact_footprints_are_line_integrals() {
     let mut random = Random(11);
     let mut worst = 0.0f64;
-    for case in 0..300 {
+    for case in 0..300u32 {
         let view = view(1000.0);
         let z = SIGMA / random.magnitude(1e-5, 0.1);
         let degrees = if case.is_multiple_of(3) {
