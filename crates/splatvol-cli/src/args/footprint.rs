@@ -13,6 +13,15 @@ pub(crate) struct FootprintArgs {
     /// How light is lost in material [default: exp]
     #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
     pub(crate) absorption: Option<AbsorptionName>,
+    /// Which integrals of a kernel make up its footprint [default: sheet]
+    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    pub(crate) alignment: Option<AlignmentName>,
+    /// Largest error of a footprint, share of its peak, with --alignment auto [default: 0.00390625]
+    #[arg(long, value_name = "SHARE", help_heading = FOOTPRINTS, hide_short_help = true)]
+    pub(crate) alignment_budget: Option<f64>,
+    /// How --filter swan stretches kernels [default: box]
+    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    pub(crate) stretch: Option<StretchName>,
     /// How what is hidden is left out [default: auto]
     #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
     pub(crate) occlusion: Option<OcclusionName>,
@@ -34,6 +43,34 @@ pub(crate) enum SheetName {
     Section,
     /// The kernel's value on the sheet's plane
     Sample,
+}
+
+/// Which integrals of a kernel make up its footprint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AlignmentName {
+    /// On sheets of constant depth; whole footprints affine
+    Sheet,
+    /// Along rays parallel to the one through the centre
+    Affine,
+    /// Along each pixel's own ray
+    Exact,
+    /// Along the viewing axis
+    Grid,
+    /// Discs across the ray through the centre, in perspective
+    Ray,
+    /// Along each pixel's own ray, stretched across the one through the centre
+    RayIdeal,
+    /// Affine where that is within --alignment-budget, exact elsewhere
+    Auto,
+}
+
+/// How the swan filter stretches kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StretchName {
+    /// As a whole, by what the centre needs
+    Box,
+    /// By what each depth needs; with --alignment exact
+    Trapezoid,
 }
 
 /// How light is lost in material.

@@ -29,7 +29,9 @@ pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve, TextureName};
-pub(crate) use footprint::{AbsorptionName, FootprintArgs, OcclusionName, ReconstructionName, SheetName};
+pub(crate) use footprint::{
+    AbsorptionName, AlignmentName, FootprintArgs, OcclusionName, ReconstructionName, SheetName, StretchName,
+};
 pub(crate) use input::InputArgs;
 pub(crate) use kernel::{KernelArgs, KernelName};
 pub(crate) use look::LookArgs;

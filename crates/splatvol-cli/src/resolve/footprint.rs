@@ -1,8 +1,12 @@
 //! The settings of footprints.
 
-use splatvol::{Absorption, Classification, Occlusion, Reconstruction, RenderSettings, SheetContent};
+use splatvol::{
+    Absorption, Alignment, Classification, Occlusion, Reconstruction, RenderSettings, SheetContent, Stretch,
+};
 
-use crate::args::{AbsorptionName, FootprintArgs, OcclusionName, ReconstructionName, SheetName};
+use crate::args::{
+    AbsorptionName, AlignmentName, FootprintArgs, OcclusionName, ReconstructionName, SheetName, StretchName,
+};
 use crate::failure::Failure;
 
 /// What is flattened unless asked otherwise.
@@ -25,8 +29,33 @@ pub(crate) fn set(args: &FootprintArgs, settings: &mut RenderSettings) -> Result
             OcclusionName::Sat => Occlusion::Sat,
         };
     }
+    match args.stretch {
+        Some(StretchName::Box) => settings.stretch = Stretch::Box,
+        Some(StretchName::Trapezoid) => settings.stretch = Stretch::Trapezoid,
+        None => {}
+    }
+    settings.alignment = alignment(args, settings.alignment)?;
     settings.reconstruction = reconstruction(args, settings.reconstruction)?;
     Ok(())
+}
+
+fn alignment(args: &FootprintArgs, old: Alignment) -> Result<Alignment, Failure> {
+    let named = match args.alignment {
+        Some(AlignmentName::Sheet) => Alignment::Sheet,
+        Some(AlignmentName::Affine) => Alignment::Affine,
+        Some(AlignmentName::Exact) => Alignment::Exact,
+        Some(AlignmentName::Grid) => Alignment::Grid,
+        Some(AlignmentName::Ray) => Alignment::Ray,
+        Some(AlignmentName::RayIdeal) => Alignment::RayIdeal,
+        Some(AlignmentName::Auto) if matches!(old, Alignment::Auto { .. }) => old,
+        Some(AlignmentName::Auto) => Alignment::AUTO,
+        None => old,
+    };
+    match (named, args.alignment_budget) {
+        (Alignment::Auto { .. }, Some(budget)) => Ok(Alignment::Auto { budget }),
+        (_, Some(_)) => Err(Failure::usage("--alignment-budget needs --alignment auto")),
+        (_, None) => Ok(named),
+    }
 }
 
 fn reconstruction(args: &FootprintArgs, old: Reconstruction) -> Result<Reconstruction, Failure> {

@@ -30,7 +30,7 @@ pub struct Ray {
     pub along: [f32; 2],
     /// Its direction, whitened.
     pub towards: [f32; 3],
-    /// `c x towards`, 0 where the ray there passes the centre.
+    /// `c x towards`: what the origin's rounding is off the centre.
     pub moment: [f32; 3],
     /// Rays' x and y per pixel at depth 1.
     pub per_pixel: f32,
@@ -136,6 +136,7 @@ impl Ray {
             whitening: [a * shrink, b * shrink, c * shrink, d * shrink, e * shrink, f],
             centre: towards.map(|v| v * depth),
             towards,
+            moment: [0.0; 3],
             ..*self
         }
     }

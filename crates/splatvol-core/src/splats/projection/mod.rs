@@ -124,6 +124,11 @@ impl<'a> Projection<'a> {
         Self { stretch, ..self }
     }
 
+    /// The chunks of the cloud.
+    pub fn chunks(&self) -> &[super::Chunk] {
+        &self.cloud.chunks
+    }
+
     /// How far kernels reach in depth at most, world length.
     pub fn depth_reach(&self) -> f32 {
         (self.cut * self.reach) as f32

@@ -106,23 +106,21 @@ impl Projection<'_> {
         let whitening = Whitening::new(covariance);
         let centre = whitening.apply(u);
         // What lies beside the eye has no projection.
-        let projected = u.z > self.near;
-        let along = if projected {
-            u.truncate() / u.z
+        let origin = if u.z > self.near {
+            u.truncate() / u.z * self.scale + self.principal
         } else {
-            DVec2::ZERO
+            self.principal
         };
+        // The ray through what the origin is rounded to.
+        let origin = origin.as_vec2();
+        let along = (origin.as_dvec2() - self.principal) / self.scale;
         let towards = whitening.apply(along.extend(1.0));
-        let moment = if projected {
-            DVec3::ZERO
-        } else {
-            centre.cross(towards)
-        };
+        let moment = centre.cross(towards);
         Whitened {
             warp: Ray {
                 whitening: whitening.0.map(|v| v as f32),
                 centre: centre.as_vec3().to_array(),
-                origin: (along * self.scale + self.principal).as_vec2().to_array(),
+                origin: origin.to_array(),
                 along: along.as_vec2().to_array(),
                 towards: towards.as_vec3().to_array(),
                 moment: moment.as_vec3().to_array(),

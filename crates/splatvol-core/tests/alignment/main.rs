@@ -1,0 +1,8 @@
+//! Alignments: footprints against the line integrals they stand for (mueller1998 section 4, design sections 5 and 6), all computed
+//! again here in 64 bits by quadrature.
+
+mod bounds;
+mod errors;
+mod figures;
+mod model;
+mod rows;
