@@ -26,7 +26,7 @@ mod sweep;
 pub use cloud::{Chunk, KernelShape, SplatCloud};
 pub use extract::{Extract, classified, data};
 pub use footprint::{Footprint, Sample, Warp};
-pub use moving::{Moving, Passage, Path};
+pub use moving::{Moving, Passage, Path, whitening};
 pub use profile::{GaussianProfile, Profile};
 pub use projection::{AlignmentErrors, Bounds, Projection, View};
 pub use ray::{Ray, Trapezoid};

@@ -5,9 +5,10 @@
 //! it. So at the time t its distance from the centre is `r^2 = v^2 + (u - t L)^2`, whatever the conic of the footprint
 //! and its low-pass. For an affine footprint of conic Q whose centre moves by D pixels, at the offset d,
 //!
-//! `L^2 = D^T Q D`, `u = d^T Q D / L`, `v^2 = d^T Q d - u^2`;
+//! `L^2 = D^T Q D`, `u = d^T Q D / L`, `v^2 = |Q| (d x D)^2 / L^2`;
 //!
-//! for a true ray w (unit, whitened) past a centre c that moves by m, all across w, `L = |m|`, `u = -c m / L`, `v^2 = c^2 - u^2`.
+//! for a true ray w (unit, whitened) past a centre c that moves by m, `L = |m - (m w) w|`, `u = -(c m - (c w)(m w)) / L`,
+//! `v = (c x m) w / L`.
 //!
 //! * *exact*: the mean of the profile over the shutter, [`super::Profile::mean_along`]; of a Gaussian it is
 //!   `sqrt(2 pi) / 2L exp(-v^2 / 2) [erf((u + L/2) / sqrt 2) - erf((u - L/2) / sqrt 2)]`;
@@ -19,7 +20,8 @@
 //! Sections need to know where along the ray the kernel is while the pixel sees it: of the times `t = (u - x) / L`, x is
 //! normal within `u -+ L/2`, so the depth has the mean and the variance of that, times the rate at which it changes.
 
-use super::footprint::{Ray, Sample};
+use super::footprint::Sample;
+use super::ray::Ray;
 
 /// A kernel in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,11 +37,11 @@ pub struct Moving {
 pub enum Path {
     /// Of an affine footprint.
     Affine {
-        /// Conic Q: xx, xy, yy, per pixel squared.
-        conic: [f32; 3],
+        /// From pixels to standard deviations, rows of the upper triangle: 00, 01, 11.
+        whitening: [f32; 3],
         /// Depth of the ray's nearest point per pixel of offset.
         slope: [f32; 2],
-        /// Displacement of the centre, pixels.
+        /// Displacement of the centre, whitened.
         displacement: [f32; 2],
         /// Change of the depth of the ray's nearest point.
         depth_change: f32,
@@ -79,18 +81,14 @@ impl Moving {
     pub fn passage(&self, pixel: [f32; 2], [dx, dy]: [f32; 2], depth: [f32; 2]) -> Passage {
         match self.path {
             Path::Affine {
-                conic: [xx, xy, yy],
+                whitening: [a, b, c],
                 slope,
                 displacement: [mx, my],
                 depth_change,
             } => {
-                let (qx, qy) = (xx * mx + xy * my, xy * mx + yy * my);
+                let (x, y) = (a * dx + b * dy, c * dy);
                 Passage::new(
-                    [
-                        xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy,
-                        qx * dx + qy * dy,
-                        qx * mx + qy * my,
-                    ],
+                    [x * x + y * y, x * mx + y * my, x * my - y * mx, mx * mx + my * my],
                     1.0,
                     [depth[0] + slope[0] * dx + slope[1] * dy, depth_change],
                     depth[1],
@@ -109,8 +107,13 @@ impl Moving {
                 let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
                 let rate = dot(m, w);
                 let across: [f32; 3] = std::array::from_fn(|i| m[i] - rate * w[i]);
+                let cross = [
+                    c[1] * m[2] - c[2] * m[1],
+                    c[2] * m[0] - c[0] * m[2],
+                    c[0] * m[1] - c[1] * m[0],
+                ];
                 Passage::new(
-                    [squared, -dot(c, across), dot(across, across)],
+                    [squared, -dot(c, across), dot(cross, w), dot(across, across)],
                     gain,
                     [depth, rate * depth_sigma],
                     depth_sigma,
@@ -120,20 +123,30 @@ impl Moving {
     }
 }
 
+/// Rows of the upper triangle U with `U^T U` a conic xx, xy, yy.
+#[inline(always)]
+pub fn whitening([xx, xy, yy]: [f32; 3]) -> [f32; 3] {
+    let [wide, mixed, tall] = [xx, xy, yy].map(f64::from);
+    let first = wide.sqrt();
+    let shear = mixed / first;
+    // In f64: of long and thin footprints little is left.
+    [first, shear, (tall - shear * shear).max(0.0).sqrt()].map(|v| v as f32)
+}
+
 impl Passage {
-    /// From `d d`, `d m` and `m m` of an offset d and a displacement m, whitened and across the ray.
+    /// From `d d`, `d m`, `d x m` and `m m` of an offset d and a displacement m, whitened and across the ray.
     #[inline(always)]
-    fn new([squared, dot, moved]: [f32; 3], gain: f32, depth: [f32; 2], depth_sigma: f32) -> Self {
-        let (length, along) = if moved > STILL * STILL {
+    fn new([squared, dot, cross, moved]: [f32; 4], gain: f32, depth: [f32; 2], depth_sigma: f32) -> Self {
+        let (length, along, across_squared) = if moved > STILL * STILL {
             let length = moved.sqrt();
-            (length, dot / length)
+            (length, dot / length, cross * cross / moved)
         } else {
-            (0.0, 0.0)
+            (0.0, 0.0, squared)
         };
         Self {
             length,
             along,
-            across_squared: (squared - along * along).max(0.0),
+            across_squared,
             gain,
             depth,
             depth_sigma,

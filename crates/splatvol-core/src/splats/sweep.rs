@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use super::cloud::{Chunk, SplatCloud};
 use super::footprint::{Footprint, Warp};
-use super::moving::{Moving, Path};
+use super::moving::{Moving, Path, whitening};
 use super::projection::View;
+use super::ray::Trapezoid;
 
 /// How the splats of a cloud move in camera space.
 #[derive(Debug, Clone)]
@@ -106,13 +107,16 @@ impl Sweep {
     pub(super) fn blur(&self, still: Footprint, displacement: Vec3, (scale, ray): (f32, Vec2)) -> Footprint {
         let moved = (displacement.truncate() - ray * displacement.z) * scale;
         let path = match still.warp {
-            Warp::Affine { conic, slope } => Path::Affine {
-                conic,
-                slope,
-                displacement: moved.to_array(),
-                depth_change: displacement.z - slope[0] * moved.x - slope[1] * moved.y,
-            },
-            Warp::Ray(ray) => Path::Ray {
+            Warp::Affine { conic, slope } => {
+                let [a, b, c] = whitening(conic);
+                Path::Affine {
+                    whitening: [a, b, c],
+                    slope,
+                    displacement: [a * moved.x + b * moved.y, c * moved.y],
+                    depth_change: displacement.z - slope[0] * moved.x - slope[1] * moved.y,
+                }
+            }
+            Warp::Ray(ray) | Warp::Perpendicular(ray) | Warp::Trapezoid(Trapezoid { ray, .. }) => Path::Ray {
                 ray,
                 displacement: ray.whitened(displacement.to_array()),
             },
