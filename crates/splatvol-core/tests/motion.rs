@@ -62,6 +62,7 @@ fn affine_footprints_are_the_mean_of_the_moving_gaussian() {
             opacity: 1.0,
             depth: 5.0,
             depth_sigma: 1.0,
+            clip: f32::NEG_INFINITY,
             warp: Warp::Moving(Moving {
                 path: Path::Affine {
                     whitening: [a, b, c],
@@ -189,6 +190,7 @@ fn energies_are_as_stated() {
                 opacity: 1.0,
                 depth: 1.0,
                 depth_sigma: 1.0,
+                clip: f32::NEG_INFINITY,
                 warp: Warp::Moving(Moving {
                     path: Path::Affine {
                         whitening: [1.0, 0.0, 1.0],

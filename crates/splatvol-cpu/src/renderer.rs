@@ -10,7 +10,9 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{Camera, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError, Volume};
+use splatvol_scene::{
+    Camera, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError, Volume,
+};
 
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};

@@ -59,7 +59,11 @@ impl<'a, P: Profile> Plan<'a, P> {
         };
         let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile)
             .with_stretch(settings.stretch);
-        if let Some(motion) = scene.motion.as_ref().filter(|_| settings.motion_blur.moves_footprints()) {
+        if let Some(motion) = scene
+            .motion
+            .as_ref()
+            .filter(|_| settings.motion_blur.moves_footprints())
+        {
             let capsule = settings.motion_blur == MotionBlur::Capsule;
             projection = projection.moving(motion, scene.volume.grid().dims(), &view, capsule);
         }

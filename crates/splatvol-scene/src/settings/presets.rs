@@ -1,8 +1,8 @@
 //! Whole settings by name.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, MotionBlur, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, Stretch,
+    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, MotionBlur, Occlusion,
+    Rasterizer, Reconstruction, RenderSettings, Stretch,
 };
 use crate::{ImageSize, Lighting};
 

@@ -4,7 +4,9 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Alignment, Classification, Compositing, Kernel, MotionBlur, RenderSettings, SheetContent, Stretch};
+use super::{
+    Alignment, Classification, Compositing, Kernel, MotionBlur, RenderSettings, SheetContent, Stretch,
+};
 use crate::SceneError;
 
 const NO_PREFILTER: &str =
