@@ -8,7 +8,7 @@ use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
-use splatvol_scene::{Camera, Compositing, Occlusion, RenderSettings, Scene};
+use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings, Scene};
 
 use super::cloud::splats_data;
 use super::light::SplatLight;
