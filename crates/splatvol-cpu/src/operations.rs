@@ -16,7 +16,7 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Scen
     } else {
         "a clip"
     };
-    if crate::footprints::is_needed(settings) {
+    if crate::footprints::is_needed(settings) || crate::footprints::blurs(scene, settings) {
         return refuse(
             what,
             "whole footprints and sections of them are drawn without it, use image sheets and the usual filters",

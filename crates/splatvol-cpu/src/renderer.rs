@@ -10,7 +10,9 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{Camera, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume};
+use splatvol_scene::{
+    Camera, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError, Volume,
+};
 
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
@@ -312,6 +314,13 @@ impl Renderer {
     ) -> Result<(), SceneError> {
         settings.validate()?;
         operations::check(scene, settings)?;
+        if let Some(motion) = &scene.motion {
+            motion.validate(&scene.volume)?;
+            if let MotionBlur::Subframes { count } = settings.motion_blur {
+                let cameras = motion.cameras(camera, count)?;
+                return self.render_mean(scene, &cameras, settings, frame, progress);
+            }
+        }
         if frame.image.size() != settings.size {
             *frame = Frame::empty(settings.size);
         }
@@ -321,7 +330,7 @@ impl Renderer {
             tile_edge: self.tile_edge,
             progress,
         };
-        if footprints::is_needed(settings) {
+        if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
             self.statistics = self.footprints.render(run, scene, (camera, settings), frame);
         } else if splats_at_once(scene, settings)
             && let Some(statistics) = self.data.render(run, scene, (camera, settings), frame)
@@ -334,7 +343,32 @@ impl Renderer {
         Ok(())
     }
 
-    /// Times and counts of the last frame.
+    /// The mean of the pictures of a scene at rest, from several cameras: what a shutter sees while it is open.
+    fn render_mean(
+        &mut self,
+        scene: &Scene,
+        cameras: &[Camera],
+        settings: &RenderSettings,
+        frame: &mut Frame,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<(), SceneError> {
+        let settings = RenderSettings {
+            motion_blur: MotionBlur::None,
+            ..*settings
+        };
+        let mut exposure = Exposure::new(settings.size);
+        let mut total = StageSeconds::default();
+        for (index, camera) in cameras.iter().enumerate() {
+            let share = |done: f64| progress((index as f64 + done) / cameras.len() as f64);
+            self.render_into_with_progress(scene, camera, &settings, frame, &share)?;
+            exposure.add(frame)?;
+            total = total.plus(&self.statistics.seconds);
+        }
+        self.statistics.seconds = total;
+        exposure.take(frame)
+    }
+
+    /// Times and counts of the last frame; of the mean of several, all their times, and the counts of the last of them.
     pub fn statistics(&self) -> &RenderStatistics {
         &self.statistics
     }

@@ -25,6 +25,23 @@ pub struct StageSeconds {
     pub total: f64,
 }
 
+impl StageSeconds {
+    /// Stage by stage, both.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self {
+            prefilter: self.prefilter + other.prefilter,
+            classify: self.classify + other.classify,
+            bin: self.bin + other.bin,
+            activate: self.activate + other.activate,
+            splat: self.splat + other.splat,
+            take: self.take + other.take,
+            shade: self.shade + other.shade,
+            tiles: self.tiles + other.tiles,
+            total: self.total + other.total,
+        }
+    }
+}
+
 /// Times and counts of the last frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct RenderStatistics {

@@ -10,6 +10,7 @@
 //! | [`transfer_function`] | piecewise colour and opacity per unit distance; named maps; automatic choice |
 //! | [`lighting`] | the Phong model that engines and reference share |
 //! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
+//! | [`motion`] | what moves while the shutter is open |
 //! | [`scene`] | volume + transfer function |
 //! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
 //! | [`clip`] | what is cut away |
@@ -34,6 +35,7 @@ pub mod exposure;
 pub mod grid;
 pub mod image;
 pub mod lighting;
+pub mod motion;
 pub mod operator;
 pub mod scene;
 pub mod settings;
@@ -48,14 +50,15 @@ pub use exposure::Exposure;
 pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
+pub use motion::Motion;
 pub use operator::{
     Appearance, BumpMap, EnvironmentMap, GradientOpacity, GradientOpacityPoint, PixelOperator, Region,
     SheetSample, SolidTexture, Stuff, TransferFunction2d,
 };
 pub use scene::{Isosurface, Scene};
 pub use settings::{
-    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent, Stretch,
+    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, MotionBlur, Occlusion,
+    Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

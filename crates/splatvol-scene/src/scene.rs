@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::operator::PixelOperator;
-use crate::{Clip, SceneError, TransferFunction, Volume};
+use crate::{Clip, Motion, SceneError, TransferFunction, Volume};
 
 /// A volume and how its values look.
 #[derive(Debug, Clone)]
@@ -18,6 +18,8 @@ pub struct Scene {
     pub clips: Vec<Clip>,
     /// Surfaces to show instead of material, where there are any: see [`Scene::of_isosurfaces`].
     pub isosurfaces: Vec<Isosurface>,
+    /// What moves while the shutter is open.
+    pub motion: Option<Motion>,
 }
 
 /// The surface of one value, infinitely thin.
@@ -40,6 +42,7 @@ impl Scene {
             operators: Vec::new(),
             clips: Vec::new(),
             isosurfaces: Vec::new(),
+            motion: None,
         }
     }
 

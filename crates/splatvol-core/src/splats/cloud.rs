@@ -65,6 +65,21 @@ pub struct Chunk {
     pub high: [f32; 3],
 }
 
+impl Chunk {
+    /// Corners of the box of the centres, local.
+    pub fn corners(&self) -> [[f32; 3]; 8] {
+        std::array::from_fn(|corner| {
+            std::array::from_fn(|axis| {
+                if corner >> axis & 1 == 0 {
+                    self.low[axis]
+                } else {
+                    self.high[axis]
+                }
+            })
+        })
+    }
+}
+
 impl SplatCloud {
     /// Number of splats.
     pub fn len(&self) -> usize {

@@ -3,6 +3,7 @@
 //! A pixel gets `weight gain profile(r^2)`, world length: the line integral along the pixel's ray of a kernel whose
 //! integral over space is its cell. What the methods of alignment differ in is the map from pixels to `r^2`, the [`Warp`].
 
+use super::moving::{Moving, Passage};
 use super::profile::Profile;
 use super::ray::{Ray, Trapezoid};
 
@@ -56,6 +57,8 @@ pub enum Warp {
     Perpendicular(Ray),
     /// The true distance, from a kernel that is wider the deeper it is.
     Trapezoid(Trapezoid),
+    /// Past a kernel in motion: see [`Moving`].
+    Moving(Moving),
 }
 
 impl Footprint {
@@ -77,7 +80,25 @@ impl Footprint {
             Warp::Ray(ray) => ray.at([px, py]),
             Warp::Perpendicular(ray) => ray.at_plane([px, py], self.clip),
             Warp::Trapezoid(trapezoid) => trapezoid.at([px, py]),
+            // The nearest that the kernel comes: what there is of it lies within.
+            Warp::Moving(moving) => {
+                let passage = self.passage(&moving, [px, py]);
+                let [depth, depth_sigma] = passage.depth();
+                Sample {
+                    squared: passage.nearest_squared(),
+                    gain: passage.gain,
+                    depth,
+                    depth_sigma,
+                }
+            }
         }
+    }
+
+    /// How the ray through a point of the picture (pixels) sees this footprint's kernel pass.
+    #[inline(always)]
+    pub fn passage(&self, moving: &Moving, [px, py]: [f32; 2]) -> Passage {
+        let offset = [px - self.centre[0], py - self.centre[1]];
+        moving.passage([px, py], offset, [self.depth, self.depth_sigma])
     }
 
     /// The line integral along the ray through a point of the picture (pixels), world length; of what lies between two camera

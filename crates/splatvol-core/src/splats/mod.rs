@@ -11,18 +11,22 @@
 //! | `profile` | the radial profile of a footprint, whole and between depths |
 //! | `footprint` | the footprint: from pixel to radius |
 //! | `ray` | footprints of kernels that are whitened, for rays that diverge |
+//! | `moving`, `sweep` | footprints of what moves while the shutter is open |
 //! | `projection` | alignment, low-pass, scaling: from splat to footprint |
 
 mod cloud;
 mod extract;
 mod footprint;
+mod moving;
 mod profile;
 mod projection;
 mod ray;
+mod sweep;
 
 pub use cloud::{Chunk, KernelShape, SplatCloud};
 pub use extract::{Extract, classified, data};
 pub use footprint::{Footprint, Sample, Warp};
+pub use moving::{Moving, Passage, Path, whitening};
 pub use profile::{GaussianProfile, Profile};
 pub use projection::{AlignmentErrors, Bounds, Projection, View};
 pub use ray::{Ray, Trapezoid};

@@ -21,6 +21,46 @@ pub trait Profile: Sync {
     /// The part of it between two depths, standard deviations.
     fn between(&self, squared: f32, near: f32, far: f32) -> f32;
 
+    /// Mean of `whole(across^2 + x^2)` over x within half of `length` on either side of `along`: a footprint that passes by.
+    /// Gauss-Legendre quadrature, unless the profile knows better.
+    #[inline(always)]
+    fn mean_along(&self, across_squared: f32, along: f32, length: f32) -> f32 {
+        let Some([from, to]) = chord(self.cut(), across_squared, [along, length]) else {
+            return 0.0;
+        };
+        let middle = 0.5 * (from + to);
+        let halves = [[from, middle], [middle, to]];
+        let sum: f32 = halves
+            .into_iter()
+            .map(|part| {
+                let (centre, half) = (0.5 * (part[0] + part[1]), 0.5 * (part[1] - part[0]));
+                GAUSS_LEGENDRE.iter().fold(0.0, |sum, &[node, weight]| {
+                    let [left, right] = [centre - half * node, centre + half * node];
+                    let ends =
+                        self.whole(across_squared + left * left) + self.whole(across_squared + right * right);
+                    sum + weight * half * ends
+                })
+            })
+            .sum();
+        // Of so short a way, rounding would leave little.
+        if length > SHORT {
+            sum / length
+        } else {
+            sum / (to - from).max(1e-20)
+        }
+    }
+
+    /// That part as a share of the whole.
+    #[inline(always)]
+    fn share(&self, squared: f32, near: f32, far: f32) -> f32 {
+        let whole = self.whole(squared);
+        if whole > 0.0 {
+            self.between(squared, near, far) / whole
+        } else {
+            0.0
+        }
+    }
+
     /// Whether parts between depths have the same share at every distance.
     fn is_separable(&self) -> bool;
 
@@ -33,6 +73,28 @@ pub trait Profile: Sync {
     }
 }
 
+/// Nodes and weights on (0, 1) of the rule of eight points on (-1, 1).
+const GAUSS_LEGENDRE: [[f32; 2]; 4] = [
+    [0.183_434_65, 0.362_683_8],
+    [0.525_532_4, 0.313_706_65],
+    [0.796_666_5, 0.222_381_03],
+    [0.960_289_9, 0.101_228_54],
+];
+
+/// Ways along which a profile hardly changes, standard deviations.
+const SHORT: f32 = 1e-2;
+
+/// The part within the cut of a way past the centre.
+#[inline(always)]
+fn chord(cut: f32, across_squared: f32, [along, length]: [f32; 2]) -> Option<[f32; 2]> {
+    let half = (cut * cut - across_squared).max(0.0).sqrt();
+    let (from, to) = (
+        (along - 0.5 * length).max(-half),
+        (along + 0.5 * length).min(half),
+    );
+    (from <= to && half > 0.0).then_some([from, to])
+}
+
 /// A Gaussian less its value at the cut, so that it ends without a step, with all its mass. Between depths it is the normal
 /// distribution within the cut.
 #[derive(Debug, Clone)]
@@ -42,6 +104,8 @@ pub struct GaussianProfile {
     /// What is subtracted, and what then makes the centre 1.
     edge: f32,
     scale: f32,
+    /// Integral over a line through the centre, of what is cut of `exp(-r^2 / 2)`.
+    line: f32,
     cumulative: Vec<f32>,
 }
 
@@ -65,6 +129,7 @@ impl GaussianProfile {
             peak: ((1.0 - edge) / integral) as f32,
             edge: edge as f32,
             scale: (1.0 / (1.0 - edge)) as f32,
+            line: ((2.0 * std::f64::consts::PI).sqrt() * inside) as f32,
             cumulative: (0..=cells + 1).map(node).collect(),
         }
     }
@@ -99,6 +164,32 @@ impl Profile for GaussianProfile {
     #[inline(always)]
     fn between(&self, squared: f32, near: f32, far: f32) -> f32 {
         self.whole(squared) * (self.below(far) - self.below(near))
+    }
+
+    #[inline(always)]
+    fn share(&self, _squared: f32, near: f32, far: f32) -> f32 {
+        self.below(far) - self.below(near)
+    }
+
+    /// In closed form (`splats::moving`), less the edge.
+    #[inline(always)]
+    fn mean_along(&self, across_squared: f32, along: f32, length: f32) -> f32 {
+        let Some([from, to]) = chord(self.cut, across_squared, [along, length]) else {
+            return 0.0;
+        };
+        if length < SHORT {
+            return self.whole(across_squared + along * along);
+        }
+        let across = (-0.5 * across_squared).exp();
+        let passed = if length < 0.5 {
+            // Differences of the distribution would be as small as its table's errors. Three points of Gauss.
+            let (middle, step) = (0.5 * (from + to), 0.387_298_33 * (to - from));
+            let at = |x: f32| (-0.5 * x * x).exp();
+            (to - from) / 18.0 * (8.0 * at(middle) + 5.0 * (at(middle - step) + at(middle + step)))
+        } else {
+            self.line * (self.below(to) - self.below(from))
+        };
+        ((across * passed - self.edge * (to - from)) * self.scale).max(0.0) / length
     }
 
     #[inline(always)]

@@ -69,6 +69,19 @@ fn dot(a: Vector, b: Vector) -> f32 {
 }
 
 impl Ray {
+    /// The pixel's direction of unit depth, whitened.
+    #[inline(always)]
+    pub(super) fn direction(&self, pixel: [f32; 2]) -> Vector {
+        self.through(pixel).1
+    }
+
+    /// A vector of camera space, whitened.
+    #[inline(always)]
+    pub(super) fn whitened(&self, [x, y, z]: Vector) -> Vector {
+        let [a, b, c, d, e, f] = self.whitening;
+        [a * x, b * x + c * y, d * x + e * y + f * z]
+    }
+
     /// The ray's x and y per depth, `w`, and `|c x w|^2`.
     #[inline(always)]
     fn through(&self, [px, py]: [f32; 2]) -> ([f32; 2], Vector, f32) {

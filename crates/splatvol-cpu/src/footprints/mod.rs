@@ -58,6 +58,11 @@ pub(crate) fn is_needed(settings: &RenderSettings) -> bool {
             && settings.sheet == Some(SheetContent::Section))
 }
 
+/// Whether footprints are blurred by motion.
+pub(crate) fn blurs(scene: &Scene, settings: &RenderSettings) -> bool {
+    scene.motion.is_some() && settings.motion_blur.moves_footprints()
+}
+
 /// Keeps the cloud between frames.
 #[derive(Debug, Default)]
 pub(crate) struct FootprintEngine {

@@ -8,7 +8,7 @@ use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
-use splatvol_scene::{Camera, Compositing, Occlusion, RenderSettings, Scene};
+use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings, Scene};
 
 use super::cloud::splats_data;
 use super::light::SplatLight;
@@ -57,8 +57,16 @@ impl<'a, P: Profile> Plan<'a, P> {
             size: settings.size,
             near: 0.5 * settings.sheet_thickness * cloud.spacing,
         };
-        let projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile)
+        let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile)
             .with_stretch(settings.stretch);
+        if let Some(motion) = scene
+            .motion
+            .as_ref()
+            .filter(|_| settings.motion_blur.moves_footprints())
+        {
+            let capsule = settings.motion_blur == MotionBlur::Capsule;
+            projection = projection.moving(motion, scene.volume.grid().dims(), &view, capsule);
+        }
         let reach = projection.depth_reach();
         let corners = corners(cloud)
             .map(|local| camera_from_world.transform_point3(cloud.world_from_local.transform_point3(local)));

@@ -1,7 +1,7 @@
 //! Rasterise: a footprint's pixels, row by row.
 
 use splatvol_core::bin::TileRect;
-use splatvol_core::splats::{Footprint, Profile, Warp};
+use splatvol_core::splats::{Footprint, Moving, Profile, Warp};
 
 /// Takes rows of weights (world length).
 pub(crate) trait Target {
@@ -80,6 +80,9 @@ impl<P: Profile> Brush<'_, P> {
                         *weight *= scale;
                     }
                 }
+                (Warp::Moving(moving), _) => {
+                    self.moving_row((footprint, &moving), section, [left, py], weights);
+                }
                 _ => self.general_row(footprint, section, [left, py], weights),
             }
             target.row((x0, y), weights);
@@ -103,6 +106,42 @@ impl<P: Profile> Brush<'_, P> {
         }
         let t = |depth: f32| (depth - footprint.depth) / sigma;
         Some(self.profile.between(0.0, t(near), t(far)))
+    }
+
+    #[inline(always)]
+    fn moving_row(
+        &self,
+        (footprint, moving): (&Footprint, &Moving),
+        section: Option<Section>,
+        [left, py]: [f32; 2],
+        weights: &mut [f32],
+    ) {
+        let cut = self.profile.cut();
+        for (i, weight) in weights.iter_mut().enumerate() {
+            let passage = footprint.passage(moving, [left + i as f32, py]);
+            let nearest = passage.nearest_squared();
+            *weight = 0.0;
+            if nearest >= cut * cut {
+                continue;
+            }
+            let value = if moving.capsule {
+                let radius = std::f32::consts::PI * cut;
+                self.profile.whole(nearest) * radius / (radius + 2.0 * passage.length)
+            } else {
+                self.profile
+                    .mean_along(passage.across_squared, passage.along, passage.length)
+            };
+            let share = match footprint.section(section) {
+                None => 1.0,
+                Some([near, far]) => {
+                    let [depth, depth_sigma] = passage.depth();
+                    let inverse = 1.0 / depth_sigma.max(1e-20);
+                    self.profile
+                        .share(nearest, (near - depth) * inverse, (far - depth) * inverse)
+                }
+            };
+            *weight = footprint.weight * passage.gain * value * share;
+        }
     }
 
     #[inline(always)]

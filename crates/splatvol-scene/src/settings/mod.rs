@@ -5,6 +5,7 @@ mod compositing;
 mod filter;
 mod footprint;
 mod kernel;
+mod motion_blur;
 mod presets;
 mod stretch;
 mod validate;
@@ -13,6 +14,7 @@ pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetCo
 pub use filter::Filter;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
 pub use kernel::Kernel;
+pub use motion_blur::MotionBlur;
 pub use stretch::Stretch;
 
 use serde::{Deserialize, Serialize};
@@ -48,6 +50,8 @@ pub struct RenderSettings {
     pub occlusion: Occlusion,
     /// What the kernels stand for.
     pub reconstruction: Reconstruction,
+    /// How motion is blurred.
+    pub motion_blur: MotionBlur,
     /// Where the gradient that lights a sheet comes from (post-classification).
     #[serde(default)]
     pub gradient: Gradient,

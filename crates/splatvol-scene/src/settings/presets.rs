@@ -1,8 +1,8 @@
 //! Whole settings by name.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, Stretch,
+    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, MotionBlur, Occlusion,
+    Rasterizer, Reconstruction, RenderSettings, Stretch,
 };
 use crate::{ImageSize, Lighting};
 
@@ -30,6 +30,7 @@ impl RenderSettings {
             rasterizer: Rasterizer::default(),
             occlusion: Occlusion::default(),
             reconstruction: Reconstruction::default(),
+            motion_blur: MotionBlur::default(),
             gradient: Gradient::Analytic,
             kernel: Kernel::default(),
             prefilter: true,

@@ -4,7 +4,9 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Alignment, Classification, Compositing, Kernel, RenderSettings, SheetContent};
+use super::{
+    Alignment, Classification, Compositing, Kernel, MotionBlur, RenderSettings, SheetContent, Stretch,
+};
 use crate::SceneError;
 
 const NO_PREFILTER: &str =
@@ -72,6 +74,10 @@ impl RenderSettings {
         }
         self.combinations()?;
         self.stretching()?;
+        if let MotionBlur::Subframes { count } = self.motion_blur {
+            check("sub-frames", f64::from(count), 1.0..=4096.0, "1 to 4096")?;
+        }
+        self.moving()?;
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
         self.kernel.validate()?;
         self.kernel_suits_method()?;
@@ -101,6 +107,32 @@ impl RenderSettings {
         }
         Ok(())
     }
+    /// Refuses motion blur of footprints where their sums are not light, or where they have no closed form.
+    fn moving(&self) -> Result<(), SceneError> {
+        let reason = match self.compositing {
+            _ if !self.motion_blur.moves_footprints() => return Ok(()),
+            shown if shown.shows_one_value() => {
+                "subframes: the value that is shown of a ray is no sum of footprints that could be blurred one by one"
+            }
+            Compositing::Xray => "",
+            _ if self.classification == Classification::Post => {
+                "subframes, or classification before splatting (pre): data that are blurred before they are classified \
+                 take colours that nothing in the scene has"
+            }
+            _ => "",
+        };
+        let reason = match reason {
+            "" if self.alignment == Alignment::Ray || self.stretch == Stretch::Trapezoid => {
+                "subframes: footprints across the ray through the centre, and trapezoids, have no closed form in motion"
+            }
+            reason => reason,
+        };
+        if reason.is_empty() {
+            return Ok(());
+        }
+        Err(SceneError::invalid("motion blur", self.motion_blur, reason))
+    }
+
     /// Whether the kernel and the method can be used together.
     fn kernel_suits_method(&self) -> Result<(), SceneError> {
         let gaussian = self.kernel.gaussian();

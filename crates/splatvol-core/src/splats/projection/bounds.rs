@@ -22,7 +22,14 @@ const ROUNDING: f64 = 0.01;
 impl Projection<'_> {
     /// Where a chunk's footprints can lie; `None` behind the camera.
     pub fn bounds(&self, chunk: &Chunk) -> Option<Bounds> {
-        let [low, high] = self.corners(chunk);
+        let [centres_low, centres_high] = self.corners(chunk);
+        let (mut low, mut high) = (centres_low, centres_high);
+        if let Some(sweep) = &self.sweep {
+            // On either side of where they are in the shutter's middle.
+            let (least, most) = sweep.extremes(self.cloud, chunk);
+            let half = 0.5 * (-least).max(most).max(Vec3::ZERO).as_dvec3();
+            (low, high) = (low - half, high + half);
+        }
         let areas = match self.alignment {
             _ if !self.perspective => [self.projected(low, high), None],
             Alignment::Sheet | Alignment::Affine | Alignment::Grid => [self.projected(low, high), None],
@@ -38,7 +45,7 @@ impl Projection<'_> {
         let (first, last) = ((first - rounding).as_vec2(), (last + rounding).as_vec2());
         Some(Bounds {
             rect: [first.x, first.y, last.x, last.y],
-            depth: [(low.z - reach) as f32, (high.z + reach) as f32],
+            depth: [(centres_low.z - reach) as f32, (centres_high.z + reach) as f32],
         })
     }
 

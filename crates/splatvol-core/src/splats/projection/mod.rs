@@ -19,6 +19,7 @@ mod bounds;
 mod errors;
 mod low_pass;
 mod matrix;
+mod moved;
 mod rays;
 
 pub use bounds::Bounds;
@@ -33,6 +34,7 @@ use self::matrix::{Covariance, add_square, determinant, seen_along, singular_val
 use super::cloud::{KernelShape, SplatCloud};
 use super::footprint::{Footprint, Warp};
 use super::profile::Profile;
+use super::sweep::Sweep;
 
 /// A camera with its picture.
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +78,8 @@ pub struct Projection<'a> {
     anisotropy: f64,
     /// Rays' largest x and y per depth, with some more: the Jacobian of what lies farther outside is taken there.
     widest: DVec2,
+    /// Motion while the shutter is open.
+    sweep: Option<Sweep>,
 }
 
 impl<'a> Projection<'a> {
@@ -115,6 +119,7 @@ impl<'a> Projection<'a> {
             reach: most * sigma,
             anisotropy: most / least,
             widest: corner * 1.3,
+            sweep: None,
         }
     }
 
@@ -129,9 +134,10 @@ impl<'a> Projection<'a> {
         &self.cloud.chunks
     }
 
-    /// How far kernels reach in depth at most, world length.
+    /// How far kernels reach in depth at most, world length, while the shutter is open.
     pub fn depth_reach(&self) -> f32 {
-        (self.cut * self.reach) as f32
+        let change = self.sweep.as_ref().map_or(0.0, |sweep| sweep.depth_change);
+        (self.cut * self.reach) as f32 + 0.5 * change
     }
 
     /// Centre of a splat, camera space.
@@ -146,6 +152,16 @@ impl<'a> Projection<'a> {
     pub fn project(&self, splat: usize) -> Option<Footprint> {
         let u = self.centre(splat).as_dvec3();
         let covariance = self.covariance(splat);
+        let still = self.still(u, covariance)?;
+        match &self.sweep {
+            None => Some(still),
+            Some(sweep) => self.moved(sweep, splat, (still, u, covariance)),
+        }
+    }
+
+    /// The footprint of a splat at rest.
+    #[inline(always)]
+    fn still(&self, u: DVec3, covariance: Covariance) -> Option<Footprint> {
         if !self.perspective {
             return Some(self.affine(u, covariance));
         }

@@ -1,0 +1,30 @@
+//! How motion is blurred.
+
+use serde::{Deserialize, Serialize};
+
+/// How what moves while the shutter is open ([`crate::Motion`]) is blurred.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MotionBlur {
+    /// Not at all: the picture is that of the shutter's middle.
+    #[default]
+    None,
+    /// Footprints are cut in half, drawn apart along their motion, and dimmed by the silhouette's growth (mueller1998
+    /// section 5, figure 11 and eq. 11): too bright, the more the longer they are.
+    Capsule,
+    /// Footprints are integrated along their motion in closed form. As occlusion is that of the shutter's middle, it is
+    /// right for what is translucent.
+    Exact,
+    /// The mean of pictures taken while the shutter is open: occlusion is right, too, at the cost of all pictures.
+    Subframes {
+        /// Number of pictures.
+        count: u32,
+    },
+}
+
+impl MotionBlur {
+    /// Whether footprints themselves are blurred.
+    pub fn moves_footprints(self) -> bool {
+        matches!(self, Self::Capsule | Self::Exact)
+    }
+}
