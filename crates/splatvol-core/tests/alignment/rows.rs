@@ -93,7 +93,9 @@ impl Splat {
     }
 }
 
-const WAYS: [(Alignment, Stretch, fn(&Splat, DVec3) -> f64); 5] = [
+type Row = fn(&Splat, DVec3) -> f64;
+
+const WAYS: [(Alignment, Stretch, Row); 5] = [
     (Alignment::Exact, Stretch::Trapezoid, Splat::row_1),
     (Alignment::Exact, Stretch::Box, Splat::row_2),
     (Alignment::RayIdeal, Stretch::Box, Splat::row_3),
