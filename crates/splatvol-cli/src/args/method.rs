@@ -84,6 +84,15 @@ pub(crate) enum PresetName {
     Balanced,
     /// In half of that time; steep edges show where sheets lie
     Fast,
+    /// Anti-aliased splats one by one, across their rays
+    #[value(name = "swan1997")]
+    Swan1997,
+    /// The same with alignment by error budget and capsules of motion
+    #[value(name = "mueller1998")]
+    Mueller1998,
+    /// Elliptical Gaussians on slices of the grid, low-passed by a pixel
+    #[value(name = "ewa2001")]
+    Ewa2001,
 }
 
 /// How sheets become a picture.

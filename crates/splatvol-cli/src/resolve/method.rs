@@ -11,7 +11,7 @@ use crate::resolve::kernel;
 /// Side of a picture unless asked otherwise, pixels.
 const SIDE: u32 = 1024;
 
-/// How sheets become a picture: the flag's, the earlier picture's, or the default.
+/// How sheets become a picture: the flag's, that of a paper's preset, the earlier picture's, or the default.
 pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> Compositing {
     match args.compositing {
         Some(CompositingName::ImageSheets) => Compositing::ImageSheets,
@@ -22,7 +22,10 @@ pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> C
         Some(CompositingName::PerSplat) => Compositing::PerSplat,
         Some(CompositingName::PerSplatBackToFront) => Compositing::PerSplatBackToFront,
         Some(CompositingName::AxisSheets) => Compositing::AxisSheets,
-        None => like.map_or_else(Compositing::default, |like| like.compositing),
+        None => match args.preset.and_then(paper).or(like.copied()) {
+            Some(settings) => settings.compositing,
+            None => Compositing::default(),
+        },
     }
 }
 
@@ -74,13 +77,20 @@ pub(crate) fn resolve(
     Ok(settings)
 }
 
-/// The settings of a preset, for a picture that shows the same as with the settings `shown`: a preset says how well,
-/// not what.
+/// The settings of a preset, for a picture that shows the same as with the settings `shown`: a preset says how well, not
+/// what, but for those of the papers, which are whole methods.
 fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
+    if let Some(method) = paper(name) {
+        return RenderSettings {
+            size: shown.size,
+            lighting: shown.lighting,
+            ..method
+        };
+    }
     let quality = match name {
         PresetName::Best => RenderSettings::best(),
         PresetName::Balanced => RenderSettings::balanced(),
-        PresetName::Fast => RenderSettings::fast(),
+        _ => RenderSettings::fast(),
     };
     RenderSettings {
         size: shown.size,
@@ -88,6 +98,16 @@ fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
         classification: shown.classification,
         lighting: shown.lighting,
         ..quality
+    }
+}
+
+/// A paper's method, which says too what is splatted and how it is composited.
+fn paper(name: PresetName) -> Option<RenderSettings> {
+    match name {
+        PresetName::Best | PresetName::Balanced | PresetName::Fast => None,
+        PresetName::Swan1997 => Some(RenderSettings::swan1997()),
+        PresetName::Mueller1998 => Some(RenderSettings::mueller1998()),
+        PresetName::Ewa2001 => Some(RenderSettings::ewa2001()),
     }
 }
 

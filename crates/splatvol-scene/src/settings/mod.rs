@@ -6,6 +6,7 @@ mod filter;
 mod footprint;
 mod kernel;
 mod motion_blur;
+mod papers;
 mod presets;
 mod stretch;
 mod validate;
