@@ -14,6 +14,7 @@ use crate::{Camera, CameraKey, CameraPath, SceneError, Volume};
 
 /// What moves while the shutter is open, world space.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene has one")]
 pub enum Motion {
     /// The volume moves by this.
     Linear(DVec3),
