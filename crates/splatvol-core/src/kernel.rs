@@ -6,6 +6,8 @@
 
 use splatvol_scene::Kernel;
 
+use crate::radial::RadialKernel;
+
 /// A Gaussian kernel with its derived numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianKernel {
@@ -20,16 +22,17 @@ pub struct GaussianKernel {
 }
 
 impl GaussianKernel {
-    /// The kernel that the settings ask for.
+    /// The kernel that the settings ask for. Another kernel is represented by the Gaussian of its standard deviation and
+    /// support, which says where it acts, not what its values are: engines that evaluate this one take Gaussians only.
     pub fn new(kernel: Kernel) -> Self {
-        let Kernel::Gaussian { sigma, radius } = kernel;
+        let (sigma, radius) = moments(kernel);
         Self::with_edge(sigma, radius, 0.0)
     }
 
     /// The same less its value at the radius, so that it ends without a step: with sigma 0.605 and radius 2 its sum over
     /// the lattice ripples by 1e-3 where the cut kernel's ripples by 5e-3.
     pub fn windowed(kernel: Kernel) -> Self {
-        let Kernel::Gaussian { sigma, radius } = kernel;
+        let (sigma, radius) = moments(kernel);
         Self::with_edge(sigma, radius, profile(radius, sigma))
     }
 
@@ -70,6 +73,14 @@ impl GaussianKernel {
     pub fn mass(&self) -> f64 {
         ((2.0 * std::f64::consts::PI).sqrt() * self.sigma / self.lattice_sum).powi(3)
     }
+}
+
+/// Standard deviation along an axis and radius.
+fn moments(kernel: Kernel) -> (f64, f64) {
+    kernel.gaussian().unwrap_or_else(|| {
+        let radial = RadialKernel::new(kernel);
+        (radial.sigma(), radial.support())
+    })
 }
 
 fn profile(offset: f64, sigma: f64) -> f64 {

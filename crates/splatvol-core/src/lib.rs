@@ -9,7 +9,7 @@
 //! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
 //! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
-//! [`kernel`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
+//! [`kernel`], [`radial`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
 //! knows nothing of where they came from.
 #![forbid(unsafe_code)]
 
@@ -23,6 +23,7 @@ pub mod kernel;
 pub mod mip;
 pub mod normal;
 mod prefilter;
+pub mod radial;
 pub mod sheets;
 pub mod splats;
 pub mod visibility;

@@ -22,4 +22,10 @@ pub enum ReferenceError {
         /// Samples along the axis.
         count: usize,
     },
+    /// A kernel that the reference does not integrate.
+    #[error("kernel: the reference renders gaussian kernels only, not {name}")]
+    Kernel {
+        /// The kernel's name.
+        name: &'static str,
+    },
 }

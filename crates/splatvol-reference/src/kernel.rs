@@ -10,6 +10,8 @@
 use glam::{DMat3, DVec3};
 use splatvol_scene::Kernel;
 
+use crate::ReferenceError;
+
 /// The cut Gaussian h.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GaussianKernel {
@@ -22,8 +24,11 @@ pub(crate) struct GaussianKernel {
 }
 
 impl GaussianKernel {
-    pub(crate) fn new(kernel: &Kernel) -> Self {
-        let &Kernel::Gaussian { sigma, radius } = kernel;
+    /// # Errors
+    /// A kernel that is no Gaussian: the reference knows no other.
+    pub(crate) fn new(kernel: &Kernel) -> Result<Self, ReferenceError> {
+        let name = kernel.name();
+        let (sigma, radius) = kernel.gaussian().ok_or(ReferenceError::Kernel { name })?;
         let mut gaussian = Self {
             sigma,
             radius,
@@ -31,7 +36,7 @@ impl GaussianKernel {
         };
         let last = radius.ceil() as i64;
         gaussian.lattice_sum = (-last..=last).map(|j| gaussian.factor(j as f64)).sum();
-        gaussian
+        Ok(gaussian)
     }
 
     /// One factor of h: `g(t) / sum_j g(j)`.
@@ -76,14 +81,14 @@ mod tests {
 
     #[test]
     fn kernel_sums_to_one_on_the_lattice() {
-        let kernel = GaussianKernel::new(&Kernel::default());
+        let kernel = GaussianKernel::new(&Kernel::default()).expect("a Gaussian");
         let sum: f64 = (-5..=5).map(|j| kernel.factor(f64::from(j))).sum();
         assert!((sum - 1.0).abs() < 1e-15);
     }
 
     #[test]
     fn without_low_pass_the_filtered_kernel_is_h() {
-        let kernel = GaussianKernel::new(&Kernel::default());
+        let kernel = GaussianKernel::new(&Kernel::default()).expect("a Gaussian");
         let filtered = kernel.with_covariance(DMat3::from_diagonal(DVec3::splat(kernel.sigma.powi(2))));
         let x = DVec3::new(0.3, -1.1, 0.7);
         let h = kernel.factor(x.x) * kernel.factor(x.y) * kernel.factor(x.z);

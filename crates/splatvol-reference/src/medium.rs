@@ -28,18 +28,22 @@ pub(crate) struct ViewGeometry {
 }
 
 impl ViewGeometry {
-    pub(crate) fn new(volume: &Volume, camera: &Camera, settings: &RenderSettings) -> Self {
+    pub(crate) fn new(
+        volume: &Volume,
+        camera: &Camera,
+        settings: &RenderSettings,
+    ) -> Result<Self, ReferenceError> {
         let grid = volume.grid();
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
         let voxel_from_camera = camera_from_voxel.inverse();
-        Self {
+        Ok(Self {
             camera_from_voxel,
             voxel_from_camera,
             screen_from_camera: camera.screen_from_camera(settings.size),
-            kernel: GaussianKernel::new(&settings.kernel),
+            kernel: GaussianKernel::new(&settings.kernel)?,
             pixel_sigma: settings.filter.pixel_sigma(),
             camera_from_voxel_gradient: voxel_from_camera.matrix3.transpose() * grid.mean_spacing(),
-        }
+        })
     }
 
     /// Covariance of the low-passed kernel at a camera depth, voxel space; `None` where it is the kernel's own.

@@ -60,9 +60,9 @@ impl Reconstruction {
     /// The field of a volume, with or without the interpolating prefilter.
     ///
     /// # Errors
-    /// With the prefilter, a kernel that cannot be inverted on this box.
+    /// A kernel that is no Gaussian; with the prefilter, one that cannot be inverted on this box.
     pub fn new(volume: &Volume, kernel: &Kernel, prefilter: bool) -> Result<Self, ReferenceError> {
-        let gaussian = GaussianKernel::new(kernel);
+        let gaussian = GaussianKernel::new(kernel)?;
         let (dims, samples) = continued(&normalised_samples(volume), volume.grid().dims());
         let coefficients = if prefilter {
             let right = filled(&samples, dims)

@@ -110,7 +110,7 @@ impl Reference {
         options: &ReferenceSettings,
     ) -> Result<Self, ReferenceError> {
         settings.validate()?;
-        let geometry = ViewGeometry::new(&scene.volume, camera, settings);
+        let geometry = ViewGeometry::new(&scene.volume, camera, settings)?;
         let mode = match settings.compositing {
             // Whole footprints, however they are composited, approximate the integral.
             Compositing::ImageSheets

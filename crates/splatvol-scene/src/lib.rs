@@ -45,8 +45,8 @@ pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
 pub use scene::Scene;
 pub use settings::{
-    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent,
+    Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Gradient, Kernel,
+    Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, TablePrecision,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

@@ -2,8 +2,9 @@
 
 use clap::{Args, ValueEnum};
 
-use splatvol::{Kernel, Lighting, RenderSettings};
+use splatvol::{Lighting, RenderSettings};
 
+use super::KernelArgs;
 use super::values::{self, Triple};
 
 const METHOD: &str = "Method";
@@ -33,12 +34,8 @@ pub(crate) struct MethodArgs {
     /// Standard deviation of the EWA filter, pixels
     #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.filter.pixel_sigma()))]
     pub(crate) pixel_sigma: Option<f64>,
-    /// Standard deviation of the reconstruction kernel, voxels
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Standard deviation of the reconstruction kernel, voxels", |s| kernel(s)[0]))]
-    pub(crate) kernel_sigma: Option<f64>,
-    /// Cut-off of the reconstruction kernel, voxels
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Cut-off of the reconstruction kernel, voxels", |s| kernel(s)[1]))]
-    pub(crate) kernel_radius: Option<f64>,
+    #[command(flatten)]
+    pub(crate) kernel: KernelArgs,
     /// Let the kernel smooth the data instead of interpolating them
     #[arg(long, help_heading = METHOD)]
     pub(crate) no_prefilter: bool,
@@ -122,14 +119,9 @@ pub(crate) enum GradientName {
 }
 
 /// A help text that names the settings' own default.
-fn with_default(text: &str, pick: fn(&RenderSettings) -> f64) -> String {
+pub(super) fn with_default(text: &str, pick: fn(&RenderSettings) -> f64) -> String {
     let value = pick(&RenderSettings::default());
     format!("{text} [default: {value}]")
-}
-
-fn kernel(settings: &RenderSettings) -> [f64; 2] {
-    let Kernel::Gaussian { sigma, radius } = settings.kernel;
-    [sigma, radius]
 }
 
 fn light(settings: &RenderSettings) -> Lighting {

@@ -13,6 +13,7 @@ mod animate;
 mod bench;
 mod camera;
 mod input;
+mod kernel;
 mod look;
 mod method;
 mod render;
@@ -26,6 +27,7 @@ pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use input::InputArgs;
+pub(crate) use kernel::{KernelArgs, KernelName};
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
     ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName,
@@ -73,7 +75,7 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Render a volume from a camera that moves (GIF, animated PNG, films, frames)
     Animate(Box<AnimateArgs>),
-    /// Say what a volume is, and how it would be shown
+    /// Say what a volume is and how it would be shown, or what a kernel does
     Info(InfoArgs),
     /// Write a built-in volume to a file, or list them
     Sample(SampleArgs),
@@ -93,20 +95,28 @@ pub(crate) struct WriteArgs {
     pub(crate) overwrite: bool,
 }
 
+/// Flags that make `info` describe a kernel.
+const KERNEL_FLAGS: [&str; 4] = ["kernel", "kernel_sigma", "kernel_radius", "kernel_alpha"];
+
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   splatvol info scan.nii.gz
   splatvol info scan.raw --dims 256x256x109 --type u16 --endian big
-  splatvol info sample:head --json")]
+  splatvol info sample:head --json
+  splatvol info --kernel kaiser-bessel --kernel-radius 2.5")]
 pub(crate) struct InfoArgs {
     /// Volume: a file, or sample:NAME[:SIZE]
-    pub(crate) input: String,
+    #[arg(required_unless_present_any = KERNEL_FLAGS, conflicts_with_all = KERNEL_FLAGS)]
+    pub(crate) input: Option<String>,
+    /// Describe a kernel instead of a volume
+    #[command(flatten)]
+    pub(crate) kernel: KernelArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-    /// Bins of the histogram
+    /// Bins of the histogram, or rows of the kernel's profile
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) bins: u16,
 }

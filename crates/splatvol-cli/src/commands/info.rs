@@ -1,5 +1,7 @@
 //! `splatvol info`: what a volume is, and how it would be shown.
 
+mod kernel;
+
 use std::fmt::Write;
 
 use glam::DVec3;
@@ -13,9 +15,12 @@ use crate::resolve::input::{self, Input};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
-    let recipe = input::recipe(Some(&args.input), &args.read, None)?;
+    let Some(name) = &args.input else {
+        return kernel::run(args);
+    };
+    let recipe = input::recipe(Some(name), &args.read, None)?;
     let input = input::load(&recipe, args.read.strict, None, terminal)?;
-    let report = Report::new(&args.input, &input, usize::from(args.bins));
+    let report = Report::new(name, &input, usize::from(args.bins));
     let text = if args.json {
         serde_json::to_string_pretty(&report).during(Step::Output)? + "\n"
     } else {

@@ -1,9 +1,10 @@
 //! The render settings.
 
-use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Kernel, Lighting, RenderSettings};
+use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Lighting, RenderSettings};
 
 use crate::args::{ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName};
 use crate::failure::{During, Failure, Step};
+use crate::resolve::kernel;
 
 /// Side of a picture unless asked otherwise, pixels.
 const SIDE: u32 = 1024;
@@ -48,13 +49,15 @@ pub(crate) fn resolve(
     set(&mut settings.sheet_thickness, args.sheet_thickness);
     set(&mut settings.termination, args.termination);
     settings.filter = filter(args, settings.filter)?;
-    settings.kernel = kernel(args, settings.kernel);
+    settings.kernel = kernel::resolve(&args.kernel, settings.kernel)?;
     match args.gradient {
         Some(GradientName::Analytic) => settings.gradient = Gradient::Analytic,
         Some(GradientName::Differences) => settings.gradient = Gradient::Differences,
         None => {}
     }
-    settings.prefilter = !args.no_prefilter && (args.prefilter || settings.prefilter);
+    // Only Gaussians are prefiltered: with another kernel it has to be asked for, and is then refused.
+    let kept = settings.prefilter && settings.kernel.gaussian().is_some();
+    settings.prefilter = !args.no_prefilter && (args.prefilter || kept);
     settings.lighting = lighting(args, settings.lighting);
     settings.validate().during(Step::Usage)?;
     Ok(settings)
@@ -105,20 +108,6 @@ fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
     }
 }
 
-/// A kernel of another sigma keeps its cut-off in sigmas.
-fn kernel(args: &MethodArgs, old: Kernel) -> Kernel {
-    let Kernel::Gaussian {
-        sigma: old_sigma,
-        radius: old_radius,
-    } = old;
-    let sigma = args.kernel_sigma.unwrap_or(old_sigma);
-    let scaled = args
-        .kernel_sigma
-        .map_or(old_radius, |sigma| old_radius / old_sigma * sigma);
-    let radius = args.kernel_radius.unwrap_or(scaled);
-    Kernel::Gaussian { sigma, radius }
-}
-
 /// Asking for any property of the light turns it on.
 fn lighting(args: &MethodArgs, old: Option<Lighting>) -> Option<Lighting> {
     if args.no_shade {
@@ -138,6 +127,7 @@ fn lighting(args: &MethodArgs, old: Option<Lighting>) -> Option<Lighting> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::args::KernelArgs;
 
     #[test]
     fn flags_beat_the_earlier_picture_which_beats_defaults() {
@@ -173,7 +163,10 @@ mod tests {
         let args = MethodArgs {
             preset: Some(PresetName::Fast),
             filter: Some(FilterName::None),
-            kernel_sigma: Some(0.7),
+            kernel: KernelArgs {
+                kernel_sigma: Some(0.7),
+                ..KernelArgs::default()
+            },
             ..MethodArgs::default()
         };
         let settings = resolve(&args, None, Some(&like), None).unwrap();
@@ -182,9 +175,8 @@ mod tests {
         assert_eq!(settings.filter, Filter::None);
         // What is shown stays the picture's.
         assert_eq!((settings.prefilter, settings.lighting), (true, None));
-        let (Kernel::Gaussian { sigma, .. }, Kernel::Gaussian { sigma: of_fast, .. }) =
-            (settings.kernel, fast.kernel);
-        assert!(sigma == 0.7 && of_fast != 0.7);
+        let sigma = |settings: RenderSettings| settings.kernel.gaussian().unwrap().0;
+        assert!(sigma(settings) == 0.7 && sigma(fast) != 0.7);
         let args = MethodArgs {
             preset: Some(PresetName::Best),
             ..MethodArgs::default()
@@ -202,16 +194,16 @@ mod tests {
     #[test]
     fn a_wider_kernel_keeps_its_cut_off_in_sigmas() {
         let args = MethodArgs {
-            kernel_sigma: Some(1.4),
+            kernel: KernelArgs {
+                kernel_sigma: Some(1.4),
+                ..KernelArgs::default()
+            },
             no_prefilter: true,
             ..MethodArgs::default()
         };
         let settings = resolve(&args, None, None, None).unwrap();
-        let Kernel::Gaussian { sigma, radius } = settings.kernel;
-        let Kernel::Gaussian {
-            sigma: default_sigma,
-            radius: default_radius,
-        } = RenderSettings::default().kernel;
+        let (sigma, radius) = settings.kernel.gaussian().unwrap();
+        let (default_sigma, default_radius) = RenderSettings::default().kernel.gaussian().unwrap();
         assert_eq!(sigma, 1.4);
         assert!((radius / sigma - default_radius / default_sigma).abs() < 1e-12);
         assert!(!settings.prefilter);

@@ -6,6 +6,7 @@ pub(crate) mod around;
 pub(crate) mod camera;
 mod framing;
 pub(crate) mod input;
+pub(crate) mod kernel;
 pub(crate) mod look;
 pub(crate) mod method;
 mod turning;

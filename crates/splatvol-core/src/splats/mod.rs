@@ -9,6 +9,7 @@
 //! | `cloud` | centres, payloads and covariances, in chunks of neighbours |
 //! | `extract` | the cloud of a classified volume, and that of its data |
 //! | `profile` | the radial profile of a footprint, whole and between depths |
+//! | `radial` | that of any radial kernel |
 //! | `footprint` | the footprint: from pixel to radius |
 //! | `projection` | alignment, low-pass, scaling: from splat to footprint |
 
@@ -17,9 +18,11 @@ mod extract;
 mod footprint;
 mod profile;
 mod projection;
+mod radial;
 
 pub use cloud::{Chunk, KernelShape, SplatCloud};
-pub use extract::{Extract, classified, data};
+pub use extract::{Extract, Interest, classified, data};
 pub use footprint::{Footprint, Ray, Sample, Warp};
 pub use profile::{GaussianProfile, Profile};
 pub use projection::{Bounds, Projection, View};
+pub use radial::RadialProfile;

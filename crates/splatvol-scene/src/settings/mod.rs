@@ -1,16 +1,20 @@
 //! Plain settings of a frame. The methods of the papers are values here, never separate renderers.
 
 mod compositing;
+mod extraction;
 mod filter;
 mod footprint;
 mod kernel;
 mod presets;
+mod table;
 mod validate;
 
 pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
+pub use extraction::Extraction;
 pub use filter::Filter;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
 pub use kernel::Kernel;
+pub use table::{FootprintTable, TablePrecision};
 
 use serde::{Deserialize, Serialize};
 
@@ -39,8 +43,12 @@ pub struct RenderSettings {
     pub alignment: Alignment,
     /// How footprints become pixels.
     pub rasterizer: Rasterizer,
+    /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
+    pub table: FootprintTable,
     /// How what is hidden is left out.
     pub occlusion: Occlusion,
+    /// Which voxels have splats; `None` for all that the transfer function shows.
+    pub extraction: Option<Extraction>,
     /// What the kernels stand for.
     pub reconstruction: Reconstruction,
     /// Where the gradient that lights a sheet comes from (post-classification).

@@ -1,12 +1,55 @@
 //! Whether settings can be rendered.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Kernel, Occlusion, Reconstruction,
-    RenderSettings, SheetContent,
+    Absorption, Alignment, Classification, Compositing, Filter, Kernel, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, SheetContent,
 };
 use crate::SceneError;
+
+const NO_PREFILTER: &str =
+    "gaussian where data are interpolated; others without the prefilter, --no-prefilter";
+
+const NO_MAXIMA: &str = "gaussian: maxima are of values on planes, which other kernels do not have";
+const NO_SAMPLES: &str = "gaussian where sheets hold samples (post); others are splatted as colours (pre) or as \
+                          sections of sheets";
+
+fn check(
+    field: &'static str,
+    value: f64,
+    range: RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), SceneError> {
+    if range.contains(&value) {
+        Ok(())
+    } else {
+        Err(SceneError::invalid(field, value, expected))
+    }
+}
+
+impl Kernel {
+    /// Checks the domain of the kernel's parameters, as [`RenderSettings::validate`] does too.
+    ///
+    /// # Errors
+    /// The first parameter outside its domain, by name.
+    pub fn validate(self) -> Result<(), SceneError> {
+        match self {
+            Self::Gaussian { sigma, radius } => {
+                check("kernel sigma", sigma, 0.3..=4.0, "0.3 to 4 voxels")?;
+                let radii = 1.5 * sigma..=8.0 * sigma;
+                check("kernel radius", radius, radii, "1.5 to 8 sigma")
+            }
+            Self::CrawfisMax | Self::CubicBspline => Ok(()),
+            Self::KaiserBessel { radius, alpha } => {
+                check("kernel radius", radius, 1.0..=4.0, "1 to 4 voxels")?;
+                check("kernel alpha", alpha, 0.0..=40.0, "0 to 40")
+            }
+        }
+    }
+}
 
 impl RenderSettings {
     /// Checks every field's domain.
@@ -14,13 +57,6 @@ impl RenderSettings {
     /// # Errors
     /// The first field outside its domain, by name.
     pub fn validate(&self) -> Result<(), SceneError> {
-        let check = |field, value: f64, range: std::ops::RangeInclusive<f64>, expected| {
-            if range.contains(&value) {
-                Ok(())
-            } else {
-                Err(SceneError::invalid(field, value, expected))
-            }
-        };
         check(
             "sheet thickness",
             self.sheet_thickness,
@@ -35,23 +71,12 @@ impl RenderSettings {
         )?;
         self.combinations()?;
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
-        let Kernel::Gaussian { sigma, radius } = self.kernel;
-        check("kernel sigma", sigma, 0.3..=4.0, "0.3 to 4 voxels")?;
-        check(
-            "kernel radius",
-            radius,
-            1.5 * sigma..=8.0 * sigma,
-            "1.5 to 8 sigma",
-        )?;
-        // Wider kernels amplify noise without bound when they are inverted.
-        if self.prefilter && self.classification == Classification::Post {
-            check(
-                "kernel sigma",
-                sigma,
-                0.3..=1.2,
-                "0.3 to 1.2 voxels with the prefilter",
-            )?;
-        }
+        self.kernel.validate()?;
+        self.kernel_suits_method()?;
+        self.rasterizer.validate()?;
+        self.table.validate()?;
+        self.extraction
+            .map_or(Ok(()), |extraction| extraction.validate())?;
         if let Some(light) = self.lighting {
             for (field, value) in [
                 ("ambient", light.ambient),
@@ -141,13 +166,22 @@ impl RenderSettings {
             }
             _ => {}
         }
+        self.rasterizer_suits_kernels()?;
+        if self.compositing == Compositing::Mip && self.uses_footprints() {
+            return refuse(
+                "compositing",
+                &self.compositing,
+                "image-sheets: maxima are of values on planes; this filter, alignment, rasterizer, occlusion, absorption or \
+                 extraction works on footprints",
+            );
+        }
         let samples = !colors && self.sheet != Some(SheetContent::Section);
         if samples && self.uses_footprints() {
             return refuse(
                 "sheet",
                 &self.sheet,
-                "section: this filter, alignment, kernel, occlusion or absorption works on footprints, which are \
-                 classified first (pre) or splatted as sections of sheets",
+                "section: this filter, alignment, rasterizer, occlusion, absorption or extraction works on footprints, \
+                 which are classified first (pre) or splatted as sections of sheets",
             );
         }
         Ok(())
@@ -159,5 +193,167 @@ impl RenderSettings {
             || self.alignment != Alignment::Sheet
             || self.occlusion != Occlusion::Auto
             || self.absorption != Absorption::Exp
+            || self.rasterizer != Rasterizer::Auto
+            || self.extraction.is_some()
+    }
+
+    /// Refuses rasterisers of circles where footprints are none, whatever the camera.
+    fn rasterizer_suits_kernels(&self) -> Result<(), SceneError> {
+        let flattened = self.reconstruction != Reconstruction::Volume;
+        match self.rasterizer {
+            Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. } if flattened => {
+                Err(SceneError::invalid(
+                    "rasterizer",
+                    self.rasterizer.name(),
+                    "ellipse-1d, linear-1d or auto: flattened kernels leave ellipses of every direction",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the kernel and the method can be used together.
+    fn kernel_suits_method(&self) -> Result<(), SceneError> {
+        let Some((sigma, _)) = self.kernel.gaussian() else {
+            return match self.compositing {
+                Compositing::Mip => Err(self.refused_kernel(NO_MAXIMA)),
+                _ if self.interpolates() => Err(self.refused_kernel(NO_PREFILTER)),
+                Compositing::ImageSheets
+                    if self.classification == Classification::Post
+                        && self.sheet != Some(SheetContent::Section) =>
+                {
+                    Err(self.refused_kernel(NO_SAMPLES))
+                }
+                _ => Ok(()),
+            };
+        };
+        // Wider kernels amplify noise without bound when they are inverted.
+        if self.prefilter && self.classification == Classification::Post {
+            let expected = "0.3 to 1.2 voxels with the prefilter";
+            check("kernel sigma", sigma, 0.3..=1.2, expected)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the prefilter has an effect.
+    fn interpolates(&self) -> bool {
+        let of_data = match self.compositing {
+            Compositing::ImageSheets => self.classification == Classification::Post,
+            Compositing::Mip => true,
+            _ => false,
+        };
+        self.prefilter && of_data
+    }
+
+    fn refused_kernel(&self, expected: &'static str) -> SceneError {
+        SceneError::invalid("kernel", self.kernel.name(), expected)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Extraction, FootprintTable};
+
+    fn refusal(kernel: Kernel) -> String {
+        kernel.validate().expect_err("outside its domain").to_string()
+    }
+
+    #[test]
+    fn kernels_outside_their_domain_are_refused_by_name() {
+        let gaussian = |sigma, radius| Kernel::Gaussian { sigma, radius };
+        let blob = |radius, alpha| Kernel::KaiserBessel { radius, alpha };
+        assert!(refusal(gaussian(0.1, 0.5)).starts_with("kernel sigma: 0.1"));
+        assert!(refusal(gaussian(1.0, 9.0)).starts_with("kernel radius: 9.0"));
+        assert!(refusal(blob(5.0, 10.0)).starts_with("kernel radius: 5.0"));
+        assert!(refusal(blob(2.0, 41.0)).starts_with("kernel alpha: 41.0"));
+        assert!(refusal(blob(2.0, f64::NAN)).starts_with("kernel alpha: NaN"));
+        for kernel in [
+            Kernel::default(),
+            Kernel::CrawfisMax,
+            Kernel::CubicBspline,
+            Kernel::KAISER_BESSEL,
+            blob(1.0, 0.0),
+        ] {
+            assert_eq!(kernel.validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn other_kernels_are_not_prefiltered() {
+        for compositing in [Compositing::ImageSheets, Compositing::Mip] {
+            let settings = RenderSettings {
+                kernel: Kernel::CrawfisMax,
+                compositing,
+                prefilter: true,
+                ..RenderSettings::default()
+            };
+            let text = settings.validate().expect_err("refused").to_string();
+            assert!(text.starts_with("kernel: \"crawfis-max\""), "{text}");
+        }
+    }
+
+    #[test]
+    fn footprints_of_any_kernel_are_splatted_but_planes_have_none() {
+        let colors = RenderSettings {
+            kernel: Kernel::CubicBspline,
+            classification: Classification::Pre,
+            ..RenderSettings::default()
+        };
+        let sections = RenderSettings {
+            classification: Classification::Post,
+            sheet: Some(SheetContent::Section),
+            prefilter: false,
+            ..colors
+        };
+        assert_eq!(colors.validate(), Ok(()));
+        assert_eq!(sections.validate(), Ok(()));
+        let planes = RenderSettings {
+            sheet: None,
+            ..sections
+        };
+        let text = planes.validate().expect_err("refused").to_string();
+        assert!(text.contains("sections of sheets"), "{text}");
+    }
+
+    #[test]
+    fn rasterizers_tables_and_ranges_outside_their_domain_are_refused() {
+        let base = RenderSettings::fastsplats2000();
+        assert_eq!(base.validate(), Ok(()));
+        let table = |entries, sections| RenderSettings {
+            table: FootprintTable {
+                entries,
+                sections,
+                ..base.table
+            },
+            ..base
+        };
+        let raster = |rasterizer| RenderSettings { rasterizer, ..base };
+        let range = |density, gradient| RenderSettings {
+            extraction: Some(Extraction { density, gradient }),
+            ..base
+        };
+        let flat = RenderSettings {
+            reconstruction: Reconstruction::Surface { flatness: 4.0 },
+            ..base
+        };
+        let planes = RenderSettings {
+            rasterizer: Rasterizer::Ellipse1d,
+            ..RenderSettings::default()
+        };
+        for (settings, start) in [
+            (table(31, 128), "table entries: 31"),
+            (table(1025, 128), "table entries: 1025"),
+            (table(128, 0), "table sections: 0"),
+            (raster(Rasterizer::Rlut { subpixels: 129 }), "subpixels: 129"),
+            (raster(Rasterizer::Blit2d { subpixels: 0 }), "subpixels: 0"),
+            (range(Some([2.0, 1.0]), 0.0), "extraction density: [2.0, 1.0]"),
+            (range(None, f64::NAN), "extraction gradient: NaN"),
+            (flat, "rasterizer: \"square-1d\""),
+            (planes, "sheet: None"),
+        ] {
+            let text = settings.validate().expect_err(start).to_string();
+            assert!(text.starts_with(start), "{text}");
+        }
     }
 }

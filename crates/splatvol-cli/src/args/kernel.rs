@@ -1,0 +1,43 @@
+//! Flags about the reconstruction kernel.
+
+use clap::{Args, ValueEnum};
+use splatvol::RenderSettings;
+
+use super::method::with_default;
+
+const KERNEL: &str = "Kernel";
+
+/// The reconstruction kernel and its shape.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
+pub(crate) struct KernelArgs {
+    /// Reconstruction kernel [default: gaussian]
+    #[arg(long, value_name = "NAME", help_heading = KERNEL)]
+    pub(crate) kernel: Option<KernelName>,
+    /// Standard deviation of the gaussian kernel, voxels
+    #[arg(long, value_name = "VOXELS", help_heading = KERNEL, help = with_default("Standard deviation of the gaussian kernel, voxels", |s| gaussian(s).0))]
+    pub(crate) kernel_sigma: Option<f64>,
+    /// Cut-off of the gaussian or kaiser-bessel kernel, voxels
+    #[arg(long, value_name = "VOXELS", help_heading = KERNEL, help = with_default("Cut-off of the gaussian or kaiser-bessel kernel, voxels", |s| gaussian(s).1))]
+    pub(crate) kernel_radius: Option<f64>,
+    /// Shape of the kaiser-bessel kernel: 0 is broad [default: that of the least ripple, 10.4443 for radius 2]
+    #[arg(long, value_name = "NUMBER", help_heading = KERNEL)]
+    pub(crate) kernel_alpha: Option<f64>,
+}
+
+/// Reconstruction kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum KernelName {
+    /// Smooth, and the only one that can interpolate the data
+    Gaussian,
+    /// Piecewise cubic, the smallest
+    CrawfisMax,
+    /// Cubic B-spline of the distance, radius 2
+    CubicBspline,
+    /// Kaiser-Bessel window ("blob"): the most even
+    KaiserBessel,
+}
+
+/// Sigma and radius of the default kernel.
+fn gaussian(settings: &RenderSettings) -> (f64, f64) {
+    settings.kernel.gaussian().unwrap_or_default()
+}
