@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use splatvol::{Camera, Projection, RenderSettings, SceneError, TransferFunction};
 use splatvol_io::image::metadata;
 
-use crate::args::LookArgs;
+use crate::args::{EffectArgs, LookArgs};
 use crate::failure::{During, Failure, Step};
 
 /// Everything about a picture but its pixels.
@@ -30,6 +30,9 @@ pub(crate) struct Recipe {
     pub(crate) look: LookArgs,
     /// What came of it.
     pub(crate) transfer_function: TransferFunction,
+    /// Operators and clips.
+    #[serde(default)]
+    pub(crate) effects: EffectArgs,
     /// The method.
     pub(crate) settings: RenderSettings,
     /// sRGB with straight alpha; absent where the picture keeps its alpha.

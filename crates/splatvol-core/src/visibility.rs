@@ -87,6 +87,23 @@ impl VisibleLevels {
         Self { below }
     }
 
+    /// These levels, and all below the highest of them: what matters to the smallest value along a ray.
+    pub fn and_smaller(&self) -> Self {
+        let total = self.below[LEVELS];
+        let mut below = vec![0u16; LEVELS + 1];
+        for i in 0..LEVELS {
+            below[i + 1] = below[i] + u16::from(self.below[i] < total);
+        }
+        Self { below }
+    }
+
+    /// All levels: what matters to the mean value along a ray.
+    pub fn all() -> Self {
+        Self {
+            below: (0..=LEVELS as u16).collect(),
+        }
+    }
+
     fn is_visible(&self, value: f32) -> bool {
         self.any(value, value)
     }
@@ -183,5 +200,38 @@ impl Histogram {
             .filter(|&bin| self.counts[bin] > 0 && !levels.is_visible(value(bin)))
             .max_by_key(|&bin| (self.counts[bin], Self::BINS - bin));
         most.map_or(0.0, value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
+
+    use super::*;
+
+    #[test]
+    fn levels_are_widened_to_what_a_ray_must_know() {
+        // Visible between 0.4 and 0.6 of the range.
+        let opacities = [(0.4, 0.0), (0.45, 0.5), (0.55, 0.5), (0.6, 0.0)];
+        let look = TransferFunction::new(
+            vec![ColorPoint::new(0.0, [1.0; 3])],
+            opacities
+                .map(|(value, opacity)| OpacityPoint::new(value, opacity))
+                .to_vec(),
+            None,
+        );
+        let table = ClassificationTable::new(&look.expect("ascending"), [0.0, 1.0], 1.0);
+        let band = VisibleLevels::new(&table);
+        for (levels, seen) in [
+            (&band, [false, true, false]),
+            (&band.and_larger(), [false, true, true]),
+            (&band.and_smaller(), [true, true, false]),
+            (&VisibleLevels::all(), [true, true, true]),
+        ] {
+            let found = [0.1, 0.5, 0.9].map(|value| levels.any(value, value));
+            assert_eq!(found, seen);
+        }
+        let nothing = band.difference(&band);
+        assert!(!nothing.and_smaller().any(-1.0, 2.0) && !nothing.and_larger().any(-1.0, 2.0));
     }
 }

@@ -19,6 +19,7 @@ mod data;
 mod footprints;
 #[doc(hidden)]
 pub mod kernels;
+mod operations;
 mod plan;
 mod progressive;
 mod rasterize;

@@ -51,7 +51,7 @@ pub(crate) struct Geometry {
 pub(crate) fn splats_color(settings: &RenderSettings) -> bool {
     match settings.compositing {
         Compositing::ImageSheets => settings.classification == Classification::Pre,
-        Compositing::Mip => false,
+        Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => false,
         _ => true,
     }
 }
@@ -143,8 +143,8 @@ impl<'a> FramePlan<'a> {
             sheets,
         };
         let active = match settings.compositing {
-            // A maximum may lie where opacity is zero; only voxels that do not exist are left out.
-            Compositing::Mip => bricks.occupied(),
+            // What is shown may lie where opacity is zero; only voxels that do not exist are left out.
+            shown if shown.shows_one_value() => bricks.occupied(),
             _ if splats_color(settings) => bricks.visible(table),
             _ => bricks.active(table, voxel_reach),
         };

@@ -10,12 +10,11 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{
-    Camera, Compositing, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume,
-};
+use splatvol_scene::{Camera, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
+use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -312,6 +311,7 @@ impl Renderer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
         settings.validate()?;
+        operations::check(scene, settings)?;
         if frame.image.size() != settings.size {
             *frame = Frame::empty(settings.size);
         }
@@ -328,6 +328,7 @@ impl Renderer {
         {
             self.statistics = statistics;
         } else {
+            operations::too_close(scene)?;
             *frame = self.render_slices(scene, camera, settings, progress);
         }
         Ok(())
@@ -405,7 +406,7 @@ fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame 
         store(&mut frame, &plan.tiles.rect(tile), pixels);
     }
     debug_assert!(
-        plan.settings.compositing == Compositing::Mip || frame.image.pixels.iter().all(|p| p[3] <= 1.0),
+        plan.settings.compositing.shows_one_value() || frame.image.pixels.iter().all(|p| p[3] <= 1.0),
         "no pixel is more than opaque"
     );
     frame

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
-//! | [`image`] | PNG, OpenEXR |
+//! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
 //! | [`camera_keys`] | key frames of a camera path, TOML or JSON |
 //!
@@ -26,9 +26,12 @@ pub mod volume;
 pub use animation::{AnimationSettings, ApngWriter, GifWriter};
 pub use camera_keys::{StoredCameraKey, read_camera_keys};
 pub use error::{FormatError, IoError};
+pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};
-pub use transfer_function::{read_transfer_function, write_transfer_function};
+pub use transfer_function::{
+    read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,
+};
 pub use volume::{
     Description, Loaded, RawLayout, ReadOptions, WriteOptions, axis_codes, read_volume, write_volume,
 };

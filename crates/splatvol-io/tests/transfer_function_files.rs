@@ -101,7 +101,7 @@ fn slicer_files_are_read_and_oddities_listed() {
     assert_eq!(function.color(-100.0), [0.25, 0.0, 0.0]);
     assert_eq!([function.opacity(50.0), function.opacity(1e4)], [0.25, 0.5]);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
-    assert!(warnings[0].contains("gradientOpacity is not supported"));
+    assert!(warnings[0].contains("gradientOpacity is no part of the transfer function"));
     assert!(warnings[1].starts_with("color point 1 (-100) lies before its predecessor (300)"));
     let outside = SLICER
         .replace("\"x\": 0.0, \"y\"", "\"x\": 900.0, \"y\"")
@@ -113,6 +113,25 @@ fn slicer_files_are_read_and_oddities_listed() {
             .any(|w| w.starts_with("all opacity points (900 to 950) lie outside")),
         "{warnings:?}"
     );
+}
+
+#[test]
+fn slicers_gradient_opacity_is_read_where_it_is_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vp.json");
+    let read = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        splatvol_io::read_gradient_opacity(&path).unwrap()
+    };
+    let points = read(SLICER).unwrap();
+    let points: Vec<_> = points.iter().map(|p| (p.gradient, p.factor)).collect();
+    assert_eq!(points, [(0.0, 0.0), (9.0, 1.0)]);
+    let off = SLICER.replace(
+        "\"disableGradientOpacity\": false",
+        "\"disableGradientOpacity\": true",
+    );
+    assert_eq!(read(&off), None);
+    assert_eq!(read("[]"), None);
 }
 
 #[test]

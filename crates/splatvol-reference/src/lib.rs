@@ -13,7 +13,7 @@
 //! | `shading` | Phong with surfaceness, voxel gradients |
 //! | `features` | where a transfer function bends, so that no thin feature is stepped over |
 //! | `integral` | adaptive emission-absorption integral |
-//! | `maximum` | the largest value along a ray |
+//! | `ray_value` | the largest, smallest or mean value along a ray |
 //! | [`mod@render`] | rays, clipping, frames |
 //!
 //! `RenderSettings::sheet_thickness` and `termination` have no meaning here: this is the limit of thin sheets that
@@ -25,8 +25,8 @@ mod features;
 mod integral;
 mod kernel;
 mod lattice;
-mod maximum;
 mod medium;
+mod ray_value;
 pub mod reconstruction;
 pub mod render;
 mod shading;

@@ -12,12 +12,12 @@ use splatvol_scene::{
 use crate::ReferenceError;
 use crate::features::Features;
 use crate::integral::{Optics, RayIntegral, Segment};
-use crate::maximum::maximum;
 use crate::medium::{Medium, MediumSample, ViewGeometry};
+use crate::ray_value::{RayValue, maximum, mean, minimum};
 use crate::shading::Shading;
 
-/// Sampling of MIP rays relative to the initial step.
-const MAXIMUM_SAMPLES_PER_STEP: f64 = 4.0;
+/// Sampling of rays that show one value relative to the initial step.
+const SAMPLES_OF_VALUES_PER_STEP: f64 = 4.0;
 
 /// How carefully rays are integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,10 +73,20 @@ pub struct Reference {
 #[derive(Debug, Clone)]
 enum Mode {
     Integral(Optics),
-    Maximum {
+    /// One value per ray, in the transfer function's look.
+    Value {
+        of: ValueOf,
         transfer_function: TransferFunction,
         unit_distance: f64,
     },
+}
+
+/// Which value of a ray is shown.
+#[derive(Debug, Clone, Copy)]
+enum ValueOf {
+    Largest,
+    Smallest,
+    Mean,
 }
 
 /// The part of a pixel's ray inside the support.
@@ -111,6 +121,11 @@ impl Reference {
     ) -> Result<Self, ReferenceError> {
         settings.validate()?;
         let geometry = ViewGeometry::new(&scene.volume, camera, settings)?;
+        let value = |of| Mode::Value {
+            of,
+            transfer_function: scene.transfer_function.clone(),
+            unit_distance: scene.unit_distance(),
+        };
         let mode = match settings.compositing {
             // Whole footprints, however they are composited, approximate the integral.
             Compositing::ImageSheets
@@ -118,14 +133,13 @@ impl Reference {
             | Compositing::PerSplatBackToFront
             | Compositing::AxisSheets => Mode::Integral(Optics::Absorbing),
             Compositing::Xray => Mode::Integral(Optics::Additive),
-            Compositing::Mip => Mode::Maximum {
-                transfer_function: scene.transfer_function.clone(),
-                unit_distance: scene.unit_distance(),
-            },
+            Compositing::Mip => value(ValueOf::Largest),
+            Compositing::MinimumIntensity => value(ValueOf::Smallest),
+            Compositing::Mean => value(ValueOf::Mean),
         };
         let pre_shading = match settings.compositing {
             Compositing::Xray => Some(None),
-            Compositing::Mip => None,
+            shown if shown.shows_one_value() => None,
             _ if settings.classification == Classification::Pre => Some(settings.lighting.map(Shading::new)),
             _ => None,
         };
@@ -185,33 +199,25 @@ impl Reference {
                 };
                 resolve(&integral.integrate(self.steps(&ray, 1.0)), &ray, *optics)
             }
-            Mode::Maximum {
+            Mode::Value {
+                of,
                 transfer_function,
                 unit_distance,
-            } => self.show_maximum(&ray, medium, transfer_function, *unit_distance),
+            } => {
+                let found = self.value(*of, &ray, medium);
+                found.map_or(PixelResult::EMPTY, |found| {
+                    show_value(found, &ray, transfer_function, *unit_distance)
+                })
+            }
         }
     }
 
-    fn show_maximum(
-        &self,
-        ray: &Ray,
-        medium: impl Fn(f64) -> MediumSample,
-        transfer_function: &TransferFunction,
-        unit_distance: f64,
-    ) -> PixelResult {
-        let Some(found) = maximum(medium, self.steps(ray, MAXIMUM_SAMPLES_PER_STEP)) else {
-            return PixelResult::EMPTY;
-        };
-        let optical_depth = transfer_function.extinction(found.value, unit_distance) * unit_distance;
-        let alpha = -(-optical_depth).exp_m1();
-        if alpha == 0.0 {
-            return PixelResult::EMPTY;
-        }
-        let [r, g, b] = transfer_function.linear_color(found.value).map(|c| alpha * c);
-        PixelResult {
-            rgba: [r, g, b, alpha],
-            depth: ray.depth(found.position),
-            optical_depth,
+    fn value(&self, of: ValueOf, ray: &Ray, medium: impl Fn(f64) -> MediumSample) -> Option<RayValue> {
+        let steps = self.steps(ray, SAMPLES_OF_VALUES_PER_STEP);
+        match of {
+            ValueOf::Largest => maximum(medium, steps),
+            ValueOf::Smallest => minimum(medium, steps),
+            ValueOf::Mean => mean(medium, steps),
         }
     }
 
@@ -249,6 +255,26 @@ impl Reference {
             .length()
             * (ray.depths[1] - ray.depths[0]);
         (per_step * voxels / self.options.initial_step).ceil().max(1.0) as usize
+    }
+}
+
+/// A value in its colour, as thick as the unit distance.
+fn show_value(
+    found: RayValue,
+    ray: &Ray,
+    transfer_function: &TransferFunction,
+    unit_distance: f64,
+) -> PixelResult {
+    let optical_depth = transfer_function.extinction(found.value, unit_distance) * unit_distance;
+    let alpha = -(-optical_depth).exp_m1();
+    if alpha == 0.0 {
+        return PixelResult::EMPTY;
+    }
+    let [r, g, b] = transfer_function.linear_color(found.value).map(|c| alpha * c);
+    PixelResult {
+        rgba: [r, g, b, alpha],
+        depth: ray.depth(found.position),
+        optical_depth,
     }
 }
 

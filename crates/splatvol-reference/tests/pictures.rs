@@ -457,6 +457,46 @@ fn mip_is_the_largest_value_on_the_ray() {
 }
 
 #[test]
+fn minimum_and_mean_are_those_of_the_ray() {
+    let grid = Grid::centred([14, 14, 14], DVec3::ONE).unwrap();
+    let volume = sample(&Noise::new(4, 40, DVec3::splat(2.0)), &grid);
+    let range = volume.value_range();
+    let scene = Scene::new(volume, linear_extinction(range, 2.0, ORANGE));
+    let smallest = settings(Compositing::MinimumIntensity, Classification::Post);
+    let mean = settings(Compositing::Mean, Classification::Post);
+    let field = Reconstruction::new(&scene.volume, &smallest.kernel, true).unwrap();
+    let mut random = Random::new(13);
+    for _ in 0..8 {
+        let direction = random.direction();
+        let camera = orthographic(-30.0 * direction, direction);
+        let (mut least, mut sums) = (f64::INFINITY, [0.0; 3]);
+        for i in 0..60_000 {
+            let depth = f64::from(i) * 1e-3;
+            let found = field.sums((depth - 30.0) * direction + DVec3::splat(6.5));
+            let coverage = found.coverage();
+            if coverage <= 0.0 {
+                continue;
+            }
+            let value = field.data_value(&found);
+            if coverage >= 0.5 {
+                least = least.min(value);
+            }
+            for (sum, term) in sums.iter_mut().zip([1.0, value, depth]) {
+                *sum += coverage * term;
+            }
+        }
+        let pixel = centre_pixel(&scene, &camera, &smallest);
+        let extinction = scene.transfer_function.extinction(least, 1.0);
+        assert_near("smallest", pixel.optical_depth, extinction, 1e-3);
+        assert!(pixel.optical_depth < extinction + 1e-6, "misses the minimum");
+        let pixel = centre_pixel(&scene, &camera, &mean);
+        let extinction = scene.transfer_function.extinction(sums[1] / sums[0], 1.0);
+        assert_near("mean", pixel.optical_depth, extinction, 1e-4);
+        assert_near("its depth", pixel.depth, sums[2] / sums[0], 1e-3);
+    }
+}
+
+#[test]
 fn frames_hold_the_pixels_and_nothing_where_nothing_is() {
     let scene = constant_box([4, 4, 4], DVec3::ONE, 0.5);
     let camera = orthographic(DVec3::new(0.0, 0.0, -20.0), DVec3::Z);

@@ -11,6 +11,10 @@
 //! | `shells` | nested noisy shells, the benchmark volume |
 //! | `ball` | `1 - (r/R)^2`, exact in closed form |
 //! | `slab` | a linear ramp along x, exact in closed form |
+//! | `terrain` | a landscape in the colours of a satellite photograph (mueller1998, figure 6) |
+//! | `microtubules` | many thin bent tubes |
+//! | `nerve` | a branching cell in voxels of 1:1:5 |
+//! | `tomato` | a fruit with chambers and seeds |
 //!
 //! ```
 //! let volume = splatvol_samples::sample("marschner-lobb", None)?;
@@ -25,8 +29,11 @@ mod head;
 mod noise;
 mod registry;
 mod signals;
+mod terrain;
 mod textures;
+mod tomato;
 mod transfer;
+mod tubes;
 
 pub use error::SampleError;
 pub use registry::{Sample, SampleSize, sample};

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use splatvol_scene::{Classification, Grid, LengthUnit, Rescale, Samples, TransferFunction, View, Volume};
 
-use crate::{SampleError, head, signals, textures, transfer};
+use crate::{SampleError, head, signals, terrain, textures, tomato, transfer, tubes};
 
 /// A built-in sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -25,6 +25,14 @@ pub enum Sample {
     Ball,
     /// Linear ramp along x.
     Slab,
+    /// Landscape under a satellite photograph (mueller1998, figure 6).
+    Terrain,
+    /// Many thin bent tubes.
+    Microtubules,
+    /// Branching nerve cell in voxels 1:1:5.
+    Nerve,
+    /// Fruit with chambers and seeds.
+    Tomato,
 }
 
 /// How large a sample shall be.
@@ -38,7 +46,7 @@ pub enum SampleSize {
 
 impl Sample {
     /// All samples, for listings.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::Head,
         Self::MarschnerLobb,
         Self::CheckerSheet,
@@ -47,6 +55,10 @@ impl Sample {
         Self::Shells,
         Self::Ball,
         Self::Slab,
+        Self::Terrain,
+        Self::Microtubules,
+        Self::Nerve,
+        Self::Tomato,
     ];
 
     /// Largest number of samples that is generated.
@@ -78,6 +90,10 @@ impl Sample {
             Self::Shells => "shells",
             Self::Ball => "ball",
             Self::Slab => "slab",
+            Self::Terrain => "terrain",
+            Self::Microtubules => "microtubules",
+            Self::Nerve => "nerve",
+            Self::Tomato => "tomato",
         }
     }
 
@@ -92,6 +108,10 @@ impl Sample {
             Self::Shells => "three nested noisy shells, the benchmark volume",
             Self::Ball => "1 - (r/R)^2, exact in closed form (f32)",
             Self::Slab => "linear ramp along x, exact in closed form (f32)",
+            Self::Terrain => "landscape in the colours of a satellite photograph (mueller1998, figure 6)",
+            Self::Microtubules => "many thin bent tubes, as under a microscope",
+            Self::Nerve => "branching nerve cell in voxels of 1:1:5",
+            Self::Tomato => "soft fruit with chambers and seeds, semi-transparent",
         }
     }
 
@@ -105,6 +125,10 @@ impl Sample {
             Self::Zebra => [1024, 512, 3],
             Self::Ball => [64; 3],
             Self::Slab => [64, 32, 32],
+            Self::Terrain => [512, 512, 103],
+            Self::Microtubules => [420, 468, 62],
+            Self::Nerve => [512, 512, 76],
+            Self::Tomato => [256; 3],
         }
     }
 
@@ -123,6 +147,10 @@ impl Sample {
             Self::Shells => Samples::U8(textures::shells(dims)),
             Self::Ball => Samples::F32(signals::ball(dims)),
             Self::Slab => Samples::F32(signals::slab(dims)),
+            Self::Terrain => Samples::U8(terrain::terrain(dims)),
+            Self::Microtubules => Samples::U8(tubes::microtubules(dims)),
+            Self::Nerve => Samples::U8(tubes::nerve(dims)),
+            Self::Tomato => Samples::U8(tomato::tomato(dims)),
         };
         let unit = match self {
             Self::Head => LengthUnit::Millimetre,
@@ -137,19 +165,24 @@ impl Sample {
     }
 
     /// How the paper that the sample comes from splats it: colours, so that the dark squares' value between light ones
-    /// and air is no dark rim.
+    /// and air is no dark rim, and palettes mix as colours, not as entries.
     pub fn preferred_classification(self) -> Classification {
         match self {
-            Self::CheckerSheet | Self::Tunnel | Self::Zebra => Classification::Pre,
+            Self::CheckerSheet | Self::Tunnel | Self::Zebra | Self::Terrain => Classification::Pre,
             _ => Classification::Post,
         }
+    }
+
+    /// Whether light tells anything: a photograph has its light already, and its palette no slopes.
+    pub fn is_lit(self) -> bool {
+        self != Self::Terrain
     }
 
     /// The direction to look from, where it matters.
     pub fn preferred_view(self) -> Option<View> {
         match self {
-            Self::Head | Self::Shells => Some(View::Iso),
-            Self::CheckerSheet | Self::Zebra => Some(View::Top),
+            Self::Head | Self::Shells | Self::Terrain | Self::Tomato => Some(View::Iso),
+            Self::CheckerSheet | Self::Zebra | Self::Microtubules | Self::Nerve => Some(View::Top),
             Self::Tunnel => Some(View::Bottom),
             Self::MarschnerLobb => Some(View::Top),
             Self::Ball | Self::Slab => None,
@@ -191,6 +224,7 @@ impl Sample {
         let spacing = match self {
             // A square texture of twice as many samples along x as along y.
             Self::Zebra => DVec3::new(1.0, 2.0, 1.0),
+            Self::Nerve => DVec3::from_array(tubes::NERVE_SPACING),
             _ => DVec3::ONE,
         };
         Ok(Grid::centred(dims, spacing)?)

@@ -3,7 +3,9 @@
 use splatvol_scene::{ColorPoint, OpacityPoint, SceneError, TransferFunction};
 
 use crate::Sample;
+use crate::terrain;
 use crate::textures::{DARK, LIGHT};
+use crate::tomato::{FLESH, GEL, SEED};
 
 pub(crate) fn transfer_function(sample: Sample) -> Result<TransferFunction, SceneError> {
     let (dark, light) = (f64::from(DARK), f64::from(LIGHT));
@@ -37,6 +39,24 @@ pub(crate) fn transfer_function(sample: Sample) -> Result<TransferFunction, Scen
                 (180.0, 0.12),
                 (250.0, 0.8),
             ],
+        ),
+        Sample::Terrain => terrain(),
+        Sample::Tomato => tomato(),
+        Sample::Microtubules => curves(
+            &[
+                (60.0, [0.15, 0.35, 0.25]),
+                (150.0, [0.35, 0.85, 0.45]),
+                (235.0, [0.90, 1.0, 0.75]),
+            ],
+            &[(40.0, 0.0), (110.0, 0.15), (200.0, 0.6), (255.0, 0.8)],
+        ),
+        Sample::Nerve => curves(
+            &[
+                (60.0, [0.75, 0.35, 0.15]),
+                (150.0, [0.95, 0.65, 0.25]),
+                (235.0, [1.0, 0.92, 0.70]),
+            ],
+            &[(50.0, 0.0), (100.0, 0.08), (140.0, 0.5), (255.0, 0.8)],
         ),
         // The iso-surface 0.5 of Marschner and Lobb.
         Sample::MarschnerLobb => curves(
@@ -85,6 +105,41 @@ fn head() -> Result<TransferFunction, SceneError> {
         (1000.0, 0.97),
     ];
     build(&colors, &opacities, Some(1.0))
+}
+
+/// A palette: every value has its colour, and is nearly opaque.
+fn terrain() -> Result<TransferFunction, SceneError> {
+    let colors: Vec<(f64, [f64; 3])> = (1..)
+        .zip(terrain::palette())
+        .map(|(value, rgb)| (f64::from(value), rgb))
+        .collect();
+    curves(&colors, &[(0.0, 0.0), (0.5, 0.95), (255.0, 0.95)])
+}
+
+/// Translucent red skin where air turns to flesh, clear gel and flesh, opaque seeds.
+fn tomato() -> Result<TransferFunction, SceneError> {
+    let [gel, flesh, seed] = [GEL, FLESH, SEED].map(f64::from);
+    let colors = [
+        (20.0, [0.90, 0.12, 0.06]),
+        (55.0, [0.88, 0.14, 0.07]),
+        (gel, [0.55, 0.68, 0.16]),
+        (flesh - 25.0, [0.95, 0.38, 0.16]),
+        (flesh + 30.0, [0.90, 0.22, 0.12]),
+        (seed - 30.0, [0.98, 0.90, 0.58]),
+        (255.0, [1.0, 0.96, 0.75]),
+    ];
+    let opacities = [
+        (15.0, 0.0),
+        (38.0, 0.10),
+        (58.0, 0.012),
+        (gel, 0.010),
+        (flesh - 35.0, 0.016),
+        (flesh, 0.028),
+        (flesh + 35.0, 0.03),
+        (seed - 30.0, 0.7),
+        (255.0, 0.85),
+    ];
+    build(&colors, &opacities, None)
 }
 
 fn curves(colors: &[(f64, [f64; 3])], opacities: &[(f64, f64)]) -> Result<TransferFunction, SceneError> {

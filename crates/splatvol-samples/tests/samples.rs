@@ -58,6 +58,13 @@ fn default_dims_are_those_of_the_papers() {
     assert_eq!(dims("checker-sheet"), [498, 398, 1]);
     assert_eq!(dims("tunnel"), [160, 160, 300]);
     assert_eq!(dims("zebra"), [1024, 512, 3]);
+    let default = |sample: Sample| sample.default_dims();
+    assert_eq!(default(Sample::Terrain), [512, 512, 103]);
+    assert_eq!(default(Sample::Microtubules), [420, 468, 62]);
+    assert_eq!(default(Sample::Nerve), [512, 512, 76]);
+    assert_eq!(default(Sample::Tomato), [256; 3]);
+    let nerve = sample("nerve", Some(SampleSize::Longest(64))).unwrap();
+    assert_eq!(nerve.grid().spacing().to_array(), [1.0, 1.0, 5.0]);
 }
 
 #[test]

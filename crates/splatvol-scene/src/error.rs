@@ -30,6 +30,14 @@ pub enum SceneError {
         /// Samples present.
         count: usize,
     },
+    /// Parts of a scene, or of a scene and the settings, that do not go together.
+    #[error("{what} cannot be rendered: {why}")]
+    Combination {
+        /// What was asked for.
+        what: &'static str,
+        /// Why it is not possible, and what is.
+        why: &'static str,
+    },
 }
 
 impl SceneError {

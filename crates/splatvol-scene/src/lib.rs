@@ -11,6 +11,8 @@
 //! | [`lighting`] | the Phong model that engines and reference share |
 //! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
 //! | [`scene`] | volume + transfer function |
+//! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
+//! | [`clip`] | what is cut away |
 //! | [`image`] | linear premultiplied float images, frames with depth |
 //! | [`exposure`] | the mean of frames |
 //!
@@ -26,11 +28,13 @@
 
 pub mod camera;
 pub mod camera_path;
+pub mod clip;
 mod error;
 pub mod exposure;
 pub mod grid;
 pub mod image;
 pub mod lighting;
+pub mod operator;
 pub mod scene;
 pub mod settings;
 pub mod transfer_function;
@@ -38,12 +42,17 @@ pub mod volume;
 
 pub use camera::{Camera, Projection, ScreenFromCamera, View};
 pub use camera_path::{CameraKey, CameraPath};
+pub use clip::{Clip, ClipPlane, Keep};
 pub use error::SceneError;
 pub use exposure::Exposure;
 pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
-pub use scene::Scene;
+pub use operator::{
+    Appearance, BumpMap, EnvironmentMap, GradientOpacity, GradientOpacityPoint, PixelOperator, Region,
+    SheetSample, SolidTexture, Stuff, TransferFunction2d,
+};
+pub use scene::{Isosurface, Scene};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Gradient, Kernel,
     Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, TablePrecision,

@@ -176,17 +176,23 @@ fn x_rays_agree() {
 }
 
 #[test]
-fn maxima_agree() {
+fn values_of_rays_agree() {
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {
-            let settings = RenderSettings {
-                compositing: Compositing::Mip,
-                ..settings(PIXELS)
-            };
-            let images = compare(&scene, &camera(&scene, projection), &settings, 8);
-            let name = format!("{name}-{}-mip", name_of(projection));
-            // Where the value steps to invisible or the coverage to less than half, single pixels fall on either side.
-            check(&name, &images, Tolerance::psnr(30.0).outliers(8, 0.1).bias(4e-3));
+            for (mode, compositing) in [
+                ("mip", Compositing::Mip),
+                ("minip", Compositing::MinimumIntensity),
+                ("mean", Compositing::Mean),
+            ] {
+                let settings = RenderSettings {
+                    compositing,
+                    ..settings(PIXELS)
+                };
+                let images = compare(&scene, &camera(&scene, projection), &settings, 8);
+                let name = format!("{name}-{}-{mode}", name_of(projection));
+                // Where the value steps to invisible or the coverage to less than half, single pixels fall on either side.
+                check(&name, &images, Tolerance::psnr(30.0).outliers(8, 0.1).bias(4e-3));
+            }
         }
     }
 }

@@ -100,6 +100,20 @@ fn frames_of_a_moving_camera_allocate_nothing_but_a_name() {
                 ..post
             },
         ),
+        (
+            "minip",
+            RenderSettings {
+                compositing: Compositing::MinimumIntensity,
+                ..post
+            },
+        ),
+        (
+            "mean",
+            RenderSettings {
+                compositing: Compositing::Mean,
+                ..post
+            },
+        ),
     ];
     for (mode, settings) in modes {
         demand_no_allocations(mode, &scene, &settings);

@@ -35,6 +35,14 @@ fn variants() -> Vec<RenderSettings> {
             compositing: Compositing::Mip,
             ..base
         },
+        RenderSettings {
+            compositing: Compositing::MinimumIntensity,
+            ..base
+        },
+        RenderSettings {
+            compositing: Compositing::Mean,
+            ..base
+        },
     ]
 }
 

@@ -6,6 +6,7 @@ use splatvol::{Lighting, RenderSettings};
 
 use super::KernelArgs;
 use super::values::{self, Triple};
+use super::{FastSplatsArgs, FootprintArgs};
 
 const METHOD: &str = "Method";
 const LIGHT: &str = "Lighting";
@@ -45,6 +46,10 @@ pub(crate) struct MethodArgs {
     /// Transmittance at which a pixel is finished
     #[arg(long, value_name = "SHARE", help_heading = METHOD, help = with_default("Transmittance at which a pixel is finished", |s| s.termination))]
     pub(crate) termination: Option<f64>,
+    #[command(flatten)]
+    pub(crate) footprint: FootprintArgs,
+    #[command(flatten)]
+    pub(crate) fastsplats: FastSplatsArgs,
     /// Show the transfer function's colours as they are
     #[arg(long, help_heading = LIGHT)]
     pub(crate) no_shade: bool,
@@ -63,6 +68,9 @@ pub(crate) struct MethodArgs {
     /// Exponent of the highlight
     #[arg(long, value_name = "POWER", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Exponent of the highlight", |s| light(s).specular_power))]
     pub(crate) specular_power: Option<f64>,
+    /// Gradient (value ranges per voxel) that is half a surface
+    #[arg(long, value_name = "GRADIENT", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Gradient (value ranges per voxel) that is half a surface; what has less is lit from all sides", |s| light(s).gradient_floor))]
+    pub(crate) gradient_floor: Option<f64>,
     /// Towards the light: x right, y down, z forward [default: 0,0,-1, at the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
           allow_hyphen_values = true, conflicts_with = "no_shade")]
@@ -78,6 +86,9 @@ pub(crate) enum PresetName {
     Balanced,
     /// In half of that time; steep edges show where sheets lie
     Fast,
+    /// FastSplats as published in 2000: colours, tables, a summed-area table
+    #[value(name = "fastsplats2000")]
+    FastSplats2000,
 }
 
 /// How sheets become a picture.
@@ -89,6 +100,16 @@ pub(crate) enum CompositingName {
     Xray,
     /// Largest value along the ray
     Mip,
+    /// Smallest value along the ray
+    Minip,
+    /// Mean value along the ray
+    Mean,
+    /// Whole footprints one by one, front to back (Westover 1989)
+    PerSplat,
+    /// Whole footprints one by one, back to front
+    PerSplatBackToFront,
+    /// Whole footprints on slices of the grid (Westover 1990)
+    AxisSheets,
 }
 
 /// What is splatted.
@@ -107,6 +128,10 @@ pub(crate) enum FilterName {
     Ewa,
     /// Footprints narrower than the filter are widened to it
     Matched,
+    /// Footprints of voxels less than a pixel apart are scaled up, and get thinner (Swan 1997)
+    Swan,
+    /// The same, but their opacity falls, as the paper has it
+    SwanAlpha,
 }
 
 /// Where the gradient that lights a sheet comes from.

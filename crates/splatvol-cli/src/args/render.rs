@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use splatvol::ImageSize;
 
-use super::{CameraArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
+use super::{CameraArgs, EffectArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
 
 const OUTPUT: &str = "Output";
 
@@ -22,12 +22,18 @@ Examples:
   splatvol render scan.raw --dims 256x256x109 --type u16 --endian big --spacing 1,1,2
   splatvol render ct.nrrd --iso 300 --light=-1,-1,-1 --background white
   splatvol render ct.nrrd --compositing mip --orthographic --view left
+  splatvol render sample:tunnel --compositing axis-sheets --filter swan
+  splatvol render --list-methods
+  splatvol render sample:head --iso 300 --iso-exact --texture marble --depth head-depth.exr
+  splatvol render sample:head --clip-plane 0,0,40:0,0,-1 --view iso
+  splatvol render ct.nrrd --gradient-opacity 0:0,50:0.2,200:1
+  splatvol render ct.nrrd --iso 300 --bump word.png --environment studio.exr --environment-share 0.3
   splatvol render --like head.png --azimuth 30 -o head-30.png
   splatvol render sample:head:128 --background none -o - > head.png"
 )]
 pub(crate) struct RenderArgs {
     /// Volume: a file, or sample:NAME[:SIZE] (see splatvol sample)
-    #[arg(required_unless_present = "like")]
+    #[arg(required_unless_present_any = ["like", "list_methods"])]
     pub(crate) input: Option<String>,
     /// Picture: .png, .exr, or - for a PNG on stdout [default: INPUT's name with .png]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
@@ -41,6 +47,9 @@ pub(crate) struct RenderArgs {
     /// Bits per channel of a PNG: 8 or 16 [default: 8]
     #[arg(long, value_parser = values::bits, help_heading = OUTPUT)]
     pub(crate) bits: Option<u8>,
+    /// Camera depths in world lengths too: .exr or .npy (floats), or .png (16 bits, its range in its text)
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) depth: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
     /// Take everything that is not given from the PNG that splatvol wrote here
@@ -51,9 +60,14 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) look: LookArgs,
     #[command(flatten)]
+    pub(crate) effects: EffectArgs,
+    #[command(flatten)]
     pub(crate) method: MethodArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
+    /// List every method that a picture can be made by, with the flag that selects it
+    #[arg(long)]
+    pub(crate) list_methods: bool,
     /// Threads; 0 takes one per processor. The picture does not depend on it [default: 0]
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<usize>,

@@ -2,11 +2,12 @@
 
 use std::str::FromStr;
 
-use splatvol::ImageSize;
+use glam::DVec3;
+use splatvol::{ClipPlane, GradientOpacity, GradientOpacityPoint, ImageSize};
 use splatvol_io::{Endian, SampleType};
 use splatvol_samples::SampleSize;
 
-use super::Background;
+use super::{Background, BoxSides, GradientCurve};
 
 /// x, y, z.
 pub(crate) type Triple = [f64; 3];
@@ -49,6 +50,35 @@ pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
         .and_then(|values| <[f64; 2]>::try_from(values).ok())
         .filter(|[low, high]| low.is_finite() && high.is_finite() && low < high)
         .ok_or_else(|| "expected two numbers, the smaller first: LO,HI".to_owned())
+}
+
+pub(crate) fn gradient_curve(text: &str) -> Result<GradientCurve, String> {
+    let point = |part: &str| {
+        let (gradient, factor) = part.split_once(':')?;
+        Some(GradientOpacityPoint {
+            gradient: gradient.trim().parse().ok()?,
+            factor: factor.trim().parse().ok()?,
+        })
+    };
+    let points = text.split(',').map(point).collect::<Option<Vec<_>>>();
+    let points = points.ok_or_else(|| "expected GRADIENT:FACTOR,GRADIENT:FACTOR,...".to_owned())?;
+    GradientOpacity::new(&points).map_err(|error| error.to_string())?;
+    Ok(GradientCurve(points))
+}
+
+pub(crate) fn clip_plane(text: &str) -> Result<ClipPlane, String> {
+    let (point, normal) = text
+        .split_once(':')
+        .ok_or_else(|| "expected a point and a normal: X,Y,Z:NX,NY,NZ".to_owned())?;
+    let [point, normal] = [triple(point)?, triple(normal)?].map(DVec3::from_array);
+    ClipPlane::new(point, normal).map_err(|error| error.to_string())
+}
+
+pub(crate) fn box_sides(text: &str) -> Result<BoxSides, String> {
+    numbers(text, &[','])
+        .and_then(|values| <BoxSides>::try_from(values).ok())
+        .filter(|sides| sides.iter().all(|v| v.is_finite()) && sides.chunks(2).all(|pair| pair[0] < pair[1]))
+        .ok_or_else(|| "expected six numbers, the smaller of each pair first: X0,X1,Y0,Y1,Z0,Z1".to_owned())
 }
 
 pub(crate) fn dims(text: &str) -> Result<Dims, String> {
@@ -164,6 +194,25 @@ mod tests {
         );
         for bad in ["mauve", "#ff00", "#\u{e9}12345", "1,2,3", "0,0", "nan,0,0"] {
             assert!(background(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn curves_planes_and_boxes_are_checked() {
+        let curve = gradient_curve("0:0, 40:.5,90:1").unwrap();
+        assert_eq!(curve.0.len(), 3);
+        assert_eq!((curve.0[1].gradient, curve.0[1].factor), (40.0, 0.5));
+        let plane = clip_plane("1,2,3:0,0,-2").unwrap();
+        assert_eq!(plane.normal(), -DVec3::Z);
+        assert_eq!(box_sides("-1,1,-2,2,-3,3"), Ok([-1.0, 1.0, -2.0, 2.0, -3.0, 3.0]));
+        for bad in ["", "1", "1:2", "-1:0", "0:0,x:1"] {
+            assert!(gradient_curve(bad).is_err(), "{bad}");
+        }
+        for bad in ["1,2,3", "1,2,3:0,0,0", "1,2:0,0,1"] {
+            assert!(clip_plane(bad).is_err(), "{bad}");
+        }
+        for bad in ["1,0,0,1,0,1", "0,1,0,1", "0,1,0,1,0,nan"] {
+            assert!(box_sides(bad).is_err(), "{bad}");
         }
     }
 

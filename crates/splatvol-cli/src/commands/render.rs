@@ -3,21 +3,27 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use splatvol::{Camera, Frame, RenderSettings, RenderStatistics, Scene};
-use splatvol_io::ImageFormat;
+use splatvol::{
+    Camera, Classification, Compositing, Frame, Gradient, RenderSettings, RenderStatistics, Scene,
+};
+use splatvol_io::{DepthFormat, ImageFormat, encode_depth};
 
 use super::studio::{Studio, engine};
-use crate::args::{Background, CameraArgs, RenderArgs, values};
+use crate::args::{Background, CameraArgs, EffectArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, encode_frame, picture_format};
 use crate::recipe::{CameraRecipe, InputRecipe, Recipe, command_line};
 use crate::resolve::camera::Surroundings;
+use crate::resolve::effects::Effects;
 use crate::resolve::input::Input;
 use crate::resolve::look::Look;
-use crate::resolve::{camera, input, look, method};
+use crate::resolve::{camera, effects, input, look, method};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
+    if args.list_methods {
+        return Target::Stdout.write(super::methods::list().as_bytes(), false);
+    }
     let start = Instant::now();
     let (like, reference) = sources(args)?;
     let outputs = Outputs::new(args, &reference)?;
@@ -89,12 +95,15 @@ pub(super) fn prepare(
     let loaded = input::load(&reference, args.read.strict, beside, terminal)?;
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
 
-    let resolved = Resolved::new(args, like, (&loaded, turns), terminal)?;
+    let resolved = Resolved::new((args, like), (&loaded, turns), beside, terminal)?;
     terminal.detail(format!("camera: {}", describe(&resolved.camera)));
+    let recipe = resolved.recipe(args, like, reference);
     Ok(Prepared {
-        recipe: resolved.recipe(args, like, reference),
+        recipe,
         camera: resolved.camera,
-        scene: Scene::new(loaded.volume, resolved.look.transfer_function),
+        scene: resolved
+            .applied
+            .scene(loaded.volume, resolved.look.transfer_function)?,
         files: loaded.description.files,
         threads,
     })
@@ -136,6 +145,7 @@ pub(super) fn encode(frame: &Frame, format: ImageFormat, recipe: &Recipe) -> Res
 struct Outputs {
     picture: Target,
     format: ImageFormat,
+    depth: Option<(Target, DepthFormat)>,
     stats: Option<Target>,
 }
 
@@ -153,21 +163,44 @@ impl Outputs {
         if picture == Target::Stdout && stats == Some(Target::Stdout) {
             return Err(Failure::usage("picture and statistics cannot both go to stdout"));
         }
+        let depth = args.depth.as_deref().map(depth_target).transpose()?;
         picture.check(args.write.overwrite)?;
+        if let Some((depth, _)) = &depth {
+            if *depth == picture {
+                return Err(Failure::usage("picture and depth cannot go to the same file"));
+            }
+            depth.check(args.write.overwrite)?;
+        }
         if let Some(stats) = &stats {
             stats.check(args.write.overwrite)?;
         }
         Ok(Self {
             picture,
             format,
+            depth,
             stats,
         })
     }
 
     fn write(&self, frame: &Frame, recipe: &Recipe, overwrite: bool) -> Result<(), Failure> {
         self.picture
-            .write(&encode(frame, self.format, recipe)?, overwrite)
+            .write(&encode(frame, self.format, recipe)?, overwrite)?;
+        if let Some((target, format)) = &self.depth {
+            let size = frame.image.size();
+            let software = [("Software".to_owned(), format!("splatvol {}", recipe.version))];
+            let bytes = encode_depth(&frame.depth, size, *format, &software).during(Step::Output)?;
+            target.write(&bytes, overwrite)?;
+        }
+        Ok(())
     }
+}
+
+fn depth_target(path: &Path) -> Result<(Target, DepthFormat), Failure> {
+    let format = DepthFormat::from_path(path).ok_or_else(|| {
+        Failure::usage(format!("{}: no depth format has this extension", path.display()))
+            .hint("use .exr, .png or .npy")
+    })?;
+    Ok((Target::new(path), format))
 }
 
 /// `folder/scan.nii.gz` makes `scan.png`, here; `sample:head:128` makes `head.png`.
@@ -194,25 +227,37 @@ struct Resolved {
     look: Look,
     settings: RenderSettings,
     camera: Camera,
+    /// What the picture remembers of its effects.
+    effects: EffectArgs,
+    applied: Effects,
 }
 
 impl Resolved {
     fn new(
-        args: &RenderArgs,
-        like: Option<&Recipe>,
+        (args, like): (&RenderArgs, Option<&Recipe>),
         (input, turns): (&Input, bool),
+        beside: Option<&Path>,
         terminal: &Terminal,
     ) -> Result<Self, Failure> {
+        let mut effects = like.map_or_else(|| args.effects.clone(), |like| effects_like(args, like));
+        let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look));
+        let function = effects::transfer_function_2d(&effects, &asked, &input.volume, beside)?;
         let like_settings = like.map(|like| &like.settings);
         let compositing = method::compositing(&args.method, like_settings);
-        let look = match like.filter(|like| keeps_look(args, like, compositing)) {
-            Some(like) => Look::from(like.transfer_function.clone()),
-            None => {
-                let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look));
-                look::resolve(&asked, input, compositing, terminal)?
-            }
+        let look = match (&function, like.filter(|like| keeps_look(args, like, compositing))) {
+            (Some(function), _) => Look::from(function.marginal().during(Step::Usage)?),
+            (None, Some(like)) => Look::from(like.transfer_function.clone()),
+            (None, None) => look::resolve(&asked, input, compositing, terminal)?,
         };
-        let settings = method::resolve(&args.method, args.size, like_settings, look.classification)?;
+        let settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
+        if let (None, Some(curve)) = (&effects.gradient_opacity, &look.gradient_opacity) {
+            if shows_gradients(&settings) {
+                effects.gradient_opacity = Some(curve.clone());
+            } else {
+                terminal.warn("the transfer function's gradient opacity was left out: only post-classified image sheets with gradients by differences have it");
+            }
+        }
+        let applied = effects::resolve(&effects, &asked, &input.volume, (function, beside))?;
         let camera = camera::resolve(
             &args.camera,
             &Surroundings::new(
@@ -228,6 +273,8 @@ impl Resolved {
             look,
             settings,
             camera,
+            effects,
+            applied,
         })
     }
 
@@ -250,6 +297,7 @@ impl Resolved {
                 .map_or_else(Vec::new, |like| like.sub_frames.clone()),
             look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look)),
             transfer_function: self.look.transfer_function.clone(),
+            effects: self.effects.clone(),
             settings: self.settings,
             background,
             bits: args.bits.or(like.map(|like| like.bits)).unwrap_or(8),
@@ -260,9 +308,33 @@ impl Resolved {
     }
 }
 
+/// Effects of an earlier picture where flags are silent. Another transfer function than the earlier picture's does not
+/// take over what the file of that one, or its two-dimensional one, said.
+fn effects_like(args: &RenderArgs, like: &Recipe) -> EffectArgs {
+    let mut old = like.effects.clone();
+    if args.look.tf.is_some() {
+        old.gradient_opacity = None;
+    }
+    let asked = &args.look;
+    if asked.tf.is_some() || asked.cmap.is_some() || asked.opacity.is_some() || asked.iso.is_some() {
+        old.tf2d = None;
+    }
+    if args.effects.tf2d.is_some() || asked.or(&like.look).iso.is_none() {
+        old.iso_exact = false;
+    }
+    args.effects.or(&old)
+}
+
+/// Whether sheets are classified pixel by pixel, with gradients.
+fn shows_gradients(settings: &RenderSettings) -> bool {
+    settings.compositing == Compositing::ImageSheets
+        && settings.classification == Classification::Post
+        && settings.gradient == Gradient::Differences
+}
+
 /// Whether the earlier picture's transfer function is taken as it is: nothing was asked about it, and neither the
 /// volume nor the compositing that an automatic choice depends on is another.
-fn keeps_look(args: &RenderArgs, like: &Recipe, compositing: splatvol::Compositing) -> bool {
+fn keeps_look(args: &RenderArgs, like: &Recipe, compositing: Compositing) -> bool {
     let same_input = args.input.as_ref().is_none_or(|own| *own == like.input.reference);
     args.look.is_empty() && same_input && compositing == like.settings.compositing
 }

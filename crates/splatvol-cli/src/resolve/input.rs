@@ -111,7 +111,8 @@ fn generate(text: &str) -> Result<Input, Failure> {
     })
 }
 
-fn locate(path: &Path, beside: Option<&Path>) -> PathBuf {
+/// A path, or if it leads nowhere and one in the folder `beside` does, that.
+pub(crate) fn locate(path: &Path, beside: Option<&Path>) -> PathBuf {
     let there = beside
         .map(|folder| folder.join(path))
         .filter(|there| there.exists());

@@ -7,8 +7,10 @@ use splatvol::{
     Classification, ColorMap, ColorPoint, Compositing, OpacityCurve, OpacityPoint, TransferFunction,
 };
 
+use splatvol_io::transfer_function::GRADIENT_OPACITY_LEFT_OUT;
+
 use super::input::Input;
-use crate::args::LookArgs;
+use crate::args::{GradientCurve, LookArgs};
 use crate::failure::{During, Failure, Step};
 use crate::terminal::Terminal;
 
@@ -18,15 +20,25 @@ const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
 /// A transfer function and what its choice implies.
 pub(crate) struct Look {
     pub(crate) transfer_function: TransferFunction,
-    /// Where the data want another classification than the default.
+    pub(crate) wishes: Wishes,
+    /// What the file says beyond value and colour.
+    pub(crate) gradient_opacity: Option<GradientCurve>,
+}
+
+/// What the data want otherwise than the defaults.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Wishes {
     pub(crate) classification: Option<Classification>,
+    /// Colours as they are, without light.
+    pub(crate) unlit: bool,
 }
 
 impl From<TransferFunction> for Look {
     fn from(transfer_function: TransferFunction) -> Self {
         Self {
             transfer_function,
-            classification: None,
+            wishes: Wishes::default(),
+            gradient_opacity: None,
         }
     }
 }
@@ -65,7 +77,11 @@ fn chosen(
         .transpose()
         .during(Step::Usage)?;
     if let Some(path) = &args.tf {
-        return from_file(path, args.clim, volume.value_range(), terminal).map(Look::from);
+        let curve = splatvol_io::read_gradient_opacity(path).during(Step::Input)?;
+        return Ok(Look {
+            gradient_opacity: curve.map(GradientCurve),
+            ..from_file(path, args.clim, volume.value_range(), terminal)?.into()
+        });
     }
     let [low, high] = args.clim.unwrap_or(volume.value_range());
     if let Some(value) = args.iso {
@@ -77,12 +93,12 @@ fn chosen(
         };
     }
     if args.opacity.is_none() && args.clim.is_none() {
-        if compositing == Compositing::Mip && map.is_none() {
+        if compositing.shows_one_value() && map.is_none() {
             return TransferFunction::gray_ramp([low, high], 1.0)
                 .during(Step::Usage)
                 .map(Look::from);
         }
-        if compositing != Compositing::Mip {
+        if !compositing.shows_one_value() {
             return automatic(input, map, terminal);
         }
     }
@@ -90,7 +106,7 @@ fn chosen(
     let curve = OpacityCurve::from_name(curve).during(Step::Usage)?;
     let range = match args.clim {
         Some(range) => range,
-        None if compositing == Compositing::Mip => [low, high],
+        None if compositing.shows_one_value() => [low, high],
         None => TransferFunction::automatic(volume, None).1.range,
     };
     let map = match map {
@@ -111,7 +127,8 @@ fn from_file(
 ) -> Result<TransferFunction, Failure> {
     let read = |range| splatvol_io::read_transfer_function(path, range).during(Step::Input);
     let (own, warnings) = read(value_range)?;
-    for warning in warnings {
+    // Gradient opacity is read besides.
+    for warning in warnings.into_iter().filter(|w| w != GRADIENT_OPACITY_LEFT_OUT) {
         terminal.warn(format!("{}: {warning}", path.display()));
     }
     let Some(range) = clim else {
@@ -132,14 +149,22 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         let transfer_function = sample.default_transfer_function().during(Step::Render)?;
         return Ok(Look {
             transfer_function,
-            classification: Some(sample.preferred_classification()),
+            wishes: Wishes {
+                classification: Some(sample.preferred_classification()),
+                unlit: !sample.is_lit(),
+            },
+            gradient_opacity: None,
         });
     }
     let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
     terminal.detail(format!("transfer function: {}", choice.reason));
     Ok(Look {
         transfer_function,
-        classification: Some(choice.classification),
+        wishes: Wishes {
+            classification: Some(choice.classification),
+            unlit: false,
+        },
+        gradient_opacity: None,
     })
 }
 

@@ -2,6 +2,8 @@
 
 use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Lighting, RenderSettings};
 
+use super::look::Wishes;
+use super::{fastsplats, footprint};
 use crate::args::{ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName};
 use crate::failure::{During, Failure, Step};
 use crate::resolve::kernel;
@@ -15,6 +17,11 @@ pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> C
         Some(CompositingName::ImageSheets) => Compositing::ImageSheets,
         Some(CompositingName::Xray) => Compositing::Xray,
         Some(CompositingName::Mip) => Compositing::Mip,
+        Some(CompositingName::Minip) => Compositing::MinimumIntensity,
+        Some(CompositingName::Mean) => Compositing::Mean,
+        Some(CompositingName::PerSplat) => Compositing::PerSplat,
+        Some(CompositingName::PerSplatBackToFront) => Compositing::PerSplatBackToFront,
+        Some(CompositingName::AxisSheets) => Compositing::AxisSheets,
         None => like.map_or_else(Compositing::default, |like| like.compositing),
     }
 }
@@ -24,13 +31,14 @@ pub(crate) fn resolve(
     args: &MethodArgs,
     size: Option<ImageSize>,
     like: Option<&RenderSettings>,
-    wanted: Option<Classification>,
+    wishes: Wishes,
 ) -> Result<RenderSettings, Failure> {
     let mut settings = match like {
         Some(like) => *like,
         None => RenderSettings {
             size: ImageSize::new(SIDE, SIDE).during(Step::Usage)?,
-            classification: wanted.unwrap_or_default(),
+            classification: wishes.classification.unwrap_or_default(),
+            lighting: RenderSettings::default().lighting.filter(|_| !wishes.unlit),
             ..RenderSettings::default()
         },
     };
@@ -59,6 +67,10 @@ pub(crate) fn resolve(
     let kept = settings.prefilter && settings.kernel.gaussian().is_some();
     settings.prefilter = !args.no_prefilter && (args.prefilter || kept);
     settings.lighting = lighting(args, settings.lighting);
+    footprint::set(&args.footprint, &mut settings)?;
+    fastsplats::set(&args.fastsplats, &mut settings)?;
+    let is_free = args.classification.is_none() && like.is_none();
+    footprint::complete(&args.footprint, &mut settings, is_free);
     settings.validate().during(Step::Usage)?;
     Ok(settings)
 }
@@ -70,6 +82,14 @@ fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
         PresetName::Best => RenderSettings::best(),
         PresetName::Balanced => RenderSettings::balanced(),
         PresetName::Fast => RenderSettings::fast(),
+        // A whole method, which says too what is splatted.
+        PresetName::FastSplats2000 => {
+            return RenderSettings {
+                size: shown.size,
+                lighting: shown.lighting,
+                ..RenderSettings::fastsplats2000()
+            };
+        }
     };
     RenderSettings {
         size: shown.size,
@@ -88,13 +108,18 @@ fn set<T>(field: &mut T, value: Option<T>) {
 
 fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
     let width = match old {
-        Filter::None => Filter::default().pixel_sigma(),
+        Filter::None | Filter::Swan | Filter::SwanAlpha => Filter::default().pixel_sigma(),
         Filter::Ewa { pixel_sigma } | Filter::Matched { pixel_sigma } => pixel_sigma,
     };
     match (args.filter, args.pixel_sigma) {
         (Some(FilterName::None), Some(_)) => {
             Err(Failure::usage("--pixel-sigma has no meaning with --filter none"))
         }
+        (Some(FilterName::Swan | FilterName::SwanAlpha), Some(_)) => Err(Failure::usage(
+            "--pixel-sigma has no meaning with --filter swan: footprints grow until voxels are a pixel apart",
+        )),
+        (Some(FilterName::Swan), None) => Ok(Filter::Swan),
+        (Some(FilterName::SwanAlpha), None) => Ok(Filter::SwanAlpha),
         (Some(FilterName::None), None) => Ok(Filter::None),
         (Some(FilterName::Ewa), Some(pixel_sigma)) => Ok(Filter::Ewa { pixel_sigma }),
         (Some(FilterName::Matched), Some(pixel_sigma)) => Ok(Filter::Matched { pixel_sigma }),
@@ -102,7 +127,7 @@ fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
         (Some(FilterName::Matched), None) => Ok(Filter::Matched { pixel_sigma: width }),
         (None, Some(pixel_sigma)) => Ok(match old {
             Filter::Matched { .. } => Filter::Matched { pixel_sigma },
-            Filter::None | Filter::Ewa { .. } => Filter::Ewa { pixel_sigma },
+            _ => Filter::Ewa { pixel_sigma },
         }),
         (None, None) => Ok(old),
     }
@@ -113,13 +138,20 @@ fn lighting(args: &MethodArgs, old: Option<Lighting>) -> Option<Lighting> {
     if args.no_shade {
         return None;
     }
-    let strengths = [args.ambient, args.diffuse, args.specular, args.specular_power];
-    let asked = args.shade || args.light.is_some() || strengths.iter().any(Option::is_some);
+    let numbers = [
+        args.ambient,
+        args.diffuse,
+        args.specular,
+        args.specular_power,
+        args.gradient_floor,
+    ];
+    let asked = args.shade || args.light.is_some() || numbers.iter().any(Option::is_some);
     let mut lighting = old.or(asked.then(Lighting::default))?;
     set(&mut lighting.ambient, args.ambient);
     set(&mut lighting.diffuse, args.diffuse);
     set(&mut lighting.specular, args.specular);
     set(&mut lighting.specular_power, args.specular_power);
+    set(&mut lighting.gradient_floor, args.gradient_floor);
     set(&mut lighting.direction, args.light);
     Some(lighting)
 }
@@ -137,7 +169,7 @@ mod tests {
             sheet_thickness: 1.0,
             ..RenderSettings::default()
         };
-        let resolve = |args: &MethodArgs| resolve(args, None, Some(&like), None).unwrap();
+        let resolve = |args: &MethodArgs| resolve(args, None, Some(&like), Wishes::default()).unwrap();
         assert_eq!(resolve(&MethodArgs::default()), like);
         let lit = resolve(&MethodArgs {
             ambient: Some(0.5),
@@ -169,7 +201,7 @@ mod tests {
             },
             ..MethodArgs::default()
         };
-        let settings = resolve(&args, None, Some(&like), None).unwrap();
+        let settings = resolve(&args, None, Some(&like), Wishes::default()).unwrap();
         let fast = preset(PresetName::Fast, &like);
         assert_eq!(settings.sheet_thickness, fast.sheet_thickness);
         assert_eq!(settings.filter, Filter::None);
@@ -181,7 +213,7 @@ mod tests {
             preset: Some(PresetName::Best),
             ..MethodArgs::default()
         };
-        let settings = resolve(&args, None, Some(&like), None).unwrap();
+        let settings = resolve(&args, None, Some(&like), Wishes::default()).unwrap();
         assert_eq!(
             settings,
             RenderSettings {
@@ -201,7 +233,7 @@ mod tests {
             no_prefilter: true,
             ..MethodArgs::default()
         };
-        let settings = resolve(&args, None, None, None).unwrap();
+        let settings = resolve(&args, None, None, Wishes::default()).unwrap();
         let (sigma, radius) = settings.kernel.gaussian().unwrap();
         let (default_sigma, default_radius) = RenderSettings::default().kernel.gaussian().unwrap();
         assert_eq!(sigma, 1.4);
@@ -211,13 +243,36 @@ mod tests {
 
     #[test]
     fn labels_are_classified_first_unless_told_otherwise() {
-        let pre = resolve(&MethodArgs::default(), None, None, Some(Classification::Pre)).unwrap();
+        let wishes = Wishes {
+            classification: Some(Classification::Pre),
+            unlit: false,
+        };
+        let pre = resolve(&MethodArgs::default(), None, None, wishes).unwrap();
         assert_eq!(pre.classification, Classification::Pre);
         let args = MethodArgs {
             classification: Some(ClassificationName::Post),
             ..MethodArgs::default()
         };
-        let post = resolve(&args, None, None, Some(Classification::Pre)).unwrap();
+        let post = resolve(&args, None, None, wishes).unwrap();
         assert_eq!(post.classification, Classification::Post);
+    }
+
+    #[test]
+    fn photographs_are_unlit_unless_light_is_asked_for() {
+        let wishes = Wishes {
+            classification: None,
+            unlit: true,
+        };
+        let plain = resolve(&MethodArgs::default(), None, None, wishes).unwrap();
+        assert_eq!(plain.lighting, None);
+        let args = MethodArgs {
+            gradient_floor: Some(0.25),
+            ..MethodArgs::default()
+        };
+        let lit = resolve(&args, None, None, wishes).unwrap().lighting.unwrap();
+        assert_eq!(
+            (lit.gradient_floor, lit.ambient),
+            (0.25, Lighting::default().ambient)
+        );
     }
 }

@@ -4,6 +4,9 @@
 
 pub(crate) mod around;
 pub(crate) mod camera;
+pub(crate) mod effects;
+mod fastsplats;
+mod footprint;
 mod framing;
 pub(crate) mod input;
 pub(crate) mod kernel;

@@ -77,6 +77,10 @@ fn samples_are_listed_and_written() {
         "shells",
         "ball",
         "slab",
+        "terrain",
+        "microtubules",
+        "nerve",
+        "tomato",
     ] {
         assert!(
             list.lines().any(|line| line.starts_with(name)),

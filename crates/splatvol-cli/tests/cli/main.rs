@@ -3,6 +3,7 @@
 mod animate;
 mod bench;
 mod commands;
+mod effects;
 mod kernels;
 mod orientation;
 mod render;

@@ -141,6 +141,9 @@ fn every_method_renders() {
     let sandbox = Sandbox::new();
     for (i, flags) in [
         "--compositing mip",
+        "--compositing minip",
+        "--compositing mean --cmap viridis",
+        "--gradient-floor 0.1",
         "--compositing xray",
         "--classification pre --sheet-thickness 1",
         "--filter none --no-prefilter --kernel-sigma 1 --kernel-radius 2.5",

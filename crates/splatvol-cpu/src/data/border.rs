@@ -4,11 +4,11 @@
 //! which continues the box by a margin, is the same with the margin added. Only vectors of pixels that come near a face
 //! are asked for; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` errs by less than 2e-4.
 
-use fearless_simd::{f32x16, prelude::*};
+use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Vec3, Vec3A};
 use splatvol_core::bin::TileRect;
 
-use crate::stage::simd_exp::exp2;
+use crate::stage::simd_exp::{exp2, exp2_of};
 
 /// The volume's box as camera space sees it.
 #[derive(Debug, Clone)]
@@ -30,6 +30,17 @@ pub(crate) struct Shares<S: Simd> {
     pub coverage: f32x16<S>,
     /// One over the share on the lattice.
     pub per_weight: f32x16<S>,
+}
+
+/// Shares on the lattice below this lie so far outside the volume that their values count for nothing.
+const FADED: f32 = 0.15;
+
+impl<S: Simd> Shares<S> {
+    /// Where the share on the lattice is too small for a value.
+    #[inline(always)]
+    pub(crate) fn is_faded(&self, simd: S) -> mask32x16<S> {
+        self.per_weight.simd_ge(f32x16::splat(simd, 0.999 / FADED))
+    }
 }
 
 /// Standard deviations from a face beyond which it does not matter.
@@ -112,8 +123,30 @@ impl Border {
             .min(one);
         Shares {
             coverage,
-            per_weight: one / all.max(f32x16::splat(simd, 0.15)),
+            per_weight: one / all.max(f32x16::splat(simd, FADED)),
         }
+    }
+
+    /// Coverage, and one over the share on the lattice, of one pixel of a plane.
+    pub(crate) fn at_pixel(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> [f32; 2] {
+        let point = plane.at(x, y);
+        let (mut own, mut all) = (1.0, 1.0);
+        for axis in 0..3 {
+            let (size, margin) = (self.size[axis] / self.sigma, self.margin[axis] / self.sigma);
+            let x = point[axis] / self.sigma;
+            let near = x.min(size - x);
+            if near >= REACH {
+                continue;
+            }
+            own *= cumulative_of(near);
+            all *= cumulative_of(near + margin);
+            if size < 2.0 * REACH {
+                own *= cumulative_of(size - near);
+                all *= cumulative_of(size + margin - near);
+            }
+        }
+        let coverage: f32 = ((own - 0.5) * (1.0 / 0.98) + 0.5).clamp(0.0, 1.0);
+        [coverage, 1.0 / f32::max(all, 0.15)]
     }
 }
 
@@ -143,4 +176,10 @@ fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let exponent = (x * x * -0.1018 - 2.3048) * x;
     let one = f32x16::splat(simd, 1.0);
     one / (one + exp2(simd, exponent))
+}
+
+/// The same of one number.
+fn cumulative_of(x: f32) -> f32 {
+    let x = x.clamp(-5.0, 5.0);
+    1.0 / (1.0 + exp2_of((x * x * -0.1018 - 2.3048) * x))
 }

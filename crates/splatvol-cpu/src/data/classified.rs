@@ -10,6 +10,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::{FieldStore, Neighbourhood};
 use splatvol_core::visibility::BRICK_VOXELS;
 
+use super::cut::Cut;
 use super::mode::Bricks;
 use super::sheet::Lanes16;
 use crate::stage::shade::Phong;
@@ -62,6 +63,8 @@ pub(crate) struct ClassifiedBricks<'a> {
     /// Values outside are invisible.
     hull: [f32; 2],
     light: Option<VoxelLight>,
+    /// Voxels that are left out; lattice space.
+    cut: Option<&'a Cut>,
 }
 
 impl Bricks for ClassifiedBricks<'_> {
@@ -86,6 +89,15 @@ impl<'a> ClassifiedBricks<'a> {
             table,
             hull,
             light: None,
+            cut: None,
+        }
+    }
+
+    /// The same without the voxels that a cut leaves out.
+    pub(crate) fn cut(self, cut: &'a Cut) -> Self {
+        Self {
+            cut: (!cut.is_empty()).then_some(cut),
+            ..self
         }
     }
 
@@ -131,6 +143,9 @@ impl<'a> ClassifiedBricks<'a> {
         }
         let handle = HANDLE | (slot * BRICK_VOXELS as u32);
         self.classify(simd, pairs, handle, values, &mut voxels[index]);
+        if let Some(cut) = self.cut {
+            cut.drop_voxels(self.field.brick_first(self.bricks[brick]), values);
+        }
     }
 
     /// Finds the rows that hold values which may be visible. Their light is the colours' own.

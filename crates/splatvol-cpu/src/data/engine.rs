@@ -6,21 +6,26 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
+use glam::Affine3A;
 use rayon::prelude::*;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
 
 use super::classified::ClassifiedBricks;
 use super::compose::Compose;
+use super::cut::{Cut, world_from_lattice};
 use super::frame::{Plan, Sampling, View};
 use super::integral::Integral;
-use super::intensity::Intensity;
+use super::intensity::{Extreme, Intensity, Mean};
 use super::level::{Detail, Pyramid, Wanted};
 use super::mode::{Bricks, Mode};
+use super::operated::Operated;
+use super::pixel::Units;
 use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
+use crate::stage::extremum::{Largest, Smallest};
 use crate::stage::shade::Phong;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
@@ -152,7 +157,19 @@ impl DataEngine {
         let spacing = scene.volume.grid().mean_spacing();
         statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
         let look = (&level.classification, level.hull);
-        let bricks = ClassifiedBricks::new((store, &level.visible), look);
+        let cut = || {
+            Cut::new(
+                &scene.clips,
+                world_from_lattice(grid.world_from_voxel(), view.margin()),
+            )
+        };
+        let voxel_cut = if wanted == Wanted::Classified {
+            cut()
+        } else {
+            Cut::default()
+        };
+        let bricks = ClassifiedBricks::new((store, &level.visible), look).cut(&voxel_cut);
+        let classified = (&level.classification, scene.unit_distance());
         let shader = || view.shader((store, &level.table), (settings, spacing));
         match (wanted, sampling) {
             (Wanted::Classified, Sampling::Rays) => {
@@ -175,20 +192,44 @@ impl DataEngine {
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Largest, _) => {
-                let classified = (&level.classification, scene.unit_distance());
-                let mode = Intensity::new(store, shader(), classified);
+                let mode = Intensity::<Extreme<Largest>>::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::Smallest, _) => {
+                let mode = Intensity::<Extreme<Smallest>>::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::All, _) => {
+                let mode = Intensity::<Mean>::new(store, shader(), classified);
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {
                 let mode = Shaded {
                     store,
                     shader: shader(),
+                    operated: operated(scene, camera, store),
                 };
                 job.render(store, &mode, frame, statistics);
             }
         }
         Some(())
     }
+}
+
+/// What a scene asks to be done to pixels.
+fn operated<'a>(scene: &'a Scene, camera: &Camera, store: &FieldStore) -> Option<Operated<'a>> {
+    let [low, high] = store.volume().value_range();
+    let world_from_camera = camera.camera_from_world().inverse();
+    let range = if high > low { high - low } else { 1.0 };
+    let units = Units {
+        world_from_camera: Affine3A::from_mat3_translation(
+            world_from_camera.matrix3.as_mat3(),
+            world_from_camera.translation.as_vec3(),
+        ),
+        lowest: low as f32,
+        range: range as f32,
+    };
+    Operated::new(scene, Cut::new(&scene.clips, world_from_camera), units)
 }
 
 /// The tiles of one level's picture.

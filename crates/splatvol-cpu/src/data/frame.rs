@@ -198,6 +198,11 @@ impl View {
         self.camera_from_lattice.matrix3
     }
 
+    /// Lattice points before the first sample along each axis.
+    pub(crate) fn margin(&self) -> [usize; 3] {
+        self.margin
+    }
+
     fn rays(&self) -> Rays {
         let per_pixel = 1.0 / self.screen.scale as f32;
         Rays {

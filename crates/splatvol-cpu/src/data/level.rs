@@ -30,6 +30,10 @@ pub(crate) enum Wanted {
     Visible,
     /// Those around values of the field that are as large as some visible one: a larger one hides it.
     Largest,
+    /// Those around values of the field that are as small as some visible one.
+    Smallest,
+    /// All: each has a share in the mean.
+    All,
     /// Those that are visible themselves.
     Classified,
 }
@@ -37,12 +41,12 @@ pub(crate) enum Wanted {
 impl Wanted {
     /// What settings ask for.
     pub(crate) fn of(settings: &RenderSettings) -> Self {
-        if settings.compositing == Compositing::Mip {
-            Self::Largest
-        } else if splats_color(settings) {
-            Self::Classified
-        } else {
-            Self::Visible
+        match settings.compositing {
+            Compositing::Mip => Self::Largest,
+            Compositing::MinimumIntensity => Self::Smallest,
+            Compositing::Mean => Self::All,
+            _ if splats_color(settings) => Self::Classified,
+            _ => Self::Visible,
         }
     }
 }
@@ -116,10 +120,11 @@ impl Level {
                 .iter()
                 .for_each(|&brick| cover(self.field.brick_first(brick)));
         } else {
-            if wanted == Wanted::Largest {
-                self.field.update(&visible.and_larger());
-            } else {
-                self.field.update(&visible);
+            match wanted {
+                Wanted::Largest => self.field.update(&visible.and_larger()),
+                Wanted::Smallest => self.field.update(&visible.and_smaller()),
+                Wanted::All => self.field.update(&VisibleLevels::all()),
+                Wanted::Visible | Wanted::Classified => self.field.update(&visible),
             }
             self.table
                 .update(&self.classification, &visible, self.field.background());

@@ -8,7 +8,8 @@
 //! | splat | `splat`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
-//! | | `intensity` | or their largest value kept |
+//! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
+//! | | `intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
@@ -24,6 +25,9 @@ pub(crate) mod activate;
 pub(crate) mod border;
 pub(crate) mod classified;
 pub(crate) mod compose;
+pub(crate) mod crossing;
+pub(crate) mod cubic;
+pub(crate) mod cut;
 pub(crate) mod engine;
 pub(crate) mod frame;
 pub(crate) mod integral;
@@ -31,7 +35,9 @@ pub(crate) mod intensity;
 pub(crate) mod level;
 pub(crate) mod mask;
 pub(crate) mod mode;
+pub(crate) mod operated;
 pub(crate) mod order;
+pub(crate) mod pixel;
 pub(crate) mod plane;
 pub(crate) mod resolve;
 pub(crate) mod ring;

@@ -3,7 +3,7 @@
 //! | mode | splats | a finished sheet |
 //! |---|---|---|
 //! | `shaded` | coefficients | with the one before it: classified, lit, composited |
-//! | `intensity` | coefficients | with the one before it: the largest value is kept |
+//! | `intensity` | coefficients | with the one before it: the largest or smallest value is kept, or the mean taken |
 //! | `compose` | extinction and lit emission of classified voxels | with the one before it: composited |
 //! | `integral` | the same, unlit, integrated along the ray | - |
 

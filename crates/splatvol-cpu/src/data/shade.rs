@@ -88,6 +88,16 @@ fn depth_slope<S: Simd>([a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f
     third * correction + (from_middle * bend + rise)
 }
 
+/// The same of one pixel.
+pub(crate) fn depth_slope_of([a, b, c, d]: [f32; 4], u: f32, sharpness: f32) -> f32 {
+    let rise = c - b;
+    let (near, far) = (a - b - b + c, b - c - c + d);
+    let (bend, third) = ((near + far) * 0.5, far - near);
+    let from_middle = u - 0.5;
+    let correction = from_middle * from_middle * 0.5 - sharpness;
+    third * correction + (from_middle * bend + rise)
+}
+
 /// Central differences at point i of both planes, per world length; `step` leads to the next point.
 #[inline(always)]
 fn across<S: Simd>(
@@ -114,7 +124,7 @@ fn lit<S: Simd>(simd: S, phong: &Phong, gradient: &[Lanes16; 3]) -> [f32x16<S>; 
 impl<'a> Interval<'a> {
     /// Share of the third difference that makes slopes along the ray lose as much at high frequencies as the central
     /// differences across it, so that gradients keep their direction: differences over a width w lose `(w omega)^2 / 24`.
-    fn sharpness(&self, spacing: f32) -> f32 {
+    pub(crate) fn sharpness(&self, spacing: f32) -> f32 {
         let width = 2.0 / (self.scales[0] * spacing);
         ((1.0 - width * width) / 24.0).max(SOFTEST)
     }

@@ -6,6 +6,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::classified::Classified;
 use super::mode::Mode;
+use super::operated::Operated;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Canvas, Interval, PlaneShader, ShadeTarget};
 use super::splat::Coefficient;
@@ -16,6 +17,8 @@ use super::tile::{DataFrame, DataScratch, Place};
 pub(crate) struct Shaded<'a> {
     pub store: &'a FieldStore,
     pub shader: PlaneShader<'a>,
+    /// What is done pixel by pixel, where a scene asks for it.
+    pub operated: Option<Operated<'a>>,
 }
 
 impl Mode<1> for Shaded<'_> {
@@ -51,7 +54,11 @@ impl Mode<1> for Shaded<'_> {
         (canvas, scratch): (&mut Canvas, &mut DataScratch),
     ) {
         let DataScratch {
-            planes, mask, batch, ..
+            planes,
+            mask,
+            batch,
+            faces,
+            ..
         } = scratch;
         let Some((interval, span)) = interval(
             &self.shader,
@@ -68,7 +75,10 @@ impl Mode<1> for Shaded<'_> {
             canvas,
             batch,
         };
-        self.shader.shade(simd, &interval, &mut target);
+        match &self.operated {
+            None => self.shader.shade(simd, &interval, &mut target),
+            Some(operated) => operated.shade((&self.shader, &interval), near, &mut target, faces),
+        }
     }
 }
 

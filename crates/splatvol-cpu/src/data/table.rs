@@ -53,6 +53,43 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
     f32x16::splat(simd, value)
 }
 
+/// A value's classification, of one pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    /// K and M, from the table's first value on.
+    integrals: [f32; 2],
+    pub extinction: f32,
+}
+
+/// What lies between two values of one pixel: the same as [`Segment`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub extinction: f32,
+    pub place: f32,
+}
+
+impl Piece {
+    pub(crate) fn between([from, to]: [f32; 2], [a, b]: [&Point; 2]) -> Self {
+        let rise = to - from;
+        let [material, moment] = [b.integrals[0] - a.integrals[0], b.integrals[1] - a.integrals[1]];
+        let flat = rise.abs() < FLAT;
+        let extinction = if flat {
+            (a.extinction + b.extinction) * 0.5
+        } else {
+            material / rise
+        };
+        let place = if flat || material.abs() < 1e-20 {
+            0.5
+        } else {
+            ((moment / material - from) / rise).clamp(0.0, 1.0)
+        };
+        Self {
+            extinction: extinction.max(0.0),
+            place,
+        }
+    }
+}
+
 impl<S: Simd> Segment<S> {
     #[inline(always)]
     pub(crate) fn between(simd: S, [from, to]: [f32x16<S>; 2], [a, b]: [&Classified<S>; 2]) -> Self {
@@ -170,5 +207,34 @@ impl ShadeTable {
             blue.to_float::<f32x16<S>>() * (1.0 / 1023.0),
         ];
         [r * r, g * g, b * b]
+    }
+
+    /// The cell of one value, and where in the table the value is, in cells.
+    fn cell(&self, value: f32) -> (&[f32; 4], f32) {
+        let position = ((value - FIRST) * PER_VALUE).max(0.0).min(CELLS as f32 - 0.01);
+        (&self.cells[position as usize & (CELLS - 1)], position)
+    }
+
+    /// Looks one value up.
+    pub(crate) fn point(&self, value: f32) -> Point {
+        let (&[material, moment, extinction, _], position) = self.cell(value);
+        let cell = position.floor();
+        let own = (position - cell) * extinction * (1.0 / PER_VALUE);
+        let middle = (cell + position) * (0.5 / PER_VALUE) + FIRST;
+        Point {
+            integrals: [own + material, own * middle + moment],
+            extinction,
+        }
+    }
+
+    /// Linear colour of one value.
+    pub(crate) fn color_of(&self, value: f32) -> [f32; 3] {
+        let packed = self.cell(value).0[3].to_bits();
+        let root = [
+            (packed >> 21) as f32 * (1.0 / 2047.0),
+            (packed >> 10 & 0x7ff) as f32 * (1.0 / 2047.0),
+            (packed & 0x3ff) as f32 * (1.0 / 1023.0),
+        ];
+        root.map(|r| r * r)
     }
 }

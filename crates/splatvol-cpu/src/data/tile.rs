@@ -12,6 +12,7 @@ use super::activate::{OpenBrick, OpenVoxels, Window, activate};
 use super::classified::Classified;
 use super::mask::OpenMask;
 use super::mode::{Bricks, Mode};
+use super::operated::Faces;
 use super::order::DepthOrder;
 use super::plane::{HALO, Plane};
 use super::ring::{BLOCK_EDGE, LANES, SheetRing};
@@ -128,6 +129,8 @@ pub(crate) struct DataScratch {
     brick: [BrickValues; 2],
     pub mask: OpenMask,
     pub batch: ShadeBatch,
+    /// What pixels see of cuts.
+    pub faces: Faces,
     /// What the voxels of open bricks splat, where it is more than a number.
     pub classified: Classified,
 }
@@ -195,6 +198,7 @@ impl DataScratch {
         }
         self.free.extend(self.open.drain(..).map(|brick| brick.voxels));
         self.mask.reset(place.size, frame.step);
+        self.faces.clear();
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
     }

@@ -10,11 +10,11 @@ use splatvol_core::bin::{ProjectedBrick, TileRect};
 pub(crate) struct Pixel {
     /// What comes through so far.
     pub transmittance: f32,
-    /// Premultiplied linear colour so far.
+    /// Premultiplied linear colour so far; for a mean the integral of the value, and the largest coverage.
     pub color: [f32; 3],
     /// Depth weighted by what each sheet took from the transmittance.
     pub depth_sum: f32,
-    /// Largest value so far (maximum intensity projection), or optical depth so far (X-ray).
+    /// Largest rank so far (largest or smallest value), optical depth so far (X-ray), or integral of the coverage (mean).
     pub total: f32,
     /// No sheet can change it any more.
     pub finished: bool,

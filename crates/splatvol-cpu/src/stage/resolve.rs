@@ -5,6 +5,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_scene::{Compositing, Frame};
 
 use super::composite::Pixel;
+use super::extremum::{Extremum, Largest, Smallest};
 
 /// One finished pixel: premultiplied linear colour, depth, optical depth.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +15,7 @@ pub(crate) struct Resolved {
     optical_depth: f32,
 }
 
-/// What a pixel shows in the end. `unit_distance` (world length) is where a maximum takes its opacity from.
+/// What a pixel shows in the end. `unit_distance` (world length) is where a value takes its opacity from.
 pub(crate) fn resolve(
     pixel: &Pixel,
     compositing: Compositing,
@@ -22,7 +23,9 @@ pub(crate) fn resolve(
     unit_distance: f32,
 ) -> Resolved {
     let pixel = match compositing {
-        Compositing::Mip => brightest(pixel, table, unit_distance),
+        Compositing::Mip => extreme::<Largest>(pixel, table, unit_distance),
+        Compositing::MinimumIntensity => extreme::<Smallest>(pixel, table, unit_distance),
+        Compositing::Mean => mean(pixel, table, unit_distance),
         Compositing::Xray => integrated(pixel),
         _ => *pixel,
     };
@@ -52,16 +55,36 @@ fn shown(pixel: &Pixel) -> Resolved {
     }
 }
 
-/// The largest value in its colour, as thick as the unit distance.
-fn brightest(pixel: &Pixel, table: &ClassificationTable, unit_distance: f32) -> Pixel {
+/// The largest or smallest value.
+fn extreme<E: Extremum>(pixel: &Pixel, table: &ClassificationTable, unit_distance: f32) -> Pixel {
+    let at = (E::rank(pixel.total), pixel.depth_sum);
+    valued(pixel.depth_sum > 0.0, at, table, unit_distance)
+}
+
+/// The mean value, where the ray meets the volume.
+fn mean(pixel: &Pixel, table: &ClassificationTable, unit_distance: f32) -> Pixel {
+    let [value, most_coverage, _] = pixel.color;
+    let at = (value / pixel.total, pixel.depth_sum / pixel.total);
+    valued(most_coverage >= 0.5, at, table, unit_distance)
+}
+
+/// A value at a depth in its colour, as thick as the unit distance; nothing where there is none.
+fn valued(
+    is_there: bool,
+    (value, depth): (f32, f32),
+    table: &ClassificationTable,
+    unit_distance: f32,
+) -> Pixel {
     let mut shown = Pixel::EMPTY;
-    let [extinction, emission @ ..] = table.at(pixel.total);
-    if pixel.depth_sum > 0.0 && extinction > 0.0 {
-        shown.add(
-            extinction * unit_distance,
-            emission.map(|e| e / extinction),
-            pixel.depth_sum,
-        );
+    if is_there {
+        let [extinction, emission @ ..] = table.at(value);
+        if extinction > 0.0 {
+            shown.add(
+                extinction * unit_distance,
+                emission.map(|e| e / extinction),
+                depth,
+            );
+        }
     }
     shown
 }

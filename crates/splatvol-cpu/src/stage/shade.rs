@@ -12,6 +12,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_scene::Lighting;
 
 use super::composite::Pixel;
+use super::extremum::Extremum;
 use super::simd_exp::{exp2, log2};
 
 /// Coverage from the weight on the volume's own samples (docs/numerics.md): 1 inside, 0 outside, symmetric about 1/2.
@@ -25,6 +26,9 @@ pub(crate) const NO_COVERAGE: f32 = 0.01;
 
 /// Weights below this lie so far outside the volume that their values count for nothing.
 const FADED: f32 = 0.15;
+
+/// Steps within an interval where one value of the ray is shown.
+const VALUE_STEPS: u32 = 8;
 
 /// One end of an interval.
 #[derive(Debug, Clone, Copy)]
@@ -141,6 +145,13 @@ impl Profile {
         coverage(self.own_weights[0] + u * (self.own_weights[1] - self.own_weights[0]))
     }
 
+    /// Where coverage is a half.
+    #[inline(always)]
+    fn border(&self) -> Option<f32> {
+        let [near, far] = self.own_weights;
+        ((near < 0.5) != (far < 0.5)).then(|| (0.5 - near) / (far - near))
+    }
+
     #[inline(always)]
     fn value(&self, u: f32) -> f32 {
         let [a, b, c, d] = self.cubic;
@@ -198,20 +209,40 @@ impl Shader<'_> {
         for_bend.max(for_depth).clamp(1.0, MOST).ceil() as usize
     }
 
-    /// Largest covered value of the interval, for maximum intensity projection.
+    /// Largest or smallest covered value of the interval.
     #[inline(always)]
-    pub(crate) fn maximum(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
-        const STEPS: u32 = 8;
+    pub(crate) fn extreme<E: Extremum>(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
         let profile = Profile::new(near, far, interval, self.spacing);
-        for step in 0..=STEPS {
-            let u = step as f32 / STEPS as f32;
-            if profile.coverage(u) >= 0.5 {
-                let value = profile.value(u);
-                if value > pixel.total {
-                    pixel.total = value;
+        let border = profile.border();
+        let steps = (0..=VALUE_STEPS).map(|step| step as f32 / VALUE_STEPS as f32);
+        for u in steps.chain(border) {
+            if profile.coverage(u) >= 0.5 || Some(u) == border {
+                let rank = E::rank(profile.value(u));
+                if rank > pixel.total {
+                    pixel.total = rank;
                     pixel.depth_sum = interval.depth + u * self.spacing;
                 }
             }
+        }
+    }
+
+    /// Adds the interval to the mean value: integrals of the coverage, and times value and depth, by Simpson's rule.
+    #[inline(always)]
+    pub(crate) fn mean(&self, pixel: &mut Pixel, near: &End, far: &End, interval: Interval) {
+        let profile = Profile::new(near, far, interval, self.spacing);
+        for step in 0..=VALUE_STEPS {
+            let u = step as f32 / VALUE_STEPS as f32;
+            let coverage = profile.coverage(u);
+            let share = match step {
+                0 | VALUE_STEPS => 1.0,
+                _ if step % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let weight = share * coverage;
+            pixel.total += weight;
+            pixel.color[0] += weight * profile.value(u);
+            pixel.color[1] = pixel.color[1].max(coverage);
+            pixel.depth_sum += weight * (interval.depth + u * self.spacing);
         }
     }
 }
@@ -338,6 +369,27 @@ impl Phong {
                 return product;
             }
             square *= square;
+        }
+    }
+
+    /// Surfaceness of a gradient of this length, per world length.
+    pub(crate) fn surfaceness(&self, gradient: f32) -> f32 {
+        let squared = (gradient * self.spacing).powi(2);
+        squared / (squared + self.floor_squared).max(1e-12)
+    }
+
+    /// Light on as much of a surface, with this normal (camera space, length 1).
+    pub(crate) fn on_surface(&self, normal: [f32; 3], surfaceness: f32) -> Lit {
+        let dot = |b: [f32; 3]| {
+            (normal[0] * b[0] + normal[1] * b[1] + normal[2] * b[2])
+                .abs()
+                .min(1.0)
+        };
+        let facing = dot(self.towards_light);
+        let shining = dot(self.half_way).max(self.least_shining);
+        Lit {
+            diffuse: (surfaceness * (facing - 1.0) + 1.0) * self.diffuse + self.ambient,
+            specular: shining.powf(self.power) * surfaceness * self.specular,
         }
     }
 

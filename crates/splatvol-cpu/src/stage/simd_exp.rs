@@ -38,6 +38,18 @@ pub(crate) fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     p * (power << 23).bitcast::<f32x16<S>>()
 }
 
+/// `2^max(x, -126)` of one number up to 126; the same as [`exp2`].
+pub(crate) fn exp2_of(x: f32) -> f32 {
+    let x = x.clamp(-126.0, 126.0);
+    let n = x.round_ties_even();
+    let r = x - n;
+    let mut p = 1.327_647_2e-3;
+    for coefficient in [9.675_541e-3, 5.550_713e-2, 2.402_212e-1, 6.931_472e-1, 1.0] {
+        p = p * r + coefficient;
+    }
+    p * f32::from_bits(((n + 127.0) as u32) << 23)
+}
+
 /// `2^x` per lane for x from -126 to 126, not clamped; relative error 3e-6, and 1 for 0.
 ///
 /// Adding 1.5 * 2^23 leaves the nearest integer in the lowest bits, from where it is shifted into the exponent.

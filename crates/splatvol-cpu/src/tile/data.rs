@@ -1,4 +1,4 @@
-//! Post-classification and maximum intensity: data is sampled on planes.
+//! Post-classification and pictures of one value per ray: data is sampled on planes.
 
 use glam::Vec3;
 use splatvol_core::bin::TileRect;
@@ -8,6 +8,7 @@ use splatvol_scene::Compositing;
 use super::{Canvas, Fate, Mode};
 use crate::plan::FramePlan;
 use crate::stage::activate::OpenVoxel;
+use crate::stage::extremum::{Largest, Smallest};
 use crate::stage::shade::{End, Interval, NO_COVERAGE, Phong, Shader};
 use crate::stage::sheet_buffer::{SheetBuffer, Touched};
 use crate::stage::splat::DataPayload;
@@ -203,11 +204,16 @@ impl Mode for DataMode<'_> {
                     ray: ray.slope,
                 };
                 let pixel = &mut canvas.pixels[index];
-                if self.plan.settings.compositing == Compositing::Mip {
-                    self.shader.maximum(pixel, &a, &b, interval);
-                } else {
-                    self.shader.shade(pixel, &a, &b, interval);
-                    canvas.close_if_opaque(x, y);
+                match self.plan.settings.compositing {
+                    Compositing::Mip => self.shader.extreme::<Largest>(pixel, &a, &b, interval),
+                    Compositing::MinimumIntensity => {
+                        self.shader.extreme::<Smallest>(pixel, &a, &b, interval);
+                    }
+                    Compositing::Mean => self.shader.mean(pixel, &a, &b, interval),
+                    _ => {
+                        self.shader.shade(pixel, &a, &b, interval);
+                        canvas.close_if_opaque(x, y);
+                    }
                 }
             }
         }

@@ -72,7 +72,7 @@ pub fn encode(
     Ok(bytes.into_inner())
 }
 
-fn attributes(metadata: &[(String, String)]) -> Result<LayerAttributes, serde_json::Error> {
+pub(super) fn attributes(metadata: &[(String, String)]) -> Result<LayerAttributes, serde_json::Error> {
     // EXR strings are bytes; these are UTF-8.
     let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
     let mut attributes = LayerAttributes::default();

@@ -5,6 +5,7 @@
 //! | PNG, 8 or 16 bits | straight alpha, sRGB |
 //! | EXR, 32-bit float | premultiplied alpha, linear light, and camera depth as channel `Z` |
 
+pub mod depth;
 pub mod exr;
 pub mod metadata;
 pub mod png;

@@ -8,17 +8,20 @@
 //! | ImageJ `.lut` | yes | no | the data's range | mean voxel spacing, a linear ramp |
 //!
 //! Contents decide, not names, except for headerless `.lut` files. What a file says beyond colour and opacity (light,
-//! gradient opacity, further components) is left out, and warned of where it would change the picture.
+//! further components) is left out, and warned of where it would change the picture. Gradient opacity, which is no part of a
+//! [`TransferFunction`], is warned of too, and read by [`read_gradient_opacity`]. [`two_dimensional`] has a format of our own.
 
 mod color_space;
 pub mod imagej;
 pub mod inviwo;
 pub mod paraview;
 pub mod slicer;
+pub mod two_dimensional;
 
 use std::path::Path;
 
-use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
+use splatvol_scene::{ColorPoint, GradientOpacityPoint, OpacityPoint, TransferFunction};
+pub use two_dimensional::read_transfer_function_2d;
 
 use crate::IoError;
 use crate::error::Context;
@@ -48,6 +51,31 @@ pub fn read_transfer_function(
         Some(b'<') => inviwo::decode(&bytes, value_range, path),
         _ => Err(Context::new("transfer function", path)
             .unsupported("neither Slicer's or ParaView's JSON, nor Inviwo's XML, nor an ImageJ .lut")),
+    }
+}
+
+/// The warning of [`read_transfer_function`] where [`read_gradient_opacity`] would find something.
+pub const GRADIENT_OPACITY_LEFT_OUT: &str =
+    "gradientOpacity is no part of the transfer function and was left out";
+
+/// Reads the gradient opacity of a 3D Slicer volume property: magnitudes in data units per world length. `None` where the
+/// file has none, has switched it off, or it is 1 everywhere, and for files of other formats.
+///
+/// # Errors
+/// As [`read_transfer_function`].
+pub fn read_gradient_opacity(path: impl AsRef<Path>) -> Result<Option<Vec<GradientOpacityPoint>>, IoError> {
+    let path = path.as_ref();
+    let bytes = read_file(path, &Context::new("transfer function", path))?;
+    let is_json = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let start = bytes
+        .iter()
+        .find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte));
+    if is_json && start == Some(&b'{') {
+        slicer::decode_gradient_opacity(&bytes, path)
+    } else {
+        Ok(None)
     }
 }
 

@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
+use splatvol_scene::{ColorPoint, GradientOpacityPoint, OpacityPoint, TransferFunction};
 
 use super::Draft;
 use crate::IoError;
@@ -33,17 +33,8 @@ pub fn decode(
     let mut warnings = Vec::new();
     let property = first(&root.require("volumeProperties")?, &mut warnings)?;
     let component = first(&property.require("components")?, &mut warnings)?;
-    if let Some(gradient) = component.get("gradientOpacity") {
-        let disabled = component
-            .get("disableGradientOpacity")
-            .is_some_and(|node| node.is_true());
-        if !disabled
-            && opacity_points(&gradient)?
-                .iter()
-                .any(|point| point.opacity != 1.0)
-        {
-            warnings.push(String::from("gradientOpacity is not supported and was left out"));
-        }
+    if !gradient_points(&component)?.is_empty() {
+        warnings.push(String::from(super::GRADIENT_OPACITY_LEFT_OUT));
     }
     let colors = match (
         component.get("rgbTransferFunction"),
@@ -60,6 +51,47 @@ pub fn decode(
         warnings,
     };
     draft.finish(value_range, &context)
+}
+
+/// The gradient opacity of the bytes of a file, if it has one that changes anything; see
+/// [`super::read_gradient_opacity`].
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_gradient_opacity(
+    bytes: &[u8],
+    path: &Path,
+) -> Result<Option<Vec<GradientOpacityPoint>>, IoError> {
+    let context = Context::new("Slicer volume property", path);
+    let document = parse(bytes, &context)?;
+    let property = first(
+        &Node::root(&document, &context).require("volumeProperties")?,
+        &mut Vec::new(),
+    )?;
+    let component = first(&property.require("components")?, &mut Vec::new())?;
+    let points = gradient_points(&component)?;
+    Ok((!points.is_empty()).then_some(points))
+}
+
+/// Points of a component's gradient opacity; none where it changes nothing. Midpoints other than a half are taken for a
+/// half, as in the presets that Slicer comes with.
+fn gradient_points(component: &Node<'_>) -> Result<Vec<GradientOpacityPoint>, IoError> {
+    let disabled = component
+        .get("disableGradientOpacity")
+        .is_some_and(|node| node.is_true());
+    let Some(gradient) = component.get("gradientOpacity").filter(|_| !disabled) else {
+        return Ok(Vec::new());
+    };
+    let points = opacity_points(&gradient)?;
+    if points.iter().all(|point| point.opacity == 1.0) {
+        return Ok(Vec::new());
+    }
+    // Curves may begin below zero, where no magnitude is.
+    let points = points.iter().map(|point| GradientOpacityPoint {
+        gradient: point.value.max(0.0),
+        factor: point.opacity,
+    });
+    Ok(points.collect())
 }
 
 /// The first element of an array that should have one.

@@ -13,6 +13,11 @@ pub enum Compositing {
     Xray,
     /// Largest reconstructed value along the ray, shown in its colour with its opacity per unit distance.
     Mip,
+    /// Smallest reconstructed value along the ray, shown likewise.
+    #[serde(rename = "minip")]
+    MinimumIntensity,
+    /// Mean of the reconstructed value along the ray's part inside the volume, shown likewise.
+    Mean,
     /// Whole footprints one by one, front to back (Westover 1989; zwicker2001 eq. 4).
     PerSplat,
     /// Whole footprints one by one, back to front: the same picture, and nothing can be left out for being hidden.
@@ -23,6 +28,12 @@ pub enum Compositing {
 }
 
 impl Compositing {
+    /// Whether a pixel shows one value, taken from its whole ray: the largest, smallest or mean one. Such pictures are unlit
+    /// and splat data, whatever the classification.
+    pub fn shows_one_value(self) -> bool {
+        matches!(self, Self::Mip | Self::MinimumIntensity | Self::Mean)
+    }
+
     /// Whether whole footprints of classified voxels are composited, so that the data must be classified first.
     pub fn needs_colors(self) -> bool {
         matches!(

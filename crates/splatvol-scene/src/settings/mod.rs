@@ -1,5 +1,6 @@
 //! Plain settings of a frame. The methods of the papers are values here, never separate renderers.
 
+mod combinations;
 mod compositing;
 mod extraction;
 mod filter;

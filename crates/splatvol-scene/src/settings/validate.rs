@@ -4,10 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Kernel, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent,
-};
+use super::{Classification, Compositing, Kernel, RenderSettings, SheetContent};
 use crate::SceneError;
 
 const NO_PREFILTER: &str =
@@ -69,10 +66,10 @@ impl RenderSettings {
             0.0..=16.0,
             "0 to 16 pixels",
         )?;
-        self.combinations()?;
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
         self.kernel.validate()?;
         self.kernel_suits_method()?;
+        self.combinations()?;
         self.rasterizer.validate()?;
         self.table.validate()?;
         self.extraction
@@ -103,120 +100,11 @@ impl RenderSettings {
         }
         Ok(())
     }
-
-    /// Refuses methods that make no sense together.
-    fn combinations(&self) -> Result<(), SceneError> {
-        let refuse =
-            |field, value: &dyn std::fmt::Debug, reason| Err(SceneError::invalid(field, value, reason));
-        let pre = self.classification == Classification::Pre;
-        let colors = self.compositing == Compositing::Xray || pre;
-        if self.compositing.needs_colors() && !pre {
-            return refuse(
-                "classification",
-                &self.classification,
-                "pre: whole footprints are composited as colours, so data must be classified before they are splatted",
-            );
-        }
-        if self.sheet == Some(SheetContent::Sample) && colors {
-            return refuse(
-                "sheet",
-                &SheetContent::Sample,
-                "section: classified colours are integrated over a sheet's depth, or mass would be lost",
-            );
-        }
-        if self.filter == Filter::SwanAlpha
-            && !matches!(
-                self.compositing,
-                Compositing::PerSplat | Compositing::PerSplatBackToFront
-            )
-        {
-            return refuse(
-                "filter",
-                &self.filter,
-                "swan: swan-alpha lowers the opacity of single splats, which only per-splat compositing has",
-            );
-        }
-        if self.occlusion == Occlusion::Sat
-            && matches!(
-                self.compositing,
-                Compositing::PerSplatBackToFront | Compositing::Xray | Compositing::Mip
-            )
-        {
-            return refuse(
-                "occlusion",
-                &self.occlusion,
-                "none: only what is composited front to back can be hidden by what is there",
-            );
-        }
-        match self.reconstruction {
-            Reconstruction::Surface { flatness } | Reconstruction::Mixed { flatness, .. }
-                if !(1.0..=1e6).contains(&flatness) =>
-            {
-                return refuse("flatness", &flatness, "1 to 1000000");
-            }
-            Reconstruction::Mixed { gradient, .. } if !(0.0..=1e3).contains(&gradient) => {
-                return refuse("surface gradient", &gradient, "0 to 1000 value ranges per voxel");
-            }
-            Reconstruction::Surface { .. } | Reconstruction::Mixed { .. } if !colors => {
-                return refuse(
-                    "reconstruction",
-                    &self.reconstruction,
-                    "volume: flattened kernels of data do not add up to one; classify before splatting (pre)",
-                );
-            }
-            _ => {}
-        }
-        self.rasterizer_suits_kernels()?;
-        if self.compositing == Compositing::Mip && self.uses_footprints() {
-            return refuse(
-                "compositing",
-                &self.compositing,
-                "image-sheets: maxima are of values on planes; this filter, alignment, rasterizer, occlusion, absorption or \
-                 extraction works on footprints",
-            );
-        }
-        let samples = !colors && self.sheet != Some(SheetContent::Section);
-        if samples && self.uses_footprints() {
-            return refuse(
-                "sheet",
-                &self.sheet,
-                "section: this filter, alignment, rasterizer, occlusion, absorption or extraction works on footprints, \
-                 which are classified first (pre) or splatted as sections of sheets",
-            );
-        }
-        Ok(())
-    }
-
-    /// Whether a method is asked for that only whole or sectioned footprints have.
-    fn uses_footprints(&self) -> bool {
-        matches!(self.filter, Filter::Swan | Filter::SwanAlpha)
-            || self.alignment != Alignment::Sheet
-            || self.occlusion != Occlusion::Auto
-            || self.absorption != Absorption::Exp
-            || self.rasterizer != Rasterizer::Auto
-            || self.extraction.is_some()
-    }
-
-    /// Refuses rasterisers of circles where footprints are none, whatever the camera.
-    fn rasterizer_suits_kernels(&self) -> Result<(), SceneError> {
-        let flattened = self.reconstruction != Reconstruction::Volume;
-        match self.rasterizer {
-            Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. } if flattened => {
-                Err(SceneError::invalid(
-                    "rasterizer",
-                    self.rasterizer.name(),
-                    "ellipse-1d, linear-1d or auto: flattened kernels leave ellipses of every direction",
-                ))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Whether the kernel and the method can be used together.
     fn kernel_suits_method(&self) -> Result<(), SceneError> {
         let Some((sigma, _)) = self.kernel.gaussian() else {
             return match self.compositing {
-                Compositing::Mip => Err(self.refused_kernel(NO_MAXIMA)),
+                shown if shown.shows_one_value() => Err(self.refused_kernel(NO_MAXIMA)),
                 _ if self.interpolates() => Err(self.refused_kernel(NO_PREFILTER)),
                 Compositing::ImageSheets
                     if self.classification == Classification::Post
@@ -238,9 +126,10 @@ impl RenderSettings {
     /// Whether the prefilter has an effect.
     fn interpolates(&self) -> bool {
         let of_data = match self.compositing {
-            Compositing::ImageSheets => self.classification == Classification::Post,
-            Compositing::Mip => true,
-            _ => false,
+            Compositing::ImageSheets => {
+                self.classification == Classification::Post && self.sheet != Some(SheetContent::Section)
+            }
+            shown => shown.shows_one_value(),
         };
         self.prefilter && of_data
     }
@@ -253,7 +142,7 @@ impl RenderSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Extraction, FootprintTable};
+    use crate::{Extraction, FootprintTable, Rasterizer, Reconstruction};
 
     fn refusal(kernel: Kernel) -> String {
         kernel.validate().expect_err("outside its domain").to_string()
@@ -281,7 +170,7 @@ mod tests {
 
     #[test]
     fn other_kernels_are_not_prefiltered() {
-        for compositing in [Compositing::ImageSheets, Compositing::Mip] {
+        for compositing in [Compositing::ImageSheets, Compositing::Mip, Compositing::Mean] {
             let settings = RenderSettings {
                 kernel: Kernel::CrawfisMax,
                 compositing,

@@ -1,10 +1,13 @@
-//! The other pictures of the fast engine: pre-classified, X-ray, maximum intensity. Against the reference with the same
+//! The other pictures of the fast engine: pre-classified, X-ray, one value per ray. Against the reference with the same
 //! settings, against the best method, and the same bytes for any number of threads.
+
+use std::borrow::Cow;
 
 use glam::DVec3;
 use splatvol::{
-    Classification, Compositing, EngineConfig, Filter, Frame, Gradient, Grid, ImageSize, Projection,
-    RenderSettings, Renderer, Scene, SimdLevel,
+    Classification, ColorPoint, Compositing, EngineConfig, Filter, Frame, Gradient, Grid, ImageSize,
+    LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene, SimdLevel,
+    TransferFunction, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::fields::Noise;
@@ -18,7 +21,7 @@ use crate::support::{
 };
 
 /// The modes with their names.
-pub(crate) fn modes(base: RenderSettings) -> [(&'static str, RenderSettings); 4] {
+pub(crate) fn modes(base: RenderSettings) -> [(&'static str, RenderSettings); 6] {
     let pre = RenderSettings {
         classification: Classification::Pre,
         ..base
@@ -35,6 +38,8 @@ pub(crate) fn modes(base: RenderSettings) -> [(&'static str, RenderSettings); 4]
                 ..pre
             },
         ),
+        ("minip", of(Compositing::MinimumIntensity)),
+        ("mean", of(Compositing::Mean)),
     ]
 }
 
@@ -47,6 +52,28 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
+/// The scene in a look that shows what the mode is about: small values rather than large ones where the smallest are kept,
+/// all values where their mean is taken.
+pub(crate) fn shown<'a>(mode: &str, scene: &'a Scene) -> Cow<'a, Scene> {
+    let ends = match mode {
+        "minip" => [0.95, 0.0],
+        "mean" => [0.05, 0.95],
+        _ => return Cow::Borrowed(scene),
+    };
+    let [low, high] = scene.volume.value_range();
+    let opacities = [low, high]
+        .into_iter()
+        .zip(ends)
+        .map(|(value, opacity)| OpacityPoint::new(value, opacity));
+    let colors = vec![
+        ColorPoint::new(low, [0.2, 0.4, 0.8]),
+        ColorPoint::new(0.5 * (low + high), [0.9, 0.5, 0.2]),
+        ColorPoint::new(high, [1.0, 0.95, 0.8]),
+    ];
+    let look = TransferFunction::new(colors, opacities.collect(), None).unwrap();
+    Cow::Owned(Scene::new(scene.volume.clone(), look))
+}
+
 /// Noise on a grid of spacings that differ less than those of [`noise`]: X-rays without filter of that one are left to the
 /// slice engine.
 fn mild_noise() -> Scene {
@@ -55,8 +82,8 @@ fn mild_noise() -> Scene {
     Scene::new(volume, translucent())
 }
 
-/// Asserts the PSNR floors of four modes.
-fn demand(name: &str, floors: [f64; 4], compare: impl Fn(usize) -> (&'static str, Comparison)) {
+/// Asserts the PSNR floors of the modes.
+fn demand(name: &str, floors: [f64; 6], compare: impl Fn(usize) -> (&'static str, Comparison)) {
     let mut failed = Vec::new();
     for (mode, floor) in floors.into_iter().enumerate() {
         let (mode, figures) = compare(mode);
@@ -75,7 +102,7 @@ fn demand(name: &str, floors: [f64; 4], compare: impl Fn(usize) -> (&'static str
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// One below what was measured; mip, xray, pre lit, pre unlit, in perspective and orthographic.
+/// One below what was measured; mip, xray, pre lit, pre unlit, minip, mean, in perspective and orthographic.
 #[test]
 fn pictures_of_all_modes_agree_with_the_reference() {
     for (name, scene) in scenes() {
@@ -94,7 +121,7 @@ fn pictures_of_all_modes_agree_with_the_reference() {
                 floors,
                 |mode| {
                     let (mode, settings) = modes(base)[mode];
-                    let (found, expected) = pictures(&scene, projection, &settings);
+                    let (found, expected) = pictures(&shown(mode, &scene), projection, &settings);
                     (mode, Comparison::of(&found, &expected))
                 },
             );
@@ -102,10 +129,19 @@ fn pictures_of_all_modes_agree_with_the_reference() {
     }
 }
 
-const REFERENCE: [[[f64; 4]; 2]; 3] = [
-    [[44.5, 55.9, 52.5, 49.8], [43.4, 56.7, 51.3, 48.6]],
-    [[61.2, 65.1, 64.0, 63.0], [61.5, 65.1, 63.0, 62.5]],
-    [[44.2, 58.3, 56.8, 56.1], [42.4, 58.0, 56.4, 55.6]],
+const REFERENCE: [[[f64; 6]; 2]; 3] = [
+    [
+        [43.9, 55.9, 52.5, 49.8, 56.7, 79.6],
+        [42.2, 56.7, 51.3, 48.6, 55.0, 80.0],
+    ],
+    [
+        [60.8, 65.1, 64.0, 63.0, 43.2, 52.6],
+        [61.3, 65.1, 63.0, 62.5, 42.4, 52.2],
+    ],
+    [
+        [45.6, 58.3, 56.8, 56.1, 45.6, 51.4],
+        [44.4, 58.0, 56.4, 55.6, 44.2, 49.2],
+    ],
 ];
 
 /// The slice engine with sheets half a voxel apart and the same kernel, and the best method, whose kernel is wider.
@@ -121,7 +157,8 @@ fn pictures_of_all_modes_agree_with_the_other_engine() {
             };
             let mut figures = Vec::new();
             for (mode, settings) in modes(base) {
-                let (found, _) = rendered(&mut renderer, &scene, &camera, &settings);
+                let scene = &*shown(mode, &scene);
+                let (found, _) = rendered(&mut renderer, scene, &camera, &settings);
                 let slices = RenderSettings {
                     gradient: Gradient::Analytic,
                     sheet_thickness: 0.5,
@@ -132,7 +169,7 @@ fn pictures_of_all_modes_agree_with_the_other_engine() {
                     ..slices
                 };
                 let [slices, best] = [slices, best].map(|settings| {
-                    let expected = renderer.render(&scene, &camera, &settings).unwrap();
+                    let expected = renderer.render(scene, &camera, &settings).unwrap();
                     Comparison::of(&found.image, &expected.image)
                 });
                 figures.push([(mode, slices), (mode, best)]);
@@ -145,12 +182,12 @@ fn pictures_of_all_modes_agree_with_the_other_engine() {
     }
 }
 
-/// One below the least that was measured; mip, xray, pre lit, pre unlit. What the best method's wider kernel shows of classified
+/// One below the least that was measured; mip, xray, pre lit, pre unlit, minip, mean. What the best method's wider kernel shows of classified
 /// voxels is another picture.
-/// Maxima differ most where a box of noise is cut off by the volume's border, and there the slice engine's coverage is linear
-/// between planes.
-const SLICES: [f64; 4] = [35.4, 65.5, 53.7, 52.9];
-const BEST: [f64; 4] = [31.9, 34.4, 36.5, 34.2];
+/// Values of rays differ most where a box of noise is cut off by the volume's border, and there the slice engine's coverage is
+/// linear between planes: at the silhouette single pixels have a value in one picture and none in the other.
+const SLICES: [f64; 6] = [35.4, 65.5, 53.7, 52.9, 35.0, 34.4];
+const BEST: [f64; 6] = [31.9, 34.4, 36.5, 34.2, 29.1, 29.8];
 
 /// The slice engine with the very settings, but for its gradient: the same kernel on the same sheets.
 #[test]
@@ -158,14 +195,19 @@ fn depths_are_those_of_the_other_engine() {
     let mut renderer = renderer();
     for (name, scene) in scenes() {
         let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
-        // A maximum has many depths where values are alike.
-        for (mode, settings) in modes(fast(160, 160)).into_iter().skip(1) {
-            let (found, _) = rendered(&mut renderer, &scene, &camera, &settings);
+        // An extremum has many depths where values are alike.
+        let compared = |mode: &str| !matches!(mode, "mip" | "minip");
+        for (mode, settings) in modes(fast(160, 160))
+            .into_iter()
+            .filter(|(mode, _)| compared(mode))
+        {
+            let scene = &*shown(mode, &scene);
+            let (found, _) = rendered(&mut renderer, scene, &camera, &settings);
             let slices = RenderSettings {
                 gradient: Gradient::Analytic,
                 ..settings
             };
-            let expected = renderer.render(&scene, &camera, &slices).unwrap();
+            let expected = renderer.render(scene, &camera, &slices).unwrap();
             let spacing = scene.volume.grid().mean_spacing();
             let seen = |frame: &Frame, i: usize| frame.image.pixels[i][3] > 0.05;
             let both: Vec<f64> = (0..found.depth.len())
@@ -186,6 +228,43 @@ fn depths_are_those_of_the_other_engine() {
                 "{name} {mode}: {mean} {most}"
             );
         }
+    }
+}
+
+/// The smallest value of a volume is the largest of the opposite volume, and looks alike where the look is mirrored too.
+#[test]
+fn the_smallest_value_is_the_largest_of_the_opposite() {
+    let (name, scene) = ("noise", mild_noise());
+    let scene = shown("minip", &scene).into_owned();
+    let volume = &scene.volume;
+    let opposite: Vec<f32> = (0..volume.samples().len())
+        .map(|i| -volume.value(i) as f32)
+        .collect();
+    let opposite = Volume::new(
+        volume.grid().clone(),
+        Samples::F32(opposite),
+        Rescale::default(),
+        LengthUnit::Unknown,
+    );
+    let look = &scene.transfer_function;
+    let colors = look.colors().iter().rev().map(|&point| ColorPoint {
+        value: -point.value,
+        ..point
+    });
+    let opacities = look.opacities().iter().rev().map(|&point| OpacityPoint {
+        value: -point.value,
+        ..point
+    });
+    let look = TransferFunction::new(colors.collect(), opacities.collect(), None).unwrap();
+    let mirrored = Scene::new(opposite.unwrap(), look);
+    for projection in PROJECTIONS {
+        let camera = framing(&scene, projection, 1.0, 1.0);
+        let [smallest, largest] = [4, 0].map(|mode| modes(fast(200, 200))[mode].1);
+        let found = render(&scene, &camera, &smallest);
+        let expected = render(&mirrored, &camera, &largest);
+        let figures = Comparison::of(&found.image, &expected.image);
+        println!("{name} {}: {:.2} dB", name_of(projection), figures.psnr);
+        assert!(figures.psnr > 60.0, "{:.2} dB", figures.psnr);
     }
 }
 
@@ -235,7 +314,7 @@ fn x_rays_of_wide_views_have_no_seams() {
         sample(&Noise::new(9, 30, DVec3::splat(0.8)), &grid),
         translucent(),
     );
-    let camera = perspective(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 90.0, 50.0);
+    let camera = perspective(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 0.0, 50.0);
     let settings = RenderSettings {
         filter: Filter::Ewa { pixel_sigma: 0.55 },
         ..modes(fast(320, 320))[1].1
@@ -269,6 +348,7 @@ fn frames(config: EngineConfig) -> Vec<(String, Frame)> {
             for zoom in [0.34, 1.0, close] {
                 let camera = framing(&scene, projection, 168.0 / 136.0, zoom);
                 for (mode, settings) in modes(fast(168, 136)) {
+                    let scene = shown(mode, &scene);
                     let (frame, _) = rendered(&mut renderer, &scene, &camera, &settings);
                     frames.push((format!("{name} {} {zoom} {mode}", name_of(projection)), frame));
                 }

@@ -163,7 +163,7 @@ impl<'a> Bench<'a> {
             Some(size) => size,
             None => ImageSize::new(scene.side, scene.side).during(Step::Usage)?,
         };
-        let settings = method::resolve(&method, Some(size), None, look.classification)?;
+        let settings = method::resolve(&method, Some(size), None, look.wishes)?;
         let projection = variant.projection.unwrap_or(ProjectionName::Perspective);
         let around = around(input.volume.grid(), projection, size.aspect()).during(Step::Usage)?;
         let camera = camera::resolve(

@@ -1,0 +1,114 @@
+//! Flags about what is done to material before it is seen, and about what is cut away.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
+use splatvol::{ClipPlane, GradientOpacityPoint};
+
+use super::values;
+
+const EFFECTS: &str = "Effects (post-classified pictures)";
+const CLIPPING: &str = "Clipping";
+
+/// Corners of a box: x0, x1, y0, y1, z0, z1, world.
+pub(crate) type BoxSides = [f64; 6];
+
+/// A curve over gradient magnitudes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub(crate) struct GradientCurve(pub(crate) Vec<GradientOpacityPoint>);
+
+/// Operators, clips and exact isosurfaces.
+#[derive(Debug, Clone, Default, PartialEq, Args, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case")]
+pub(crate) struct EffectArgs {
+    /// Colour material as if cut from a block of this
+    #[arg(long, value_name = "STUFF", help_heading = EFFECTS)]
+    pub(crate) texture: Option<TextureName>,
+    /// Distance of marble's veins (wood's rings: a third), share of the volume's diagonal [default: 0.08]
+    #[arg(long, value_name = "SHARE", value_parser = values::finite, help_heading = EFFECTS)]
+    pub(crate) texture_scale: Option<f64>,
+    /// Bend normals by a picture (PNG, EXR) wound around the volume's z axis, its middle in front (+y)
+    #[arg(long, value_name = "PICTURE", help_heading = EFFECTS)]
+    pub(crate) bump: Option<PathBuf>,
+    /// How far white is raised in --bump, share of the volume's diagonal; negative engraves [default: 0.01]
+    #[arg(long, value_name = "SHARE", value_parser = values::finite, help_heading = EFFECTS, allow_negative_numbers = true)]
+    pub(crate) bump_height: Option<f64>,
+    /// Mirror an equirectangular picture (PNG, EXR) of the surroundings
+    #[arg(long, value_name = "PICTURE", help_heading = EFFECTS)]
+    pub(crate) environment: Option<PathBuf>,
+    /// Share of the light that --environment replaces [default: 0.5]
+    #[arg(long, value_name = "SHARE", value_parser = values::finite, help_heading = EFFECTS)]
+    pub(crate) environment_share: Option<f64>,
+    /// Scale extinction by the gradient's magnitude: GRADIENT:FACTOR,... in data units per world length
+    #[arg(long, value_name = "CURVE", value_parser = values::gradient_curve, help_heading = EFFECTS)]
+    pub(crate) gradient_opacity: Option<GradientCurve>,
+    /// Transfer function of value and gradient magnitude: JSON with regions, or with a picture
+    #[arg(long, value_name = "FILE", help_heading = EFFECTS, conflicts_with_all = ["tf", "cmap", "opacity", "iso", "clim"])]
+    pub(crate) tf2d: Option<PathBuf>,
+    /// Show the surface of --iso itself: infinitely thin, hollow where it is cut, at its exact depth
+    #[arg(long, help_heading = EFFECTS)]
+    pub(crate) iso_exact: bool,
+    /// Cut away what is behind a plane, which goes through a point and keeps the side of its normal (world); repeatable
+    #[arg(long, value_name = "X,Y,Z:NX,NY,NZ", value_parser = values::clip_plane, help_heading = CLIPPING,
+          allow_hyphen_values = true)]
+    pub(crate) clip_plane: Vec<ClipPlane>,
+    /// Cut away what is outside a box (world)
+    #[arg(long, value_name = "X0,X1,Y0,Y1,Z0,Z1", value_parser = values::box_sides, help_heading = CLIPPING,
+          allow_hyphen_values = true)]
+    pub(crate) clip_box: Option<BoxSides>,
+    /// Cut away what is inside the box of --clip-box instead
+    #[arg(long, help_heading = CLIPPING)]
+    pub(crate) clip_inside: bool,
+    /// Cut away what is outside the box (undoes --clip-inside of a picture given with --like)
+    #[arg(long, hide_short_help = true, help_heading = CLIPPING, conflicts_with = "clip_inside")]
+    #[serde(skip)]
+    pub(crate) clip_outside: bool,
+    /// Leave out all effects and clips of the picture given with --like
+    #[arg(long, help_heading = EFFECTS)]
+    #[serde(skip)]
+    pub(crate) no_effects: bool,
+}
+
+/// Solid textures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum TextureName {
+    /// White stone with dark veins
+    Marble,
+    /// Rings around a leaning trunk
+    Wood,
+}
+
+impl EffectArgs {
+    /// These flags, and where they are silent those of `other`.
+    pub(crate) fn or(&self, other: &Self) -> Self {
+        let nothing = Self::default();
+        let other = if self.no_effects { &nothing } else { other };
+        let box_of = if self.clip_box.is_some() { &nothing } else { other };
+        Self {
+            texture: self.texture.or(other.texture),
+            texture_scale: self.texture_scale.or(other.texture_scale),
+            bump: self.bump.clone().or_else(|| other.bump.clone()),
+            bump_height: self.bump_height.or(other.bump_height),
+            environment: self.environment.clone().or_else(|| other.environment.clone()),
+            environment_share: self.environment_share.or(other.environment_share),
+            gradient_opacity: self
+                .gradient_opacity
+                .clone()
+                .or_else(|| other.gradient_opacity.clone()),
+            tf2d: self.tf2d.clone().or_else(|| other.tf2d.clone()),
+            iso_exact: self.iso_exact || other.iso_exact,
+            clip_plane: if self.clip_plane.is_empty() {
+                other.clip_plane.clone()
+            } else {
+                self.clip_plane.clone()
+            },
+            clip_box: self.clip_box.or(other.clip_box),
+            clip_inside: self.clip_inside || (box_of.clip_inside && !self.clip_outside),
+            clip_outside: false,
+            no_effects: false,
+        }
+    }
+}

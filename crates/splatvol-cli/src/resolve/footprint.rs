@@ -1,0 +1,76 @@
+//! The settings of footprints.
+
+use splatvol::{Absorption, Classification, Occlusion, Reconstruction, RenderSettings, SheetContent};
+
+use crate::args::{AbsorptionName, FootprintArgs, OcclusionName, ReconstructionName, SheetName};
+use crate::failure::Failure;
+
+/// What is flattened unless asked otherwise.
+const FLATNESS: f64 = 10.0;
+/// What counts as a surface unless asked otherwise, value ranges per voxel.
+const SURFACE_GRADIENT: f64 = 0.05;
+
+/// Sets what is asked for.
+pub(crate) fn set(args: &FootprintArgs, settings: &mut RenderSettings) -> Result<(), Failure> {
+    if let Some(name) = args.absorption {
+        settings.absorption = match name {
+            AbsorptionName::Exp => Absorption::Exp,
+            AbsorptionName::Linear => Absorption::Linear,
+        };
+    }
+    if let Some(name) = args.occlusion {
+        settings.occlusion = match name {
+            OcclusionName::Auto => Occlusion::Auto,
+            OcclusionName::None => Occlusion::None,
+            OcclusionName::Sat => Occlusion::Sat,
+        };
+    }
+    settings.reconstruction = reconstruction(args, settings.reconstruction)?;
+    Ok(())
+}
+
+fn reconstruction(args: &FootprintArgs, old: Reconstruction) -> Result<Reconstruction, Failure> {
+    let (old_flatness, old_gradient) = match old {
+        Reconstruction::Volume => (FLATNESS, SURFACE_GRADIENT),
+        Reconstruction::Surface { flatness } => (flatness, SURFACE_GRADIENT),
+        Reconstruction::Mixed { flatness, gradient } => (flatness, gradient),
+    };
+    let flatness = args.flatness.unwrap_or(old_flatness);
+    let gradient = args.surface_gradient.unwrap_or(old_gradient);
+    let name = args.reconstruction.unwrap_or(match old {
+        Reconstruction::Volume => ReconstructionName::Volume,
+        Reconstruction::Surface { .. } => ReconstructionName::Surface,
+        Reconstruction::Mixed { .. } => ReconstructionName::Mixed,
+    });
+    match name {
+        ReconstructionName::Volume if args.flatness.is_some() || args.surface_gradient.is_some() => Err(
+            Failure::usage("--flatness and --surface-gradient need --reconstruction surface or mixed"),
+        ),
+        ReconstructionName::Surface if args.surface_gradient.is_some() => {
+            Err(Failure::usage("--surface-gradient needs --reconstruction mixed"))
+        }
+        ReconstructionName::Volume => Ok(Reconstruction::Volume),
+        ReconstructionName::Surface => Ok(Reconstruction::Surface { flatness }),
+        ReconstructionName::Mixed => Ok(Reconstruction::Mixed { flatness, gradient }),
+    }
+}
+
+/// What the other settings need and no flag says: colours where whole footprints are composited or flattened, sections where
+/// data are splatted as footprints. `is_free`: whether the classification may be chosen.
+pub(crate) fn complete(args: &FootprintArgs, settings: &mut RenderSettings, is_free: bool) {
+    let colors = settings.compositing.needs_colors() || settings.reconstruction != Reconstruction::Volume;
+    if is_free && colors {
+        settings.classification = Classification::Pre;
+    }
+    if let Some(name) = args.sheet {
+        settings.sheet = Some(match name {
+            SheetName::Section => SheetContent::Section,
+            SheetName::Sample => SheetContent::Sample,
+        });
+    } else if settings.sheet.is_none()
+        && settings.classification == Classification::Post
+        && settings.uses_footprints()
+    {
+        settings.sheet = Some(SheetContent::Section);
+    }
+}

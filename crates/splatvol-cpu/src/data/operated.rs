@@ -1,0 +1,336 @@
+//! Post-classification with operators, clips or isosurfaces: planes shaded pixel by pixel (huang2000 section 4.3).
+//!
+//! What clips leave of an interval is cut in pieces, each of which takes its mean extinction and the place of its material
+//! from the integrals of the transfer function, as in `shade`; there operators are asked. An isosurface is seen where the
+//! cubic between two planes takes its value.
+//!
+//! The gradient says nothing about a cut: on its face the normal is the cut's, for as much as four voxels of the material
+//! there hide, until seven eighths of the light are gone or the material ends. Faces of opaque material are lit as
+//! flat as they are, seen where the light comes from, and fog, which has no faces, is lit as if uncut.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use splatvol_scene::transfer_function::linear_from_srgb;
+use splatvol_scene::{Appearance, PixelOperator, Scene, SheetSample};
+
+use super::cut::{Cut, Range};
+use super::pixel::{Pixel, Pixels, Units};
+use super::shade::Interval;
+use super::shade::{Canvas, PlaneShader, ShadeTarget};
+use super::table::Piece;
+use crate::stage::shade::Lit;
+use crate::stage::simd_exp::exp2_of;
+
+/// What is done to pixels.
+#[derive(Debug)]
+pub(crate) struct Operated<'a> {
+    operators: &'a [Arc<dyn PixelOperator>],
+    pub cut: Cut,
+    surfaces: Vec<Surface>,
+    units: Units,
+    pieces: usize,
+    /// World length.
+    mean_spacing: f32,
+}
+
+/// An isosurface; normalised value, linear colour, extinction over a voxel.
+#[derive(Debug, Clone, Copy)]
+struct Surface {
+    value: f32,
+    color: Vec3,
+    extinction: f32,
+}
+
+/// What a pixel knows of the cut that it looks at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Face {
+    /// World axes.
+    normal: Vec3,
+    /// Share of what is lit that lies on the face, 0 to 1.
+    share: f32,
+    /// Light that is left of what reached the face.
+    through: f32,
+    /// The interval in which it was last seen.
+    sheet: usize,
+}
+
+impl Face {
+    const NONE: Self = Self {
+        normal: Vec3::Z,
+        share: 0.0,
+        through: 1.0,
+        sheet: 0,
+    };
+
+    /// Share of the normal that is the cut's.
+    fn weight(&self) -> f32 {
+        self.share * (8.0 * self.through).min(1.0)
+    }
+}
+
+/// A tile's memory of cuts, and room for parts of intervals.
+#[derive(Debug, Default)]
+pub(crate) struct Faces {
+    faces: Vec<Face>,
+    ranges: Vec<Range>,
+    /// Places and surfaces.
+    crossings: Vec<(f32, usize)>,
+}
+
+impl Faces {
+    /// Forgets all.
+    pub(crate) fn clear(&mut self) {
+        self.faces.clear();
+    }
+}
+
+/// A pixel of the canvas, while it is worked on.
+struct Ink {
+    through: f32,
+    color: Vec3,
+    depth_sum: f32,
+}
+
+impl Ink {
+    fn of(canvas: &Canvas, pixel: usize) -> Self {
+        Self {
+            through: canvas.transmittance[pixel],
+            color: Vec3::from_array(canvas.color.each_ref().map(|plane| plane[pixel])),
+            depth_sum: canvas.depth_sum[pixel],
+        }
+    }
+
+    fn store(&self, canvas: &mut Canvas, pixel: usize) {
+        canvas.transmittance[pixel] = self.through;
+        for (plane, value) in canvas.color.iter_mut().zip(self.color.to_array()) {
+            plane[pixel] = value;
+        }
+        canvas.depth_sum[pixel] = self.depth_sum;
+    }
+
+    /// Puts something that lets this share of the light through behind what there is.
+    fn add(&mut self, color: Vec3, through: f32, depth: f32) {
+        let share = self.through * (1.0 - through);
+        self.color += color * share;
+        self.depth_sum += depth * share;
+        self.through *= through;
+    }
+}
+
+impl<'a> Operated<'a> {
+    /// `None` for a scene that asks for nothing of this.
+    pub(crate) fn new(scene: &'a Scene, cut: Cut, units: Units) -> Option<Self> {
+        if scene.operators.is_empty() && cut.is_empty() && scene.isosurfaces.is_empty() {
+            return None;
+        }
+        let mean_spacing = scene.volume.grid().mean_spacing();
+        let surfaces = scene.isosurfaces.iter().map(|surface| Surface {
+            value: (surface.value as f32 - units.lowest) / units.range,
+            color: Vec3::from_array(surface.rgb.map(|c| linear_from_srgb(c) as f32)),
+            extinction: (-(-surface.opacity).ln_1p() / mean_spacing) as f32,
+        });
+        Some(Self {
+            operators: &scene.operators,
+            cut,
+            surfaces: surfaces.collect(),
+            units,
+            pieces: scene
+                .operators
+                .iter()
+                .fold(2, |most, o| most.max(o.pieces()))
+                .min(64),
+            mean_spacing: mean_spacing as f32,
+        })
+    }
+
+    /// Shades an interval, and closes the pixels that it finishes.
+    pub(crate) fn shade(
+        &self,
+        (shader, interval): (&PlaneShader<'_>, &Interval<'_>),
+        sheet: usize,
+        target: &mut ShadeTarget<'_>,
+        faces: &mut Faces,
+    ) {
+        let pixels = Pixels {
+            shader,
+            interval,
+            origin: target.origin,
+        };
+        faces.faces.resize(target.canvas.transmittance.len(), Face::NONE);
+        let span = target.span;
+        for y in span.y0..span.y1 {
+            for x in span.x0..span.x1 {
+                if target.mask.sixteen(x, y) & 1 == 0 {
+                    continue;
+                }
+                let Some(pixel) = pixels.get([x, y]) else { continue };
+                let at = y * target.canvas.pitch + x;
+                let mut ink = Ink::of(target.canvas, at);
+                self.cut.ranges(&pixel.segment, &mut faces.ranges);
+                if self.surfaces.is_empty() {
+                    let face = &mut faces.faces[at];
+                    for range in &faces.ranges {
+                        self.material((shader, &pixel, sheet), range, face, &mut ink);
+                    }
+                } else {
+                    self.cross((shader, &pixel), faces, &mut ink);
+                }
+                ink.store(target.canvas, at);
+                if ink.through < shader.termination {
+                    target.mask.finish(x, y, 1);
+                }
+            }
+        }
+    }
+
+    /// What lies in a part of an interval.
+    fn material(
+        &self,
+        (shader, pixel, sheet): (&PlaneShader<'_>, &Pixel, usize),
+        range: &Range,
+        face: &mut Face,
+        ink: &mut Ink,
+    ) {
+        let table = shader.table;
+        let width = (range.to - range.from) / self.pieces as f32;
+        let mut from = (range.from, pixel.value(range.from));
+        let mut point = table.point(from.1);
+        if let Some(normal) = range.face {
+            let material = point.extinction * pixel.coverage(range.from);
+            *face = Face {
+                normal: self.units.world_from_camera.transform_vector3(normal),
+                share: 1.0 - exp2_of(-4.0 * std::f32::consts::LOG2_E * material * self.mean_spacing),
+                through: 1.0,
+                sheet,
+            };
+        } else if sheet > face.sheet + 1 {
+            face.share = 0.0;
+        }
+        face.sheet = sheet;
+        for i in 1..=self.pieces {
+            let to_u = range.from + width * i as f32;
+            let to = (to_u, pixel.value(to_u));
+            let next = table.point(to.1);
+            let piece = Piece::between([from.1, to.1], [&point, &next]);
+            let extinction = piece.extinction * pixel.coverage(0.5 * (from.0 + to.0));
+            let mut place = piece.place;
+            if face.share > 0.0 {
+                // Material from the cut on fills the piece.
+                place *= 2.0 * mean_place(extinction * pixel.length * width);
+            }
+            let u = from.0 + place * (to.0 - from.0);
+            let value = from.1 + place * (to.1 - from.1);
+            (from, point) = (to, next);
+            if extinction <= 0.0 {
+                face.share = 0.0;
+                continue;
+            }
+            let (sample, slope) = pixel.sample((u, value), &self.units);
+            let mut appearance = Appearance {
+                color: Vec3::from_array(table.color_of(value)),
+                extinction,
+                ..Appearance::default()
+            };
+            orient(shader, (&sample, slope), face, &mut appearance);
+            if !self.operate(&sample, &mut appearance) {
+                continue;
+            }
+            let depth = appearance.extinction * pixel.length * width;
+            let through = exp2_of((depth * -std::f32::consts::LOG2_E).max(-100.0));
+            ink.add(self.light(shader, &appearance), through, sample.depth);
+            face.through *= through;
+        }
+    }
+
+    /// The isosurfaces that a pixel's ray crosses.
+    fn cross(&self, (shader, pixel): (&PlaneShader<'_>, &Pixel), faces: &mut Faces, ink: &mut Ink) {
+        let Faces {
+            ranges, crossings, ..
+        } = faces;
+        crossings.clear();
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            pixel
+                .cubic
+                .crossings(surface.value, pixel.ends(), |u| crossings.push((u, i)));
+        }
+        crossings.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for &(u, surface) in crossings.iter() {
+            let left = ranges.iter().any(|range| range.from <= u && u < range.to);
+            if !left || pixel.coverage(u) < 0.5 || ink.through < shader.termination {
+                continue;
+            }
+            let surface = &self.surfaces[surface];
+            let (sample, slope) = pixel.sample((u, surface.value), &self.units);
+            let mut appearance = Appearance {
+                color: surface.color,
+                extinction: surface.extinction,
+                ..Appearance::default()
+            };
+            orient(shader, (&sample, slope), &Face::NONE, &mut appearance);
+            if self.operate(&sample, &mut appearance) {
+                let depth = appearance.extinction * self.mean_spacing;
+                let through = if depth < 100.0 { (-depth).exp() } else { 0.0 };
+                ink.add(self.light(shader, &appearance), through, sample.depth);
+            }
+        }
+    }
+
+    /// Runs the operators; false where nothing is left to see.
+    fn operate(&self, sample: &SheetSample, appearance: &mut Appearance) -> bool {
+        for operator in self.operators {
+            operator.apply(sample, appearance);
+        }
+        // Not a number counts as nothing.
+        appearance.extinction > 0.0
+    }
+
+    /// The colour that is seen.
+    fn light(&self, shader: &PlaneShader<'_>, appearance: &Appearance) -> Vec3 {
+        let Lit { diffuse, specular } = shader.phong.as_ref().map_or(Lit::PLAIN, |phong| {
+            let normal = self.units.world_from_camera.matrix3.transpose() * appearance.normal;
+            phong.on_surface(normal.to_array(), appearance.surfaceness)
+        });
+        let lit = appearance.color * diffuse + specular;
+        lit + (appearance.reflection - lit) * appearance.reflectance
+    }
+}
+
+/// Mean place, 0 to 1, of the light from homogeneous material of this optical depth: `1 / t - 1 / (e^t - 1)`.
+fn mean_place(depth: f32) -> f32 {
+    if depth < 0.1 {
+        // To second order; the difference below would lose its digits.
+        0.5 - depth / 12.0
+    } else {
+        1.0 / depth - 1.0 / depth.min(80.0).exp_m1()
+    }
+}
+
+/// Normal and surfaceness, by the gradient and the face of a cut.
+fn orient(
+    shader: &PlaneShader<'_>,
+    (sample, slope): (&SheetSample, f32),
+    face: &Face,
+    appearance: &mut Appearance,
+) {
+    let normal = (-sample.gradient).try_normalize().unwrap_or(sample.view);
+    appearance.normal = normal;
+    // Without light it matters to mirrors only.
+    appearance.surfaceness = shader
+        .phong
+        .as_ref()
+        .map_or(1.0, |phong| phong.surfaceness(slope));
+    let weight = face.weight();
+    if weight > 0.0 {
+        let turned = if normal.dot(face.normal) < 0.0 {
+            -normal
+        } else {
+            normal
+        };
+        appearance.normal = turned
+            .lerp(face.normal, weight)
+            .try_normalize()
+            .unwrap_or(face.normal);
+        appearance.surfaceness += (1.0 - appearance.surfaceness) * weight;
+    }
+}

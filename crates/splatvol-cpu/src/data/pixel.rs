@@ -1,0 +1,156 @@
+//! A pixel between two planes: value, coverage, gradient and place along its ray.
+//!
+//! The same as `shade`, one pixel at a time: the value is the cubic through both planes, the gradient the planes' central
+//! differences across the ray and a difference of four planes along it.
+
+use glam::{Affine3A, Vec3};
+use splatvol_scene::SheetSample;
+
+use super::crossing::Cubic;
+use super::cut::Segment;
+use super::plane::HALO;
+use super::shade::{Interval, PlaneShader, depth_slope_of};
+
+/// From camera space and normalised values to the world and data units.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Units {
+    pub world_from_camera: Affine3A,
+    /// Data value of 0, and of 1 less that.
+    pub lowest: f32,
+    pub range: f32,
+}
+
+/// What a frame's pixels are made with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pixels<'a> {
+    pub shader: &'a PlaneShader<'a>,
+    pub interval: &'a Interval<'a>,
+    /// Image coordinates of the tile's first pixel.
+    pub origin: [usize; 2],
+}
+
+/// A pixel between two planes.
+#[derive(Debug, Clone)]
+pub(crate) struct Pixel {
+    pub cubic: Cubic,
+    /// Values of the planes before, at both ends, and behind.
+    values: [f32; 4],
+    coverage: [f32; 2],
+    /// Differences across the ray on both planes, per world length.
+    across: [[f32; 2]; 2],
+    sharpness: f32,
+    spacing: f32,
+    /// Movement in camera x and y per depth.
+    ray: [f32; 2],
+    /// Camera space.
+    pub segment: Segment,
+    /// World length of the ray's part.
+    pub length: f32,
+}
+
+impl Pixels<'_> {
+    /// The pixel at x, y of the tile; `None` where it cannot show anything.
+    pub(crate) fn get(&self, [x, y]: [usize; 2]) -> Option<Pixel> {
+        let Self { shader, interval, .. } = self;
+        let [before, near, far, after] = interval.planes;
+        let at = (y + HALO) * near.pitch + x + HALO;
+        let sums = [before, near, far, after].map(|plane| plane.values[at]);
+        let untouched = sums[1] == 0.0 && sums[2] == 0.0;
+        if untouched && !shader.table.shows_background {
+            return None;
+        }
+        let in_picture = [self.origin[0] + x, self.origin[1] + y];
+        let (mut coverage, mut weights) = ([1.0; 2], [1.0; 2]);
+        if interval.is_near_border {
+            for end in 0..2 {
+                [coverage[end], weights[end]] = shader.border.at_pixel(&interval.borders[end], in_picture);
+            }
+        }
+        if coverage == [0.0; 2] {
+            return None;
+        }
+        let weights = [weights[0], weights[0], weights[1], weights[1]];
+        let values: [f32; 4] = std::array::from_fn(|i| sums[i] * weights[i] + shader.background);
+        let cubic = Cubic::through(values);
+        let [low, high] = cubic.bounds();
+        let [first, last] = shader.table.hull;
+        if high < first || low > last {
+            return None;
+        }
+        let across = [0, 1].map(|end| {
+            let (plane, scale) = ([near, far][end], 0.5 * interval.scales[end]);
+            let difference = |step: usize| (plane.values[at + step] - plane.values[at - step]) * scale;
+            [difference(1), difference(plane.pitch)]
+        });
+        let from_middle = [0, 1].map(|a| in_picture[a] as f32 + 0.5 - shader.principal[a]);
+        let ray = from_middle.map(|d| d * shader.per_pixel);
+        let [start, end] = interval.depths.map(|depth| {
+            if shader.per_pixel > 0.0 {
+                Vec3::new(ray[0] * depth, ray[1] * depth, depth)
+            } else {
+                let [x, y] = from_middle.map(|d| d * shader.plane_per_pixel);
+                Vec3::new(x, y, depth)
+            }
+        });
+        Some(Pixel {
+            cubic,
+            values,
+            coverage,
+            across,
+            sharpness: interval.sharpness(shader.spacing),
+            spacing: shader.spacing,
+            ray,
+            segment: Segment {
+                from: start,
+                step: end - start,
+            },
+            length: (ray[0] * ray[0] + (1.0 + ray[1] * ray[1])).sqrt() * shader.spacing,
+        })
+    }
+}
+
+impl Pixel {
+    /// Values at both ends.
+    pub(crate) fn ends(&self) -> [f32; 2] {
+        [self.values[1], self.values[2]]
+    }
+
+    /// Value at a place, 0 to 1; the planes' own at both ends.
+    pub(crate) fn value(&self, u: f32) -> f32 {
+        if u >= 1.0 {
+            self.values[2]
+        } else {
+            self.cubic.at(u)
+        }
+    }
+
+    pub(crate) fn coverage(&self, u: f32) -> f32 {
+        self.coverage[0] + (self.coverage[1] - self.coverage[0]) * u
+    }
+
+    /// Gradient of the normalised value, camera space, per world length.
+    fn gradient(&self, u: f32) -> Vec3 {
+        let [near, far] = self.across;
+        let gx = (far[0] - near[0]) * u + near[0];
+        let gy = (far[1] - near[1]) * u + near[1];
+        let slope = depth_slope_of(self.values, u, self.sharpness);
+        let gz = slope * (1.0 / self.spacing) - self.ray[0] * gx - gy * self.ray[1];
+        Vec3::new(gx, gy, gz)
+    }
+
+    /// What operators are told of a value at a place, and the length of the normalised gradient.
+    pub(crate) fn sample(&self, (u, value): (f32, f32), units: &Units) -> (SheetSample, f32) {
+        let gradient = self.gradient(u);
+        let place = self.segment.from + self.segment.step * u;
+        let to_world = |v: Vec3| units.world_from_camera.transform_vector3(v);
+        let view = -Vec3::new(self.ray[0], self.ray[1], 1.0).normalize();
+        let sample = SheetSample {
+            value: units.lowest + value * units.range,
+            gradient: to_world(gradient * units.range),
+            position: units.world_from_camera.transform_point3(place),
+            view: to_world(view),
+            depth: place.z,
+        };
+        (sample, gradient.length())
+    }
+}

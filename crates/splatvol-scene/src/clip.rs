@@ -1,0 +1,168 @@
+//! Clipping: what of the volume is cut away, and what is seen of the cut.
+//!
+//! A clip is a convex body, the intersection of half-spaces, of which either the inside or the outside is kept. A ray's
+//! part within a convex body is one interval, so engines cut rays exactly, whatever the sheets' distance.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::{Bounds, SceneError};
+
+/// A plane; the half-space that its normal points to is inside.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked", deny_unknown_fields)]
+pub struct ClipPlane {
+    point: DVec3,
+    normal: DVec3,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Unchecked {
+    point: DVec3,
+    normal: DVec3,
+}
+
+impl TryFrom<Unchecked> for ClipPlane {
+    type Error = SceneError;
+
+    fn try_from(raw: Unchecked) -> Result<Self, SceneError> {
+        Self::new(raw.point, raw.normal)
+    }
+}
+
+impl ClipPlane {
+    /// Plane through a point (world) with a normal of any length.
+    ///
+    /// # Errors
+    /// A point that is not finite, or a normal that is zero or not finite.
+    pub fn new(point: DVec3, normal: DVec3) -> Result<Self, SceneError> {
+        if !point.is_finite() {
+            return Err(SceneError::invalid(
+                "clip plane's point",
+                point.to_array(),
+                "finite numbers",
+            ));
+        }
+        // A plane that was written and read again is the same plane.
+        if (normal.length_squared() - 1.0).abs() < 1e-12 {
+            return Ok(Self { point, normal });
+        }
+        let Some(unit) = normal.try_normalize() else {
+            return Err(SceneError::invalid(
+                "clip plane's normal",
+                normal.to_array(),
+                "a direction",
+            ));
+        };
+        Ok(Self { point, normal: unit })
+    }
+
+    /// A point of it, world.
+    pub fn point(&self) -> DVec3 {
+        self.point
+    }
+
+    /// Its normal, length 1: towards the inside.
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// Distance of a point from it, positive inside.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        (point - self.point).dot(self.normal)
+    }
+}
+
+/// Which part is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Keep {
+    /// What lies inside all planes.
+    Inside,
+    /// What lies outside any of them.
+    Outside,
+}
+
+/// A convex body, and which side of it is kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clip {
+    /// Planes that bound the body.
+    pub planes: Vec<ClipPlane>,
+    /// Which part is kept.
+    pub keep: Keep,
+}
+
+impl Clip {
+    /// Keeps the half-space that a plane's normal points to.
+    ///
+    /// # Errors
+    /// As [`ClipPlane::new`].
+    pub fn plane(point: DVec3, normal: DVec3) -> Result<Self, SceneError> {
+        Ok(Self {
+            planes: vec![ClipPlane::new(point, normal)?],
+            keep: Keep::Inside,
+        })
+    }
+
+    /// Keeps what lies inside a box, or outside it.
+    ///
+    /// # Errors
+    /// Bounds that are not finite, or empty.
+    pub fn of_box(bounds: &Bounds, keep: Keep) -> Result<Self, SceneError> {
+        if !bounds.min.cmplt(bounds.max).all() {
+            let corners = [bounds.min.to_array(), bounds.max.to_array()];
+            return Err(SceneError::invalid(
+                "clip box",
+                corners,
+                "each low bound below its high one",
+            ));
+        }
+        let low = DVec3::AXES.map(|axis| ClipPlane::new(bounds.min, axis));
+        let high = DVec3::AXES.map(|axis| ClipPlane::new(bounds.max, -axis));
+        Ok(Self {
+            planes: low.into_iter().chain(high).collect::<Result<_, _>>()?,
+            keep,
+        })
+    }
+
+    /// Whether a point is kept.
+    pub fn keeps(&self, point: DVec3) -> bool {
+        let inside = self.planes.iter().all(|plane| plane.distance(point) >= 0.0);
+        inside == (self.keep == Keep::Inside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_and_boxes_keep_their_side() {
+        let plane = Clip::plane(DVec3::X, DVec3::new(0.0, 0.0, -3.0)).unwrap();
+        assert!(plane.keeps(DVec3::new(5.0, 5.0, -0.1)) && !plane.keeps(DVec3::new(5.0, 5.0, 0.1)));
+        let bounds = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::new(1.0, 2.0, 3.0),
+        };
+        let (inner, outer) = (DVec3::new(0.5, 1.5, 2.5), DVec3::new(0.5, 2.5, 2.5));
+        for (keep, wanted) in [(Keep::Inside, true), (Keep::Outside, false)] {
+            let clip = Clip::of_box(&bounds, keep).unwrap();
+            assert_eq!(clip.keeps(inner), wanted);
+            assert_eq!(clip.keeps(outer), !wanted);
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused_by_name() {
+        let error = Clip::plane(DVec3::ZERO, DVec3::ZERO).unwrap_err().to_string();
+        assert!(error.starts_with("clip plane's normal"), "{error}");
+        assert!(Clip::plane(DVec3::NAN, DVec3::X).is_err());
+        let flat = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::new(1.0, 0.0, 1.0),
+        };
+        assert!(Clip::of_box(&flat, Keep::Inside).is_err());
+    }
+}

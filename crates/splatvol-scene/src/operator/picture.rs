@@ -1,0 +1,95 @@
+//! Pictures as functions of two coordinates, 0 to 1 each, the origin at the top left.
+
+use glam::Vec4;
+
+use crate::Image;
+
+/// What lies beyond the left and right edge: the other side, or the edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Across {
+    Wrapped,
+    Clamped,
+}
+
+/// Pixel sides joined by straight lines.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Picture {
+    width: usize,
+    height: usize,
+    pixels: Vec<Vec4>,
+    across: Across,
+}
+
+impl Picture {
+    pub(super) fn new(image: &Image, across: Across) -> Self {
+        Self {
+            width: image.size().width() as usize,
+            height: image.size().height() as usize,
+            pixels: image
+                .pixels
+                .iter()
+                .map(|&pixel| Vec4::from_array(pixel))
+                .collect(),
+            across,
+        }
+    }
+
+    /// Columns and rows.
+    pub(super) fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    pub(super) fn pixel(&self, x: usize, y: usize) -> Vec4 {
+        self.pixels[y * self.width + x]
+    }
+
+    /// Bilinear value.
+    pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec4 {
+        let x = u * self.width as f32 - 0.5;
+        let (left, right, along) = match self.across {
+            Across::Clamped => clamped(x, self.width),
+            Across::Wrapped => {
+                let floor = x.floor();
+                let width = self.width as i64;
+                let left = (floor as i64).rem_euclid(width) as usize;
+                (left, (left + 1) % self.width, x - floor)
+            }
+        };
+        let (top, bottom, down) = clamped(v * self.height as f32 - 0.5, self.height);
+        let row = |y: usize| self.pixel(left, y).lerp(self.pixel(right, y), along);
+        row(top).lerp(row(bottom), down)
+    }
+}
+
+/// Neighbours of a position among `count`, and the share of the second.
+fn clamped(at: f32, count: usize) -> (usize, usize, f32) {
+    // A NaN becomes 0.
+    let at = at.max(0.0).min(count as f32 - 1.0);
+    let first = at as usize;
+    (first, (first + 1).min(count - 1), at - first as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ImageSize;
+
+    #[test]
+    fn values_are_met_at_pixel_centres_and_wrap_or_end_at_the_sides() {
+        let size = ImageSize::new(4, 2).unwrap();
+        let pixels = (0..8).map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
+        let image = Image::from_pixels(size, pixels).unwrap();
+        let (wrapped, ends) = (
+            Picture::new(&image, Across::Wrapped),
+            Picture::new(&image, Across::Clamped),
+        );
+        assert_eq!(wrapped.at([0.375, 0.25]).x, 1.0);
+        assert_eq!(wrapped.at([0.375, 0.75]).x, 5.0);
+        assert_eq!(wrapped.at([0.5, 0.5]).x, 3.5);
+        // Half way between the last column and the first.
+        assert_eq!(wrapped.at([0.0, 0.0]).x, 1.5);
+        assert_eq!(wrapped.at([-1.0, -3.0]).x, 1.5);
+        assert_eq!(ends.at([0.0, 0.0]).x, 0.0);
+        assert_eq!(ends.at([7.0, f32::NAN]).x, 3.0);
+    }
+}

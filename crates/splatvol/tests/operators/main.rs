@@ -1,0 +1,15 @@
+//! Operators, clips and isosurfaces: the same picture where nothing is asked of them, the same bytes whatever runs them,
+//! and close to closed forms and to f64 integrals along rays.
+//!
+//! Tolerances lie a little above what was measured; `--nocapture` prints the figures.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cuts;
+mod integrals;
+mod same;
+mod support;
+mod surfaces;
