@@ -205,10 +205,10 @@ fn settings_outside_their_domain_are_refused() {
     });
     assert!(few.contains("footprint table entries: 31"), "{few}");
     let sections = refusal(TableSettings {
-        sections: 64,
+        sections: 129,
         ..settings
     });
-    assert!(sections.contains("footprint table sections: 64"), "{sections}");
+    assert!(sections.contains("footprint table sections: 129"), "{sections}");
     let sigma = Kernel::Gaussian {
         sigma: 99.0,
         radius: 200.0,

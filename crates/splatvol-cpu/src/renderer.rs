@@ -180,7 +180,7 @@ impl Renderer {
     /// Renders one frame.
     ///
     /// # Errors
-    /// Settings outside their domain.
+    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
     pub fn render(
         &mut self,
         scene: &Scene,
@@ -193,7 +193,7 @@ impl Renderer {
     /// Renders one frame, reporting the finished share (0..1) from any thread.
     ///
     /// # Errors
-    /// Settings outside their domain.
+    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
     pub fn render_with_progress(
         &mut self,
         scene: &Scene,
@@ -293,7 +293,7 @@ impl Renderer {
     /// gradients are differences ([`RenderSettings::fast`]).
     ///
     /// # Errors
-    /// Settings outside their domain.
+    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
     pub fn render_into(
         &mut self,
         scene: &Scene,
@@ -331,7 +331,7 @@ impl Renderer {
             progress,
         };
         if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
-            self.statistics = self.footprints.render(run, scene, (camera, settings), frame);
+            self.statistics = self.footprints.render(run, scene, (camera, settings), frame)?;
         } else if splats_at_once(scene, settings)
             && let Some(statistics) = self.data.render(run, scene, (camera, settings), frame)
         {

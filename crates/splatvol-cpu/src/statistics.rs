@@ -70,4 +70,6 @@ pub struct RenderStatistics {
     /// Voxels left out for being hidden, summed over tiles: those of hidden bricks, and hidden ones of others (footprint
     /// engine).
     pub hidden_voxels: u64,
+    /// Share of them among the voxels that could be seen, hidden and drawn (footprint engine).
+    pub hidden_share: f64,
 }

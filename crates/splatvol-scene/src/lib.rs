@@ -57,8 +57,8 @@ pub use operator::{
 };
 pub use scene::{Isosurface, Scene};
 pub use settings::{
-    Absorption, Alignment, Classification, Compositing, Filter, Gradient, Kernel, MotionBlur, Occlusion,
-    Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch,
+    Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Gradient, Kernel,
+    MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch, TablePrecision,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

@@ -4,9 +4,9 @@ use clap::{Args, ValueEnum};
 
 use splatvol::{Lighting, RenderSettings};
 
-use super::FootprintArgs;
 use super::KernelArgs;
 use super::values::{self, Triple};
+use super::{FastSplatsArgs, FootprintArgs};
 
 const METHOD: &str = "Method";
 const LIGHT: &str = "Lighting";
@@ -48,6 +48,8 @@ pub(crate) struct MethodArgs {
     pub(crate) termination: Option<f64>,
     #[command(flatten)]
     pub(crate) footprint: FootprintArgs,
+    #[command(flatten)]
+    pub(crate) fastsplats: FastSplatsArgs,
     /// Show the transfer function's colours as they are
     #[arg(long, help_heading = LIGHT)]
     pub(crate) no_shade: bool,
@@ -93,6 +95,9 @@ pub(crate) enum PresetName {
     /// Elliptical Gaussians on slices of the grid, low-passed by a pixel
     #[value(name = "ewa2001")]
     Ewa2001,
+    /// FastSplats as published in 2000: colours, tables, a summed-area table
+    #[value(name = "fastsplats2000")]
+    FastSplats2000,
 }
 
 /// How sheets become a picture.

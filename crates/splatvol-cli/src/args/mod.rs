@@ -13,6 +13,7 @@ mod animate;
 mod bench;
 mod camera;
 mod effects;
+mod fastsplats;
 mod footprint;
 mod input;
 mod kernel;
@@ -29,6 +30,7 @@ pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::{CameraArgs, Fit, ViewName};
 pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve, TextureName};
+pub(crate) use fastsplats::{FastSplatsArgs, PrecisionName, RasterizerName};
 pub(crate) use footprint::{
     AbsorptionName, AlignmentName, FootprintArgs, OcclusionName, ReconstructionName, SheetName, StretchName,
 };

@@ -2,8 +2,8 @@
 
 use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Lighting, RenderSettings};
 
-use super::footprint;
 use super::look::Wishes;
+use super::{fastsplats, footprint};
 use crate::args::{ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName};
 use crate::failure::{During, Failure, Step};
 use crate::resolve::kernel;
@@ -71,6 +71,7 @@ pub(crate) fn resolve(
     settings.prefilter = !args.no_prefilter && (args.prefilter || kept);
     settings.lighting = lighting(args, settings.lighting);
     footprint::set(&args.footprint, &mut settings)?;
+    fastsplats::set(&args.fastsplats, &mut settings)?;
     let is_free = args.classification.is_none() && like.is_none();
     footprint::complete(&args.footprint, &mut settings, is_free);
     settings.validate().during(Step::Usage)?;
@@ -107,6 +108,7 @@ fn paper(name: PresetName) -> Option<RenderSettings> {
         PresetName::Best | PresetName::Balanced | PresetName::Fast => None,
         PresetName::Swan1997 => Some(RenderSettings::swan1997()),
         PresetName::Mueller1998 => Some(RenderSettings::mueller1998()),
+        PresetName::FastSplats2000 => Some(RenderSettings::fastsplats2000()),
         PresetName::Ewa2001 => Some(RenderSettings::ewa2001()),
     }
 }

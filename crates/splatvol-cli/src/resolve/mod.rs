@@ -5,7 +5,8 @@
 pub(crate) mod around;
 pub(crate) mod camera;
 pub(crate) mod effects;
-pub(crate) mod footprint;
+mod fastsplats;
+mod footprint;
 mod framing;
 pub(crate) mod input;
 pub(crate) mod kernel;

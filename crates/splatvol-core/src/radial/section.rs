@@ -13,6 +13,11 @@ pub trait Entry: Copy + Default + PartialEq + Send + Sync + 'static {
     fn nearest(share: f64) -> Self;
     /// The entry as a number.
     fn number(self) -> f32;
+    /// This entry less another, as a number.
+    #[inline(always)]
+    fn less(self, other: Self) -> f32 {
+        self.number() - other.number()
+    }
 }
 
 impl Entry for u8 {
@@ -27,6 +32,11 @@ impl Entry for u8 {
     fn number(self) -> f32 {
         f32::from(self)
     }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> f32 {
+        (i32::from(self) - i32::from(other)) as f32
+    }
 }
 
 impl Entry for u16 {
@@ -40,6 +50,11 @@ impl Entry for u16 {
     #[inline(always)]
     fn number(self) -> f32 {
         f32::from(self)
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> f32 {
+        (i32::from(self) - i32::from(other)) as f32
     }
 }
 
@@ -87,9 +102,22 @@ impl<E: Entry> Section<'_, E> {
         // Conversion saturates: what is beyond the last entry, which is zero, takes that; what is no number, the first.
         let index = (position * self.last + 0.5).min(self.last) as usize;
         match (self.back.get(index), self.front.get(index)) {
-            (Some(back), Some(front)) => (back.number() - front.number()) * self.unit,
+            (Some(back), Some(front)) => back.less(*front) * self.unit,
             _ => 0.0,
         }
+    }
+
+    /// Entries of the row in front and of the row behind, as many of each. For loops that step an index of their own, from
+    /// 0 at the centre to the last entry at the support.
+    #[inline(always)]
+    pub fn rows(&self) -> [&[E]; 2] {
+        [self.front, self.back]
+    }
+
+    /// Value of an entry's unit, per square voxel.
+    #[inline(always)]
+    pub fn unit(&self) -> f32 {
+        self.unit
     }
 
     /// True where both depths fall on the same row: nothing of the kernel lies between them.

@@ -45,7 +45,7 @@ pub struct TableSettings {
     pub precision: Precision,
     /// How entries are spaced.
     pub spacing: Spacing,
-    /// Rows: 128, or 1, which puts a whole footprint where its centre is.
+    /// Rows, 1 to 128; a single one puts a whole footprint where its centre is.
     pub sections: usize,
 }
 
@@ -72,8 +72,8 @@ impl TableSettings {
         if !(32..=MOST_ENTRIES).contains(&self.entries) {
             return refused("footprint table entries", self.entries, "32 to 1024");
         }
-        if ![1, 128].contains(&self.sections) {
-            return refused("footprint table sections", self.sections, "1 or 128");
+        if !(1..=128).contains(&self.sections) {
+            return refused("footprint table sections", self.sections, "1 to 128");
         }
         Ok(())
     }
@@ -179,9 +179,10 @@ impl FootprintTable {
     #[inline(always)]
     fn slice<'a, E: Entry>(&self, rows: &'a [E], row: usize) -> &'a [E] {
         let count = self.settings.entries;
+        let zeros = &E::ZEROS[..count.min(MOST_ENTRIES)];
         match row.checked_sub(1) {
-            None => E::ZEROS,
-            Some(before) => rows.get(before * count..row * count).unwrap_or(E::ZEROS),
+            None => zeros,
+            Some(before) => rows.get(before * count..row * count).unwrap_or(zeros),
         }
     }
 }

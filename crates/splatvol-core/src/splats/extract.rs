@@ -1,9 +1,9 @@
 //! The cloud of a volume: only voxels that can be seen are kept, as the papers' sparse splat lists do (mueller1998 section
 //! 3.5, huang2000 section 1).
 
-use glam::DMat3;
+use glam::{DMat3, Mat3, Vec3};
 use rayon::prelude::*;
-use splatvol_scene::Grid;
+use splatvol_scene::{Extraction, Grid, Volume};
 
 use super::cloud::{Chunk, KernelShape, SplatCloud};
 use crate::brick::{ActiveBrick, BLOCK, BrickGrid};
@@ -25,6 +25,49 @@ pub struct Extract<'a> {
     pub shape: KernelShape,
     /// Whether splats need gradients: for light, or to be flattened along them.
     pub gradients: bool,
+    /// Which voxels have splats at all; `None` for all.
+    pub interest: Option<Interest>,
+}
+
+/// The range of interest: `t = F(gradient, density)` of mueller1998 section 3.5, F being 1 inside a box and 0 outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interest {
+    /// Least and greatest normalised value.
+    density: [f32; 2],
+    /// Least squared gradient of the normalised value per mean spacing; zero and less for any.
+    gradient_squared: f32,
+    /// From gradients per voxel to gradients per mean spacing.
+    steepness_from_local: Mat3,
+}
+
+impl Interest {
+    /// The range of the settings, for a volume.
+    pub fn new(extraction: &Extraction, volume: &Volume) -> Self {
+        let [low, high] = volume.value_range();
+        let width = if high > low { high - low } else { 1.0 };
+        let density = extraction
+            .density
+            .map_or([f32::NEG_INFINITY, f32::INFINITY], |values| {
+                values.map(|value| ((value - low) / width) as f32)
+            });
+        let grid = volume.grid();
+        let linear: DMat3 = grid.world_from_voxel().matrix3;
+        Self {
+            density,
+            gradient_squared: extraction.gradient.powi(2) as f32,
+            steepness_from_local: (linear.inverse().transpose() * grid.mean_spacing()).as_mat3(),
+        }
+    }
+
+    /// Whether a voxel of this value belongs to it; `gradient`, per voxel, is asked for where it matters.
+    #[inline]
+    fn holds(&self, value: f32, gradient: impl FnOnce() -> [f32; 3]) -> bool {
+        let inside = (self.density[0]..=self.density[1]).contains(&value);
+        inside
+            && (self.gradient_squared <= 0.0
+                || (self.steepness_from_local * Vec3::from_array(gradient())).length_squared()
+                    >= self.gradient_squared)
+    }
 }
 
 /// Splats of one brick.
@@ -96,11 +139,18 @@ impl Extract<'_> {
                     if value.is_nan() {
                         continue;
                     }
+                    let gradient = || self.samples.difference(index, [x, y, z]);
+                    if self
+                        .interest
+                        .is_some_and(|interest| !interest.holds(value, gradient))
+                    {
+                        continue;
+                    }
                     let Some(payload) = payload(value) else { continue };
                     part.positions.push([x, y, z].map(|i| i as f32));
                     part.payloads.push(payload);
                     if self.gradients {
-                        part.gradients.push(self.samples.difference(index, [x, y, z]));
+                        part.gradients.push(gradient());
                     }
                 }
             }

@@ -9,6 +9,7 @@
 //! | `cloud` | centres, payloads and covariances, in chunks of neighbours |
 //! | `extract` | the cloud of a classified volume, and that of its data |
 //! | `profile` | the radial profile of a footprint, whole and between depths |
+//! | `radial` | that of any radial kernel |
 //! | `footprint` | the footprint: from pixel to radius |
 //! | `ray` | footprints of kernels that are whitened, for rays that diverge |
 //! | `moving`, `sweep` | footprints of what moves while the shutter is open |
@@ -20,13 +21,15 @@ mod footprint;
 mod moving;
 mod profile;
 mod projection;
+mod radial;
 mod ray;
 mod sweep;
 
 pub use cloud::{Chunk, KernelShape, SplatCloud};
-pub use extract::{Extract, classified, data};
+pub use extract::{Extract, Interest, classified, data};
 pub use footprint::{Footprint, Sample, Warp};
 pub use moving::{Moving, Passage, Path, whitening};
 pub use profile::{GaussianProfile, Profile};
 pub use projection::{AlignmentErrors, Bounds, Projection, View};
+pub use radial::RadialProfile;
 pub use ray::{Ray, Trapezoid};

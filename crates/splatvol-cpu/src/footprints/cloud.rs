@@ -6,9 +6,9 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_core::splats::{self, Extract, KernelShape, SplatCloud};
+use splatvol_core::splats::{self, Extract, Interest, KernelShape, SplatCloud};
 use splatvol_scene::{
-    Classification, Compositing, Reconstruction, RenderSettings, Scene, TransferFunction, Volume,
+    Classification, Compositing, Extraction, RenderSettings, Scene, TransferFunction, Volume,
 };
 
 /// What a cloud depends on, besides the volume.
@@ -18,6 +18,7 @@ struct Key {
     data: bool,
     shape: KernelShape,
     gradients: bool,
+    extraction: Option<Extraction>,
 }
 
 /// A volume's samples, and the cloud last made from them.
@@ -32,26 +33,14 @@ pub(crate) fn splats_data(settings: &RenderSettings) -> bool {
     settings.compositing == Compositing::ImageSheets && settings.classification == Classification::Post
 }
 
-fn shape(settings: &RenderSettings) -> KernelShape {
-    let sigma = GaussianKernel::new(settings.kernel).sigma;
-    match settings.reconstruction {
-        Reconstruction::Volume => KernelShape::Sphere { sigma },
-        Reconstruction::Surface { flatness } => KernelShape::Flattened {
-            sigma,
-            flatness,
-            threshold: 0.0,
-        },
-        Reconstruction::Mixed { flatness, gradient } => KernelShape::Flattened {
-            sigma,
-            flatness,
-            threshold: gradient,
-        },
-    }
-}
-
 impl CloudStore {
     /// The cloud of a scene, and the bricks that its volume has.
-    pub(crate) fn cloud(&mut self, scene: &Scene, settings: &RenderSettings) -> (&SplatCloud, usize) {
+    pub(crate) fn cloud(
+        &mut self,
+        scene: &Scene,
+        settings: &RenderSettings,
+        shape: KernelShape,
+    ) -> (&SplatCloud, usize) {
         let volume = &scene.volume;
         if self
             .samples
@@ -63,13 +52,13 @@ impl CloudStore {
             self.samples = Some((Arc::clone(volume), samples, bricks));
         }
         let data = splats_data(settings);
-        let shape = shape(settings);
         let key = Key {
             transfer_function: scene.transfer_function.clone(),
             data,
             shape,
             gradients: (!data && settings.lighting.is_some())
                 || matches!(shape, KernelShape::Flattened { .. }),
+            extraction: settings.extraction,
         };
         if self.cloud.as_ref().is_some_and(|(kept, _)| *kept != key) {
             self.cloud = None;
@@ -104,6 +93,10 @@ fn extract(
         table: &table,
         shape: key.shape,
         gradients: key.gradients,
+        interest: key
+            .extraction
+            .as_ref()
+            .map(|extraction| Interest::new(extraction, volume)),
     };
     if key.data {
         let radius = GaussianKernel::new(settings.kernel).radius;

@@ -5,6 +5,7 @@
 //! | stage | module | what happens |
 //! |---|---|---|
 //! | extract | `cloud` | the volume's visible voxels become a cloud, kept between frames |
+//! | profile | `kernels` | the kernel's line integrals, as a function or as tables, kept between frames |
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
 //! | splat | `raster`, `sheet` | footprints, whole or a sheet's section of them, become pixels |
@@ -16,6 +17,7 @@
 
 mod cloud;
 mod data;
+mod kernels;
 mod light;
 mod occlusion;
 mod order;
@@ -30,14 +32,14 @@ use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-use splatvol_core::kernel::GaussianKernel;
-use splatvol_core::splats::{GaussianProfile, Profile};
+use splatvol_core::splats::Profile;
 use splatvol_scene::{
     Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, Scene, SheetContent,
+    Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
 };
 
 use self::cloud::CloudStore;
+use self::kernels::{Footprints, KernelStore};
 use self::plan::Plan;
 use self::tile::{TileScratch, TileWork};
 use crate::data::engine::Run;
@@ -53,6 +55,8 @@ pub(crate) fn is_needed(settings: &RenderSettings) -> bool {
         || settings.occlusion != Occlusion::Auto
         || settings.absorption != Absorption::Exp
         || settings.reconstruction != Reconstruction::Volume
+        || settings.extraction.is_some()
+        || settings.kernel.gaussian().is_none()
         || (post
             && settings.compositing == Compositing::ImageSheets
             && settings.sheet == Some(SheetContent::Section))
@@ -67,35 +71,47 @@ pub(crate) fn blurs(scene: &Scene, settings: &RenderSettings) -> bool {
 #[derive(Debug, Default)]
 pub(crate) struct FootprintEngine {
     store: CloudStore,
+    kernels: KernelStore,
 }
 
 impl FootprintEngine {
     /// Renders a frame.
+    ///
+    /// # Errors
+    /// A rasteriser that cannot draw the footprints of this view.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
         scene: &Scene,
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
-    ) -> RenderStatistics {
+    ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
-        let cloud = run.pool.install(|| self.store.cloud(scene, settings));
+        raster::check(scene, camera, settings)?;
+        self.kernels.prepare(settings)?;
+        let shape = self.kernels.shape(settings);
+        let cloud = run.pool.install(|| self.store.cloud(scene, settings, shape));
         let seconds = StageSeconds {
             classify: start.elapsed().as_secs_f64(),
             ..StageSeconds::default()
         };
-        let profile = GaussianProfile::new(GaussianKernel::new(settings.kernel).cut());
-        let plan = run
-            .pool
-            .install(|| Plan::new(cloud, scene, (camera, settings), profile));
-        let mut statistics = render_tiles(run, &plan, frame, seconds);
+        let mut statistics = match self.kernels.footprints() {
+            Footprints::Gaussian(profile) => {
+                let plan = || Plan::new(cloud, scene, (camera, settings), (profile, None));
+                render_tiles(run, &run.pool.install(plan), frame, seconds)
+            }
+            Footprints::Radial(profile, tables) => {
+                let plan = || Plan::new(cloud, scene, (camera, settings), (profile, tables));
+                render_tiles(run, &run.pool.install(plan), frame, seconds)
+            }
+        };
         statistics.seconds.total = start.elapsed().as_secs_f64();
-        statistics
+        Ok(statistics)
     }
 }
 
 /// Renders all tiles into a frame.
-fn render_tiles<P: Profile + Clone + std::fmt::Debug>(
+fn render_tiles<P: Profile>(
     run: Run<'_>,
     plan: &Plan<'_, P>,
     frame: &mut Frame,
@@ -138,8 +154,14 @@ fn render_tiles<P: Profile + Clone + std::fmt::Debug>(
         slices: sum(|work| work.slices),
         hidden_bricks: sum(|work| work.hidden_chunks),
         hidden_voxels: sum(|work| work.hidden_splats),
+        hidden_share: share(sum(|work| work.hidden_splats), sum(|work| work.splats)),
         ..RenderStatistics::default()
     }
+}
+
+/// Of hidden and drawn splats, those that are hidden.
+fn share(hidden: u64, drawn: u64) -> f64 {
+    hidden as f64 / (hidden + drawn).max(1) as f64
 }
 
 type Tile = (Vec<crate::stage::resolve::Resolved>, TileWork);

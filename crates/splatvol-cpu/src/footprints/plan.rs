@@ -13,6 +13,7 @@ use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings,
 use super::cloud::splats_data;
 use super::light::SplatLight;
 use super::order::{Order, extent};
+use super::raster::Tables;
 use crate::stage::shade::Phong;
 
 /// Edge of a tile, pixels, where the whole picture is not one.
@@ -24,7 +25,9 @@ pub(crate) struct Plan<'a, P> {
     pub settings: &'a RenderSettings,
     pub cloud: &'a SplatCloud,
     pub projection: Projection<'a>,
-    pub profile: P,
+    pub profile: &'a P,
+    /// What footprints are looked up in.
+    pub tables: Option<&'a Tables>,
     pub order: Order,
     pub view: View,
     /// Chunks per tile, by their first turn; what a brick is called there is a chunk's index.
@@ -47,7 +50,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         (cloud, bricks): (&'a SplatCloud, usize),
         scene: &Scene,
         (camera, settings): (&Camera, &'a RenderSettings),
-        profile: P,
+        (profile, tables): (&'a P, Option<&'a Tables>),
     ) -> Self {
         let start = Instant::now();
         let camera_from_world = camera.camera_from_world();
@@ -57,7 +60,7 @@ impl<'a, P: Profile> Plan<'a, P> {
             size: settings.size,
             near: 0.5 * settings.sheet_thickness * cloud.spacing,
         };
-        let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), &profile)
+        let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), profile)
             .with_stretch(settings.stretch);
         if let Some(motion) = scene
             .motion
@@ -79,10 +82,11 @@ impl<'a, P: Profile> Plan<'a, P> {
             TILE_EDGE
         };
         let tiles = TileGrid::new(settings.size, edge);
+        let margin = tables.map_or(0.0, Tables::margin);
         let chunk = |(index, chunk)| {
             let bounds = projection.bounds(chunk)?;
             let [x0, y0, x1, y1] = bounds.rect;
-            let grown = apron as f32;
+            let grown = apron as f32 + margin;
             Some(ProjectedBrick {
                 active: ActiveBrick {
                     brick: index as u32,
@@ -113,6 +117,7 @@ impl<'a, P: Profile> Plan<'a, P> {
             }),
             projection,
             profile,
+            tables,
             order,
             view,
             lists,

@@ -45,6 +45,7 @@ pub(crate) struct Open {
 /// Work done by a tile.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct TileWork {
+    /// Splats projected and not hidden.
     pub splats: u64,
     pub slices: u64,
     pub hidden_chunks: u64,
@@ -75,7 +76,8 @@ pub(crate) fn render<P: Profile>(
     let mut run = Tile {
         plan,
         brush: Brush {
-            profile: &plan.profile,
+            profile: plan.profile,
+            tables: plan.tables,
             rect: splatted,
         },
         rect,
@@ -137,6 +139,13 @@ impl<P: Profile> Tile<'_, P> {
             self.take_turn(turn);
             turn += 1;
         }
+        // What was never opened, or never drawn, is hidden by finished pixels.
+        for chunk in chunks {
+            self.work.hidden_chunks += 1;
+            let chunk = &plan.cloud.chunks[chunk.active.brick as usize];
+            self.work.hidden_splats += u64::from(chunk.end - chunk.first);
+        }
+        self.work.hidden_splats += self.scratch.turns.waiting() as u64;
         if plan.shading.is_some() {
             self.finish_data();
         }
@@ -219,7 +228,10 @@ impl<P: Profile> Tile<'_, P> {
     /// Projects the splats of a turn that may touch a pixel which is not finished.
     #[inline(always)]
     fn project(&mut self, splat: u32) -> Option<Open> {
-        let footprint = self.plan.projection.project(splat as usize)?;
+        let mut footprint = self.plan.projection.project(splat as usize)?;
+        if let Some(tables) = self.plan.tables {
+            footprint = tables.snap(footprint);
+        }
         let area = self.brush.area(&footprint)?;
         self.work.splats += 1;
         let splatted = &self.brush.rect;
@@ -234,6 +246,7 @@ impl<P: Profile> Tile<'_, P> {
         let grown = [near[0] - apron, near[1] - apron, near[2] + apron, near[3] + apron];
         if own_area(&self.rect, grown).is_some_and(|own| self.scratch.finished.hide(own)) {
             self.work.hidden_splats += 1;
+            self.work.splats -= 1;
             return None;
         }
         Some(Open {

@@ -53,6 +53,19 @@ impl Turns {
         &self.sorted
     }
 
+    /// Splats of the turns that were not taken.
+    pub(crate) fn waiting(&self) -> usize {
+        let mut count = 0;
+        for &head in &self.heads {
+            let mut next = head;
+            while let Some(&[_, after]) = (next as usize).checked_sub(1).and_then(|at| self.entries.get(at)) {
+                count += 1;
+                next = after;
+            }
+        }
+        count
+    }
+
     /// True where a turn has splats.
     pub(crate) fn has(&self, turn: usize) -> bool {
         self.heads.get(turn).is_some_and(|&head| head != 0)

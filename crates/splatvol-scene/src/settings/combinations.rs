@@ -1,8 +1,8 @@
 //! Which methods make no sense together, and why.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Occlusion, Reconstruction, RenderSettings,
-    SheetContent, Stretch,
+    Absorption, Alignment, Classification, Compositing, Filter, Occlusion, Rasterizer, Reconstruction,
+    RenderSettings, SheetContent, Stretch,
 };
 use crate::SceneError;
 
@@ -70,13 +70,22 @@ impl RenderSettings {
             }
             _ => {}
         }
+        self.rasterizer_suits_kernels()?;
         let samples = !colors && self.sheet != Some(SheetContent::Section);
+        if self.compositing.shows_one_value() && self.uses_footprints() {
+            return refuse(
+                "compositing",
+                &self.compositing,
+                "image-sheets: maxima, minima and means are of values on planes; this filter, alignment, rasterizer, \
+                 occlusion, absorption or extraction works on footprints",
+            );
+        }
         if samples && self.uses_footprints() {
             return refuse(
                 "sheet",
                 &self.sheet,
-                "section: this filter, alignment, kernel, occlusion or absorption works on footprints, which are \
-                 classified first (pre) or splatted as sections of sheets",
+                "section: this filter, alignment, rasterizer, kernel, occlusion, absorption or extraction works on \
+                 footprints, which are classified first (pre) or splatted as sections of sheets",
             );
         }
         Ok(())
@@ -103,5 +112,23 @@ impl RenderSettings {
             || self.alignment != Alignment::Sheet
             || self.occlusion != Occlusion::Auto
             || self.absorption != Absorption::Exp
+            || self.rasterizer != Rasterizer::Auto
+            || self.extraction.is_some()
+            || self.kernel.gaussian().is_none()
+    }
+
+    /// Refuses rasterisers of circles where footprints are none, whatever the camera.
+    fn rasterizer_suits_kernels(&self) -> Result<(), SceneError> {
+        let flattened = self.reconstruction != Reconstruction::Volume;
+        match self.rasterizer {
+            Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. } if flattened => {
+                Err(SceneError::invalid(
+                    "rasterizer",
+                    self.rasterizer.name(),
+                    "ellipse-1d, linear-1d or auto: flattened kernels leave ellipses of every direction",
+                ))
+            }
+            _ => Ok(()),
+        }
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::SceneError;
+
 /// Which integrals of a kernel make up its footprint.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -42,6 +44,60 @@ pub enum Rasterizer {
     /// The fastest for the footprint, evaluated without tables where the kernel is a Gaussian.
     #[default]
     Auto,
+    /// A square root per pixel, into a table that is even in the distance (huang2000 section 3.1.1). Any ellipse.
+    #[serde(rename = "linear-1d")]
+    Linear1d,
+    /// The squared distance by two additions per pixel, into a table that is even in it (section 3.1.2). Circles.
+    #[serde(rename = "square-1d")]
+    Square1d,
+    /// The same for any ellipse (section 3.1.3).
+    #[serde(rename = "ellipse-1d")]
+    Ellipse1d,
+    /// Centres snapped to a grid within the pixel, squared distances added up from one-dimensional tables (section 3.3).
+    /// Circles, and ellipses along the pixels' axes.
+    Rlut {
+        /// Cells of that grid per pixel and axis, 1 to 128.
+        subpixels: u32,
+    },
+    /// Footprints drawn beforehand for each integer radius and each cell of a grid within the pixel, copied from there
+    /// (section 3.2). Circles.
+    #[serde(rename = "blit-2d")]
+    Blit2d {
+        /// Cells of that grid per pixel and axis, 1 to 8.
+        subpixels: u32,
+    },
+}
+
+impl Rasterizer {
+    /// Name, as settings spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Linear1d => "linear-1d",
+            Self::Square1d => "square-1d",
+            Self::Ellipse1d => "ellipse-1d",
+            Self::Rlut { .. } => "rlut",
+            Self::Blit2d { .. } => "blit-2d",
+        }
+    }
+
+    /// Whether footprints come from a [`crate::FootprintTable`].
+    pub fn has_table(self) -> bool {
+        self != Self::Auto
+    }
+
+    pub(super) fn validate(self) -> Result<(), SceneError> {
+        let (subpixels, most, expected) = match self {
+            Self::Rlut { subpixels } => (subpixels, 128, "1 to 128 cells per pixel with rlut"),
+            Self::Blit2d { subpixels } => (subpixels, 8, "1 to 8 cells per pixel with blit-2d"),
+            _ => return Ok(()),
+        };
+        if (1..=most).contains(&subpixels) {
+            Ok(())
+        } else {
+            Err(SceneError::invalid("subpixels", subpixels, expected))
+        }
+    }
 }
 
 /// How what is hidden is left out.

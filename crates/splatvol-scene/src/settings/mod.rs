@@ -2,6 +2,7 @@
 
 mod combinations;
 mod compositing;
+mod extraction;
 mod filter;
 mod footprint;
 mod kernel;
@@ -9,14 +10,17 @@ mod motion_blur;
 mod papers;
 mod presets;
 mod stretch;
+mod table;
 mod validate;
 
 pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
+pub use extraction::Extraction;
 pub use filter::Filter;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
 pub use kernel::Kernel;
 pub use motion_blur::MotionBlur;
 pub use stretch::Stretch;
+pub use table::{FootprintTable, TablePrecision};
 
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +51,12 @@ pub struct RenderSettings {
     pub stretch: Stretch,
     /// How footprints become pixels.
     pub rasterizer: Rasterizer,
+    /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
+    pub table: FootprintTable,
     /// How what is hidden is left out.
     pub occlusion: Occlusion,
+    /// Which voxels have splats; `None` for all that the transfer function shows.
+    pub extraction: Option<Extraction>,
     /// What the kernels stand for.
     pub reconstruction: Reconstruction,
     /// How motion is blurred.

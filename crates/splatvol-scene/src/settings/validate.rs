@@ -12,6 +12,10 @@ use crate::SceneError;
 const NO_PREFILTER: &str =
     "gaussian where data are interpolated; others without the prefilter, --no-prefilter";
 
+const NO_MAXIMA: &str = "gaussian: maxima are of values on planes, which other kernels do not have";
+const NO_SAMPLES: &str = "gaussian where sheets hold samples (post); others are splatted as colours (pre) or as \
+                          sections of sheets";
+
 fn check(
     field: &'static str,
     value: f64,
@@ -72,7 +76,6 @@ impl RenderSettings {
                 "0 to 1 of a footprint's peak",
             )?;
         }
-        self.combinations()?;
         self.stretching()?;
         if let MotionBlur::Subframes { count } = self.motion_blur {
             check("sub-frames", f64::from(count), 1.0..=4096.0, "1 to 4096")?;
@@ -81,6 +84,11 @@ impl RenderSettings {
         check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
         self.kernel.validate()?;
         self.kernel_suits_method()?;
+        self.combinations()?;
+        self.rasterizer.validate()?;
+        self.table.validate()?;
+        self.extraction
+            .map_or(Ok(()), |extraction| extraction.validate())?;
         if let Some(light) = self.lighting {
             for (field, value) in [
                 ("ambient", light.ambient),
@@ -135,13 +143,17 @@ impl RenderSettings {
 
     /// Whether the kernel and the method can be used together.
     fn kernel_suits_method(&self) -> Result<(), SceneError> {
-        let gaussian = self.kernel.gaussian();
-        gaussian.ok_or_else(|| self.refused_kernel("gaussian: no engine renders others yet"))?;
-        let Some((sigma, _)) = gaussian else {
-            return if self.interpolates() {
-                Err(self.refused_kernel(NO_PREFILTER))
-            } else {
-                Ok(())
+        let Some((sigma, _)) = self.kernel.gaussian() else {
+            return match self.compositing {
+                shown if shown.shows_one_value() => Err(self.refused_kernel(NO_MAXIMA)),
+                _ if self.interpolates() => Err(self.refused_kernel(NO_PREFILTER)),
+                Compositing::ImageSheets
+                    if self.classification == Classification::Post
+                        && self.sheet != Some(SheetContent::Section) =>
+                {
+                    Err(self.refused_kernel(NO_SAMPLES))
+                }
+                _ => Ok(()),
             };
         };
         // Wider kernels amplify noise without bound when they are inverted.
@@ -171,6 +183,7 @@ impl RenderSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Extraction, FootprintTable, Rasterizer, Reconstruction};
 
     fn refusal(kernel: Kernel) -> String {
         kernel.validate().expect_err("outside its domain").to_string()
@@ -207,6 +220,70 @@ mod tests {
             };
             let text = settings.validate().expect_err("refused").to_string();
             assert!(text.starts_with("kernel: \"crawfis-max\""), "{text}");
+        }
+    }
+
+    #[test]
+    fn footprints_of_any_kernel_are_splatted_but_planes_have_none() {
+        let colors = RenderSettings {
+            kernel: Kernel::CubicBspline,
+            classification: Classification::Pre,
+            ..RenderSettings::default()
+        };
+        let sections = RenderSettings {
+            classification: Classification::Post,
+            sheet: Some(SheetContent::Section),
+            prefilter: false,
+            ..colors
+        };
+        assert_eq!(colors.validate(), Ok(()));
+        assert_eq!(sections.validate(), Ok(()));
+        let planes = RenderSettings {
+            sheet: None,
+            ..sections
+        };
+        let text = planes.validate().expect_err("refused").to_string();
+        assert!(text.contains("sections of sheets"), "{text}");
+    }
+
+    #[test]
+    fn rasterizers_tables_and_ranges_outside_their_domain_are_refused() {
+        let base = RenderSettings::fastsplats2000();
+        assert_eq!(base.validate(), Ok(()));
+        let table = |entries, sections| RenderSettings {
+            table: FootprintTable {
+                entries,
+                sections,
+                ..base.table
+            },
+            ..base
+        };
+        let raster = |rasterizer| RenderSettings { rasterizer, ..base };
+        let range = |density, gradient| RenderSettings {
+            extraction: Some(Extraction { density, gradient }),
+            ..base
+        };
+        let flat = RenderSettings {
+            reconstruction: Reconstruction::Surface { flatness: 4.0 },
+            ..base
+        };
+        let planes = RenderSettings {
+            rasterizer: Rasterizer::Ellipse1d,
+            ..RenderSettings::default()
+        };
+        for (settings, start) in [
+            (table(31, 128), "table entries: 31"),
+            (table(1025, 128), "table entries: 1025"),
+            (table(128, 0), "table sections: 0"),
+            (raster(Rasterizer::Rlut { subpixels: 129 }), "subpixels: 129"),
+            (raster(Rasterizer::Blit2d { subpixels: 0 }), "subpixels: 0"),
+            (range(Some([2.0, 1.0]), 0.0), "extraction density: [2.0, 1.0]"),
+            (range(None, f64::NAN), "extraction gradient: NaN"),
+            (flat, "rasterizer: \"square-1d\""),
+            (planes, "sheet: None"),
+        ] {
+            let text = settings.validate().expect_err(start).to_string();
+            assert!(text.starts_with(start), "{text}");
         }
     }
 }

@@ -192,5 +192,14 @@ fn every_way() -> Vec<RenderSettings> {
             sheet: Some(SheetContent::Section),
             ..base
         },
+        RenderSettings {
+            kernel: splatvol::Kernel::CubicBspline,
+            ..base
+        },
+        RenderSettings {
+            rasterizer: splatvol::Rasterizer::Ellipse1d,
+            alignment: Alignment::Grid,
+            ..base
+        },
     ]
 }

@@ -1,7 +1,29 @@
 //! Rasterise: a footprint's pixels, row by row.
+//!
+//! | module | what |
+//! |---|---|
+//! | here | evaluated pixel by pixel, or by what profiles do with rows |
+//! | `tables` | looked up, as FastSplats |
+//! | `linear`, `circle`, `ellipse`, `rlut`, `blit` | how a look-up finds its entry (huang2000 section 3) |
+//! | `snap` | grids of sub-pixel positions |
+//! | `check` | which views the rasterisers can draw |
+
+mod blit;
+mod check;
+mod circle;
+mod ellipse;
+mod linear;
+mod rlut;
+mod snap;
+mod tables;
+#[cfg(test)]
+mod tests;
 
 use splatvol_core::bin::TileRect;
 use splatvol_core::splats::{Footprint, Moving, Profile, Warp};
+
+pub(crate) use check::check;
+pub(crate) use tables::Tables;
 
 /// Takes rows of weights (world length).
 pub(crate) trait Target {
@@ -13,6 +35,8 @@ pub(crate) trait Target {
 #[derive(Debug)]
 pub(crate) struct Brush<'a, P> {
     pub profile: &'a P,
+    /// What footprints are looked up in; `None` where they are evaluated.
+    pub tables: Option<&'a Tables>,
     /// The tile's pixels.
     pub rect: TileRect,
 }
@@ -61,6 +85,13 @@ impl<P: Profile> Brush<'_, P> {
         row: &mut Vec<f32>,
         target: &mut T,
     ) {
+        if let Some(tables) = self.tables {
+            tables.fill(footprint, section, (&self.rect, [x0, y0, x1, y1]), row);
+            for (y, weights) in (y0..y1).zip(row.chunks_exact(x1 - x0)) {
+                target.row((x0, y), weights);
+            }
+            return;
+        }
         row.resize(row.len().max(x1), 0.0);
         let weights = &mut row[..x1 - x0];
         let left = (self.rect.x0 + x0) as f32 + 0.5;

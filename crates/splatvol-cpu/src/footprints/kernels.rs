@@ -1,0 +1,96 @@
+//! What becomes of a kernel: its profile, and the tables that rasterisers look up; kept between frames.
+
+use splatvol_core::splats::{GaussianProfile, KernelShape, RadialProfile};
+use splatvol_scene::{FootprintTable, Kernel, Rasterizer, Reconstruction, RenderSettings, SceneError};
+
+use super::raster::Tables;
+
+/// Footprints of a kernel, by the way they are evaluated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Footprints<'a> {
+    /// A Gaussian, without tables.
+    Gaussian(&'a GaussianProfile),
+    /// Any radial kernel: looked up by a rasteriser, or else interpolated.
+    Radial(&'a RadialProfile, Option<&'a Tables>),
+}
+
+#[derive(Debug)]
+enum Prepared {
+    Gaussian(GaussianProfile),
+    Radial(RadialProfile, Option<Tables>),
+}
+
+type Key = (Kernel, Rasterizer, FootprintTable);
+
+/// The last frame's kernel.
+#[derive(Debug)]
+pub(crate) struct KernelStore {
+    key: Key,
+    prepared: Prepared,
+}
+
+impl Default for KernelStore {
+    fn default() -> Self {
+        let kernel = Kernel::default();
+        let (sigma, radius) = kernel.gaussian().unwrap_or((1.0, 4.0));
+        Self {
+            key: (kernel, Rasterizer::Auto, FootprintTable::default()),
+            prepared: Prepared::Gaussian(GaussianProfile::new(radius / sigma)),
+        }
+    }
+}
+
+impl KernelStore {
+    /// Makes what the settings need, unless it is there.
+    ///
+    /// # Errors
+    /// Kernel or table outside their domain.
+    pub(crate) fn prepare(&mut self, settings: &RenderSettings) -> Result<(), SceneError> {
+        let key = (settings.kernel, settings.rasterizer, settings.table);
+        if self.key == key {
+            return Ok(());
+        }
+        self.prepared = match (settings.kernel.gaussian(), settings.rasterizer) {
+            (Some((sigma, radius)), Rasterizer::Auto) => {
+                Prepared::Gaussian(GaussianProfile::new(radius / sigma))
+            }
+            (_, rasterizer) => Prepared::Radial(
+                RadialProfile::new(settings.kernel),
+                Tables::new((rasterizer, settings.table), settings.kernel)?,
+            ),
+        };
+        self.key = key;
+        Ok(())
+    }
+
+    /// What was prepared.
+    pub(crate) fn footprints(&self) -> Footprints<'_> {
+        match &self.prepared {
+            Prepared::Gaussian(profile) => Footprints::Gaussian(profile),
+            Prepared::Radial(profile, tables) => Footprints::Radial(profile, tables.as_ref()),
+        }
+    }
+
+    /// Covariances of the splats: the kernel's second moment. A Gaussian without tables goes by its name, its cut being
+    /// taken off smoothly.
+    pub(crate) fn shape(&self, settings: &RenderSettings) -> KernelShape {
+        let sigma = match (&self.prepared, self.key.0.gaussian()) {
+            (Prepared::Gaussian(_), Some((sigma, _))) => sigma,
+            (Prepared::Radial(profile, _), _) => profile.sigma(),
+            (Prepared::Gaussian(_), None) => 1.0,
+        };
+        match settings.reconstruction {
+            Reconstruction::Volume => KernelShape::Sphere { sigma },
+            Reconstruction::Surface { flatness } => KernelShape::Flattened {
+                sigma,
+                flatness,
+                threshold: 0.0,
+            },
+            Reconstruction::Mixed { flatness, gradient } => KernelShape::Flattened {
+                sigma,
+                flatness,
+                threshold: gradient,
+            },
+        }
+    }
+}
