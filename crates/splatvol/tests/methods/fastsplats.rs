@@ -2,9 +2,9 @@
 
 use glam::{DMat3, DVec3};
 use splatvol::{
-    Absorption, Alignment, Camera, Classification, Compositing, EngineConfig, Extraction, Filter,
-    FootprintTable, Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings,
-    Renderer, Samples, Scene, SheetContent, TablePrecision, Volume,
+    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FootprintTable,
+    Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings, Renderer, Samples,
+    Scene, SheetContent, TablePrecision, Volume,
 };
 use splatvol_samples::Sample;
 use splatvol_testing::Comparison;
@@ -155,7 +155,16 @@ fn block() -> Scene {
     // One voxel elsewhere keeps the range of values open.
     let mut values = vec![1.0_f32; 30 * 30 * 40];
     values[0] = 0.0;
-    Scene::new(Volume::new(grid, Samples::F32(values)).unwrap(), translucent())
+    Scene::new(
+        Volume::new(
+            grid,
+            Samples::F32(values),
+            splatvol::Rescale::default(),
+            splatvol::LengthUnit::default(),
+        )
+        .unwrap(),
+        translucent(),
+    )
 }
 
 /// The kernels' ripple is 1.1 % at most, and a line through all of the block averages it.
