@@ -248,7 +248,7 @@ fn fields(p: Vec2, grain: f32) -> (usize, f32) {
     let across = [turned.x / width, turned.y / 11.0];
     let field = noise::hash(across[0].floor() as i32, row as i32, 1, 204);
     let edge = |t: f32, size: f32| t.rem_euclid(1.0) * size < 0.9;
-    if field % 3 != 0 && (edge(across[0], width) || edge(across[1], 11.0)) {
+    if !field.is_multiple_of(3) && (edge(across[0], width) || edge(across[1], 11.0)) {
         return (WOOD, 0.1 * grain);
     }
     let direction = if field & 64 == 0 { turned.x } else { turned.y };

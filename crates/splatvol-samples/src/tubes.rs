@@ -148,7 +148,7 @@ fn microtubule(tube: usize, full: Vec3, radius: f32) -> Vec<Piece> {
     const STEP: f32 = 6.0;
     let mut random = Stream::new(tube, 302);
     let centre = Vec3::new(0.42, 0.46, 0.5) * full;
-    let (mut at, mut angle) = if tube % 4 == 0 {
+    let (mut at, mut angle) = if tube.is_multiple_of(4) {
         let start = Vec3::new(random.unit(), random.unit(), 0.1 + 0.8 * random.unit()) * full;
         (start, std::f32::consts::PI * random.signed())
     } else {

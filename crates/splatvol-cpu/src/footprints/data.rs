@@ -57,7 +57,6 @@ impl Target for Sum<'_> {
 
 impl<P: Profile> Tile<'_, P> {
     /// Splats a sheet's sections of the open splats behind the sheets that are there.
-    #[inline(always)]
     pub(crate) fn splat_data(&mut self, turn: usize, section: [f32; 2]) {
         let TileScratch { open, data, row, .. } = &mut *self.scratch;
         data.advance();
@@ -77,7 +76,6 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Shades the sheet before the newest one, which is between its neighbours now.
-    #[inline(always)]
     pub(crate) fn shade_data(&mut self, turn: usize) {
         if let (Some(middle), Order::Sheets { sheets, .. }) = (turn.checked_sub(1), self.plan.order) {
             let [near, far] = sheets.slab(middle).map(|depth| depth as f32);
@@ -86,7 +84,6 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Shades what no later sheet will follow.
-    #[inline(always)]
     pub(crate) fn finish_data(&mut self) {
         if let Some(newest) = self.scratch.data.newest {
             self.scratch.data.advance();
@@ -94,7 +91,6 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
-    #[inline(always)]
     fn shade_between(&mut self, depth: f32, thickness: f32) {
         let plan = self.plan;
         let Some((table, phong)) = &plan.shading else {

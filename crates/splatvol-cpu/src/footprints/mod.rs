@@ -30,7 +30,6 @@ mod turns;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use splatvol_core::splats::Profile;
 use splatvol_scene::{
@@ -126,7 +125,7 @@ fn render_tiles<P: Profile>(
             .par_iter()
             .with_max_len(1)
             .map_init(TileScratch::default, |scratch, &tile| {
-                let work = render_tile(run.level, plan, tile as usize, scratch);
+                let work = tile::render(plan, tile as usize, scratch);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                 (run.progress)(done as f64 / count as f64);
                 (tile as usize, work)
@@ -162,10 +161,4 @@ fn render_tiles<P: Profile>(
 /// Of hidden and drawn splats, those that are hidden.
 fn share(hidden: u64, drawn: u64) -> f64 {
     hidden as f64 / (hidden + drawn).max(1) as f64
-}
-
-type Tile = (Vec<crate::stage::resolve::Resolved>, TileWork);
-
-fn render_tile<P: Profile>(level: Level, plan: &Plan<'_, P>, tile: usize, scratch: &mut TileScratch) -> Tile {
-    dispatch!(level, _simd => tile::render(plan, tile, scratch))
 }

@@ -65,7 +65,6 @@ pub(crate) struct Tile<'a, P> {
 }
 
 /// Renders one tile: its pixels, row by row.
-#[inline(always)]
 pub(crate) fn render<P: Profile>(
     plan: &Plan<'_, P>,
     tile: usize,
@@ -111,7 +110,6 @@ impl<P: Profile> Tile<'_, P> {
             .reset(self.plan.settings.occlusion, own_width, own_height);
     }
 
-    #[inline(always)]
     fn all_turns(&mut self, tile: usize) {
         let plan = self.plan;
         let mut chunks = plan.lists.of(tile).peekable();
@@ -161,7 +159,6 @@ impl<P: Profile> Tile<'_, P> {
 
     /// Opens the chunks whose first turn has come, unless they are hidden. As huang2000 section 4.1, the table is updated only
     /// where a chunk starts that is not hidden by what was known.
-    #[inline(always)]
     fn open_chunks<'b>(
         &mut self,
         chunks: &mut std::iter::Peekable<impl Iterator<Item = &'b ProjectedBrick>>,
@@ -190,7 +187,6 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
-    #[inline(always)]
     fn take_turn(&mut self, turn: usize) {
         let start = Instant::now();
         match self.plan.order {
@@ -226,7 +222,6 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Projects the splats of a turn that may touch a pixel which is not finished.
-    #[inline(always)]
     fn project(&mut self, splat: u32) -> Option<Open> {
         let mut footprint = self.plan.projection.project(splat as usize)?;
         if let Some(tables) = self.plan.tables {
@@ -256,7 +251,6 @@ impl<P: Profile> Tile<'_, P> {
         })
     }
 
-    #[inline(always)]
     fn open_splats(&mut self, turn: usize) {
         let mut turns = std::mem::take(&mut self.scratch.turns);
         for &(_, splat) in turns.take(turn, |splat| splat) {
@@ -268,7 +262,6 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Adds the open splats' sections to the sheet, and drops those that no later sheet reaches.
-    #[inline(always)]
     fn splat_sections(&mut self, section: [f32; 2]) {
         let TileScratch {
             open,
@@ -297,7 +290,6 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Adds a turn's whole footprints to the sheet.
-    #[inline(always)]
     fn splat_whole(&mut self, turn: usize) {
         let mut turns = std::mem::take(&mut self.scratch.turns);
         for &(_, splat) in turns.take(turn, |splat| splat) {
@@ -316,7 +308,6 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Composites a turn's footprints one by one.
-    #[inline(always)]
     fn splat_each(&mut self, turn: usize, reversed: bool) {
         let mut turns = std::mem::take(&mut self.scratch.turns);
         let plan = self.plan;
@@ -353,7 +344,6 @@ impl<P: Profile> Tile<'_, P> {
 
     /// Puts the sheet behind the pixels, or keeps its sums for the picture (X-ray), and empties it. `depth`: the sheet's; else
     /// that of what is on it.
-    #[inline(always)]
     fn composite(&mut self, depth: Option<f32>) {
         let TileScratch {
             sheet,

@@ -1,5 +1,7 @@
 //! The papers' methods: footprints of any alignment and filter, composited in every way.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../fast/support.rs"]

@@ -75,6 +75,7 @@ fn ellipse(kernel: &RadialKernel, centre: [f32; 2], [a, b]: [f32; 2], angle: f32
         weight: 1.0,
         opacity: 1.0,
         depth: 10.0,
+        clip: f32::NEG_INFINITY,
         depth_sigma: kernel.sigma() as f32,
         warp: Warp::Affine {
             conic,
