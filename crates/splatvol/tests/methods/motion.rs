@@ -237,7 +237,7 @@ fn what_cannot_be_blurred_is_refused_with_a_reason() {
             compositing: Compositing::Mip,
             ..settings(32, blur)
         };
-        assert!(of(mip).contains("largest value"));
+        assert!(of(mip).contains("no sum of footprints"));
     }
     assert!(of(settings(32, MotionBlur::Subframes { count: 0 })).starts_with("sub-frames: 0"));
 }

@@ -1,7 +1,8 @@
 //! `ellipse-1d`: ellipses by two additions per pixel, into a table that is even in the squared distance.
 //!
 //! `r^2 = a dx^2 + b dy^2 + c dx dy` and `r^2(x + 1, y) = r^2(x, y) + 2 a dx + a + c dy`, whose last terms grow by `2 a` per
-//! pixel (huang2000 eq. 3 and 4), in floating point as the paper has it. Each row starts afresh.
+//! pixel (huang2000 eq. 3 and 4), in floating point as the paper has it, but in 64 bits: with 32 the drift along a row would show
+//! where a tile begins. Each row starts afresh.
 
 use splatvol_core::radial::Entry;
 
@@ -15,14 +16,14 @@ pub(super) fn fill<E: Entry>(
     block: &Block,
     weights: &mut [f32],
 ) {
-    let (a, b, c) = (xx, yy, 2.0 * xy);
-    let [left, top] = block.offset(centre);
+    let [a, b, c] = [xx, yy, 2.0 * xy].map(f64::from);
+    let [left, top] = block.offset(centre).map(f64::from);
     for (y, row) in weights.chunks_exact_mut(block.size[0]).enumerate() {
-        let dy = top + y as f32;
+        let dy = top + y as f64;
         let mut squared = (a * left + c * dy) * left + b * dy * dy;
         let mut step = 2.0 * a * left + a + c * dy;
         for weight in row {
-            *weight = lookup.nearest(squared);
+            *weight = lookup.nearest(squared as f32);
             squared += step;
             step += 2.0 * a;
         }
