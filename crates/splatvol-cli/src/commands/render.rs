@@ -17,6 +17,7 @@ use crate::resolve::camera::Surroundings;
 use crate::resolve::effects::Effects;
 use crate::resolve::input::Input;
 use crate::resolve::look::Look;
+use crate::resolve::motion::{CameraMotion, Earlier, Shot};
 use crate::resolve::{camera, effects, input, look, method, motion};
 use crate::terminal::Terminal;
 
@@ -75,17 +76,6 @@ pub(super) struct Prepared {
     /// Files that the volume was read from.
     pub(super) files: Vec<PathBuf>,
     pub(super) threads: Option<usize>,
-}
-
-/// What the camera does from frame to frame.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct CameraMotion {
-    /// It turns: an automatic one shows all sides.
-    pub(super) turns: bool,
-    /// It moves while the shutter is open.
-    pub(super) shutter: bool,
-    /// It moves, so that it is not an earlier picture's.
-    pub(super) animated: bool,
 }
 
 /// Reads the volume and resolves the flags.
@@ -294,13 +284,8 @@ impl Resolved {
             .turning(moves.turns),
             like.map(|like| &like.camera),
         )?;
-        let earlier = like.map(|like| motion::Earlier {
-            motion: like.motion.as_ref(),
-            blur: like.settings.motion_blur,
-            same_input: args.input.as_ref().is_none_or(|own| *own == like.input.reference),
-            same_camera: args.camera == CameraArgs::default() && !moves.animated,
-        });
-        let shot = motion::Shot {
+        let earlier = like.map(|like| Earlier::new(like, args, moves));
+        let shot = Shot {
             camera: &camera,
             volume: &input.volume,
             plain: applied.is_empty(),

@@ -2,14 +2,25 @@
 
 use splatvol::{Camera, MotionBlur, RenderSettings, Volume};
 
-use crate::args::{MotionArgs, MotionBlurName};
+use crate::args::{CameraArgs, MotionArgs, MotionBlurName, RenderArgs};
 use crate::failure::{During, Failure, Step};
-use crate::recipe::MotionRecipe;
+use crate::recipe::{MotionRecipe, Recipe};
 
 /// Pictures averaged unless asked otherwise.
 const SUB_FRAMES: u32 = 16;
 
-/// What the flags mean by.
+/// What the camera does from frame to frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct CameraMotion {
+    /// It turns: an automatic one shows all sides.
+    pub(crate) turns: bool,
+    /// It moves while the shutter is open.
+    pub(crate) shutter: bool,
+    /// It moves, so that it is not an earlier picture's.
+    pub(crate) animated: bool,
+}
+
+/// What the picture shows otherwise.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shot<'a> {
     pub(crate) camera: &'a Camera,
@@ -23,12 +34,25 @@ pub(crate) struct Shot<'a> {
 /// What an earlier picture says, as far as it is still to be kept.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Earlier<'a> {
-    pub(crate) motion: Option<&'a MotionRecipe>,
-    pub(crate) blur: MotionBlur,
+    motion: Option<&'a MotionRecipe>,
+    blur: MotionBlur,
     /// Whether the volume is the earlier picture's.
-    pub(crate) same_input: bool,
+    same_input: bool,
     /// Whether the camera is the earlier picture's.
-    pub(crate) same_camera: bool,
+    same_camera: bool,
+}
+
+impl<'a> Earlier<'a> {
+    /// What the flags and the camera leave of it.
+    pub(crate) fn new(like: &'a Recipe, args: &RenderArgs, moves: CameraMotion) -> Self {
+        let input = args.input.as_ref();
+        Self {
+            motion: like.motion.as_ref(),
+            blur: like.settings.motion_blur,
+            same_input: input.is_none_or(|own| *own == like.input.reference),
+            same_camera: args.camera == CameraArgs::default() && !moves.animated,
+        }
+    }
 }
 
 /// The motion of the scene; sets how it is blurred.

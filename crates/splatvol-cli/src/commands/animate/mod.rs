@@ -16,11 +16,12 @@ use self::destination::{Destination, FrameNames};
 use self::movie::Movie;
 use self::plan::{Plan, stored_keys};
 use crate::args::AnimateArgs;
-use crate::commands::render::{self, CameraMotion, Prepared};
+use crate::commands::render::{self, Prepared};
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 use crate::recipe::{CameraRecipe, Recipe};
+use crate::resolve::motion::CameraMotion;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure> {
