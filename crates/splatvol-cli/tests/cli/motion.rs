@@ -16,9 +16,9 @@ fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
 
 /// Settings that a picture remembers.
 fn remembered(sandbox: &Sandbox, name: &str) -> serde_json::Value {
-    let picture = splatvol_io::read_image(sandbox.path(name)).unwrap();
+    let picture = splatvol_io::read_image(sandbox.path(name)).expect("it is there and whole");
     let text = splatvol_io::image::metadata::find(&picture.metadata, splatvol_io::image::metadata::SETTINGS);
-    serde_json::from_str(text.unwrap()).unwrap()
+    serde_json::from_str(text.expect("splatvol made it")).expect("they are JSON")
 }
 
 #[test]
