@@ -55,7 +55,8 @@ impl<'a> Earlier<'a> {
     }
 }
 
-/// The motion of the scene; sets how it is blurred.
+/// The motion of the scene; sets how it is blurred: by a flag's method, the earlier picture's, or that of `settings`, where
+/// a preset says so. What does not move is not blurred.
 ///
 /// Where the shutter sees the camera move, frames know their own motion, and sub-frames are theirs too: then there is no
 /// motion here, and no blur but that of footprints.
@@ -65,9 +66,9 @@ pub(crate) fn resolve(
     shot: Shot<'_>,
     settings: &mut RenderSettings,
 ) -> Result<Option<MotionRecipe>, Failure> {
-    settings.motion_blur = MotionBlur::None;
+    let method = std::mem::take(&mut settings.motion_blur);
     if shot.shutter {
-        let blur = of_shutter(args)?;
+        let blur = of_shutter(args, method)?;
         if args.spin.is_some() || args.velocity.is_some() {
             return Err(Failure::usage(
                 "--shutter shows the camera's motion, --spin and --velocity the volume's: give one of them",
@@ -92,18 +93,20 @@ pub(crate) fn resolve(
         ));
     }
     let earlier = earlier.filter(|earlier| earlier.motion.is_some());
-    settings.motion_blur = blur(args, earlier.map(|earlier| earlier.blur), &shot, settings)?;
+    let known = Some(method).filter(|method| method.moves_footprints());
+    let known = known.or(earlier.map(|earlier| earlier.blur));
+    settings.motion_blur = blur(args, known, &shot, settings)?;
     allowed(settings)?;
     Ok(motion)
 }
 
-/// How a camera's motion is blurred.
-pub(crate) fn of_shutter(args: &MotionArgs) -> Result<MotionBlur, Failure> {
-    named(
-        args,
-        args.motion_blur.unwrap_or(MotionBlurName::Subframes),
-        SUB_FRAMES,
-    )
+/// How a camera's motion is blurred, where the method blurs motion like this.
+pub(crate) fn of_shutter(args: &MotionArgs, method: MotionBlur) -> Result<MotionBlur, Failure> {
+    match args.motion_blur {
+        Some(name) => named(args, name, SUB_FRAMES),
+        None if method.moves_footprints() && args.subframes.is_none() => Ok(method),
+        None => named(args, MotionBlurName::Subframes, SUB_FRAMES),
+    }
 }
 
 fn allowed(settings: &RenderSettings) -> Result<(), Failure> {
@@ -135,15 +138,15 @@ fn kept(earlier: Earlier<'_>, shot: &Shot<'_>) -> Option<MotionRecipe> {
 
 fn blur(
     args: &MotionArgs,
-    earlier: Option<MotionBlur>,
+    known: Option<MotionBlur>,
     shot: &Shot<'_>,
     settings: &RenderSettings,
 ) -> Result<MotionBlur, Failure> {
-    let count = match earlier {
+    let count = match known {
         Some(MotionBlur::Subframes { count }) => count,
         _ => SUB_FRAMES,
     };
-    let name = match (args.motion_blur, earlier) {
+    let name = match (args.motion_blur, known) {
         (Some(name), _) => name,
         (None, _) if args.subframes.is_some() => MotionBlurName::Subframes,
         // A new motion asks to be seen.

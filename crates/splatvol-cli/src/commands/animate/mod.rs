@@ -40,7 +40,11 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
         animated: true,
     };
     let mut prepared = render::prepare(&args.render, (like.as_ref(), reference), moves, terminal)?;
-    let plan = Plan::new(args, keys.as_deref(), &prepared.camera)?;
+    let plan = Plan::new(
+        args,
+        keys.as_deref(),
+        (&prepared.camera, prepared.recipe.settings.motion_blur),
+    )?;
     if let Destination::Frames(names) = &destination {
         names.check(plan.frames(), overwrite || args.resume)?;
     }

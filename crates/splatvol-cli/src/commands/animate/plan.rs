@@ -42,11 +42,12 @@ pub(crate) fn stored_keys(args: &AnimateArgs) -> Result<Option<Vec<StoredCameraK
 }
 
 impl Plan {
-    /// For key frames, or a turntable, whose camera is `start`, which also says what key frames leave out.
+    /// For key frames, or a turntable, whose camera is `start`, which also says what key frames leave out. `blur` is how
+    /// footprints are blurred.
     pub(crate) fn new(
         args: &AnimateArgs,
         keys: Option<&[StoredCameraKey]>,
-        start: &Camera,
+        (start, blur): (&Camera, MotionBlur),
     ) -> Result<Self, Failure> {
         let path = match keys {
             None => CameraPath::turntable(*start, args.turntable.unwrap_or(360.0)).during(Step::Usage)?,
@@ -65,7 +66,7 @@ impl Plan {
             ease: args.ease,
             shutter: args.shutter,
             blur: if args.shutter > 0.0 {
-                motion::of_shutter(&args.render.motion)?
+                motion::of_shutter(&args.render.motion, blur)?
             } else {
                 MotionBlur::None
             },
@@ -215,7 +216,7 @@ mod tests {
     }
 
     fn plan(flags: &str) -> Plan {
-        Plan::new(&args(flags), None, &start())
+        Plan::new(&args(flags), None, (&start(), MotionBlur::None))
             .map_err(|failure| format!("{failure:?}"))
             .unwrap()
     }
