@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use splatvol::{Camera, Projection, RenderSettings, SceneError, TransferFunction};
+use splatvol::{Camera, Motion, Projection, RenderSettings, SceneError, TransferFunction};
 use splatvol_io::image::metadata;
 
 use crate::args::{EffectArgs, LookArgs};
@@ -26,6 +26,9 @@ pub(crate) struct Recipe {
     /// Cameras of the pictures of which this is the mean, where it is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) sub_frames: Vec<CameraRecipe>,
+    /// What moves while the shutter is open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) motion: Option<MotionRecipe>,
     /// What was asked about colour and opacity.
     pub(crate) look: LookArgs,
     /// What came of it.
@@ -103,6 +106,50 @@ impl CameraRecipe {
             DVec3::from_array(self.up),
             self.projection,
         )
+    }
+}
+
+/// A motion while the shutter is open, world.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MotionRecipe {
+    /// The volume moves.
+    Linear {
+        /// By this, from opening to closing.
+        velocity: [f64; 3],
+    },
+    /// The volume spins.
+    Spin {
+        axis: [f64; 3],
+        centre: [f64; 3],
+        degrees: f64,
+    },
+    /// The camera moves.
+    Camera {
+        opening: CameraRecipe,
+        closing: CameraRecipe,
+    },
+}
+
+impl MotionRecipe {
+    /// The motion.
+    pub(crate) fn motion(&self) -> Result<Motion, SceneError> {
+        Ok(match self {
+            Self::Linear { velocity } => Motion::Linear(DVec3::from_array(*velocity)),
+            Self::Spin {
+                axis,
+                centre,
+                degrees,
+            } => Motion::Spin {
+                axis: DVec3::from_array(*axis),
+                centre: DVec3::from_array(*centre),
+                angle: degrees.to_radians(),
+            },
+            Self::Camera { opening, closing } => Motion::Camera {
+                opening: opening.camera()?,
+                closing: closing.camera()?,
+            },
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::{RenderArgs, values};
 
@@ -33,6 +33,7 @@ Examples:
   splatvol animate sample:head --view front -o spin.gif --size 400 --frames 60 --fps 20
   splatvol animate scan.nii.gz --turntable 90 --ease -o quarter.apng
   splatvol animate scan.nii.gz --frames 180 --shutter 0.5 -o spin.mp4
+  splatvol animate scan.nii.gz --shutter 0.5 --classification pre --motion-blur exact -o fast.mp4
   splatvol animate scan.nii.gz --path flight.toml -o 'flight-####.png'
   splatvol animate scan.nii.gz --path flight.toml -o 'flight-####.png' --resume"
 )]
@@ -58,23 +59,9 @@ pub(crate) struct AnimateArgs {
     /// Motion blur: share of a frame's time that the shutter is open, around the middle of the frame
     #[arg(long, value_name = "SHARE", help_heading = MOTION, default_value_t = 0.0, value_parser = share)]
     pub(crate) shutter: f64,
-    /// How motion is blurred
-    #[arg(long, value_name = "METHOD", help_heading = MOTION, default_value = "subframes")]
-    pub(crate) motion_blur: MotionBlurName,
-    /// Pictures averaged to a frame, while the shutter is open
-    #[arg(long, value_name = "N", help_heading = MOTION, default_value_t = 16,
-          value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub(crate) subframes: u32,
     /// Keep frames that are there already and as they would be made; make the others (also over existing files)
     #[arg(long, help_heading = "Output", conflicts_with = "overwrite")]
     pub(crate) resume: bool,
-}
-
-/// How motion is blurred.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MotionBlurName {
-    /// Mean of pictures taken while the shutter is open: right for all scenes, at the cost of all pictures
-    Subframes,
 }
 
 fn frame_rate(text: &str) -> Result<f64, String> {

@@ -19,6 +19,7 @@ mod input;
 mod kernel;
 mod look;
 mod method;
+mod motion;
 mod render;
 pub(crate) mod values;
 
@@ -40,6 +41,7 @@ pub(crate) use look::LookArgs;
 pub(crate) use method::{
     ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName,
 };
+pub(crate) use motion::{MotionArgs, MotionBlurName};
 pub(crate) use render::{Background, RenderArgs};
 
 /// Volume rendering by splatting.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use splatvol::ImageSize;
 
-use super::{CameraArgs, EffectArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
+use super::{CameraArgs, EffectArgs, InputArgs, LookArgs, MethodArgs, MotionArgs, WriteArgs, values};
 
 const OUTPUT: &str = "Output";
 
@@ -28,6 +28,7 @@ Examples:
   splatvol render sample:head --clip-plane 0,0,40:0,0,-1 --view iso
   splatvol render ct.nrrd --gradient-opacity 0:0,50:0.2,200:1
   splatvol render ct.nrrd --iso 300 --bump word.png --environment studio.exr --environment-share 0.3
+  splatvol render sample:head --spin 20 --classification pre --motion-blur exact
   splatvol render --like head.png --azimuth 30 -o head-30.png
   splatvol render sample:head:128 --background none -o - > head.png"
 )]
@@ -63,6 +64,8 @@ pub(crate) struct RenderArgs {
     pub(crate) effects: EffectArgs,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
+    #[command(flatten)]
+    pub(crate) motion: MotionArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
     /// List every method that a picture can be made by, with the flag that selects it

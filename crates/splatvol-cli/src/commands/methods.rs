@@ -6,14 +6,14 @@ use std::fmt::Write;
 
 use clap::{Arg, Args, Command};
 
-use crate::args::MethodArgs;
+use crate::args::{MethodArgs, MotionArgs};
 
 /// Headings of flags that are no methods.
 const NO_METHOD: &str = "Lighting";
 
 /// The methods as a table.
 pub(super) fn list() -> String {
-    let command = MethodArgs::augment_args(Command::new("render"));
+    let command = MotionArgs::augment_args(MethodArgs::augment_args(Command::new("render")));
     let mut text = String::new();
     for flag in command.get_arguments() {
         if flag.get_help_heading() != Some(NO_METHOD) {
@@ -61,6 +61,7 @@ mod tests {
             "sat",
             "crawfis-max",
             "surface",
+            "capsule",
         ] {
             assert!(text.contains(&format!("  {method} ")), "{method}: {text}");
         }

@@ -4,20 +4,21 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use splatvol::{
-    Camera, Classification, Compositing, Frame, Gradient, RenderSettings, RenderStatistics, Scene,
+    Camera, Classification, Compositing, Frame, Gradient, MotionBlur, RenderSettings, RenderStatistics, Scene,
 };
 use splatvol_io::{DepthFormat, ImageFormat, encode_depth};
 
 use super::studio::{Studio, engine};
-use crate::args::{Background, CameraArgs, EffectArgs, RenderArgs, values};
+use crate::args::{Background, CameraArgs, EffectArgs, MotionArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, encode_frame, picture_format};
-use crate::recipe::{CameraRecipe, InputRecipe, Recipe, command_line};
+use crate::recipe::{CameraRecipe, InputRecipe, MotionRecipe, Recipe, command_line};
 use crate::resolve::camera::Surroundings;
 use crate::resolve::effects::Effects;
 use crate::resolve::input::Input;
 use crate::resolve::look::Look;
-use crate::resolve::{camera, effects, input, look, method};
+use crate::resolve::motion::{CameraMotion, Earlier, Shot};
+use crate::resolve::{camera, effects, input, look, method, motion};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -27,7 +28,12 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let start = Instant::now();
     let (like, reference) = sources(args)?;
     let outputs = Outputs::new(args, &reference)?;
-    let prepared = prepare(args, (like.as_ref(), reference), false, terminal)?;
+    let prepared = prepare(
+        args,
+        (like.as_ref(), reference),
+        CameraMotion::default(),
+        terminal,
+    )?;
     let (frame, statistics) = render(&prepared, terminal)?;
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
 
@@ -72,11 +78,11 @@ pub(super) struct Prepared {
     pub(super) threads: Option<usize>,
 }
 
-/// Reads the volume and resolves the flags. Where the camera `turns`, an automatic one shows all sides.
+/// Reads the volume and resolves the flags.
 pub(super) fn prepare(
     args: &RenderArgs,
     (like, reference): (Option<&Recipe>, InputRecipe),
-    turns: bool,
+    moves: CameraMotion,
     terminal: &Terminal,
 ) -> Result<Prepared, Failure> {
     let start = Instant::now();
@@ -95,15 +101,18 @@ pub(super) fn prepare(
     let loaded = input::load(&reference, args.read.strict, beside, terminal)?;
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
 
-    let resolved = Resolved::new((args, like), (&loaded, turns), beside, terminal)?;
+    let resolved = Resolved::new((args, like), (&loaded, moves), beside, terminal)?;
     terminal.detail(format!("camera: {}", describe(&resolved.camera)));
     let recipe = resolved.recipe(args, like, reference);
+    let mut scene = resolved
+        .applied
+        .scene(loaded.volume, resolved.look.transfer_function)?;
+    let motion = resolved.motion.as_ref().map(MotionRecipe::motion);
+    scene.motion = motion.transpose().during(Step::Usage)?;
     Ok(Prepared {
         recipe,
         camera: resolved.camera,
-        scene: resolved
-            .applied
-            .scene(loaded.volume, resolved.look.transfer_function)?,
+        scene,
         files: loaded.description.files,
         threads,
     })
@@ -230,26 +239,32 @@ struct Resolved {
     /// What the picture remembers of its effects.
     effects: EffectArgs,
     applied: Effects,
+    motion: Option<MotionRecipe>,
 }
 
 impl Resolved {
     fn new(
         (args, like): (&RenderArgs, Option<&Recipe>),
-        (input, turns): (&Input, bool),
+        (input, moves): (&Input, CameraMotion),
         beside: Option<&Path>,
         terminal: &Terminal,
     ) -> Result<Self, Failure> {
         let mut effects = like.map_or_else(|| args.effects.clone(), |like| effects_like(args, like));
         let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look));
         let function = effects::transfer_function_2d(&effects, &asked, &input.volume, beside)?;
-        let like_settings = like.map(|like| &like.settings);
+        // Motion is blurred, or refused, when it is known what moves.
+        let like_settings = like.map(|like| RenderSettings {
+            motion_blur: MotionBlur::None,
+            ..like.settings
+        });
+        let like_settings = like_settings.as_ref();
         let compositing = method::compositing(&args.method, like_settings);
         let look = match (&function, like.filter(|like| keeps_look(args, like, compositing))) {
             (Some(function), _) => Look::from(function.marginal().during(Step::Usage)?),
             (None, Some(like)) => Look::from(like.transfer_function.clone()),
             (None, None) => look::resolve(&asked, input, compositing, terminal)?,
         };
-        let settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
+        let mut settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
         if let (None, Some(curve)) = (&effects.gradient_opacity, &look.gradient_opacity) {
             if shows_gradients(&settings) {
                 effects.gradient_opacity = Some(curve.clone());
@@ -266,15 +281,24 @@ impl Resolved {
                 &look.transfer_function,
                 settings.size.aspect(),
             )
-            .turning(turns),
+            .turning(moves.turns),
             like.map(|like| &like.camera),
         )?;
+        let earlier = like.map(|like| Earlier::new(like, args, moves));
+        let shot = Shot {
+            camera: &camera,
+            volume: &input.volume,
+            plain: applied.is_empty(),
+            shutter: moves.shutter,
+        };
+        let motion = motion::resolve(&args.motion, earlier, shot, &mut settings)?;
         Ok(Self {
             look,
             settings,
             camera,
             effects,
             applied,
+            motion,
         })
     }
 
@@ -291,10 +315,11 @@ impl Resolved {
             command: command_line(),
             input,
             camera: CameraRecipe::from(&self.camera),
-            // A frame of an animation is the mean that it was, unless it is seen from elsewhere.
+            // A frame of an animation is the mean that it was, unless it is seen from elsewhere, or moves otherwise.
             sub_frames: like
-                .filter(|_| args.camera == CameraArgs::default())
+                .filter(|_| args.camera == CameraArgs::default() && args.motion == MotionArgs::default())
                 .map_or_else(Vec::new, |like| like.sub_frames.clone()),
+            motion: self.motion,
             look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look)),
             transfer_function: self.look.transfer_function.clone(),
             effects: self.effects.clone(),

@@ -1,12 +1,12 @@
 //! The renderer, and the frames in which it works: single pictures and means of several.
 
-use splatvol::{Camera, EngineConfig, Exposure, Frame, RenderSettings, Renderer, Scene};
+use splatvol::{Camera, EngineConfig, Exposure, Frame, Motion, RenderSettings, Renderer, Scene};
 
 use crate::failure::{During, Failure, Step};
 
 /// One renderer for all frames of a scene: what it can keep between frames, it keeps.
-pub(crate) struct Studio<'a> {
-    scene: &'a Scene,
+pub(crate) struct Studio {
+    scene: Scene,
     settings: RenderSettings,
     renderer: Renderer,
     exposure: Option<Exposure>,
@@ -22,14 +22,14 @@ pub(crate) fn engine(threads: Option<usize>) -> Result<Renderer, Failure> {
     .during(Step::Render)
 }
 
-impl<'a> Studio<'a> {
+impl Studio {
     pub(crate) fn new(
-        scene: &'a Scene,
+        scene: &Scene,
         settings: RenderSettings,
         threads: Option<usize>,
     ) -> Result<Self, Failure> {
         Ok(Self {
-            scene,
+            scene: scene.clone(),
             settings,
             renderer: engine(threads)?,
             exposure: None,
@@ -37,11 +37,16 @@ impl<'a> Studio<'a> {
         })
     }
 
+    /// What moves from now on while the shutter is open.
+    pub(crate) fn set_motion(&mut self, motion: Motion) {
+        self.scene.motion = Some(motion);
+    }
+
     /// The picture of a camera, or the mean of those of several: all that a shutter sees while it is open.
     pub(crate) fn expose(&mut self, cameras: &[Camera]) -> Result<&Frame, Failure> {
         for camera in cameras {
             self.renderer
-                .render_into(self.scene, camera, &self.settings, &mut self.frame)
+                .render_into(&self.scene, camera, &self.settings, &mut self.frame)
                 .during(Step::Render)?;
             if cameras.len() > 1 {
                 let exposure = self

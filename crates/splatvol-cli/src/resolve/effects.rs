@@ -146,6 +146,11 @@ impl Effects {
     }
 
     /// The scene that is rendered.
+    /// Whether nothing is done.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.operators.is_empty() && self.clips.is_empty() && self.isosurface.is_none()
+    }
+
     pub(crate) fn scene(self, volume: Arc<Volume>, look: TransferFunction) -> Result<Scene, Failure> {
         let scene = match self.isosurface {
             Some(value) => {

@@ -12,5 +12,6 @@ pub(crate) mod input;
 pub(crate) mod kernel;
 pub(crate) mod look;
 pub(crate) mod method;
+pub(crate) mod motion;
 mod turning;
 mod visible;

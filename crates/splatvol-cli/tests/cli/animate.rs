@@ -349,7 +349,11 @@ fn mistakes_are_named() {
         ("-o a.gif --fps 0", 2, &["--fps"]),
         ("-o a.gif --frames 0", 2, &["--frames"]),
         ("-o a.gif --shutter 2", 2, &["--shutter", "0 to 1"]),
-        ("-o a.gif --motion-blur capsule", 2, &["subframes"]),
+        (
+            "-o a.gif --motion-blur capsule",
+            2,
+            &["--motion-blur needs a motion", "--shutter"],
+        ),
         ("-o a.gif --turntable 9 --path a.toml", 2, &["--path"]),
         ("-o nowhere/a.gif", 5, &["nowhere"]),
         ("--frames 3", 2, &["--output"]),

@@ -5,6 +5,7 @@ mod bench;
 mod commands;
 mod effects;
 mod kernels;
+mod motion;
 mod orientation;
 mod render;
 mod sandbox;

@@ -21,6 +21,7 @@ use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 use crate::recipe::{CameraRecipe, Recipe};
+use crate::resolve::motion::CameraMotion;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -33,8 +34,17 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
         stats.check(overwrite)?;
     }
     let (like, reference) = render::sources(&args.render)?;
-    let mut prepared = render::prepare(&args.render, (like.as_ref(), reference), keys.is_none(), terminal)?;
-    let plan = Plan::new(args, keys.as_deref(), &prepared.camera)?;
+    let moves = CameraMotion {
+        turns: keys.is_none(),
+        shutter: args.shutter > 0.0,
+        animated: true,
+    };
+    let mut prepared = render::prepare(&args.render, (like.as_ref(), reference), moves, terminal)?;
+    let plan = Plan::new(
+        args,
+        keys.as_deref(),
+        (&prepared.camera, prepared.recipe.settings.motion_blur),
+    )?;
     if let Destination::Frames(names) = &destination {
         names.check(plan.frames(), overwrite || args.resume)?;
     }
@@ -103,7 +113,7 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn studio(&self) -> Result<Studio<'_>, Failure> {
+    fn studio(&self) -> Result<Studio, Failure> {
         let Prepared {
             scene,
             recipe,
@@ -149,8 +159,11 @@ impl Job<'_> {
         Ok(times)
     }
 
-    fn expose<'s>(&self, studio: &'s mut Studio<'_>, frame: u32) -> Result<&'s Frame, Failure> {
+    fn expose<'s>(&self, studio: &'s mut Studio, frame: u32) -> Result<&'s Frame, Failure> {
         let sub_frames = self.plan.sub_frames(frame)?;
+        if let Some(motion) = self.plan.motion(frame)? {
+            studio.set_motion(motion.motion().during(Step::Usage)?);
+        }
         if sub_frames.is_empty() {
             studio.expose(&[self.plan.camera(frame)?])
         } else {
@@ -188,6 +201,7 @@ fn frame_recipe(prepared: &Prepared, plan: &Plan, frame: u32) -> Result<Recipe, 
     Ok(Recipe {
         camera: CameraRecipe::from(&plan.camera(frame)?),
         sub_frames: sub_frames.iter().map(CameraRecipe::from).collect(),
+        motion: plan.motion(frame)?.or(prepared.recipe.motion),
         ..prepared.recipe.clone()
     })
 }

@@ -2,15 +2,18 @@
 //!
 //! Frame i of N is in the middle of its time: at `t = i / N` of a closed path, whose end would be its first frame
 //! again, and at `t = i / (N - 1)` of an open one, which shows both ends. The shutter, open for the share S of the
-//! time between frames, sees the n sub-frames at `t + (S (k + 1/2) / n - S/2) / N`, k from 0.
+//! time between frames, sees the n sub-frames at `t + (S (k + 1/2) / n - S/2) / N`, k from 0; footprints in motion
+//! move as between the cameras at `t -+ S / (2 N)`.
 
 use anyhow::Context;
 use glam::DVec3;
-use splatvol::{Camera, CameraKey, CameraPath};
+use splatvol::{Camera, CameraKey, CameraPath, MotionBlur, Projection};
 use splatvol_io::{StoredCameraKey, read_camera_keys};
 
 use crate::args::AnimateArgs;
 use crate::failure::{During, Failure, Step};
+use crate::recipe::{CameraRecipe, MotionRecipe};
+use crate::resolve::motion;
 
 /// Frames unless asked otherwise.
 const FRAMES: u32 = 90;
@@ -23,8 +26,10 @@ pub(crate) struct Plan {
     /// Time between frames, 1 for the whole path.
     step: f64,
     ease: bool,
-    /// Share of the time between frames, and number of pictures.
-    shutter: (f64, u32),
+    /// Share of the time between frames.
+    shutter: f64,
+    /// How the camera's motion is blurred.
+    blur: MotionBlur,
 }
 
 /// What the flags ask for, before a volume says where it lies.
@@ -37,11 +42,12 @@ pub(crate) fn stored_keys(args: &AnimateArgs) -> Result<Option<Vec<StoredCameraK
 }
 
 impl Plan {
-    /// For key frames, or a turntable, whose camera is `start`, which also says what key frames leave out.
+    /// For key frames, or a turntable, whose camera is `start`, which also says what key frames leave out. `blur` is how
+    /// footprints are blurred.
     pub(crate) fn new(
         args: &AnimateArgs,
         keys: Option<&[StoredCameraKey]>,
-        start: &Camera,
+        (start, blur): (&Camera, MotionBlur),
     ) -> Result<Self, Failure> {
         let path = match keys {
             None => CameraPath::turntable(*start, args.turntable.unwrap_or(360.0)).during(Step::Usage)?,
@@ -58,12 +64,18 @@ impl Plan {
             frames,
             step: 1.0 / f64::from(steps.max(1)),
             ease: args.ease,
-            shutter: (args.shutter, args.subframes),
+            shutter: args.shutter,
+            blur: if args.shutter > 0.0 {
+                motion::of_shutter(&args.render.motion, blur)?
+            } else {
+                MotionBlur::None
+            },
         };
         // A path that cannot be rendered is refused before the first frame, not after many.
         for frame in 0..frames {
             plan.camera(frame)?;
             plan.sub_frames(frame)?;
+            plan.motion(frame)?;
         }
         Ok(plan)
     }
@@ -80,13 +92,41 @@ impl Plan {
 
     /// The cameras of a frame's sub-frames; none where the shutter is open for no time.
     pub(crate) fn sub_frames(&self, frame: u32) -> Result<Vec<Camera>, Failure> {
-        let (shutter, count) = self.shutter;
-        if shutter == 0.0 || count == 1 {
+        let MotionBlur::Subframes { count: count @ 2.. } = self.blur else {
             return Ok(Vec::new());
-        }
+        };
         (0..count)
-            .map(|k| self.at(frame, shutter * ((f64::from(k) + 0.5) / f64::from(count) - 0.5)))
+            .map(|k| {
+                self.at(
+                    frame,
+                    self.shutter * ((f64::from(k) + 0.5) / f64::from(count) - 0.5),
+                )
+            })
             .collect()
+    }
+
+    /// The camera's motion while the shutter is open, where it blurs footprints.
+    pub(crate) fn motion(&self, frame: u32) -> Result<Option<MotionRecipe>, Failure> {
+        if !self.blur.moves_footprints() {
+            return Ok(None);
+        }
+        let middle = self.camera(frame)?.projection();
+        let half = 0.5 * self.shutter;
+        let [opening, closing] = [self.at(frame, -half)?, self.at(frame, half)?];
+        if ![opening, closing]
+            .iter()
+            .all(|camera| is_near(camera.projection(), middle))
+        {
+            return Err(Failure::usage(format!(
+                "the camera zooms at frame {frame}, which blurs no footprint along a motion in space"
+            ))
+            .hint("--motion-blur subframes can show it"));
+        }
+        let [opening, closing] = [opening, closing].map(|camera| CameraRecipe {
+            projection: middle,
+            ..CameraRecipe::from(&camera)
+        });
+        Ok(Some(MotionRecipe::Camera { opening, closing }))
     }
 
     /// The camera `offset` of the time between frames after the middle of a frame.
@@ -97,6 +137,16 @@ impl Plan {
             .camera(time)
             .with_context(|| format!("no camera at frame {frame}"))
             .during(Step::Usage)
+    }
+}
+
+/// Whether two projections are the same but for rounding.
+fn is_near(a: Projection, b: Projection) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+    match (a, b) {
+        (Projection::Perspective { fov_degrees: a }, Projection::Perspective { fov_degrees: b })
+        | (Projection::Orthographic { height: a }, Projection::Orthographic { height: b }) => near(a, b),
+        _ => false,
     }
 }
 
@@ -166,7 +216,7 @@ mod tests {
     }
 
     fn plan(flags: &str) -> Plan {
-        Plan::new(&args(flags), None, &start())
+        Plan::new(&args(flags), None, (&start(), MotionBlur::None))
             .map_err(|failure| format!("{failure:?}"))
             .unwrap()
     }
