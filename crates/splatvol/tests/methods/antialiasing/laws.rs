@@ -117,8 +117,8 @@ fn layer(depth: f64, filter: Filter, method: (Compositing, Absorption)) -> f64 {
     middle.map(|(x, y)| f64::from(image.pixel(x, y)[3])).sum::<f64>() / 16.0
 }
 
-/// swan1997 section 4.3 lowers alpha with the area: of opacities of 1, each now covering 16 pixels' worth of voxels with a
-/// sixteenth of it, `1 - prod(1 - w / 16)` is left, near `1 - 1/e`; extinction keeps what is opaque.
+/// swan1997 section 4.3 lowers alpha as the area grows: opacities of 1, here spread over 16 times the area with a sixteenth of
+/// it, leave `1 - prod(1 - w)`, `sum w = 1`, which is near `1 - 1/e`; lowered extinction keeps opaque what is opaque.
 #[test]
 fn lowered_alpha_makes_opaque_data_translucent() {
     let voxel = (Compositing::PerSplat, Absorption::Linear);
