@@ -9,5 +9,6 @@ mod common;
 mod support;
 
 mod agreement;
+mod antialiasing;
 mod fastsplats;
 mod motion;
