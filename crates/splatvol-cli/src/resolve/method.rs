@@ -66,8 +66,14 @@ pub(crate) fn resolve(
         Some(GradientName::Differences) => settings.gradient = Gradient::Differences,
         None => {}
     }
-    // Only Gaussians are prefiltered: with another kernel it has to be asked for, and is then refused.
+    // Only Gaussians are prefiltered.
     let kept = settings.prefilter && settings.kernel.gaussian().is_some();
+    if args.prefilter && settings.kernel.gaussian().is_none() {
+        return Err(Failure::usage(format!(
+            "--prefilter needs the gaussian kernel: data are not interpolated by {}",
+            settings.kernel.name()
+        )));
+    }
     settings.prefilter = !args.no_prefilter && (args.prefilter || kept);
     settings.lighting = lighting(args, settings.lighting);
     footprint::set(&args.footprint, &mut settings)?;

@@ -57,7 +57,7 @@ fn every_effect_changes_the_picture_and_is_remembered() {
 fn combinations_without_meaning_are_refused() {
     let sandbox = with_picture();
     for (flags, code, words) in [
-        ("--texture marble --compositing mip", 4, "maximum intensity"),
+        ("--texture marble --compositing mip", 4, "one value of a ray"),
         (
             "--environment p.png --compositing xray",
             4,

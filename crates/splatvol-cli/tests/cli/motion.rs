@@ -4,7 +4,10 @@ use crate::sandbox::{Sandbox, png};
 
 const TUNNEL: &str = "render sample:tunnel:20 --size 32 --view iso";
 const TURNING: &str = "animate sample:tunnel:20 --size 32 --view iso --frames 12";
-const PRE: &str = "--classification pre";
+/// Classified first. The same engine renders what moves and what does not.
+const PRE: &str = "--classification pre --alignment affine";
+/// Classified last: the sample's own wish is to be classified first.
+const POST: &str = "--classification post";
 
 /// Root of the mean square difference of two pictures' codes.
 fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
@@ -24,7 +27,7 @@ fn remembered(sandbox: &Sandbox, name: &str) -> serde_json::Value {
 #[test]
 fn motion_changes_the_picture_and_slow_motion_hardly_does() {
     let sandbox = Sandbox::new();
-    for look in ["", PRE, "--compositing xray"] {
+    for look in [POST, PRE, "--compositing xray --alignment affine"] {
         sandbox
             .run(&format!("{TUNNEL} {look} -o still.png -w"))
             .succeeds();
@@ -33,7 +36,7 @@ fn motion_changes_the_picture_and_slow_motion_hardly_does() {
             ("--velocity 5,0,-3", "--velocity 0.002,0,-0.002"),
         ] {
             for blur in ["none", "capsule", "exact", "subframes --subframes 5"] {
-                if look.is_empty() && (blur == "capsule" || blur == "exact") {
+                if look == POST && (blur == "capsule" || blur == "exact") {
                     continue;
                 }
                 let moved = |motion: &str| {
@@ -59,13 +62,13 @@ fn motion_changes_the_picture_and_slow_motion_hardly_does() {
 #[test]
 fn a_spin_is_the_mean_of_turned_cameras() {
     let sandbox = Sandbox::new();
-    let spin = "--fit grid --spin 30 --motion-blur subframes --subframes 2";
+    let spin = "--fit volume --spin 30 --motion-blur subframes --subframes 2";
     sandbox
         .run(&format!("{TUNNEL} {spin} --background none -o blurred.exr"))
         .succeeds();
     let read = |name: &str| splatvol_io::read_image(sandbox.path(name)).unwrap().image;
     for (name, azimuth) in [("a.exr", -7.5), ("b.exr", 7.5)] {
-        let flags = format!("--fit grid --background none --azimuth {azimuth}");
+        let flags = format!("--fit volume --background none --azimuth {azimuth}");
         sandbox.run(&format!("{TUNNEL} {flags} -o {name}")).succeeds();
     }
     let (blurred, a, b) = (read("blurred.exr"), read("a.exr"), read("b.exr"));
@@ -86,7 +89,7 @@ fn one_picture_blurs_by_default_where_it_can() {
     for (flags, expected) in [
         (PRE, serde_json::json!("exact")),
         ("--compositing xray", serde_json::json!("exact")),
-        ("", serde_json::json!({"subframes": {"count": 16}})),
+        (POST, serde_json::json!({"subframes": {"count": 16}})),
         (
             "--compositing mip",
             serde_json::json!({"subframes": {"count": 16}}),
@@ -100,7 +103,7 @@ fn one_picture_blurs_by_default_where_it_can() {
             serde_json::json!({"subframes": {"count": 16}}),
         ),
     ] {
-        let flags = format!("{TUNNEL} --size 16 --spin 5 {flags} -o a.png -w");
+        let flags = format!("{TUNNEL} --spin 5 {flags} -o a.png -w");
         sandbox.run(&flags).succeeds();
         assert_eq!(
             remembered(&sandbox, "a.png")["settings"]["motion-blur"],
@@ -188,7 +191,7 @@ fn refusals_say_why() {
         ("--motion-blur subframes", &["--motion-blur needs a motion"]),
         ("--subframes 4", &["--subframes needs a motion"]),
         (
-            "--spin 9 --motion-blur exact",
+            "--classification post --spin 9 --motion-blur exact",
             &["motion blur", "before splatting (pre)"],
         ),
         (
@@ -208,7 +211,10 @@ fn refusals_say_why() {
     }
     for (flags, words) in [
         ("--shutter 0.5 --spin 9", &["--shutter", "give one of them"][..]),
-        ("--shutter 0.5 --motion-blur exact", &["before splatting (pre)"]),
+        (
+            "--classification post --shutter 0.5 --motion-blur exact",
+            &["before splatting (pre)"],
+        ),
         (
             "--motion-blur exact",
             &["--motion-blur needs a motion", "--shutter"],

@@ -87,22 +87,24 @@ impl Cubic {
 
 #[cfg(test)]
 mod tests {
+    use splatvol_testing::Random;
+
     use super::*;
 
     /// Against changes of sign among many samples in f64.
     #[test]
     fn crossings_are_those_of_many_samples() {
-        let unit = |seed: u32| f64::from(seed.wrapping_mul(0x9e37_79b9) >> 8) / f64::from(1 << 24);
+        let mut random = Random::new(3);
         let mut several = 0;
-        for round in 0..2000u32 {
-            let values: [f32; 4] = std::array::from_fn(|i| (unit(round * 4 + i as u32) * 2.0 - 1.0) as f32);
+        for round in 0..8000u32 {
+            let values: [f32; 4] = std::array::from_fn(|_| (random.unit() * 2.0 - 1.0) as f32);
             let cubic = Cubic::through(values);
             let [low, high] = cubic.bounds();
             let exact = |u: f64| {
                 let [a, b, c, d] = cubic.0.map(f64::from);
                 ((d * u + c) * u + b) * u + a
             };
-            let target = unit(round ^ 0x5555) as f32 * 0.4 - 0.2;
+            let target = (random.unit() * 0.4 - 0.2) as f32;
             let mut found = Vec::new();
             cubic.crossings(target, [values[1], values[2]], |u| found.push(u));
             several += usize::from(found.len() > 1);

@@ -204,7 +204,7 @@ fn what_cannot_be_shown_is_refused_with_the_reason() {
         (&operated, xray, "X-rays have no sheets"),
         (&operated, pre, "use post-classification"),
         (&operated, analytic, "use gradients by differences"),
-        (&clipped, mip, "a clip cannot be rendered: maximum intensity"),
+        (&clipped, mip, "a clip cannot be rendered: maximum, minimum"),
         (&clipped, analytic, "use gradients by differences"),
     ] {
         let error = renderer
