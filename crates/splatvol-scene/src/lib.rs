@@ -11,6 +11,8 @@
 //! | [`lighting`] | the Phong model that engines and reference share |
 //! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
 //! | [`motion`] | what moves while the shutter is open |
+//! | [`points`] | samples of surfaces: places, sizes, normals, colours |
+//! | [`gaussians`] | 3-D Gaussians with opacity and spherical harmonics |
 //! | [`scene`] | volume + transfer function |
 //! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
 //! | [`clip`] | what is cut away |
@@ -32,11 +34,13 @@ pub mod camera_path;
 pub mod clip;
 mod error;
 pub mod exposure;
+pub mod gaussians;
 pub mod grid;
 pub mod image;
 pub mod lighting;
 pub mod motion;
 pub mod operator;
+pub mod points;
 pub mod scene;
 pub mod settings;
 pub mod transfer_function;
@@ -47,6 +51,7 @@ pub use camera_path::{CameraKey, CameraPath};
 pub use clip::{Clip, ClipPlane, Keep};
 pub use error::SceneError;
 pub use exposure::Exposure;
+pub use gaussians::{GaussianAttributes, Gaussians};
 pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
@@ -55,6 +60,7 @@ pub use operator::{
     Appearance, BumpMap, EnvironmentMap, GradientOpacity, GradientOpacityPoint, PixelOperator, Region,
     SheetSample, SolidTexture, Stuff, TransferFunction2d,
 };
+pub use points::{PointAttributes, Points};
 pub use scene::{Isosurface, Scene};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Gradient, Kernel,
