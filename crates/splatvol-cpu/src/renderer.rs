@@ -14,6 +14,7 @@ use splatvol_scene::{
     Camera, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError, Volume,
 };
 
+use crate::coverage::Edges;
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
 use crate::operations;
@@ -138,6 +139,8 @@ pub struct Renderer {
     prepared: Option<Prepared>,
     data: DataEngine,
     footprints: FootprintEngine,
+    /// The larger picture that edges are sampled from.
+    fine: Option<Frame>,
     statistics: RenderStatistics,
 }
 
@@ -173,6 +176,7 @@ impl Renderer {
             prepared: None,
             data: DataEngine::default(),
             footprints: FootprintEngine::default(),
+            fine: None,
             statistics,
         })
     }
@@ -210,9 +214,8 @@ impl Renderer {
     fn render_slices(
         &mut self,
         scene: &Scene,
-        camera: &Camera,
-        settings: &RenderSettings,
-        progress: &(dyn Fn(f64) + Sync),
+        (camera, settings): (&Camera, &RenderSettings),
+        (progress, only): (&(dyn Fn(f64) + Sync), Option<&Edges>),
     ) -> Frame {
         let start = Instant::now();
         let mut seconds = StageSeconds::default();
@@ -257,6 +260,7 @@ impl Renderer {
             plan: &plan,
             level: self.level,
             progress,
+            only,
             done: AtomicUsize::new(0),
         };
         let tiles = self.pool.install(|| {
@@ -321,6 +325,44 @@ impl Renderer {
                 return self.render_mean(scene, &cameras, settings, frame, progress);
             }
         }
+        self.render_once(scene, (camera, settings), frame, (progress, None))?;
+        if let Some(edges) = Edges::of(frame, settings.coverage) {
+            self.refine(scene, (camera, settings), frame, (progress, &edges))?;
+        }
+        Ok(())
+    }
+
+    /// Replaces the edges of a frame by the means of several samples.
+    fn refine(
+        &mut self,
+        scene: &Scene,
+        (camera, settings): (&Camera, &RenderSettings),
+        frame: &mut Frame,
+        (progress, edges): (&(dyn Fn(f64) + Sync), &Edges),
+    ) -> Result<(), SceneError> {
+        let first = self.statistics.clone();
+        let settings = edges.settings(settings)?;
+        let mut fine = self.fine.take().unwrap_or_else(|| Frame::empty(settings.size));
+        self.render_once(scene, (camera, &settings), &mut fine, (progress, Some(edges)))?;
+        edges.refine(frame, &fine);
+        self.fine = Some(fine);
+        let seconds = first.seconds.plus(&self.statistics.seconds);
+        self.statistics = RenderStatistics {
+            seconds,
+            sampled_pixels: edges.count() as u64,
+            ..first
+        };
+        Ok(())
+    }
+
+    /// One picture, or the tiles of it that edges need.
+    fn render_once(
+        &mut self,
+        scene: &Scene,
+        (camera, settings): (&Camera, &RenderSettings),
+        frame: &mut Frame,
+        (progress, only): (&(dyn Fn(f64) + Sync), Option<&Edges>),
+    ) -> Result<(), SceneError> {
         if frame.image.size() != settings.size {
             *frame = Frame::empty(settings.size);
         }
@@ -329,6 +371,7 @@ impl Renderer {
             level: self.level,
             tile_edge: self.tile_edge,
             progress,
+            only,
         };
         if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
             self.statistics = self.footprints.render(run, scene, (camera, settings), frame)?;
@@ -338,7 +381,7 @@ impl Renderer {
             self.statistics = statistics;
         } else {
             operations::too_close(scene)?;
-            *frame = self.render_slices(scene, camera, settings, progress);
+            *frame = self.render_slices(scene, (camera, settings), (progress, only));
         }
         Ok(())
     }
@@ -403,6 +446,7 @@ struct TileRun<'a> {
     plan: &'a FramePlan<'a>,
     level: Level,
     progress: &'a (dyn Fn(f64) + Sync),
+    only: Option<&'a Edges>,
     done: AtomicUsize,
 }
 
@@ -415,8 +459,13 @@ impl TileRun<'_> {
             .map_init(
                 || Scratch::new(self.plan.tiles.edge),
                 |scratch, index| {
-                    let pixels =
-                        dispatch!(self.level, simd => tile::render(simd, self.plan, index, mode, scratch));
+                    let rect = self.plan.tiles.rect(index);
+                    let pixels = if self.only.is_none_or(|edges| edges.meets(&rect)) {
+                        dispatch!(self.level, simd => tile::render(simd, self.plan, index, mode, scratch))
+                    } else {
+                        let count = (rect.x1 - rect.x0) * (rect.y1 - rect.y0);
+                        (vec![Resolved::EMPTY; count], TileWork::default())
+                    };
                     let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
                     (self.progress)(done as f64 / count as f64);
                     pixels

@@ -63,8 +63,9 @@ pub use operator::{
 pub use points::{PointAttributes, Points};
 pub use scene::{Isosurface, Scene};
 pub use settings::{
-    Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Gradient, Kernel,
-    MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch, TablePrecision,
+    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FootprintTable,
+    Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent,
+    Stretch, TablePrecision,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

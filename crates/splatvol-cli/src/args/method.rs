@@ -35,6 +35,12 @@ pub(crate) struct MethodArgs {
     /// Standard deviation of the EWA filter, pixels
     #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.filter.pixel_sigma()))]
     pub(crate) pixel_sigma: Option<f64>,
+    /// Anti-aliasing of edges, where a low-pass of footprints is not one of the picture [default: off]
+    #[arg(long, help_heading = METHOD)]
+    pub(crate) coverage: Option<CoverageName>,
+    /// Samples per pixel and axis of an edge, with --coverage adaptive, 2 to 8 [default: 4]
+    #[arg(long, value_name = "COUNT", help_heading = METHOD, hide_short_help = true)]
+    pub(crate) coverage_samples: Option<u32>,
     #[command(flatten)]
     pub(crate) kernel: KernelArgs,
     /// Let the kernel smooth the data instead of interpolating them
@@ -141,6 +147,15 @@ pub(crate) enum FilterName {
     Swan,
     /// The same, but their opacity falls, as the paper has it
     SwanAlpha,
+}
+
+/// Anti-aliasing of edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CoverageName {
+    /// One sample per pixel
+    Off,
+    /// Pixels that differ from their neighbours are the mean of several samples
+    Adaptive,
 }
 
 /// Where the gradient that lights a sheet comes from.

@@ -39,7 +39,7 @@ pub(crate) use input::InputArgs;
 pub(crate) use kernel::{KernelArgs, KernelName};
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
-    ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName,
+    ClassificationName, CompositingName, CoverageName, FilterName, GradientName, MethodArgs, PresetName,
 };
 pub(crate) use motion::{MotionArgs, MotionBlurName};
 pub(crate) use render::{Background, RenderArgs};

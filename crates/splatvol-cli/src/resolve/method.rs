@@ -1,10 +1,14 @@
 //! The render settings.
 
-use splatvol::{Classification, Compositing, Filter, Gradient, ImageSize, Lighting, RenderSettings};
+use splatvol::{
+    Classification, Compositing, Coverage, Filter, Gradient, ImageSize, Lighting, RenderSettings,
+};
 
 use super::look::Wishes;
 use super::{fastsplats, footprint};
-use crate::args::{ClassificationName, CompositingName, FilterName, GradientName, MethodArgs, PresetName};
+use crate::args::{
+    ClassificationName, CompositingName, CoverageName, FilterName, GradientName, MethodArgs, PresetName,
+};
 use crate::failure::{During, Failure, Step};
 use crate::resolve::kernel;
 
@@ -60,6 +64,7 @@ pub(crate) fn resolve(
     set(&mut settings.sheet_thickness, args.sheet_thickness);
     set(&mut settings.termination, args.termination);
     settings.filter = filter(args, settings.filter)?;
+    settings.coverage = coverage(args, settings.coverage)?;
     settings.kernel = kernel::resolve(&args.kernel, settings.kernel)?;
     match args.gradient {
         Some(GradientName::Analytic) => settings.gradient = Gradient::Analytic,
@@ -149,6 +154,19 @@ fn filter(args: &MethodArgs, old: Filter) -> Result<Filter, Failure> {
             _ => Filter::Ewa { pixel_sigma },
         }),
         (None, None) => Ok(old),
+    }
+}
+
+fn coverage(args: &MethodArgs, old: Coverage) -> Result<Coverage, Failure> {
+    let named = match (args.coverage, old) {
+        (Some(CoverageName::Off), _) => Coverage::Off,
+        (Some(CoverageName::Adaptive), Coverage::Off) => Coverage::ADAPTIVE,
+        _ => old,
+    };
+    match (named, args.coverage_samples) {
+        (Coverage::Adaptive { contrast, .. }, Some(samples)) => Ok(Coverage::Adaptive { samples, contrast }),
+        (Coverage::Off, Some(_)) => Err(Failure::usage("--coverage-samples needs --coverage adaptive")),
+        (named, None) => Ok(named),
     }
 }
 

@@ -62,14 +62,14 @@ fn motion_changes_the_picture_and_slow_motion_hardly_does() {
 #[test]
 fn a_spin_is_the_mean_of_turned_cameras() {
     let sandbox = Sandbox::new();
-    let spin = "--fit volume --spin 30 --motion-blur subframes --subframes 2";
-    sandbox
-        .run(&format!("{TUNNEL} {spin} --background none -o blurred.exr"))
-        .succeeds();
+    let look = "render sample:tunnel:20 --size 32 --background none --camera-pos=0,-50,0 --camera-target=0,0,0 \
+                --camera-up=0,0,1 --camera-fov 30";
+    let spin = "--spin 30 --motion-blur subframes --subframes 2";
+    sandbox.run(&format!("{look} {spin} -o blurred.exr")).succeeds();
     let read = |name: &str| splatvol_io::read_image(sandbox.path(name)).unwrap().image;
     for (name, azimuth) in [("a.exr", -7.5), ("b.exr", 7.5)] {
-        let flags = format!("--fit volume --background none --azimuth {azimuth}");
-        sandbox.run(&format!("{TUNNEL} {flags} -o {name}")).succeeds();
+        let turned = format!("{look} --azimuth={azimuth} -o {name}");
+        sandbox.run(&turned).succeeds();
     }
     let (blurred, a, b) = (read("blurred.exr"), read("a.exr"), read("b.exr"));
     for (i, mean) in blurred.pixels.iter().enumerate() {
@@ -117,7 +117,7 @@ fn one_picture_blurs_by_default_where_it_can() {
 fn motion_is_remembered() {
     let sandbox = Sandbox::new();
     for (i, flags) in [
-        "--classification pre --spin 33.3",
+        "--classification pre --fit volume --spin 33.3",
         "--classification pre --velocity=-3.1,0.7,2 --motion-blur capsule",
         "--spin -20 --motion-blur subframes --subframes 3",
     ]
@@ -129,7 +129,8 @@ fn motion_is_remembered() {
         sandbox.run(&format!("render --like {own} -o {again}")).succeeds();
         assert_eq!(sandbox.bytes(&own), sandbox.bytes(&again), "{flags}");
     }
-    sandbox.run(&format!("{TUNNEL} {PRE} -o still.png")).succeeds();
+    let still = format!("{TUNNEL} --classification pre --fit volume -o still.png");
+    sandbox.run(&still).succeeds();
     sandbox
         .run("render --like 0.png --motion-blur none -o none.png")
         .succeeds();

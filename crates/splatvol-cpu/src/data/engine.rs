@@ -8,6 +8,7 @@ use std::time::Instant;
 use fearless_simd::{Level, dispatch};
 use glam::Affine3A;
 use rayon::prelude::*;
+use splatvol_core::bin::TileRect;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
 
@@ -25,6 +26,7 @@ use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
 use super::tile::{DataFrame, DataScratch, DataWork, render};
+use crate::coverage::Edges;
 use crate::stage::extremum::{Largest, Smallest};
 use crate::stage::shade::Phong;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -54,6 +56,15 @@ pub(crate) struct Run<'a> {
     pub level: Level,
     pub tile_edge: Option<usize>,
     pub progress: &'a (dyn Fn(f64) + Sync),
+    /// Tiles without any of these are left out.
+    pub only: Option<&'a Edges>,
+}
+
+impl Run<'_> {
+    /// Whether a tile's pixels are wanted.
+    pub(crate) fn wants(&self, rect: &TileRect) -> bool {
+        self.only.is_none_or(|edges| edges.meets(rect))
+    }
 }
 
 impl DataEngine {
@@ -308,7 +319,13 @@ fn render_tiles<M: Mode<N>, const N: usize>(
             };
             let index = index as usize;
             let (canvas, work) = &mut *lock(&tiles[index]);
-            *work = dispatch!(run.level, simd => render(simd, plan, index, canvas, scratch));
+            let rect = plan.0.tiles.rect(index);
+            if run.wants(&rect) {
+                *work = dispatch!(run.level, simd => render(simd, plan, index, canvas, scratch));
+            } else {
+                canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
+                *work = DataWork::default();
+            }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             (run.progress)(done as f64 / tiles.len() as f64);
         }

@@ -119,11 +119,13 @@ fn render_tiles<P: Profile>(
     let start = Instant::now();
     let done = AtomicUsize::new(0);
     let count = plan.tiles.len();
+    let wanted = |tile: &&u32| run.wants(&plan.tiles.rect(**tile as usize));
     let tiles: Vec<_> = run.pool.install(|| {
         plan.lists
             .longest_first()
             .par_iter()
             .with_max_len(1)
+            .filter(wanted)
             .map_init(TileScratch::default, |scratch, &tile| {
                 let work = tile::render(plan, tile as usize, scratch);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;

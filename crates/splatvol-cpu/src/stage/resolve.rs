@@ -15,6 +15,15 @@ pub(crate) struct Resolved {
     optical_depth: f32,
 }
 
+impl Resolved {
+    /// A pixel that nothing was splatted to.
+    pub(crate) const EMPTY: Self = Self {
+        color: [0.0; 4],
+        depth: f32::INFINITY,
+        optical_depth: 0.0,
+    };
+}
+
 /// What a pixel shows in the end. `unit_distance` (world length) is where a value takes its opacity from.
 pub(crate) fn resolve(
     pixel: &Pixel,

@@ -1,8 +1,8 @@
 //! Which methods make no sense together, and why.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, Occlusion, Rasterizer, Reconstruction,
-    RenderSettings, SheetContent, Stretch,
+    Absorption, Alignment, Classification, Compositing, Coverage, Filter, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, SheetContent, Stretch,
 };
 use crate::SceneError;
 
@@ -50,6 +50,14 @@ impl RenderSettings {
                 "occlusion",
                 &self.occlusion,
                 "none: only what is composited front to back can be hidden by what is there",
+            );
+        }
+        if self.coverage != Coverage::Off && matches!(self.compositing, Compositing::Xray | Compositing::Mean)
+        {
+            return refuse(
+                "coverage",
+                &self.coverage,
+                "off: X-rays and means are sums, which the filter of footprints is right for",
             );
         }
         match self.reconstruction {

@@ -2,6 +2,7 @@
 
 mod combinations;
 mod compositing;
+mod coverage;
 mod extraction;
 mod filter;
 mod footprint;
@@ -14,6 +15,7 @@ mod table;
 mod validate;
 
 pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
+pub use coverage::Coverage;
 pub use extraction::Extraction;
 pub use filter::Filter;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
@@ -45,6 +47,8 @@ pub struct RenderSettings {
     pub absorption: Absorption,
     /// Screen-space low-pass.
     pub filter: Filter,
+    /// Anti-aliasing of edges.
+    pub coverage: Coverage,
     /// Which integrals of a kernel make up its footprint.
     pub alignment: Alignment,
     /// How the swan filter stretches kernels.

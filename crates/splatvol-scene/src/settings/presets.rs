@@ -1,8 +1,8 @@
 //! Whole settings by name.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Filter, FootprintTable, Gradient, Kernel, MotionBlur,
-    Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch,
+    Absorption, Alignment, Classification, Compositing, Coverage, Filter, FootprintTable, Gradient, Kernel,
+    MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch,
 };
 use crate::{ImageSize, Lighting};
 
@@ -25,6 +25,7 @@ impl RenderSettings {
             sheet: None,
             absorption: Absorption::default(),
             filter: Filter::default(),
+            coverage: Coverage::default(),
             alignment: Alignment::default(),
             stretch: Stretch::default(),
             rasterizer: Rasterizer::default(),

@@ -76,6 +76,7 @@ impl RenderSettings {
                 "0 to 1 of a footprint's peak",
             )?;
         }
+        self.coverage.validate()?;
         self.stretching()?;
         if let MotionBlur::Subframes { count } = self.motion_blur {
             check("sub-frames", f64::from(count), 1.0..=4096.0, "1 to 4096")?;

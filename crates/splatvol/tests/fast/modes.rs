@@ -314,7 +314,7 @@ fn x_rays_of_wide_views_have_no_seams() {
         sample(&Noise::new(9, 30, DVec3::splat(0.8)), &grid),
         translucent(),
     );
-    let camera = perspective(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 60.0, 50.0);
+    let camera = perspective(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 90.0, 50.0);
     let settings = RenderSettings {
         filter: Filter::Ewa { pixel_sigma: 0.55 },
         ..modes(fast(320, 320))[1].1

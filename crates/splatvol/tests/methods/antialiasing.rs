@@ -3,6 +3,7 @@
 //! What 256 samples are weighted by is a low-pass itself: `ewa` agrees with the one of its own width. Against the plain mean that
 //! is `pixel_sigma` 0.3; the default, 0.55, is wider, and loses to no filter at all on stripes that are still resolved.
 
+mod coverage;
 mod laws;
 
 use glam::DVec3;

@@ -1,0 +1,142 @@
+//! Coverage: edges are sampled several times per pixel.
+//!
+//! A frame is rendered once as it is. Pixels that differ from a neighbour are edges; tiles of a picture several times as
+//! large that hold any are rendered too, and an edge becomes the mean of its samples there:
+//!
+//! ```text
+//! C = 1/n^2 sum_i C_i,   T = 1/n^2 sum_i exp(-tau_i)
+//! ```
+//!
+//! Footprints are filtered for the pixels of the larger picture, so that the low-pass of an edge is the square pixel, and
+//! a little of the filter's own.
+
+use splatvol_core::bin::TileRect;
+use splatvol_scene::{Coverage, Frame, ImageSize, RenderSettings, SceneError};
+
+/// The edges of a picture.
+#[derive(Debug)]
+pub(crate) struct Edges {
+    size: [usize; 2],
+    /// Samples per pixel and axis.
+    samples: usize,
+    /// Row by row.
+    edge: Vec<bool>,
+    count: usize,
+}
+
+impl Edges {
+    /// The pixels of a frame that differ from a neighbour; `None` where none does, or none is asked for.
+    pub(crate) fn of(frame: &Frame, coverage: Coverage) -> Option<Self> {
+        let Coverage::Adaptive { samples, contrast } = coverage else {
+            return None;
+        };
+        let size = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
+        let mut edges = Self {
+            size,
+            samples: samples as usize,
+            edge: vec![false; size[0] * size[1]],
+            count: 0,
+        };
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let differs = edges.differs(frame, [x, y], contrast as f32);
+                edges.edge[y * size[0] + x] = differs;
+                edges.count += usize::from(differs);
+            }
+        }
+        (edges.count > 0).then_some(edges)
+    }
+
+    fn differs(&self, frame: &Frame, [x, y]: [usize; 2], contrast: f32) -> bool {
+        let [width, height] = self.size;
+        let pixels = &frame.image.pixels;
+        let here = pixels[y * width + x];
+        (y.saturating_sub(1)..(y + 2).min(height)).any(|row| {
+            pixels[row * width + x.saturating_sub(1)..row * width + (x + 2).min(width)]
+                .iter()
+                .any(|there| (0..4).any(|c| (there[c] - here[c]).abs() > contrast))
+        })
+    }
+
+    /// How many pixels they are.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Settings of the larger picture.
+    ///
+    /// # Errors
+    /// A picture that would be too large.
+    pub(crate) fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
+        let [width, height] = self.size.map(|side| (side * self.samples) as u32);
+        let size = ImageSize::new(width, height).map_err(|_| SceneError::Combination {
+            what: "coverage",
+            why: "the picture times its samples per axis is too large, ask for fewer samples",
+        })?;
+        Ok(RenderSettings {
+            size,
+            coverage: Coverage::Off,
+            ..*settings
+        })
+    }
+
+    /// Whether a rectangle of the larger picture has samples of an edge.
+    pub(crate) fn meets(&self, rect: &TileRect) -> bool {
+        let [width, _] = self.size;
+        let columns = rect.x0 / self.samples..rect.x1.div_ceil(self.samples);
+        (rect.y0 / self.samples..rect.y1.div_ceil(self.samples))
+            .any(|y| self.edge[y * width + columns.start..y * width + columns.end].contains(&true))
+    }
+
+    /// Replaces the edges of a frame by the means of their samples.
+    pub(crate) fn refine(&self, frame: &mut Frame, fine: &Frame) {
+        let width = self.size[0];
+        for (pixel, _) in self.edge.iter().enumerate().filter(|(_, edge)| **edge) {
+            let corner = [pixel % width, pixel / width].map(|at| at * self.samples);
+            self.mean(fine, corner).store(frame, pixel);
+        }
+    }
+
+    fn mean(&self, fine: &Frame, [x0, y0]: [usize; 2]) -> Mean {
+        let stride = self.size[0] * self.samples;
+        let mut mean = Mean::default();
+        for y in y0..y0 + self.samples {
+            for at in y * stride + x0..y * stride + x0 + self.samples {
+                mean.add(fine, at);
+            }
+        }
+        mean
+    }
+}
+
+/// Sums over the samples of a pixel.
+#[derive(Debug, Default)]
+struct Mean {
+    count: f64,
+    color: [f64; 4],
+    transmittance: f64,
+    /// Depth, weighted by alpha.
+    depth: f64,
+}
+
+impl Mean {
+    fn add(&mut self, fine: &Frame, at: usize) {
+        let color = fine.image.pixels[at].map(f64::from);
+        self.count += 1.0;
+        self.color = std::array::from_fn(|c| self.color[c] + color[c]);
+        self.transmittance += (-f64::from(fine.optical_depth[at])).exp();
+        if color[3] > 0.0 {
+            self.depth += color[3] * f64::from(fine.depth[at]);
+        }
+    }
+
+    fn store(&self, frame: &mut Frame, pixel: usize) {
+        frame.image.pixels[pixel] = self.color.map(|sum| (sum / self.count) as f32);
+        frame.optical_depth[pixel] = -(self.transmittance / self.count).ln() as f32;
+        frame.depth[pixel] = if self.color[3] > 0.0 {
+            (self.depth / self.color[3]) as f32
+        } else {
+            f32::INFINITY
+        };
+    }
+}
