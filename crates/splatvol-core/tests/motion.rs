@@ -96,14 +96,11 @@ fn cloud(position: DVec3, linear: DMat3) -> SplatCloud {
         payloads: vec![[1.0; 4]],
         gradients: Vec::new(),
         shape: KernelShape::Sphere { sigma: 0.74 },
+        covariances: Vec::new(),
+        peaks_from: usize::MAX,
         mass: linear.determinant().abs(),
         spacing: 1.0,
-        chunks: vec![Chunk {
-            first: 0,
-            end: 1,
-            low: [0.0; 3],
-            high: [0.0; 3],
-        }],
+        chunks: Chunk::of(&[[0.0; 3]], 0, 0.74).into_iter().collect(),
     }
 }
 

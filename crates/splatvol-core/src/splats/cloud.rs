@@ -16,6 +16,11 @@ pub struct SplatCloud {
     pub gradients: Vec<[f32; 3]>,
     /// Covariances.
     pub shape: KernelShape,
+    /// Covariances of ellipsoids, local: xx, xy, xz, yy, yz, zz; empty for other shapes.
+    pub covariances: Vec<[f32; 6]>,
+    /// Splats from this one on carry optical depths in place of extinctions: what a ray through the centre meets, from
+    /// wherever it comes (3-D Gaussians, whose opacity is that of their peak in every view).
+    pub peaks_from: usize,
     /// Integral of each kernel over space, world volume: a grid's cell.
     pub mass: f64,
     /// Geometric mean of the distance between neighbours, world length.
@@ -41,13 +46,20 @@ pub enum KernelShape {
         /// Gradient of the normalised value, per mean spacing, from which on kernels are flattened.
         threshold: f64,
     },
+    /// Each splat has a covariance of its own.
+    Ellipsoids {
+        /// Largest standard deviation of any, local units.
+        largest: f64,
+    },
 }
 
 impl KernelShape {
     /// Largest standard deviation, local units.
     pub fn sigma(&self) -> f64 {
         match *self {
-            Self::Sphere { sigma } | Self::Flattened { sigma, .. } => sigma,
+            Self::Sphere { sigma } | Self::Flattened { sigma, .. } | Self::Ellipsoids { largest: sigma } => {
+                sigma
+            }
         }
     }
 }
@@ -63,9 +75,27 @@ pub struct Chunk {
     pub low: [f32; 3],
     /// Greatest coordinates.
     pub high: [f32; 3],
+    /// Largest standard deviation of their kernels, local.
+    pub sigma: f32,
 }
 
 impl Chunk {
+    /// Of splats at these places, the first of which has this index; `None` of none.
+    pub fn of(positions: &[[f32; 3]], first: u32, sigma: f32) -> Option<Self> {
+        let (&start, rest) = positions.split_first()?;
+        let bound = |pick: fn(f32, f32) -> f32| {
+            rest.iter()
+                .fold(start, |at, p| std::array::from_fn(|a| pick(at[a], p[a])))
+        };
+        Some(Self {
+            first,
+            end: first + positions.len() as u32,
+            low: bound(f32::min),
+            high: bound(f32::max),
+            sigma,
+        })
+    }
+
     /// Corners of the box of the centres, local.
     pub fn corners(&self) -> [[f32; 3]; 8] {
         std::array::from_fn(|corner| {

@@ -111,13 +111,15 @@ impl Extract<'_> {
             payloads: Vec::with_capacity(count),
             gradients: Vec::with_capacity(if self.gradients { count } else { 0 }),
             shape: self.shape,
+            covariances: Vec::new(),
+            peaks_from: usize::MAX,
             mass: self.grid.cell_volume(),
             spacing: self.grid.mean_spacing(),
             chunks: Vec::with_capacity(parts.len()),
         };
         for mut part in parts {
             let first = cloud.len() as u32;
-            cloud.chunks.extend(part.chunk(first));
+            cloud.chunks.extend(part.chunk(first, self.shape.sigma() as f32));
             cloud.positions.append(&mut part.positions);
             cloud.payloads.append(&mut part.payloads);
             cloud.gradients.append(&mut part.gradients);
@@ -160,18 +162,8 @@ impl Extract<'_> {
 }
 
 impl Part {
-    fn chunk(&self, first: u32) -> Option<Chunk> {
-        let (&start, rest) = self.positions.split_first()?;
-        let bound = |pick: fn(f32, f32) -> f32| {
-            rest.iter()
-                .fold(start, |at, p| std::array::from_fn(|a| pick(at[a], p[a])))
-        };
-        Some(Chunk {
-            first,
-            end: first + self.positions.len() as u32,
-            low: bound(f32::min),
-            high: bound(f32::max),
-        })
+    fn chunk(&self, first: u32, sigma: f32) -> Option<Chunk> {
+        Chunk::of(&self.positions, first, sigma)
     }
 }
 

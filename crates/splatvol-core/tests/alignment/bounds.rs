@@ -40,15 +40,7 @@ fn chunk(random: &mut Random, case: u32) -> SplatCloud {
         })
         .collect();
     cloud.payloads = vec![[1.0; 4]; 60];
-    let corner = |pick: fn(f32, f32) -> f32, from: f32| {
-        std::array::from_fn(|a| cloud.positions.iter().map(|p| p[a]).fold(from, pick))
-    };
-    cloud.chunks = vec![Chunk {
-        first: 0,
-        end: 60,
-        low: corner(f32::min, f32::INFINITY),
-        high: corner(f32::max, f32::NEG_INFINITY),
-    }];
+    cloud.chunks = Chunk::of(&cloud.positions, 0, SIGMA as f32).into_iter().collect();
     if case % 3 == 2 {
         cloud.shape = KernelShape::Flattened {
             sigma: SIGMA,

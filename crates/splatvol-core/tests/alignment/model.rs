@@ -54,14 +54,11 @@ pub(crate) fn cloud(u: DVec3, grid: DMat3) -> SplatCloud {
         payloads: vec![[1.0; 4]],
         gradients: Vec::new(),
         shape: KernelShape::Sphere { sigma: SIGMA },
+        covariances: Vec::new(),
+        peaks_from: usize::MAX,
         mass: grid.determinant().abs(),
         spacing: grid.determinant().abs().cbrt(),
-        chunks: vec![Chunk {
-            first: 0,
-            end: 1,
-            low: local,
-            high: local,
-        }],
+        chunks: Chunk::of(&[local], 0, SIGMA as f32).into_iter().collect(),
     }
 }
 

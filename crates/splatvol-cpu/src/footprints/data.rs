@@ -61,7 +61,6 @@ impl<P: Profile> Tile<'_, P> {
         let TileScratch { open, data, row, .. } = &mut *self.scratch;
         data.advance();
         data.newest = Some(turn);
-        let reach = self.plan.projection.depth_reach();
         let (brush, work) = (&self.brush, &mut self.work);
         open.retain(|splat| {
             work.slices += 1;
@@ -71,7 +70,7 @@ impl<P: Profile> Tile<'_, P> {
             };
             target.sheet.touch(splat.area);
             brush.draw(&splat.footprint, Some(section), splat.area, row, &mut target);
-            section[1] < splat.footprint.depth + reach
+            section[1] < splat.end
         });
     }
 

@@ -12,8 +12,6 @@ pub(crate) enum Order {
     Sheets {
         /// The sheets.
         sheets: SheetStack,
-        /// How far kernels reach, world length.
-        reach: f32,
     },
     /// Ranges of depth, front to back or back to front; within one, splats are sorted.
     Depth {
@@ -58,7 +56,6 @@ impl Order {
             Compositing::Xray => Self::Once,
             _ => Self::Sheets {
                 sheets: stack(f64::from(reach), spacing),
-                reach,
             },
         }
     }
@@ -108,11 +105,11 @@ impl Order {
         }
     }
 
-    /// The turn of a splat at this place, camera space and local space.
+    /// The turn of a splat at this place, camera space and local space; `reach`: how far its kernel does, world length.
     #[inline(always)]
-    pub(crate) fn turn(&self, camera: Vec3, local: [f32; 3]) -> usize {
+    pub(crate) fn turn(&self, camera: Vec3, local: [f32; 3], reach: f32) -> usize {
         match *self {
-            Self::Sheets { sheets, reach } => sheets
+            Self::Sheets { sheets } => sheets
                 .first_touched(f64::from(camera.z - reach))
                 .min(sheets.count.saturating_sub(1)),
             Self::Depth { ranges, reversed } => range(&ranges, f64::from(camera.z), reversed),
@@ -127,11 +124,11 @@ impl Order {
     }
 
     /// The first turn of any splat of a chunk.
-    pub(crate) fn first_turn(&self, chunk: &Chunk, bounds: &Bounds, reach: f32) -> usize {
-        let [near, far] = bounds.depth;
+    pub(crate) fn first_turn(&self, chunk: &Chunk, bounds: &Bounds) -> usize {
+        let ([near, far], reach) = (bounds.depth, bounds.reach);
         match *self {
             // The same sums as for the nearest splat: its turn is not before its chunk's.
-            Self::Sheets { .. } => self.turn(Vec3::new(0.0, 0.0, near + reach), chunk.low),
+            Self::Sheets { .. } => self.turn(Vec3::new(0.0, 0.0, near + reach), chunk.low, reach),
             Self::Depth { ranges, reversed } => {
                 let depth = if reversed { far - reach } else { near + reach };
                 // A range's end may be rounded to either side.
@@ -140,7 +137,7 @@ impl Order {
             Self::Slices { axis, eye, .. } => {
                 let mut nearest = chunk.low;
                 nearest[axis] = eye.clamp(chunk.low[axis], chunk.high[axis]);
-                self.turn(Vec3::ZERO, nearest)
+                self.turn(Vec3::ZERO, nearest, 0.0)
             }
             Self::Once => 0,
         }

@@ -92,7 +92,7 @@ impl<'a, P: Profile> Plan<'a, P> {
                     brick: index as u32,
                     blocks: u8::MAX,
                 },
-                front_sheet: order.first_turn(chunk, &bounds, reach) as u32,
+                front_sheet: order.first_turn(chunk, &bounds) as u32,
                 rect: [x0 - grown, y0 - grown, x1 + grown, y1 + grown],
             })
         };

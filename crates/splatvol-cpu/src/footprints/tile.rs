@@ -38,6 +38,8 @@ pub(crate) struct TileScratch {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Open {
     pub footprint: Footprint,
+    /// Camera depth from which on nothing is left of it.
+    pub end: f32,
     pub area: [usize; 4],
     pub payload: [f32; 4],
 }
@@ -246,6 +248,7 @@ impl<P: Profile> Tile<'_, P> {
         }
         Some(Open {
             footprint,
+            end: footprint.depth + self.plan.projection.reach_of(splat as usize),
             area,
             payload: self.plan.payload(splat as usize),
         })
@@ -270,7 +273,6 @@ impl<P: Profile> Tile<'_, P> {
             finished,
             ..
         } = &mut *self.scratch;
-        let reach = self.plan.projection.depth_reach();
         let brush = &self.brush;
         let work = &mut self.work;
         open.retain(|splat| {
@@ -285,7 +287,7 @@ impl<P: Profile> Tile<'_, P> {
             };
             target.sheet.touch(splat.area);
             brush.draw(&splat.footprint, Some(section), splat.area, row, &mut target);
-            section[1] < splat.footprint.depth + reach
+            section[1] < splat.end
         });
     }
 

@@ -31,7 +31,10 @@ impl Turns {
         let chunk = &chunks[chunk];
         for splat in chunk.first..chunk.end {
             let index = splat as usize;
-            let turn = plan.order.turn(plan.projection.centre(index), positions[index]);
+            let reach = plan.projection.reach_of(index);
+            let turn = plan
+                .order
+                .turn(plan.projection.centre(index), positions[index], reach);
             let Some(head) = self.heads.get_mut(turn.max(now)) else {
                 continue;
             };

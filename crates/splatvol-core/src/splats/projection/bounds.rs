@@ -14,8 +14,12 @@ pub struct Bounds {
     pub rect: [f32; 4],
     /// Least and greatest camera depth that kernels reach.
     pub depth: [f32; 2],
+    /// How far before and behind centres they do, world length.
+    pub reach: f32,
 }
 
+/// Share by which a standard deviation may have been rounded down.
+const ROUNDED: f64 = 1e-6;
 /// Pixels around a chunk that rounding may reach.
 const ROUNDING: f64 = 0.01;
 
@@ -30,22 +34,27 @@ impl Projection<'_> {
             let half = 0.5 * (-least).max(most).max(Vec3::ZERO).as_dvec3();
             (low, high) = (low - half, high + half);
         }
+        let wide = self.stretch_from_local * f64::from(chunk.sigma) * (1.0 + ROUNDED);
+        let projected = || self.projected([low, high], wide);
+        let met = || self.met([low, high], wide);
         let areas = match self.alignment {
-            _ if !self.perspective => [self.projected(low, high), None],
-            Alignment::Sheet | Alignment::Affine | Alignment::Grid => [self.projected(low, high), None],
-            Alignment::Ray | Alignment::RayIdeal | Alignment::Exact => [None, self.met(low, high)],
-            Alignment::Auto { .. } => [self.projected(low, high), self.met(low, high)],
+            _ if !self.perspective => [projected(), None],
+            Alignment::Sheet | Alignment::Affine | Alignment::Grid => [projected(), None],
+            Alignment::Ray | Alignment::RayIdeal | Alignment::Exact => [None, met()],
+            Alignment::Auto { .. } => [projected(), met()],
         };
         let [first, last] = areas
             .into_iter()
             .flatten()
             .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-        let reach = f64::from(self.depth_reach());
+        let moved = self.sweep.as_ref().map_or(0.0, |sweep| sweep.depth_change);
+        let reach = self.cut * wide + 0.5 * f64::from(moved);
         let rounding = ROUNDING + 1e-6 * first.abs().max(last.abs());
         let (first, last) = ((first - rounding).as_vec2(), (last + rounding).as_vec2());
         Some(Bounds {
             rect: [first.x, first.y, last.x, last.y],
             depth: [(centres_low.z - reach) as f32, (centres_high.z + reach) as f32],
+            reach: reach as f32,
         })
     }
 
@@ -66,9 +75,9 @@ impl Projection<'_> {
         [low.as_dvec3(), high.as_dvec3()]
     }
 
-    /// The pixels of affine footprints. As the ray is oblique, they are longer than at the axis; no Jacobian is more oblique than
+    /// The pixels of affine footprints, `reach` being their kernels' largest standard deviation. As the ray is oblique, they are longer than at the axis; no Jacobian is more oblique than
     /// the widest.
-    fn projected(&self, low: DVec3, high: DVec3) -> Option<[DVec2; 2]> {
+    fn projected(&self, [low, high]: [DVec3; 2], reach: f64) -> Option<[DVec2; 2]> {
         let [first, last] = if self.perspective {
             per_depth([low, high], self.near)?
         } else {
@@ -80,7 +89,7 @@ impl Projection<'_> {
         } else {
             DVec2::ONE
         };
-        let sigma = oblique * (stretch * self.reach * self.pixels_per_length(low.z));
+        let sigma = oblique * (stretch * reach * self.pixels_per_length(low.z));
         let margin = (sigma + pixels) * self.cut;
         Some([
             first * self.scale + self.principal - margin,
@@ -89,14 +98,14 @@ impl Projection<'_> {
     }
 
     /// The pixels whose rays meet kernels behind the near plane.
-    fn met(&self, low: DVec3, high: DVec3) -> Option<[DVec2; 2]> {
-        let (pixels, stretch) = self.widest_filter(high.z + self.cut * self.reach);
-        let across = stretch * self.reach + pixels / self.pixels_per_length(high.z);
+    fn met(&self, [low, high]: [DVec3; 2], reach: f64) -> Option<[DVec2; 2]> {
+        let (pixels, stretch) = self.widest_filter(high.z + self.cut * reach);
+        let across = stretch * reach + pixels / self.pixels_per_length(high.z);
         // A kernel across an oblique ray reaches as far in depth as it does beside the ray.
         let deep = if self.alignment == Alignment::Exact {
-            self.reach
+            reach
         } else {
-            stretch * self.reach
+            stretch * reach
         };
         let half = DVec3::new(across, across, deep) * self.cut;
         let [first, last] = per_depth([low - half, high + half], self.near)?;

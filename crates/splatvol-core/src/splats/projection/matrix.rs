@@ -18,6 +18,22 @@ pub(super) fn symmetric(m: DMat3) -> Covariance {
     ]
 }
 
+/// `A C A^T`.
+#[inline(always)]
+pub(super) fn transformed([xx, xy, xz, yy, yz, zz]: Covariance, a: DMat3) -> Covariance {
+    let c = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+    symmetric(a * c * a.transpose())
+}
+
+/// `v^T C v`.
+#[inline(always)]
+pub(super) fn along([xx, xy, xz, yy, yz, zz]: Covariance, v: DVec3) -> f64 {
+    xx * v.x * v.x
+        + yy * v.y * v.y
+        + zz * v.z * v.z
+        + 2.0 * (xy * v.x * v.y + xz * v.x * v.z + yz * v.y * v.z)
+}
+
 /// `C + s v v^T`.
 #[inline(always)]
 pub(super) fn add_square([xx, xy, xz, yy, yz, zz]: Covariance, v: DVec3, s: f64) -> Covariance {

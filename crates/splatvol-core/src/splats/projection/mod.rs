@@ -25,12 +25,14 @@ mod rays;
 pub use bounds::Bounds;
 pub use errors::AlignmentErrors;
 
-use glam::{Affine3A, DAffine3, DVec2, DVec3, Mat3, Vec3};
+use glam::{Affine3A, DAffine3, DMat3, DVec2, DVec3, Mat3, Vec3};
 use splatvol_scene::{Alignment, Filter, ImageSize, ScreenFromCamera, Stretch};
 
 use self::errors::Sensitivity;
 use self::low_pass::Filtered;
-use self::matrix::{Covariance, add_square, determinant, seen_along, singular_values, symmetric};
+use self::matrix::{
+    Covariance, add_square, along, determinant, seen_along, singular_values, symmetric, transformed,
+};
 use super::cloud::{KernelShape, SplatCloud};
 use super::footprint::{Footprint, Warp};
 use super::profile::Profile;
@@ -62,6 +64,8 @@ pub struct Projection<'a> {
     principal: DVec2,
     near: f64,
     camera_from_local: Affine3A,
+    /// Its linear part, for covariances.
+    linear: DMat3,
     /// Camera covariance of a sphere of the cloud.
     sphere: Covariance,
     /// From gradients per local unit to gradients per mean spacing.
@@ -74,6 +78,8 @@ pub struct Projection<'a> {
     sensitivity: Sensitivity,
     /// Largest standard deviation of any splat in any direction, world length.
     reach: f64,
+    /// World length per local unit, where it is largest.
+    stretch_from_local: f64,
     /// Largest ratio of standard deviations of a sphere of the cloud.
     anisotropy: f64,
     /// Rays' largest x and y per depth, with some more: the Jacobian of what lies farther outside is taken there.
@@ -110,6 +116,7 @@ impl<'a> Projection<'a> {
                 linear.as_mat3(),
                 camera_from_local.translation.as_vec3(),
             ),
+            linear,
             sphere: symmetric(linear * linear.transpose() * sigma.powi(2)),
             steepness_from_local: cloud.steepness_from_local().as_mat3(),
             sigma,
@@ -117,6 +124,7 @@ impl<'a> Projection<'a> {
             cut: f64::from(profile.cut()),
             sensitivity: Sensitivity::new(profile),
             reach: most * sigma,
+            stretch_from_local: most,
             anisotropy: most / least,
             widest: corner * 1.3,
             sweep: None,
@@ -140,6 +148,19 @@ impl<'a> Projection<'a> {
         (self.cut * self.reach) as f32 + 0.5 * change
     }
 
+    /// How far a splat's kernel reaches in depth, world length, while the shutter is open.
+    #[inline(always)]
+    pub fn reach_of(&self, splat: usize) -> f32 {
+        match self.cloud.covariances.get(splat) {
+            // Motion is of grids.
+            Some(own) => {
+                let depth = along(own.map(f64::from), self.linear.row(2));
+                (self.cut * depth.max(0.0).sqrt()) as f32
+            }
+            None => self.depth_reach(),
+        }
+    }
+
     /// Centre of a splat, camera space.
     #[inline(always)]
     pub fn centre(&self, splat: usize) -> Vec3 {
@@ -152,7 +173,10 @@ impl<'a> Projection<'a> {
     pub fn project(&self, splat: usize) -> Option<Footprint> {
         let u = self.centre(splat).as_dvec3();
         let covariance = self.covariance(splat);
-        let still = self.still(u, covariance)?;
+        let mut still = self.still(u, covariance)?;
+        if splat >= self.cloud.peaks_from {
+            still.weight /= self.peak(u, covariance);
+        }
         match &self.sweep {
             None => Some(still),
             Some(sweep) => self.moved(sweep, splat, (still, u, covariance)),
@@ -184,14 +208,27 @@ impl<'a> Projection<'a> {
         }
     }
 
+    /// Line integral of a kernel that is not filtered, through its centre.
+    #[inline(always)]
+    fn peak(&self, u: DVec3, covariance: Covariance) -> f32 {
+        let ray = if self.perspective {
+            u.truncate() / u.z
+        } else {
+            DVec2::ZERO
+        };
+        let screen = determinant(seen_along(covariance, ray)).max(f64::MIN_POSITIVE);
+        (self.mass * ((1.0 + ray.length_squared()) / screen).sqrt()) as f32
+    }
+
     /// Camera covariance of a splat.
     #[inline(always)]
     fn covariance(&self, splat: usize) -> Covariance {
-        let KernelShape::Flattened {
-            flatness, threshold, ..
-        } = self.cloud.shape
-        else {
-            return self.sphere;
+        let (flatness, threshold) = match self.cloud.shape {
+            KernelShape::Sphere { .. } => return self.sphere,
+            KernelShape::Ellipsoids { .. } => return self.own_covariance(splat),
+            KernelShape::Flattened {
+                flatness, threshold, ..
+            } => (flatness, threshold),
         };
         let gradient = self
             .cloud
@@ -206,6 +243,12 @@ impl<'a> Projection<'a> {
         let lost = 1.0 - 1.0 / (flatness * flatness);
         let normal = self.camera_from_local.transform_vector3(gradient.normalize());
         add_square(self.sphere, normal.as_dvec3() * self.sigma, -lost.clamp(0.0, 1.0))
+    }
+
+    /// Camera covariance `A C A^T` of a splat that has its own.
+    #[inline(always)]
+    fn own_covariance(&self, splat: usize) -> Covariance {
+        transformed(self.cloud.covariances[splat].map(f64::from), self.linear)
     }
 
     /// The affine or grid-aligned footprint, filtered on screen.
