@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `cloud` | centres, payloads and covariances, in chunks of neighbours |
 //! | `extract` | the cloud of a classified volume, and that of its data |
+//! | `gather` | one cloud of voxels, surfels, Gaussians and whatever else |
 //! | `profile` | the radial profile of a footprint, whole and between depths |
 //! | `radial` | that of any radial kernel |
 //! | `footprint` | the footprint: from pixel to radius |
@@ -18,6 +19,7 @@
 mod cloud;
 mod extract;
 mod footprint;
+mod gather;
 mod moving;
 mod profile;
 mod projection;
@@ -28,6 +30,7 @@ mod sweep;
 pub use cloud::{Chunk, KernelShape, SplatCloud};
 pub use extract::{Extract, Interest, classified, data};
 pub use footprint::{Footprint, Sample, Warp};
+pub use gather::{Gather, Gathered, Splat, gaussian_payload};
 pub use moving::{Moving, Passage, Path, whitening};
 pub use profile::{GaussianProfile, Profile};
 pub use projection::{AlignmentErrors, Bounds, Projection, View};
