@@ -7,7 +7,7 @@ use super::header::{Kind, Scalar};
 use super::{Element, Encoding, Header};
 use crate::IoError;
 use crate::error::Context;
-use crate::source::{Rest, Source};
+use crate::source::Source;
 
 /// Bytes of rows that are decoded at a time.
 const CHUNK: usize = 1 << 16;
@@ -115,8 +115,9 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Passes over what is left of the elements. True where more bytes follow (in text: anything but white space).
-    pub(crate) fn finish(mut self) -> Result<Rest, IoError> {
+    /// Passes over what is left of the elements. The number of bytes that follow (in text: from the first that is no white
+    /// space).
+    pub(crate) fn excess(mut self) -> Result<u64, IoError> {
         while let Some(element) = self.header.elements.get(self.next).cloned() {
             self.pass(&element)?;
             self.next += 1;
@@ -124,7 +125,7 @@ impl<'a> Reader<'a> {
         if self.header.encoding == Encoding::Ascii {
             self.skip_white()?;
         }
-        self.source.rest(&self.context)
+        Ok(self.source.at_most())
     }
 
     fn pass(&mut self, element: &Element) -> Result<(), IoError> {
@@ -378,7 +379,7 @@ mod tests {
             assert_eq!(table.column("x").unwrap(), [2.5, 0.5, 8.0]);
             assert_eq!(table.column("y").unwrap(), [-3.0, -6.0, -9.0]);
             assert_eq!(table.column("z").unwrap(), [1.5, 4.0, 7.0]);
-            assert_eq!(reader.finish().unwrap(), Rest::Nothing);
+            assert_eq!(reader.excess().unwrap(), 0);
         }
     }
 
@@ -405,7 +406,7 @@ mod tests {
         bytes.push(0);
         let mut longer = reader(&bytes).unwrap();
         longer.rows("vertex", &[], |_, _| Ok(())).unwrap();
-        assert_eq!(longer.finish().unwrap(), Rest::Excess);
+        assert_eq!(longer.excess().unwrap(), 1);
     }
 
     #[test]
