@@ -20,6 +20,7 @@ mod error;
 pub mod gaussians;
 pub mod image;
 mod json;
+#[allow(dead_code, reason = "parts of it are for the readers of points")]
 mod ply;
 mod samples;
 mod source;

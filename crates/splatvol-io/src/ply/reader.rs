@@ -7,7 +7,7 @@ use super::header::{Kind, Scalar};
 use super::{Element, Encoding, Header};
 use crate::IoError;
 use crate::error::Context;
-use crate::source::Source;
+use crate::source::{Rest, Source};
 
 /// Bytes of rows that are decoded at a time.
 const CHUNK: usize = 1 << 16;
@@ -113,6 +113,14 @@ impl<'a> Reader<'a> {
             }
             _ => self.sequential(&element, &wanted, &mut each),
         }
+    }
+
+    /// Passes over what is left of the elements: do more bytes follow?
+    pub(crate) fn finish(self) -> Result<Rest, IoError> {
+        Ok(match self.excess()? {
+            0 => Rest::Nothing,
+            _ => Rest::Excess,
+        })
     }
 
     /// Passes over what is left of the elements. The number of bytes that follow (in text: from the first that is no white
@@ -406,7 +414,7 @@ mod tests {
         bytes.push(0);
         let mut longer = reader(&bytes).unwrap();
         longer.rows("vertex", &[], |_, _| Ok(())).unwrap();
-        assert_eq!(longer.excess().unwrap(), 1);
+        assert_eq!(longer.finish().unwrap(), Rest::Excess);
     }
 
     #[test]
