@@ -69,14 +69,26 @@ impl Turn {
         Self(matrix)
     }
 
-    /// Turns the coefficients of one Gaussian, at most 16.
+    /// Turns the coefficients of one Gaussian, of whole degrees.
     pub(crate) fn apply(&self, harmonics: &mut [[f32; 3]]) {
-        let old: Vec<[f64; 3]> = harmonics.iter().map(|c| c.map(f64::from)).collect();
-        for (new, row) in harmonics.iter_mut().zip(&self.0) {
-            *new = std::array::from_fn(|color| {
-                let products = row.iter().zip(&old).map(|(weight, c)| weight * c[color]);
-                products.sum::<f64>() as f32
-            });
+        let mut old = [[0.0; 3]; 16];
+        for (old, new) in old.iter_mut().zip(harmonics.iter()) {
+            *old = new.map(f64::from);
+        }
+        for degree in 0..=3usize {
+            let band = degree * degree..(degree + 1) * (degree + 1);
+            let Some(new) = harmonics.get_mut(band.clone()) else {
+                return;
+            };
+            for (new, row) in new.iter_mut().zip(&self.0[band.clone()]) {
+                let mut sum = [0.0; 3];
+                for (weight, old) in row[band.clone()].iter().zip(&old[band.clone()]) {
+                    for (sum, old) in sum.iter_mut().zip(old) {
+                        *sum += weight * old;
+                    }
+                }
+                *new = sum.map(|c| c as f32);
+            }
         }
     }
 }
