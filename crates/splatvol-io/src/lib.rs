@@ -1,8 +1,9 @@
-//! Readers and writers: volumes, transfer functions and images.
+//! Readers and writers: volumes, Gaussians, transfer functions and images.
 //!
 //! | module | formats |
 //! |---|---|
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
+//! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
@@ -16,8 +17,11 @@
 pub mod animation;
 pub mod camera_keys;
 mod error;
+pub mod gaussians;
 pub mod image;
 mod json;
+#[allow(dead_code, reason = "parts of it are for the readers of points")]
+mod ply;
 mod samples;
 mod source;
 pub mod transfer_function;
@@ -26,6 +30,7 @@ pub mod volume;
 pub use animation::{AnimationSettings, ApngWriter, GifWriter};
 pub use camera_keys::{StoredCameraKey, read_camera_keys};
 pub use error::{FormatError, IoError};
+pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
 pub use samples::{Endian, SampleType};

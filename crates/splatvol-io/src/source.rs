@@ -82,9 +82,14 @@ impl<'a> Source<'a> {
         let at_most = compressed
             .saturating_mul(DEFLATE_RATIO)
             .saturating_add(DEFLATE_SLACK);
+        Self::bounded(reader, at_most.min(declared))
+    }
+
+    /// A stream that another decoder makes, of at most so many bytes.
+    pub(crate) fn bounded(reader: impl Read + 'a, at_most: u64) -> Self {
         Self {
             reader: Box::new(BufReader::new(reader)),
-            at_most: at_most.min(declared),
+            at_most,
             exact: false,
         }
     }
