@@ -38,9 +38,12 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
             column[lane] = value;
         }
     }
-    let [x, y, a, b, c, log2_opacity, width, height] = soa.map(|v| f32x16::simd_from(simd, v));
-    let [left, top] = tile.map(|t| (t * TILE) as f32);
-    let (x, y) = (x - left, y - top);
+    let mut vectors = [f32x16::splat(simd, 0.0); 8];
+    for k in 0..8 {
+        vectors[k] = f32x16::simd_from(simd, soa[k]);
+    }
+    let [x, y, a, b, c, log2_opacity, width, height] = vectors;
+    let (x, y) = (x - (tile[0] * TILE) as f32, y - (tile[1] * TILE) as f32);
     let half_width = ((log2_opacity + LOG2_255) / (-a)).sqrt();
     let shear = b * -0.5 / a;
     let rightmost = b * -0.5 / c * width;
@@ -53,13 +56,10 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
     for row in 0..BLOCKS {
         let first = -y + ((BLOCK * row) as f32 + 0.5);
         let last = first + (BLOCK as f32 - 1.0);
-        let end = |at: f32x16<S>| {
-            let at = at.max(first).min(last);
-            let share = at * inverse_height;
-            (at, f32x16::splat(simd, 1.0) - share * share)
-        };
-        let (right_at, right_share) = end(rightmost);
-        let (left_at, left_share) = end(leftmost);
+        let right_at = rightmost.max(first).min(last);
+        let left_at = leftmost.max(first).min(last);
+        let right_share = left_over(simd, right_at * inverse_height);
+        let left_share = left_over(simd, left_at * inverse_height);
         let right = x + shear * right_at + half_width * right_share.max(zero).sqrt();
         let left = x + shear * left_at - half_width * left_share.max(zero).sqrt();
         // Blocks whose pixel centres reach beyond `left`, and those whose begin before `right`.
@@ -72,11 +72,17 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
         let bits = inside.select(bits, u32x16::splat(simd, 0));
         halves[row / 4] = halves[row / 4] | (bits << (8 * (row as u32 % 4)));
     }
-    let [low, high] = halves.map(|half| half.to_array());
+    let (low, high) = (halves[0].to_array(), halves[1].to_array());
     for (lane, mask) in masks.iter_mut().enumerate() {
         let ellipse = u64::from(low[lane]) | u64::from(high[lane]) << 32;
         *mask = ellipse & clip(batch[lane].rect, tile);
     }
+}
+
+/// `1 - x^2`.
+#[inline(always)]
+fn left_over<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    f32x16::splat(simd, 1.0) - x * x
 }
 
 /// Blocks of a tile within a splat's reference tiles.
@@ -84,12 +90,18 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
 fn clip(rect: Rect, tile: [usize; 2]) -> u64 {
     const HALF: usize = TILE / REFERENCE_TILE as usize;
     const ROW: u64 = 0x0101_0101_0101_0101;
-    let within = |[first, past]: [u16; 2], tile: usize, half: usize| {
-        (usize::from(first)..usize::from(past)).contains(&(HALF * tile + half))
-    };
-    let pick = |range, tile, low: u64, high: u64| {
-        (if within(range, tile, 0) { low } else { 0 }) | (if within(range, tile, 1) { high } else { 0 })
-    };
-    let columns = pick(rect.columns, tile[0], 0x0f, 0xf0) * ROW;
-    columns & pick(rect.rows, tile[1], 0xffff_ffff, 0xffff_ffff << 32)
+    let columns = pick(rect.columns, HALF * tile[0], [0x0f * ROW, 0xf0 * ROW]);
+    columns & pick(rect.rows, HALF * tile[1], [0xffff_ffff, 0xffff_ffff << 32])
+}
+
+/// The masks of those of two reference tiles, from `tile` on, that lie in a range.
+#[inline(always)]
+fn pick([first, past]: [u16; 2], tile: usize, masks: [u64; 2]) -> u64 {
+    let mut picked = 0;
+    for (half, mask) in masks.into_iter().enumerate() {
+        if (usize::from(first)..usize::from(past)).contains(&(tile + half)) {
+            picked |= mask;
+        }
+    }
+    picked
 }

@@ -90,26 +90,25 @@ pub(crate) fn project<S: Simd>(
         let lanes = project_lanes(simd, view, gaussians, first..first + step);
         let mut visible = lanes.visible.to_bitmask() & ((1 << step) - 1);
         if visible != 0 {
-            let offset = lanes.offset.map(|v| v.to_array());
-            let values = lanes.values.map(|v| v.to_array());
-            let rect = lanes.rect.map(|v| v.to_array());
+            let (mut offset, mut values, mut rect) = ([[0.0; LANES]; 3], [[0.0; LANES]; VALUES], [[0.0; LANES]; 4]);
+            store(&lanes.offset, &mut offset);
+            store(&lanes.values, &mut values);
+            store(&lanes.rect, &mut rect);
             while visible != 0 {
                 let lane = visible.trailing_zeros() as usize;
                 visible &= visible - 1;
-                let direction = direction(view, offset.map(|v| v[lane]));
-                let rect = rect.map(|v| v[lane] as u16);
+                let direction = direction(view, [offset[0][lane], offset[1][lane], offset[2][lane]]);
                 let rect = Rect {
-                    columns: [rect[0], rect[1]],
-                    rows: [rect[2], rect[3]],
+                    columns: [rect[0][lane] as u16, rect[1][lane] as u16],
+                    rows: [rect[2][lane] as u16, rect[3][lane] as u16],
                 };
-                let v = |k: usize| values[k][lane];
                 let splat = Splat {
-                    centre: [v(0), v(1)],
-                    conic: [v(2), v(3), v(4)],
-                    log2_opacity: v(5),
-                    reach: [v(6), v(7)],
+                    centre: [values[0][lane], values[1][lane]],
+                    conic: [values[2][lane], values[3][lane], values[4][lane]],
+                    log2_opacity: values[5][lane],
+                    reach: [values[6][lane], values[7][lane]],
                     color: color(gaussians, first + lane, direction),
-                    depth: v(8),
+                    depth: values[8][lane],
                     rect,
                 };
                 target.splats[count] = splat;
@@ -124,12 +123,21 @@ pub(crate) fn project<S: Simd>(
     count
 }
 
+/// Closures over vectors are not inlined, so everything here is loops.
+#[inline(always)]
+fn store<S: Simd, const N: usize>(vectors: &[f32x16<S>; N], arrays: &mut [[f32; LANES]; N]) {
+    for k in 0..N {
+        arrays[k] = vectors[k].to_array();
+    }
+}
+
 #[inline(always)]
 fn direction(view: &View, [x, y, z]: [f32; 3]) -> [f32; 3] {
-    view.direction.unwrap_or_else(|| {
-        let inverse = 1.0 / (x * x + y * y + z * z).sqrt().max(f32::MIN_POSITIVE);
-        [x * inverse, y * inverse, z * inverse]
-    })
+    if let Some(direction) = view.direction {
+        return direction;
+    }
+    let inverse = 1.0 / (x * x + y * y + z * z).sqrt().max(f32::MIN_POSITIVE);
+    [x * inverse, y * inverse, z * inverse]
 }
 
 #[inline(always)]
@@ -157,7 +165,11 @@ fn columns<S: Simd, const N: usize>(simd: S, rows: &[[f32; N]], fill: [f32; N]) 
             }
         }
     }
-    lanes.map(|lanes| f32x16::simd_from(simd, lanes))
+    let mut vectors = [f32x16::splat(simd, 0.0); N];
+    for k in 0..N {
+        vectors[k] = f32x16::simd_from(simd, lanes[k]);
+    }
+    vectors
 }
 
 #[inline(always)]
@@ -184,50 +196,68 @@ fn screen_axes<S: Simd>(
         [xy - wz, one - (xx + zz), yz + wx],
         [xz + wy, yz - wx, one - (xx + yy)],
     ];
-    rows.map(|row| [0, 1, 2].map(|k| dot(row, axes[k]) * scales[k]))
+    let mut screen = rows;
+    for row in 0..2 {
+        for k in 0..3 {
+            screen[row][k] = dot(rows[row], axes[k]) * scales[k];
+        }
+    }
+    screen
 }
 
 #[inline(always)]
 fn project_lanes<S: Simd>(simd: S, view: &View, gaussians: &Gaussians, range: Range<usize>) -> Lanes<S> {
-    let splat = |value: f32| f32x16::splat(simd, value);
+    let zero = f32x16::splat(simd, 0.0);
+    let one = f32x16::splat(simd, 1.0);
     let attributes = gaussians.attributes();
-    let means = columns(simd, &attributes.means[range.clone()], [0.0; 3]);
-    let offset = [0, 1, 2].map(|k| means[k] - view.eye[0][k] - view.eye[1][k]);
-    let camera_rows = view.camera_from_local.map(|row| row.map(splat));
-    let [x, y, z] = camera_rows.map(|row| dot(row, offset));
-    let mut visible = z.simd_gt(splat(view.near));
+    let mut offset = columns(simd, &attributes.means[range.clone()], [0.0; 3]);
+    let mut to_camera = [[zero; 3]; 3];
+    for k in 0..3 {
+        offset[k] = offset[k] - view.eye[0][k] - view.eye[1][k];
+        for column in 0..3 {
+            to_camera[k][column] = f32x16::splat(simd, view.camera_from_local[k][column]);
+        }
+    }
+    let depth = dot(to_camera[2], offset);
+    let mut visible = depth.simd_gt(f32x16::splat(simd, view.near));
     let inverse = if view.perspective {
-        splat(1.0) / z.max(splat(f32::MIN_POSITIVE))
+        one / depth.max(f32x16::splat(simd, f32::MIN_POSITIVE))
     } else {
-        splat(1.0)
+        one
     };
     let scale = inverse * view.scale;
-    let centre = [x * scale + view.centre[0], y * scale + view.centre[1]];
-    let tangents = [(x, view.tangent_limit[0]), (y, view.tangent_limit[1])]
-        .map(|(v, limit)| (v * inverse).max(splat(-limit)).min(splat(limit)));
-    let rows = [0, 1].map(|row| {
-        [0, 1, 2].map(|k| (camera_rows[row][k] - tangents[row] * camera_rows[2][k]) * scale)
-    });
+    let (mut centre, mut rows) = ([zero; 2], [[zero; 3]; 2]);
+    for axis in 0..2 {
+        let place = dot(to_camera[axis], offset);
+        centre[axis] = place * scale + view.centre[axis];
+        let limit = f32x16::splat(simd, view.tangent_limit[axis]);
+        let tangent = (place * inverse).max(-limit).min(limit);
+        for k in 0..3 {
+            rows[axis][k] = (to_camera[axis][k] - tangent * to_camera[2][k]) * scale;
+        }
+    }
     let rotation = columns(simd, &attributes.rotations[range.clone()], [0.0, 0.0, 0.0, 1.0]);
     let scales = columns(simd, &attributes.scales[range.clone()], [0.0; 3]);
     let [a, b] = screen_axes(simd, rows, rotation, scales);
 
     let (xx, xy, yy) = (dot(a, a), dot(a, b), dot(b, b));
-    let cross = [(1, 2), (2, 0), (0, 1)].map(|(i, k)| a[i] * b[k] - a[k] * b[i]);
+    let mut cross = a;
+    for (k, (i, j)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
+        cross[k] = a[i] * b[j] - a[j] * b[i];
+    }
     let sharp = dot(cross, cross);
     let det = sharp + (xx + yy) * view.low_pass + view.low_pass * view.low_pass;
     let (xx, yy) = (xx + view.low_pass, yy + view.low_pass);
     let [opacity] = columns(simd, opacities(&attributes.opacities[range]), [0.0]);
     let opacity = if view.antialiased {
-        opacity * (sharp / det).max(splat(LEAST_RATIO)).sqrt()
+        opacity * (sharp / det).max(f32x16::splat(simd, LEAST_RATIO)).sqrt()
     } else {
         opacity
     };
     // Positive and finite; NaN is neither.
-    visible &= det.simd_gt(splat(0.0)) & det.simd_lt(splat(f32::MAX));
-    visible &= opacity.simd_ge(splat(1.0 / 255.0));
+    visible &= det.simd_gt(zero) & det.simd_lt(f32x16::splat(simd, f32::MAX));
+    visible &= opacity.simd_ge(f32x16::splat(simd, 1.0 / 255.0));
     if !visible.any_true() {
-        let zero = splat(0.0);
         return Lanes {
             visible,
             offset,
@@ -235,22 +265,22 @@ fn project_lanes<S: Simd>(simd: S, view: &View, gaussians: &Gaussians, range: Ra
             rect: [zero; 4],
         };
     }
-    let log2_opacity = log2(simd, opacity.max(splat(1.0 / 256.0)));
-    let radius2 = ((log2_opacity + LOG2_255) * (2.0 * std::f32::consts::LN_2)).max(splat(0.0));
+    let log2_opacity = log2(simd, opacity.max(f32x16::splat(simd, 1.0 / 256.0)));
+    let radius2 = ((log2_opacity + LOG2_255) * (2.0 * std::f32::consts::LN_2)).max(zero);
     let reach = [(radius2 * xx).sqrt(), (radius2 * yy).sqrt()];
     let half = (xx - yy) * 0.5;
-    let spread = (half * half + xy * xy).max(splat(0.1)).sqrt();
+    let spread = (half * half + xy * xy).max(f32x16::splat(simd, 0.1)).sqrt();
     let three_sigma = (((xx + yy) * 0.5 + spread).sqrt() * 3.0).ceil();
     let rect = rect(simd, view, centre, reach, three_sigma);
     visible &= rect[0].simd_lt(rect[1]) & rect[2].simd_lt(rect[3]);
 
-    let inverse = splat(-0.5 * std::f32::consts::LOG2_E) / det;
+    let inverse = f32x16::splat(simd, -0.5 * std::f32::consts::LOG2_E) / det;
     let conic = [yy * inverse, xy * inverse * -2.0, xx * inverse];
     Lanes {
         visible,
         offset,
         values: [
-            centre[0], centre[1], conic[0], conic[1], conic[2], log2_opacity, reach[0], reach[1], z,
+            centre[0], centre[1], conic[0], conic[1], conic[2], log2_opacity, reach[0], reach[1], depth,
         ],
         rect,
     }

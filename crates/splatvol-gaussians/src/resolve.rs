@@ -41,23 +41,23 @@ struct Resolved {
 
 #[inline(always)]
 fn resolve_block<S: Simd>(simd: S, block: &Block, background: &Background) -> Resolved {
-    let lanes = |value: f32| f32x16::splat(simd, value);
-    let (zero, one) = (lanes(0.0), lanes(1.0));
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let through = f32x16::simd_from(simd, block.through).abs();
     let covered = one - through;
     let behind = through * background.alpha;
     let alpha = covered + behind;
     let seen = alpha.simd_gt(zero);
     let inverse = one / seen.select(alpha, one);
-    let [r, g, b, depth] = block.sums.map(|sum| f32x16::simd_from(simd, sum));
     let mut color = [[0.0; LANES]; 4];
-    for (channel, (sum, under)) in [r, g, b].into_iter().zip(background.color).enumerate() {
-        let linear = linear_from_srgb(simd, (sum + behind * under) * inverse) * alpha;
+    for channel in 0..3 {
+        let sum = f32x16::simd_from(simd, block.sums[channel]) + behind * background.color[channel];
+        let linear = linear_from_srgb(simd, sum * inverse) * alpha;
         color[channel] = seen.select(linear, zero).to_array();
     }
     color[3] = alpha.to_array();
     let touched = covered.simd_gt(zero);
-    let depth = touched.select(depth / touched.select(covered, one), lanes(f32::INFINITY));
+    let depth = f32x16::simd_from(simd, block.sums[3]) / touched.select(covered, one);
+    let depth = touched.select(depth, f32x16::splat(simd, f32::INFINITY));
     let optical_depth = log2(simd, through) * -std::f32::consts::LN_2;
     Resolved {
         color,
@@ -83,8 +83,9 @@ pub(crate) fn resolve<S: Simd>(
         for y in 0..BLOCK.min(rows.pixels.len() - top) {
             let width = BLOCK.min(rows.pixels[top + y].len() - left);
             let (target, source) = (left..left + width, BLOCK * y..BLOCK * y + width);
+            let [r, g, b, a] = &resolved.color;
             for (pixel, lane) in rows.pixels[top + y][target.clone()].iter_mut().zip(source.clone()) {
-                *pixel = resolved.color.map(|channel| channel[lane]);
+                *pixel = [r[lane], g[lane], b[lane], a[lane]];
             }
             rows.depth[top + y][target.clone()].copy_from_slice(&resolved.depth[source.clone()]);
             rows.optical_depth[top + y][target].copy_from_slice(&resolved.optical_depth[source]);

@@ -99,14 +99,16 @@ fn add<S: Simd>(
     tile: [usize; 2],
     blocks: &mut [Block; BLOCKS * BLOCKS],
 ) -> u64 {
-    let lanes = |value: f32| f32x16::splat(simd, value);
     let column = f32x16::simd_from(simd, COLUMN);
     let row = f32x16::simd_from(simd, ROW);
-    let [left, top] = [0, 1].map(|axis| (tile[axis] * TILE) as f32 + 0.5 - splat.centre[axis]);
-    let [a, b, c] = splat.conic.map(lanes);
-    let opacity = lanes(splat.log2_opacity);
-    let (zero, one) = (lanes(0.0), lanes(1.0));
-    let values = [splat.color[0], splat.color[1], splat.color[2], splat.depth].map(lanes);
+    let left = (tile[0] * TILE) as f32 + 0.5 - splat.centre[0];
+    let top = (tile[1] * TILE) as f32 + 0.5 - splat.centre[1];
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let most = f32x16::splat(simd, MOST_ALPHA);
+    let least = f32x16::splat(simd, LEAST_TRANSMITTANCE);
+    let threshold = f32x16::splat(simd, -LOG2_255);
+    let [a, b, c] = splat.conic;
+    let values = [splat.color[0], splat.color[1], splat.color[2], splat.depth];
     let mut finished = 0;
     while mask != 0 {
         let index = mask.trailing_zeros() as usize;
@@ -114,21 +116,21 @@ fn add<S: Simd>(
         let block = &mut blocks[index % (BLOCKS * BLOCKS)];
         let dx = column + (left + (BLOCK * (index % BLOCKS)) as f32);
         let dy = row + (top + (BLOCK * (index / BLOCKS)) as f32);
-        let exponent = (a * dx + b * dy) * dx + (c * dy * dy + opacity);
-        let counts = exponent.simd_ge(lanes(-LOG2_255));
+        let exponent = (dx * a + dy * b) * dx + (dy * dy * c + splat.log2_opacity);
+        let counts = exponent.simd_ge(threshold);
         if !counts.any_true() {
             continue;
         }
-        let alpha = exp2(simd, exponent.max(lanes(-16.0))).min(lanes(MOST_ALPHA));
+        let alpha = exp2(simd, exponent.max(threshold)).min(most);
         let alpha = counts.select(alpha, zero);
         let through = f32x16::simd_from(simd, block.through);
         let next = through * (one - alpha);
-        let goes_on = next.simd_ge(lanes(LEAST_TRANSMITTANCE));
+        let goes_on = next.simd_ge(least);
         let share = goes_on.select(through * alpha, zero);
         let ended = -through.abs();
         block.through = goes_on.select(next, ended).to_array();
-        for (sum, value) in block.sums.iter_mut().zip(values) {
-            *sum = (f32x16::simd_from(simd, *sum) + share * value).to_array();
+        for k in 0..4 {
+            block.sums[k] = (f32x16::simd_from(simd, block.sums[k]) + share * values[k]).to_array();
         }
         if !goes_on.any_true() {
             finished |= 1 << index;
