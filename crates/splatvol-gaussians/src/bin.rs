@@ -75,7 +75,8 @@ impl Lists<'_> {
 /// Tile columns and rows of a rectangle of reference tiles.
 #[inline(always)]
 fn tiles(rect: Rect) -> [Range<usize>; 2] {
-    [rect.columns, rect.rows].map(|[first, past]| usize::from(first / RATIO)..usize::from(past.div_ceil(RATIO)))
+    [rect.columns, rect.rows]
+        .map(|[first, past]| usize::from(first / RATIO)..usize::from(past.div_ceil(RATIO)))
 }
 
 impl<'a> Counted<'a> {
@@ -157,10 +158,9 @@ impl Bins {
                     let splat = index(key);
                     let [tile_columns, tile_rows] = tiles(rects[splat]);
                     for row in tile_rows {
-                        let row = row * columns;
-                        for tile in row + tile_columns.start..row + tile_columns.end {
+                        let tiles = row * columns + tile_columns.start..row * columns + tile_columns.end;
+                        for (tile, place) in tiles.clone().zip(&mut places[tiles]) {
                             if all || range.contains(&tile) {
-                                let place = &mut places[tile];
                                 entries[*place as usize].store(splat as u32, Ordering::Relaxed);
                                 *place += 1;
                             }

@@ -70,7 +70,7 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
         let bits = ((one << past) - one) & !((one << first) - one);
         let inside = right_share.max(left_share).simd_ge(zero);
         let bits = inside.select(bits, u32x16::splat(simd, 0));
-        halves[row / 4] = halves[row / 4] | (bits << (8 * (row as u32 % 4)));
+        halves[row / 4] |= bits << (8 * (row as u32 % 4));
     }
     let (low, high) = (halves[0].to_array(), halves[1].to_array());
     for (lane, mask) in masks.iter_mut().enumerate() {

@@ -51,6 +51,12 @@ pub(crate) fn color(degree: u32, harmonics: &[[f32; 3]], direction: [f32; 3]) ->
             *sum += value * coefficient;
         }
     }
-    // Infinite sums of huge coefficients may be NaN, which `max` makes 0.
-    sum.map(|channel| channel.max(0.0).min(BRIGHTEST))
+    // Sums of huge coefficients may be NaN, which is not above 0.
+    sum.map(|channel| {
+        if channel > 0.0 {
+            channel.min(BRIGHTEST)
+        } else {
+            0.0
+        }
+    })
 }

@@ -57,7 +57,11 @@ mod tests {
     #[inline(always)]
     fn found<S: Simd>(simd: S, x: f32) -> [f32; 3] {
         let v = f32x16::splat(simd, x);
-        [exp2(simd, v - 8.0)[3], log2(simd, v + 1e-3)[5], linear_from_srgb(simd, v)[7]]
+        [
+            exp2(simd, v - 8.0)[3],
+            log2(simd, v + 1e-3)[5],
+            linear_from_srgb(simd, v)[7],
+        ]
     }
 
     #[test]
@@ -66,10 +70,19 @@ mod tests {
             let x = i as f32 * 4e-4;
             let [power, logarithm, linear] = dispatch!(Level::new(), simd => found(simd, x));
             let exact = f64::from(x);
-            assert!((f64::from(power) / (f64::from(x - 8.0)).exp2() - 1.0).abs() < 4e-6, "{x}");
-            assert!((f64::from(logarithm) - f64::from(x + 1e-3).log2()).abs() < 4e-6, "{x}");
+            assert!(
+                (f64::from(power) / (f64::from(x - 8.0)).exp2() - 1.0).abs() < 4e-6,
+                "{x}"
+            );
+            assert!(
+                (f64::from(logarithm) - f64::from(x + 1e-3).log2()).abs() < 4e-6,
+                "{x}"
+            );
             let expected = transfer_function::linear_from_srgb(exact);
-            assert!((f64::from(linear) - expected).abs() <= 2e-5 * expected, "{x} {linear} {expected}");
+            assert!(
+                (f64::from(linear) - expected).abs() <= 2e-5 * expected,
+                "{x} {linear} {expected}"
+            );
         }
     }
 }

@@ -58,7 +58,8 @@ impl Keys {
                 count: 1 << digit_bits,
             };
             if pass == 0 {
-                let groups: Vec<&[Range<usize>]> = ranges.chunks(ranges.len().div_ceil(parts).max(1)).collect();
+                let groups: Vec<&[Range<usize>]> =
+                    ranges.chunks(ranges.len().div_ceil(parts).max(1)).collect();
                 digits.sort(&self.keys, &self.other, &groups);
             } else {
                 let groups: Vec<&[Range<usize>]> = whole.chunks(1).collect();
@@ -80,10 +81,12 @@ pub(crate) fn even(range: Range<usize>, parts: usize) -> Vec<Range<usize>> {
 /// Smallest depth, and the bits of the largest difference to it.
 fn depth_bits(keys: &[AtomicU64], ranges: &[Range<usize>]) -> (u32, u32) {
     let bounds = ranges.par_iter().map(|range| {
-        keys[range.clone()].iter().fold((u32::MAX, 0), |(least, most), key| {
-            let depth = (key.load(Ordering::Relaxed) >> 32) as u32;
-            (depth.min(least), depth.max(most))
-        })
+        keys[range.clone()]
+            .iter()
+            .fold((u32::MAX, 0), |(least, most), key| {
+                let depth = (key.load(Ordering::Relaxed) >> 32) as u32;
+                (depth.min(least), depth.max(most))
+            })
     });
     let (least, most) = bounds.reduce(|| (u32::MAX, 0), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     (least, most.saturating_sub(least))
@@ -168,10 +171,18 @@ mod tests {
             let ranges: Vec<_> = (0..count).step_by(7).map(|i| i..(i + 6).min(count)).collect();
             let mut expected: Vec<u64> = ranges
                 .iter()
-                .flat_map(|range| keys.keys[range.clone()].iter().map(|key| key.load(Ordering::Relaxed)))
+                .flat_map(|range| {
+                    keys.keys[range.clone()]
+                        .iter()
+                        .map(|key| key.load(Ordering::Relaxed))
+                })
                 .collect();
             expected.sort_unstable();
-            let found: Vec<u64> = keys.sort(&ranges, 3).iter().map(|key| key.load(Ordering::Relaxed)).collect();
+            let found: Vec<u64> = keys
+                .sort(&ranges, 3)
+                .iter()
+                .map(|key| key.load(Ordering::Relaxed))
+                .collect();
             assert!(found == expected, "{count} {spread}");
         }
     }

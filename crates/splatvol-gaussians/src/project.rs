@@ -90,14 +90,20 @@ pub(crate) fn project<S: Simd>(
         let lanes = project_lanes(simd, view, gaussians, first..first + step);
         let mut visible = lanes.visible.to_bitmask() & ((1 << step) - 1);
         if visible != 0 {
-            let (mut offset, mut values, mut rect) = ([[0.0; LANES]; 3], [[0.0; LANES]; VALUES], [[0.0; LANES]; 4]);
+            let (mut offset, mut values, mut rect) =
+                ([[0.0; LANES]; 3], [[0.0; LANES]; VALUES], [[0.0; LANES]; 4]);
             store(&lanes.offset, &mut offset);
             store(&lanes.values, &mut values);
             store(&lanes.rect, &mut rect);
             while visible != 0 {
                 let lane = visible.trailing_zeros() as usize;
                 visible &= visible - 1;
-                let direction = direction(view, [offset[0][lane], offset[1][lane], offset[2][lane]]);
+                // The one harmonic of degree 0 is constant.
+                let direction = if gaussians.degree() > 0 {
+                    direction(view, [offset[0][lane], offset[1][lane], offset[2][lane]])
+                } else {
+                    [0.0; 3]
+                };
                 let rect = Rect {
                     columns: [rect[0][lane] as u16, rect[1][lane] as u16],
                     rows: [rect[2][lane] as u16, rect[3][lane] as u16],
@@ -158,8 +164,12 @@ fn columns<S: Simd, const N: usize>(simd: S, rows: &[[f32; N]], fill: [f32; N]) 
             }
         }
     } else {
-        for lane in 0..LANES {
-            let row = rows.get(lane).unwrap_or(&fill);
+        for (lane, row) in rows
+            .iter()
+            .chain(std::iter::repeat(&fill))
+            .take(LANES)
+            .enumerate()
+        {
             for k in 0..N {
                 lanes[k][lane] = row[k];
             }
@@ -214,8 +224,8 @@ fn project_lanes<S: Simd>(simd: S, view: &View, gaussians: &Gaussians, range: Ra
     let mut to_camera = [[zero; 3]; 3];
     for k in 0..3 {
         offset[k] = offset[k] - view.eye[0][k] - view.eye[1][k];
-        for column in 0..3 {
-            to_camera[k][column] = f32x16::splat(simd, view.camera_from_local[k][column]);
+        for (vector, value) in to_camera[k].iter_mut().zip(view.camera_from_local[k]) {
+            *vector = f32x16::splat(simd, value);
         }
     }
     let depth = dot(to_camera[2], offset);
@@ -280,7 +290,15 @@ fn project_lanes<S: Simd>(simd: S, view: &View, gaussians: &Gaussians, range: Ra
         visible,
         offset,
         values: [
-            centre[0], centre[1], conic[0], conic[1], conic[2], log2_opacity, reach[0], reach[1], depth,
+            centre[0],
+            centre[1],
+            conic[0],
+            conic[1],
+            conic[2],
+            log2_opacity,
+            reach[0],
+            reach[1],
+            depth,
         ],
         rect,
     }

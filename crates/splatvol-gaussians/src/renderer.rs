@@ -170,11 +170,18 @@ impl Renderer {
         let level = *level;
         let parts = PARTS_PER_THREAD * pool.current_num_threads();
         pool.install(|| {
-            let count = clouds.iter().map(|cloud| cloud.len()).sum::<usize>().min(u32::MAX as usize);
+            let count = clouds
+                .iter()
+                .map(|cloud| cloud.len())
+                .sum::<usize>()
+                .min(u32::MAX as usize);
             grow(splats, count);
             grow(rects, count);
             keys.resize(count);
-            let views: Vec<View> = clouds.iter().map(|cloud| View::new(cloud, camera, settings)).collect();
+            let views: Vec<View> = clouds
+                .iter()
+                .map(|cloud| View::new(cloud, camera, settings))
+                .collect();
             let mut chunks = chunks(clouds, splats, rects, keys);
             let project = |chunk: &mut Chunk<'_>| {
                 let (view, cloud, range) = (&views[chunk.cloud], clouds[chunk.cloud], chunk.range.clone());

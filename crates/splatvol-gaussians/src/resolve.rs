@@ -49,10 +49,11 @@ fn resolve_block<S: Simd>(simd: S, block: &Block, background: &Background) -> Re
     let seen = alpha.simd_gt(zero);
     let inverse = one / seen.select(alpha, one);
     let mut color = [[0.0; LANES]; 4];
-    for channel in 0..3 {
-        let sum = f32x16::simd_from(simd, block.sums[channel]) + behind * background.color[channel];
+    let (sums, unders) = (block.sums.iter(), background.color);
+    for (channel, (sum, under)) in color.iter_mut().zip(sums.zip(unders)) {
+        let sum = f32x16::simd_from(simd, *sum) + behind * under;
         let linear = linear_from_srgb(simd, sum * inverse) * alpha;
-        color[channel] = seen.select(linear, zero).to_array();
+        *channel = seen.select(linear, zero).to_array();
     }
     color[3] = alpha.to_array();
     let touched = covered.simd_gt(zero);
@@ -84,7 +85,10 @@ pub(crate) fn resolve<S: Simd>(
             let width = BLOCK.min(rows.pixels[top + y].len() - left);
             let (target, source) = (left..left + width, BLOCK * y..BLOCK * y + width);
             let [r, g, b, a] = &resolved.color;
-            for (pixel, lane) in rows.pixels[top + y][target.clone()].iter_mut().zip(source.clone()) {
+            for (pixel, lane) in rows.pixels[top + y][target.clone()]
+                .iter_mut()
+                .zip(source.clone())
+            {
                 *pixel = [r[lane], g[lane], b[lane], a[lane]];
             }
             rows.depth[top + y][target.clone()].copy_from_slice(&resolved.depth[source.clone()]);
@@ -107,11 +111,7 @@ pub(crate) fn fill(pixel: [f32; 4], rows: &mut TileRows<'_>) {
 }
 
 /// The frame's rows, tile by tile.
-pub(crate) fn tile_rows(
-    frame: &mut splatvol_scene::Frame,
-    columns: usize,
-    rows: usize,
-) -> Vec<TileRows<'_>> {
+pub(crate) fn tile_rows(frame: &mut splatvol_scene::Frame, columns: usize, rows: usize) -> Vec<TileRows<'_>> {
     let width = frame.image.size().width() as usize;
     let mut tiles: Vec<TileRows<'_>> = (0..columns * rows)
         .map(|_| TileRows {
@@ -120,8 +120,13 @@ pub(crate) fn tile_rows(
             optical_depth: Vec::with_capacity(TILE),
         })
         .collect();
-    let lines = frame.image.pixels.chunks_mut(width).zip(frame.depth.chunks_mut(width));
-    for (y, ((pixels, depth), optical_depth)) in lines.zip(frame.optical_depth.chunks_mut(width)).enumerate() {
+    let lines = frame
+        .image
+        .pixels
+        .chunks_mut(width)
+        .zip(frame.depth.chunks_mut(width));
+    for (y, ((pixels, depth), optical_depth)) in lines.zip(frame.optical_depth.chunks_mut(width)).enumerate()
+    {
         let band = &mut tiles[y / TILE * columns..][..columns];
         let pieces = pixels.chunks_mut(TILE).zip(depth.chunks_mut(TILE));
         for (tile, ((pixels, depth), optical_depth)) in

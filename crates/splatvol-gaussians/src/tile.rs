@@ -129,8 +129,8 @@ fn add<S: Simd>(
         let share = goes_on.select(through * alpha, zero);
         let ended = -through.abs();
         block.through = goes_on.select(next, ended).to_array();
-        for k in 0..4 {
-            block.sums[k] = (f32x16::simd_from(simd, block.sums[k]) + share * values[k]).to_array();
+        for (sum, value) in block.sums.iter_mut().zip(values) {
+            *sum = (f32x16::simd_from(simd, *sum) + share * value).to_array();
         }
         if !goes_on.any_true() {
             finished |= 1 << index;

@@ -18,7 +18,13 @@ fn renderer() -> Renderer {
 /// Premultiplied display colour and opacity, as a PNG's reader has them.
 fn display(pixel: [f32; 4]) -> [f64; 4] {
     let [r, g, b, alpha] = pixel.map(f64::from);
-    let encode = |c: f64| if alpha > 0.0 { alpha * srgb_from_linear(c / alpha) } else { 0.0 };
+    let encode = |c: f64| {
+        if alpha > 0.0 {
+            alpha * srgb_from_linear(c / alpha)
+        } else {
+            0.0
+        }
+    };
     [encode(r), encode(g), encode(b), alpha]
 }
 
@@ -36,17 +42,27 @@ fn compare(clouds: &[&Gaussians], camera: &Camera, settings: &GaussianSettings) 
     for (index, (pixel, expected)) in frame.image.pixels.iter().zip(&expected).enumerate() {
         let alpha = 1.0 - expected.through;
         let want = [expected.color.x, expected.color.y, expected.color.z, alpha];
-        squares += display(*pixel).iter().zip(want).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        squares += display(*pixel)
+            .iter()
+            .zip(want)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>();
         if alpha > 0.1 {
             let depth = expected.depth_sum / alpha;
             worst_depth = worst_depth.max((f64::from(frame.depth[index]) / depth - 1.0).abs());
             let tau = -expected.through.ln();
-            assert!((f64::from(frame.optical_depth[index]) - tau).abs() < 0.1 + 0.1 * tau, "{index}");
+            assert!(
+                (f64::from(frame.optical_depth[index]) - tau).abs() < 0.1 + 0.1 * tau,
+                "{index}"
+            );
         }
     }
     let mean = squares / (4 * expected.len()) as f64;
     let covered = expected.iter().filter(|pixel| pixel.through < 0.99).count();
-    assert!(covered * 10 > expected.len(), "a picture of {covered} pixels tests nothing");
+    assert!(
+        covered * 10 > expected.len(),
+        "a picture of {covered} pixels tests nothing"
+    );
     (-10.0 * mean.max(1e-30).log10(), worst_depth, frame)
 }
 
@@ -58,7 +74,7 @@ fn demand(name: &str, clouds: &[&Gaussians], camera: &Camera, settings: &Gaussia
 }
 
 fn settings(width: u32, height: u32) -> GaussianSettings {
-    GaussianSettings::new(ImageSize::new(width, height).unwrap())
+    GaussianSettings::new(ImageSize::new(width, height).expect("a valid size"))
 }
 
 #[test]
@@ -82,7 +98,12 @@ fn every_degree_of_harmonics_and_every_camera_is_the_published_picture() {
     for degree in 0..=3 {
         let gaussians = cloud(u64::from(degree) + 3, 1500, degree, [0.004, 0.12]);
         for (name, camera) in &cameras {
-            demand(&format!("degree {degree}, {name}"), &[&gaussians], camera, &settings(203, 150));
+            demand(
+                &format!("degree {degree}, {name}"),
+                &[&gaussians],
+                camera,
+                &settings(203, 150),
+            );
         }
     }
 }
@@ -102,16 +123,29 @@ fn dense_clouds_of_small_splats_end_where_the_published_ones_do() {
 fn needles_and_discs_are_cut_nowhere_else_than_published() {
     let mut made = attributes(13, 600, 2, [0.001, 0.4]);
     for (i, scale) in made.scales.iter_mut().enumerate() {
-        *scale = if i % 2 == 0 { [0.5, 0.0005, 0.0005] } else { [0.3, 0.2, 0.0] };
+        *scale = if i % 2 == 0 {
+            [0.5, 0.0005, 0.0005]
+        } else {
+            [0.3, 0.2, 0.0]
+        };
     }
     let gaussians = Gaussians::new(made, 2, DAffine3::IDENTITY).unwrap();
-    demand("needles", &[&gaussians], &perspective(DVec3::new(2.0, 1.5, 1.0), 60.0), &settings(240, 200));
+    demand(
+        "needles",
+        &[&gaussians],
+        &perspective(DVec3::new(2.0, 1.5, 1.0), 60.0),
+        &settings(240, 200),
+    );
 }
 
 #[test]
 fn clouds_are_merged_wherever_they_lie() {
     let stretched = DAffine3::from_mat3_translation(
-        DMat3::from_cols(DVec3::new(3.0, 0.5, 0.0), DVec3::new(0.2, -5.0, 1.0), DVec3::new(0.0, 0.4, 4.0)),
+        DMat3::from_cols(
+            DVec3::new(3.0, 0.5, 0.0),
+            DVec3::new(0.2, -5.0, 1.0),
+            DVec3::new(0.0, 0.4, 4.0),
+        ),
         DVec3::new(1e4, -2e4, 5e3),
     );
     let moved = DAffine3::from_translation(DVec3::new(1e4 + 2.0, -2e4, 5e3));
@@ -137,7 +171,12 @@ fn antialiased_clouds_and_other_low_passes() {
         low_pass: 1.5,
         ..settings(128, 128)
     };
-    demand("wide low-pass", &[&gaussians.with_antialiasing(false)], &camera, &wide);
+    demand(
+        "wide low-pass",
+        &[&gaussians.with_antialiasing(false)],
+        &camera,
+        &wide,
+    );
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn renderer(threads: usize, simd: Option<SimdLevel>) -> Result<Renderer, Rendere
 }
 
 fn settings(width: u32, height: u32) -> GaussianSettings {
-    GaussianSettings::new(ImageSize::new(width, height).unwrap())
+    GaussianSettings::new(ImageSize::new(width, height).expect("a valid size"))
 }
 
 fn bits(frame: &Frame) -> Vec<u32> {
@@ -31,7 +31,9 @@ fn bytes_do_not_depend_on_threads_or_instructions() {
     let settings = settings(333, 222);
     let expected = bits(&renderer(1, None).unwrap().render(&[&a, &b], &camera, &settings));
     for threads in [2, 3, 7] {
-        let found = renderer(threads, None).unwrap().render(&[&a, &b], &camera, &settings);
+        let found = renderer(threads, None)
+            .unwrap()
+            .render(&[&a, &b], &camera, &settings);
         assert!(bits(&found) == expected, "{threads} threads");
     }
     for simd in SimdLevel::ALL {
@@ -65,11 +67,17 @@ fn equal_depths_are_drawn_in_the_order_of_the_file() {
     for (i, mean) in made.means.iter_mut().enumerate() {
         *mean = [0.0; 3];
         made.opacities[i] = 0.9;
-        made.harmonics[i] = if i == 0 { [1.7, -1.7, -1.7] } else { [-1.7, 1.7, 1.7] };
+        made.harmonics[i] = if i == 0 {
+            [1.7, -1.7, -1.7]
+        } else {
+            [-1.7, 1.7, 1.7]
+        };
     }
     let gaussians = Gaussians::new(made, 0, DAffine3::IDENTITY).unwrap();
     let camera = perspective(DVec3::new(0.05 + 4.0, 0.1, -0.1), 30.0);
-    let frame = renderer(2, None).unwrap().render(&[&gaussians], &camera, &settings(64, 64));
+    let frame = renderer(2, None)
+        .unwrap()
+        .render(&[&gaussians], &camera, &settings(64, 64));
     let [r, g, _, _] = frame.image.pixel(32, 32);
     assert!(r > 5.0 * g && g > 0.0, "{r} {g}");
 }
@@ -90,7 +98,9 @@ fn hostile_numbers_make_finite_pictures() {
         }
         made.harmonics[16 * i + i % 16] = [(); 3].map(|()| pick() as f32);
     }
-    let antialiased = Gaussians::new(made.clone(), 3, DAffine3::IDENTITY).unwrap().with_antialiasing(true);
+    let antialiased = Gaussians::new(made.clone(), 3, DAffine3::IDENTITY)
+        .unwrap()
+        .with_antialiasing(true);
     let huge = DAffine3::from_scale(DVec3::splat(1e30));
     let placed = Gaussians::new(made, 3, huge).unwrap();
     let orthographic = Projection::Orthographic { height: 2.0 };

@@ -6,37 +6,41 @@ use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use splatvol_scene::{Camera, GaussianAttributes, Gaussians, ImageSize, Projection};
 
 /// PCG (O'Neill 2014).
-pub struct Random(pub u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
         f64::from(word.rotate_right((self.0 >> 59) as u32)) / f64::from(u32::MAX)
     }
 
-    pub fn signed(&mut self) -> f64 {
+    pub(crate) fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    pub fn vector(&mut self) -> DVec3 {
+    pub(crate) fn vector(&mut self) -> DVec3 {
         DVec3::new(self.signed(), self.signed(), self.signed())
     }
 }
 
 /// `count` Gaussians in the cube -1..1, of standard deviations spread over `scales` logarithmically.
-pub fn attributes(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> GaussianAttributes {
+pub(crate) fn attributes(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> GaussianAttributes {
     let mut random = Random(seed);
     let mut made = GaussianAttributes::default();
     for _ in 0..count {
         made.means.push(random.vector().as_vec3().to_array());
         let scale = [(); 3].map(|()| random.between(scales[0].ln(), scales[1].ln()).exp() as f32);
         made.scales.push(scale);
-        made.rotations.push([(); 4].map(|()| random.signed() as f32 + 1e-3));
+        made.rotations
+            .push([(); 4].map(|()| random.signed() as f32 + 1e-3));
         made.opacities.push(random.unit() as f32);
         for k in 0..(degree + 1).pow(2) {
             let size = if k == 0 { 1.6 } else { 0.4 };
@@ -46,21 +50,32 @@ pub fn attributes(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> Gau
     made
 }
 
-pub fn cloud(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> Gaussians {
-    Gaussians::new(attributes(seed, count, degree, scales), degree, DAffine3::IDENTITY).unwrap()
+pub(crate) fn cloud(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> Gaussians {
+    Gaussians::new(
+        attributes(seed, count, degree, scales),
+        degree,
+        DAffine3::IDENTITY,
+    )
+    .expect("valid")
 }
 
-pub fn perspective(position: DVec3, fov_degrees: f64) -> Camera {
+pub(crate) fn perspective(position: DVec3, fov_degrees: f64) -> Camera {
     let up = DVec3::new(0.1, 0.05, 1.0);
-    Camera::new(position, DVec3::new(0.05, 0.1, -0.1), up, Projection::Perspective { fov_degrees }).unwrap()
+    Camera::new(
+        position,
+        DVec3::new(0.05, 0.1, -0.1),
+        up,
+        Projection::Perspective { fov_degrees },
+    )
+    .expect("valid")
 }
 
 /// Premultiplied display colour, opacity, and mean depth of a pixel.
 #[derive(Clone, Copy)]
-pub struct Pixel {
-    pub color: DVec3,
-    pub through: f64,
-    pub depth_sum: f64,
+pub(crate) struct Pixel {
+    pub(crate) color: DVec3,
+    pub(crate) through: f64,
+    pub(crate) depth_sum: f64,
     ended: bool,
 }
 
@@ -73,14 +88,14 @@ struct Projected {
     tiles: [i64; 4],
 }
 
-pub struct Published {
-    pub size: ImageSize,
-    pub low_pass: f64,
-    pub near: f64,
+pub(crate) struct Published {
+    pub(crate) size: ImageSize,
+    pub(crate) low_pass: f64,
+    pub(crate) near: f64,
 }
 
 impl Published {
-    pub fn render(&self, clouds: &[&Gaussians], camera: &Camera) -> Vec<Pixel> {
+    pub(crate) fn render(&self, clouds: &[&Gaussians], camera: &Camera) -> Vec<Pixel> {
         let mut splats: Vec<Projected> = Vec::new();
         for cloud in clouds {
             splats.extend((0..cloud.len()).filter_map(|i| self.project(cloud, i, camera)));
@@ -98,7 +113,10 @@ impl Published {
             let [x0, x1, y0, y1] = splat.tiles.map(|tile| tile * 16);
             for y in y0..y1.min(height) {
                 for x in x0..x1.min(width) {
-                    splat.add(DVec2::new(x as f64, y as f64), &mut pixels[(y * width + x) as usize]);
+                    splat.add(
+                        DVec2::new(x as f64, y as f64),
+                        &mut pixels[(y * width + x) as usize],
+                    );
                 }
             }
         }
@@ -147,7 +165,11 @@ impl Published {
         let before = xx * yy - xy * xy;
         let (xx, yy) = (xx + self.low_pass, yy + self.low_pass);
         let det = xx * yy - xy * xy;
-        let ratio = if cloud.antialiased() { (before / det).max(0.000_025).sqrt() } else { 1.0 };
+        let ratio = if cloud.antialiased() {
+            (before / det).max(0.000_025).sqrt()
+        } else {
+            1.0
+        };
         let middle = 0.5 * (xx + yy);
         let radius = (3.0 * (middle + (middle * middle - det).max(0.1).sqrt()).sqrt()).ceil();
         // Pixels are numbered by their centres.
@@ -161,7 +183,9 @@ impl Published {
         ];
         let count = (cloud.degree() as usize + 1).pow(2);
         let direction = match camera.projection() {
-            Projection::Perspective { .. } => mean - world_from_local.inverse().transform_point3(camera.position()),
+            Projection::Perspective { .. } => {
+                mean - world_from_local.inverse().transform_point3(camera.position())
+            }
             Projection::Orthographic { .. } => world_from_local
                 .inverse()
                 .transform_vector3(camera.target() - camera.position()),
@@ -212,7 +236,8 @@ fn harmonic(l: i32, m: i32, d: DVec3) -> f64 {
         before = previous;
         previous = legendre;
     }
-    let norm = (f64::from(2 * l + 1) / (4.0 * std::f64::consts::PI) * factorial(l - k) / factorial(l + k)).sqrt();
+    let norm =
+        (f64::from(2 * l + 1) / (4.0 * std::f64::consts::PI) * factorial(l - k) / factorial(l + k)).sqrt();
     let phi = d.y.atan2(d.x);
     match m {
         0 => norm * legendre,
@@ -223,8 +248,11 @@ fn harmonic(l: i32, m: i32, d: DVec3) -> f64 {
 
 fn color(harmonics: &[[f32; 3]], direction: DVec3) -> DVec3 {
     let orders = (0..4).flat_map(|l| (-l..=l).map(move |m| (l, m)));
-    let sum = harmonics.iter().zip(orders).fold(DVec3::splat(0.5), |sum, (c, (l, m))| {
-        sum + harmonic(l, m, direction) * DVec3::from(c.map(f64::from))
-    });
+    let sum = harmonics
+        .iter()
+        .zip(orders)
+        .fold(DVec3::splat(0.5), |sum, (c, (l, m))| {
+            sum + harmonic(l, m, direction) * DVec3::from(c.map(f64::from))
+        });
     sum.max(DVec3::ZERO)
 }
