@@ -1,7 +1,7 @@
 //! Time of a frame of 1024 x 1024 pixels: one figure, and three by three of it.
 //!
 //! ```text
-//! cargo bench -p splatvol-gaussians
+//! cargo bench -p splatvol-gaussians --bench gaussians
 //! ```
 //!
 //! The figure is made up: 152,746 Gaussians on an upright cylinder, flat on it, with the quantiles of scales and opacities
