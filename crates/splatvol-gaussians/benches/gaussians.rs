@@ -1,0 +1,123 @@
+//! Time of a frame of 1024 x 1024 pixels: one figure, and three by three of it.
+//!
+//! ```text
+//! cargo bench -p splatvol-gaussians --bench gaussians
+//! ```
+//!
+//! The figure is made up: 152,746 Gaussians on an upright cylinder, flat on it, with the quantiles of scales and opacities
+//! that a captured person has (`biker.spz` of `playcanvas`). An item is a Gaussian.
+
+use std::fmt;
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use glam::{DAffine3, DQuat, DVec3};
+use splatvol_gaussians::{GaussianSettings, Renderer, RendererConfig, SimdLevel};
+use splatvol_scene::{Bounds, Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection, View};
+
+const SPLATS: usize = 152_746;
+
+fn main() {
+    divan::main();
+}
+
+/// PCG (O'Neill 2014).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let word = (((self.0 >> 18) ^ self.0) >> 27) as u32;
+        f64::from(word.rotate_right((self.0 >> 59) as u32)) / f64::from(u32::MAX)
+    }
+
+    /// Normal to within a percent or so: the sum of twelve (Irwin-Hall).
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
+    }
+}
+
+fn figure(place: DVec3) -> Gaussians {
+    let mut random = Random(42);
+    let mut made = GaussianAttributes::default();
+    for _ in 0..SPLATS {
+        let angle = std::f64::consts::TAU * random.unit();
+        let outwards = DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let mean = (0.3 + 0.01 * random.normal()) * outwards + 3.2 * random.unit() * DVec3::Z;
+        made.means.push(mean.as_vec3().to_array());
+        let medians_and_spreads = [(0.0132, 0.65), (0.0029, 1.0), (0.0006, 0.9)];
+        made.scales.push(
+            medians_and_spreads.map(|(median, spread)| (median * (spread * random.normal()).exp()) as f32),
+        );
+        let normal =
+            (outwards + 0.3 * DVec3::new(random.normal(), random.normal(), random.normal())).normalize();
+        let spin = DQuat::from_rotation_z(std::f64::consts::TAU * random.unit());
+        let rotation = DQuat::from_rotation_arc(DVec3::Z, normal) * spin;
+        made.rotations.push(rotation.as_quat().to_array());
+        made.opacities
+            .push((1.0 / (1.0 + (1.6 - 1.7 * random.normal()).exp())) as f32);
+        made.harmonics
+            .push([(); 3].map(|()| (random.unit() - 0.5) as f32));
+    }
+    Gaussians::new(made, 0, DAffine3::from_translation(place)).expect("a valid cloud")
+}
+
+#[derive(Clone, Copy)]
+struct Case {
+    figures: usize,
+    threads: usize,
+    simd: Option<SimdLevel>,
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let simd = self.simd.map_or("best".to_owned(), |simd| format!("{simd:?}"));
+        write!(f, "{} figures, {} threads, {simd}", self.figures, self.threads)
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let case = |figures, threads, simd| Case {
+        figures,
+        threads,
+        simd,
+    };
+    let levels = SimdLevel::ALL.into_iter().filter(|level| level.is_available());
+    let mut cases = vec![
+        case(1, 1, None),
+        case(1, 2, None),
+        case(9, 1, None),
+        case(9, 2, None),
+    ];
+    cases.extend(levels.map(|level| case(1, 1, Some(level))));
+    cases
+}
+
+#[divan::bench(args = cases())]
+fn frame(bencher: Bencher<'_, '_>, case: Case) {
+    let places = (0..case.figures).map(|i| 1.4 * DVec3::new((i % 3) as f64, (i / 3) as f64, 0.0));
+    let figures: Vec<Gaussians> = places.map(figure).collect();
+    let figures: Vec<&Gaussians> = figures.iter().collect();
+    let bounds = figures
+        .iter()
+        .skip(1)
+        .fold(figures[0].bounds(), |all, figure| Bounds {
+            min: all.min.min(figure.bounds().min),
+            max: all.max.max(figure.bounds().max),
+        });
+    let size = ImageSize::new(1024, 1024).expect("a valid size");
+    let projection = Projection::Perspective { fov_degrees: 40.0 };
+    let camera = Camera::framing(&bounds, View::Iso, projection, size.aspect()).expect("a valid camera");
+    let config = RendererConfig {
+        threads: Some(case.threads),
+        simd: case.simd,
+    };
+    let mut renderer = Renderer::new(config).expect("threads");
+    let (settings, mut frame) = (GaussianSettings::new(size), Frame::empty(size));
+    bencher
+        .counter(ItemsCount::new(case.figures * SPLATS))
+        .bench_local(|| renderer.render_into(&figures, &camera, &settings, &mut frame));
+}

@@ -1,0 +1,177 @@
+//! Bin: splats in depth order to the lists of the tiles they may touch, by counting.
+//!
+//! Parts of the order count their splats per tile, then write them where those of the parts before end. Lists are made for
+//! as many tiles at once as a fixed number of entries per splat allows, so memory is bounded however large splats are.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+use splatvol_scene::ImageSize;
+
+use crate::order::{even, grow, index, starts};
+use crate::project::Rect;
+use crate::view::REFERENCE_TILE;
+
+/// Pixels along an edge of a tile.
+pub(crate) const TILE: usize = 32;
+/// Reference tiles along an edge of a tile.
+const RATIO: u16 = (TILE as u32 / REFERENCE_TILE) as u16;
+/// Entries in lists per splat; a tile's list is made whole in any case.
+const ENTRIES_PER_SPLAT: usize = 16;
+
+/// Columns and rows of tiles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TileGrid {
+    pub columns: usize,
+    pub rows: usize,
+}
+
+impl TileGrid {
+    pub(crate) fn new(size: ImageSize) -> Self {
+        let tiles = |pixels: u32| (pixels as usize).div_ceil(TILE);
+        Self {
+            columns: tiles(size.width()),
+            rows: tiles(size.height()),
+        }
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.columns * self.rows
+    }
+}
+
+/// Lists of splats per tile, of some tiles at a time.
+#[derive(Debug, Default)]
+pub(crate) struct Bins {
+    entries: Vec<AtomicU32>,
+}
+
+/// How many splats of a part of the order every tile has.
+pub(crate) struct Counted<'a> {
+    grid: TileGrid,
+    order: &'a [AtomicU64],
+    rects: &'a [Rect],
+    parts: Vec<Range<usize>>,
+    counts: Vec<Vec<u32>>,
+}
+
+/// The lists of the tiles of a range.
+pub(crate) struct Lists<'a> {
+    pub tiles: Range<usize>,
+    entries: &'a [AtomicU32],
+    /// Where each begins, and where the last ends.
+    starts: Vec<u32>,
+}
+
+impl Lists<'_> {
+    /// Indices of the splats of a tile of the range, front to back.
+    pub(crate) fn of(&self, tile: usize) -> &[AtomicU32] {
+        let place = tile - self.tiles.start;
+        &self.entries[self.starts[place] as usize..self.starts[place + 1] as usize]
+    }
+}
+
+/// Tile columns and rows of a rectangle of reference tiles.
+#[inline(always)]
+fn tiles(rect: Rect) -> [Range<usize>; 2] {
+    [rect.columns, rect.rows]
+        .map(|[first, past]| usize::from(first / RATIO)..usize::from(past.div_ceil(RATIO)))
+}
+
+impl<'a> Counted<'a> {
+    pub(crate) fn new(grid: TileGrid, order: &'a [AtomicU64], rects: &'a [Rect], parts: usize) -> Self {
+        let parts = even(0..order.len(), parts);
+        let count = |part: &Range<usize>| {
+            let mut counts = vec![0u32; grid.count()];
+            for key in &order[part.clone()] {
+                let [columns, rows] = tiles(rects[index(key)]);
+                for row in rows {
+                    let first = row * grid.columns;
+                    for count in &mut counts[first + columns.start..first + columns.end] {
+                        *count += 1;
+                    }
+                }
+            }
+            counts
+        };
+        let counts = parts.par_iter().with_max_len(1).map(count).collect();
+        Self {
+            grid,
+            order,
+            rects,
+            parts,
+            counts,
+        }
+    }
+
+    /// The tiles from `first` on whose lists are made at once, one at least.
+    fn next_tiles(&self, first: usize) -> Range<usize> {
+        let most = (self.order.len() * ENTRIES_PER_SPLAT).min(u32::MAX as usize);
+        let mut sum = 0;
+        let mut past = first;
+        while past < self.grid.count() {
+            sum += self.counts.iter().map(|part| part[past] as usize).sum::<usize>();
+            if sum > most && past > first {
+                break;
+            }
+            past += 1;
+        }
+        first..past
+    }
+}
+
+impl Bins {
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        self.entries.capacity() * size_of::<AtomicU32>()
+    }
+
+    /// Calls `consume` with the lists of all tiles, some at a time, in order.
+    pub(crate) fn for_each(&mut self, mut counted: Counted<'_>, mut consume: impl FnMut(&Lists<'_>)) {
+        let mut first = 0;
+        while first < counted.grid.count() {
+            let tiles = counted.next_tiles(first);
+            first = tiles.end;
+            consume(&self.fill(&mut counted, tiles));
+        }
+    }
+
+    fn fill(&mut self, counted: &mut Counted<'_>, range: Range<usize>) -> Lists<'_> {
+        let sum = starts(&mut counted.counts, range.clone());
+        let mut first = vec![0u32; range.len() + 1];
+        if let Some(part) = counted.counts.first() {
+            first[..range.len()].copy_from_slice(&part[range.clone()]);
+        }
+        first[range.len()] = sum as u32;
+        grow(&mut self.entries, sum);
+        let (entries, columns) = (&self.entries[..sum], counted.grid.columns);
+        let (order, rects) = (counted.order, counted.rects);
+        let all = range.len() == counted.grid.count();
+        counted
+            .parts
+            .par_iter()
+            .zip(&mut counted.counts)
+            .with_max_len(1)
+            .for_each(|(part, places)| {
+                for key in &order[part.clone()] {
+                    let splat = index(key);
+                    let [tile_columns, tile_rows] = tiles(rects[splat]);
+                    for row in tile_rows {
+                        let tiles = row * columns + tile_columns.start..row * columns + tile_columns.end;
+                        for (tile, place) in tiles.clone().zip(&mut places[tiles]) {
+                            if all || range.contains(&tile) {
+                                entries[*place as usize].store(splat as u32, Ordering::Relaxed);
+                                *place += 1;
+                            }
+                        }
+                    }
+                }
+            });
+        Lists {
+            tiles: range,
+            entries,
+            starts: first,
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! 3-D Gaussians, splat by splat, with the constants and the result of the published renderer (Kerbl, Kopanas,
+//! Leimkuehler and Drettakis 2023, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", sections 4 and 6).
+//!
+//! ```text
+//! V     = J M Sigma M^T J^T + low_pass I                       (Zwicker et al. 2002, "EWA Splatting", eq. 31)
+//! alpha = min(0.99, o exp(-1/2 d^T V^-1 d))                    nothing where below 1/255
+//! C    += T alpha rgb,   T *= 1 - alpha                        front to back; ends before T falls below 1e-4
+//! ```
+//!
+//! | stage | module | what |
+//! |---|---|---|
+//! | project | `project`, `harmonics`, `view` | Gaussians to splats: centre, conic, colour, extent; SIMD over Gaussians |
+//! | order | `order` | all splats by the depth of their centres: stable radix sort, equal depths by index |
+//! | bin | `bin` | splats in the lists of 32 x 32-pixel tiles, in order |
+//! | cover | `cover` | which 4 x 4 blocks of a tile a splat's ellipse meets; SIMD over splats |
+//! | composite | `tile` | blocks of 16 pixels, SIMD over pixels; blocks without transmittance are left out |
+//! | resolve | `resolve` | display colours to linear light |
+//!
+//! # Colours
+//!
+//! Gaussians are trained so that *display* (sRGB-encoded) colours are composited; linear compositing would change the
+//! picture. So it is done here as there, and the finished picture is converted: un-premultiplied, decoded, premultiplied.
+//! A PNG written from it has the codes of the published renderer. Composited over something in linear light, which is
+//! what [`splatvol_scene::Image::over`] does, half-transparent pixels come out otherwise than there; a background of the
+//! settings is composited in display space.
+//!
+//! # Departures
+//!
+//! - Splats are cut off where their opacity falls below 1/255 instead of at the tiles that three standard deviations
+//!   reach, *and* at these: the same pixels get the same contributions.
+//! - The determinant of V is summed up from squares (Cauchy-Binet), without cancellation. What f32 cannot hold, splats of
+//!   more than some 1e9 pixels, is left out.
+//! - The near limit, 0.2 there, is in the Gaussians' own units: scaling scene and camera changes nothing.
+//! - Orthographic cameras (J constant, no limit of the angle, nothing behind the camera) do not exist there.
+//! - Harmonics are evaluated in the Gaussians' frame, for a camera brought there; colours are cut at 1e4.
+//!
+//! Pictures are the same bytes for any number of threads and for any SIMD level.
+#![forbid(unsafe_code)]
+
+mod bin;
+mod cover;
+mod harmonics;
+mod math;
+mod order;
+mod project;
+mod renderer;
+mod resolve;
+mod settings;
+mod tile;
+mod view;
+
+pub use renderer::{Renderer, RendererConfig, RendererError, SimdLevel};
+pub use settings::GaussianSettings;

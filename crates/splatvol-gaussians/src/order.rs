@@ -1,0 +1,189 @@
+//! Order: 64-bit keys, depth above index, by depth; equal depths stay in the order of their indices.
+//!
+//! A least-significant-digit radix sort (Knuth, The Art of Computer Programming 3, 5.2.5) of the bits in which depths
+//! differ at all. Parts count their digits and scatter their keys in parallel; where a key goes depends on the keys alone,
+//! so the number of parts does not matter. Keys lie in atomics, since parts write anywhere; relaxed stores cost nothing.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+/// At most this many bits are sorted by at once.
+const DIGIT_BITS: u32 = 11;
+/// Keys per part at least.
+const PART: usize = 1 << 13;
+
+/// Keys, and as many again to sort them.
+#[derive(Debug, Default)]
+pub(crate) struct Keys {
+    pub keys: Vec<AtomicU64>,
+    other: Vec<AtomicU64>,
+}
+
+/// The index in a key.
+pub(crate) fn index(key: &AtomicU64) -> usize {
+    (key.load(Ordering::Relaxed) & u64::from(u32::MAX)) as usize
+}
+
+impl Keys {
+    /// Room for `count` keys.
+    pub(crate) fn resize(&mut self, count: usize) {
+        for keys in [&mut self.keys, &mut self.other] {
+            if keys.len() < count {
+                keys.reserve_exact(count - keys.len());
+                keys.resize_with(count, AtomicU64::default);
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        (self.keys.capacity() + self.other.capacity()) * size_of::<AtomicU64>()
+    }
+
+    /// Sorts the keys that lie in `ranges` (ascending, apart); returns them without gaps.
+    pub(crate) fn sort(&mut self, ranges: &[Range<usize>], parts: usize) -> &[AtomicU64] {
+        let count = ranges.iter().map(Range::len).sum::<usize>();
+        let (least, differing) = depth_bits(&self.keys, ranges);
+        let bits = 32 - differing.leading_zeros();
+        // One pass at least, which closes the gaps.
+        let passes = bits.div_ceil(DIGIT_BITS).max(1);
+        let digit_bits = bits.div_ceil(passes);
+        let whole = even(0..count, parts);
+        for pass in 0..passes {
+            let digits = Digits {
+                least,
+                shift: 32 + pass * digit_bits,
+                count: 1 << digit_bits,
+            };
+            if pass == 0 {
+                let groups: Vec<&[Range<usize>]> =
+                    ranges.chunks(ranges.len().div_ceil(parts).max(1)).collect();
+                digits.sort(&self.keys, &self.other, &groups);
+            } else {
+                let groups: Vec<&[Range<usize>]> = whole.chunks(1).collect();
+                digits.sort(&self.keys, &self.other, &groups);
+            }
+            std::mem::swap(&mut self.keys, &mut self.other);
+        }
+        &self.keys[..count]
+    }
+}
+
+/// A range in up to `parts` ranges of like length.
+pub(crate) fn even(range: Range<usize>, parts: usize) -> Vec<Range<usize>> {
+    let step = range.len().div_ceil(parts.max(1)).max(PART);
+    let starts = range.clone().step_by(step);
+    starts.map(|start| start..(start + step).min(range.end)).collect()
+}
+
+/// Smallest depth, and the bits of the largest difference to it.
+fn depth_bits(keys: &[AtomicU64], ranges: &[Range<usize>]) -> (u32, u32) {
+    let bounds = ranges.par_iter().map(|range| {
+        keys[range.clone()]
+            .iter()
+            .fold((u32::MAX, 0), |(least, most), key| {
+                let depth = (key.load(Ordering::Relaxed) >> 32) as u32;
+                (depth.min(least), depth.max(most))
+            })
+    });
+    let (least, most) = bounds.reduce(|| (u32::MAX, 0), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    (least, most.saturating_sub(least))
+}
+
+/// One digit of the differences to the smallest depth.
+struct Digits {
+    least: u32,
+    shift: u32,
+    count: usize,
+}
+
+impl Digits {
+    #[inline(always)]
+    fn of(&self, key: u64) -> usize {
+        ((key - (u64::from(self.least) << 32)) >> self.shift) as usize & (self.count - 1)
+    }
+
+    /// Sorts by the digit, stably, from `source` to `target`.
+    fn sort(&self, source: &[AtomicU64], target: &[AtomicU64], groups: &[&[Range<usize>]]) {
+        let count = |group: &&[Range<usize>]| {
+            let mut counts = vec![0u32; self.count];
+            for key in group.iter().flat_map(|range| &source[range.clone()]) {
+                counts[self.of(key.load(Ordering::Relaxed))] += 1;
+            }
+            counts
+        };
+        let mut places: Vec<Vec<u32>> = groups.par_iter().with_max_len(1).map(count).collect();
+        starts(&mut places, 0..self.count);
+        groups
+            .par_iter()
+            .zip(&mut places)
+            .with_max_len(1)
+            .for_each(|(group, places)| {
+                for key in group.iter().flat_map(|range| &source[range.clone()]) {
+                    let key = key.load(Ordering::Relaxed);
+                    let place = &mut places[self.of(key)];
+                    target[*place as usize].store(key, Ordering::Relaxed);
+                    *place += 1;
+                }
+            });
+    }
+}
+
+/// Counts per part and bucket to where each begins: buckets in order, parts in order within a bucket. Returns the sum.
+pub(crate) fn starts(counts: &mut [Vec<u32>], buckets: Range<usize>) -> usize {
+    let mut sum = 0u32;
+    for bucket in buckets {
+        for part in &mut *counts {
+            let count = part[bucket];
+            part[bucket] = sum;
+            sum += count;
+        }
+    }
+    sum as usize
+}
+
+/// Room for `count` entries.
+pub(crate) fn grow(entries: &mut Vec<AtomicU32>, count: usize) {
+    if entries.len() < count {
+        entries.reserve_exact(count - entries.len());
+        entries.resize_with(count, AtomicU32::default);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_sorted_by_depth_and_stay_in_order_within_one() {
+        let mut state = 7u64;
+        for (count, spread) in [(1, 1), (100, 3), (50_000, 900), (70_000, u32::MAX - 5)] {
+            let mut keys = Keys::default();
+            keys.resize(count);
+            for (index, key) in keys.keys.iter_mut().enumerate() {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                let depth = 5 + ((state >> 32) % u64::from(spread));
+                *key.get_mut() = depth << 32 | index as u64;
+            }
+            // Every seventh key is left out.
+            let ranges: Vec<_> = (0..count).step_by(7).map(|i| i..(i + 6).min(count)).collect();
+            let mut expected: Vec<u64> = ranges
+                .iter()
+                .flat_map(|range| {
+                    keys.keys[range.clone()]
+                        .iter()
+                        .map(|key| key.load(Ordering::Relaxed))
+                })
+                .collect();
+            expected.sort_unstable();
+            let found: Vec<u64> = keys
+                .sort(&ranges, 3)
+                .iter()
+                .map(|key| key.load(Ordering::Relaxed))
+                .collect();
+            assert!(found == expected, "{count} {spread}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! A camera as one cloud of Gaussians sees it: everything constant that projection needs, in f32, from f64.
+//!
+//! The camera is brought into the cloud's frame, so that offsets are small numbers near the camera wherever the cloud
+//! lies; its position is kept in two f32, high and low part.
+
+use glam::{DMat3, DVec3};
+use splatvol_scene::{Camera, Gaussians};
+
+use crate::settings::{GaussianSettings, sane};
+
+/// Pixels along an edge of the published renderer's tiles, to which it widens three standard deviations.
+pub(crate) const REFERENCE_TILE: u32 = 16;
+/// Tangents beyond this many times the picture's are cut in the derivative of the projection.
+const TANGENT_LIMIT: f64 = 1.3;
+
+/// A camera before a cloud.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    /// Camera position, local: f32, and what is left.
+    pub eye: [[f32; 3]; 2],
+    /// Linear part of `camera_from_local`, rows.
+    pub camera_from_local: [[f32; 3]; 3],
+    /// View direction, local, where it is the same everywhere.
+    pub direction: Option<[f32; 3]>,
+    pub perspective: bool,
+    /// Pixels per length at depth 1, or at every depth.
+    pub scale: f32,
+    /// Principal point, pixels.
+    pub centre: [f32; 2],
+    /// Limits of x/z and y/z in the derivative; zero for orthographic cameras.
+    pub tangent_limit: [f32; 2],
+    /// Camera depth, world length.
+    pub near: f32,
+    pub low_pass: f32,
+    /// Columns and rows of the published renderer's tiles.
+    pub reference_tiles: [u32; 2],
+    /// Opacities are lowered by what the low-pass widens.
+    pub antialiased: bool,
+}
+
+impl View {
+    pub(crate) fn new(gaussians: &Gaussians, camera: &Camera, settings: &GaussianSettings) -> Self {
+        let world_from_local = gaussians.world_from_local();
+        let local_from_world = world_from_local.inverse();
+        let linear = camera.camera_from_world().matrix3 * world_from_local.matrix3;
+        let eye = local_from_world.transform_point3(camera.position());
+        let high = eye.as_vec3();
+        let screen = camera.screen_from_camera(settings.size);
+        let unit = world_from_local.matrix3.determinant().abs().cbrt();
+        let limit = |pixels: u32| {
+            if screen.perspective {
+                (TANGENT_LIMIT * 0.5 * f64::from(pixels) / screen.scale) as f32
+            } else {
+                0.0
+            }
+        };
+        let (width, height) = (settings.size.width(), settings.size.height());
+        Self {
+            eye: [high.to_array(), (eye - high.as_dvec3()).as_vec3().to_array()],
+            camera_from_local: rows(linear),
+            direction: (!screen.perspective).then(|| {
+                let forward = camera.camera_from_world().matrix3.transpose() * DVec3::Z;
+                let local = local_from_world.matrix3 * forward;
+                local.normalize_or_zero().as_vec3().to_array()
+            }),
+            perspective: screen.perspective,
+            scale: screen.scale as f32,
+            centre: screen.centre.as_vec2().to_array(),
+            tangent_limit: [limit(width), limit(height)],
+            near: if screen.perspective {
+                (sane(settings.near) * unit) as f32
+            } else {
+                0.0
+            },
+            low_pass: sane(f64::from(settings.low_pass)) as f32,
+            reference_tiles: [width, height].map(|pixels| pixels.div_ceil(REFERENCE_TILE)),
+            antialiased: gaussians.antialiased(),
+        }
+    }
+}
+
+fn rows(matrix: DMat3) -> [[f32; 3]; 3] {
+    [0, 1, 2].map(|row| matrix.row(row).as_vec3().to_array())
+}
