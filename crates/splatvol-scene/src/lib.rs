@@ -12,6 +12,7 @@
 //! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
 //! | [`motion`] | what moves while the shutter is open |
 //! | [`points`] | samples of surfaces: places, sizes, normals, colours |
+//! | [`mesh`] | a scalar on irregular grids: structured blocks, unstructured cells |
 //! | [`gaussians`] | 3-D Gaussians with opacity and spherical harmonics |
 //! | [`scene`] | volume + transfer function |
 //! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
@@ -38,6 +39,7 @@ pub mod gaussians;
 pub mod grid;
 pub mod image;
 pub mod lighting;
+pub mod mesh;
 pub mod motion;
 pub mod operator;
 pub mod points;
@@ -55,6 +57,7 @@ pub use gaussians::{GaussianAttributes, Gaussians};
 pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
 pub use lighting::Lighting;
+pub use mesh::{Association, CellKind, Cells, Mesh, MeshField, Topology};
 pub use motion::Motion;
 pub use operator::{
     Appearance, BumpMap, EnvironmentMap, GradientOpacity, GradientOpacityPoint, PixelOperator, Region,

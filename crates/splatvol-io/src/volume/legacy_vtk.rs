@@ -2,8 +2,8 @@
 //!
 //! Binary data are big-endian. Scalars, and arrays of fields, are read; other attributes are stepped over.
 
-mod attributes;
-mod cursor;
+pub(crate) mod attributes;
+pub(crate) mod cursor;
 
 use std::path::Path;
 
@@ -36,8 +36,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let mut scan = Scan {
         cursor,
         coding,
-        geometry: &geometry,
+        counts: geometry.counts(),
         wanted,
+        stops_early: true,
         found: Attributes::default(),
     };
     let end = scan.run();
@@ -78,7 +79,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
 }
 
 /// Version and coding: the first three lines.
-fn header(cursor: &mut Cursor<'_>) -> Result<(String, Coding), IoError> {
+pub(crate) fn header(cursor: &mut Cursor<'_>) -> Result<(String, Coding), IoError> {
     let start = *cursor;
     let magic = cursor.line("magic")?;
     let version = magic
@@ -162,13 +163,16 @@ fn structured_points(cursor: &mut Cursor<'_>) -> Result<(), IoError> {
         "DIRECTED_GRAPH",
     ];
     if known.iter().any(|known| kind.eq_ignore_ascii_case(known)) {
-        let what = format!("data set {kind}; only STRUCTURED_POINTS, a regular grid, is read");
+        let what = format!(
+            "data set {kind}; only STRUCTURED_POINTS is a regular grid (`read_mesh` reads other grids)"
+        );
         return Err(cursor.context().unsupported(what));
     }
     Err(cursor.error("DATASET", &kind, "STRUCTURED_POINTS"))
 }
 
-fn decode(
+/// The numbers of an array, and a warning about them.
+pub(crate) fn decode(
     array: &Array,
     bytes: &[u8],
     (sample_type, count): (SampleType, usize),

@@ -15,7 +15,7 @@ pub mod nrrd;
 pub mod raw;
 mod stored;
 pub mod vti;
-mod vtk_array;
+pub(crate) mod vtk_array;
 
 use std::path::{Path, PathBuf};
 

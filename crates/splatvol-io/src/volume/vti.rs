@@ -1,10 +1,10 @@
 //! VTK XML image data (.vti), after VTK's `vtkXMLImageDataReader` and "VTK XML file formats".
 //!
 //! All codings are read: ascii, inline base64, appended base64 and appended raw, header words of 32 and 64 bits,
-//! both byte orders, plain and zlib. Other compressors, and images in several pieces, are refused.
+//! both byte orders, plain, zlib and LZ4. Other compressors, and images in several pieces, are refused.
 
-mod document;
-mod payload;
+pub(crate) mod document;
+pub(crate) mod payload;
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
 use crate::source::read_file;
-use document::{Coding, ImageFile, Place};
+use document::{Coding, Compressor, ImageFile, Place};
 
 /// Reads a .vti file.
 ///
@@ -26,12 +26,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let parts = document::split(&bytes, context)?;
     let document = document::parse(&parts, context)?;
     let file = ImageFile::from_xml(&document, context)?;
-    let (index, component) = vtk_array::choose(&file.heads, options, context)?;
-    let head = &file.heads[index];
+    let (index, component) = vtk_array::choose(&file.arrays.heads, options, context)?;
+    let head = &file.arrays.heads[index];
     let sample_type = head
         .sample_type
         .ok_or_else(|| context.unsupported("an array without a type"))?;
-    let place = file.place(index, context)?;
+    let place = file.arrays.place(index, context)?;
     let description = Description {
         format: "VTI".to_owned(),
         stored_type: format!("{}{}", sample_type.name(), describe(&place, file.coding)),
@@ -46,7 +46,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(vtk_array::pick(samples, head.components, component), context)
 }
 
-fn describe(place: &Place<'_>, coding: Coding) -> String {
+pub(crate) fn describe(place: &Place<'_>, coding: Coding) -> String {
     let place = match place {
         Place::Ascii(_) => return ", ascii".to_owned(),
         Place::Base64(_) => "inline base64",
@@ -57,6 +57,10 @@ fn describe(place: &Place<'_>, coding: Coding) -> String {
         Endian::Little => "little-endian",
         Endian::Big => "big-endian",
     };
-    let zlib = if coding.compressed { ", zlib" } else { "" };
-    format!(", {endian}, {place}{zlib}")
+    let compressor = match coding.compressor {
+        None => "",
+        Some(Compressor::Zlib) => ", zlib",
+        Some(Compressor::Lz4) => ", LZ4",
+    };
+    format!(", {endian}, {place}{compressor}")
 }

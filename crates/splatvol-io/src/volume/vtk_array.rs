@@ -14,13 +14,13 @@ use crate::{IoError, SampleType};
 
 /// What the values of an array belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Association {
+pub(crate) enum Association {
     Point,
     Cell,
 }
 
 impl Association {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Point => "point data",
             Self::Cell => "cell data",
@@ -30,20 +30,21 @@ impl Association {
 
 /// What a file says of an array.
 #[derive(Debug, Clone)]
-pub(super) struct ArrayHead {
-    pub(super) association: Association,
-    pub(super) name: String,
-    pub(super) components: usize,
+pub(crate) struct ArrayHead {
+    pub(crate) association: Association,
+    pub(crate) name: String,
+    pub(crate) components: usize,
     /// The type as the file spells it.
-    pub(super) type_name: String,
+    pub(crate) type_name: String,
     /// None for types that hold no numbers that could be a volume (strings).
-    pub(super) sample_type: Option<SampleType>,
+    pub(crate) sample_type: Option<SampleType>,
     /// True where the file marks the array as the one to show.
-    pub(super) active: bool,
+    pub(crate) active: bool,
 }
 
 impl ArrayHead {
-    fn describe(&self) -> String {
+    /// Name, components, type, association.
+    pub(crate) fn describe(&self) -> String {
         let Self {
             name,
             components,
@@ -59,7 +60,7 @@ impl ArrayHead {
 
 /// Which number of each tuple is the value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Component {
+pub(crate) enum Component {
     Index(usize),
     Magnitude,
 }
@@ -72,7 +73,7 @@ pub(super) enum Component {
 ///
 /// # Errors
 /// What is wrong with the request, and what arrays there are.
-pub(super) fn choose(
+pub(crate) fn choose(
     heads: &[ArrayHead],
     options: &ReadOptions,
     context: &Context<'_>,
@@ -110,6 +111,43 @@ fn choice(
             name = head.name,
             last = n.saturating_sub(1)
         )),
+    }
+}
+
+/// As [`choose`], but vectors give their magnitude, and without a scalar the first array will do.
+///
+/// # Errors
+/// As [`choose`].
+pub(crate) fn choose_scalar(
+    heads: &[ArrayHead],
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<(usize, Component), IoError> {
+    let numeric = |head: &ArrayHead| head.sample_type.is_some();
+    let lenient = || {
+        let scalar = preferred(heads);
+        scalar.or_else(|error| position(heads, numeric).map(|index| (index, None)).ok_or(error))
+    };
+    let found = options
+        .array
+        .as_deref()
+        .map_or_else(lenient, |request| requested(heads, request));
+    let (index, in_request) = found.map_err(|text| context.unsupported(text))?;
+    let asked = in_request.or(options.component.map(Component::Index));
+    if asked.is_none() && heads[index].components > 1 && numeric(&heads[index]) {
+        return Ok((index, Component::Magnitude));
+    }
+    let component = asked.unwrap_or(Component::Index(0));
+    let legal = match component {
+        Component::Index(component) => component < heads[index].components,
+        Component::Magnitude => true,
+    };
+    match legal && numeric(&heads[index]) {
+        true => Ok((index, component)),
+        false => Err(context.unsupported(format!(
+            "array {} is not numeric, or has no component {component:?}",
+            heads[index].describe()
+        ))),
     }
 }
 
@@ -170,7 +208,7 @@ fn list(heads: &[ArrayHead]) -> String {
 }
 
 /// One number of each tuple.
-pub(super) fn pick(samples: Samples, components: usize, component: Component) -> Samples {
+pub(crate) fn pick(samples: Samples, components: usize, component: Component) -> Samples {
     match component {
         Component::Index(_) if components == 1 => samples,
         Component::Index(component) => pick_component(&samples, components, component),
@@ -192,15 +230,39 @@ fn magnitudes<T: Copy + Into<f64>>(data: &[T], components: usize) -> impl Iterat
 
 /// An image's geometry in VTK's terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ImageGeometry {
+pub(crate) struct ImageGeometry {
     /// First and last point index along x, y, z.
-    pub(super) extent: [[i64; 2]; 3],
-    pub(super) origin: DVec3,
-    pub(super) spacing: DVec3,
-    pub(super) direction: DMat3,
+    pub(crate) extent: [[i64; 2]; 3],
+    pub(crate) origin: DVec3,
+    pub(crate) spacing: DVec3,
+    pub(crate) direction: DMat3,
+}
+
+/// Number of tuples in an array; none where it is more than can be counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TupleCounts {
+    pub(crate) points: Option<u64>,
+    pub(crate) cells: Option<u64>,
+}
+
+impl TupleCounts {
+    pub(crate) fn of(self, association: Association) -> Option<u64> {
+        match association {
+            Association::Point => self.points,
+            Association::Cell => self.cells,
+        }
+    }
 }
 
 impl ImageGeometry {
+    /// Number of points and cells.
+    pub(crate) fn counts(&self) -> TupleCounts {
+        TupleCounts {
+            points: self.count(Association::Point),
+            cells: self.count(Association::Cell),
+        }
+    }
+
     /// Number of values along x, y, z. A flat axis has one cell.
     fn sizes(&self, association: Association) -> [i64; 3] {
         self.extent.map(|[first, last]| {
@@ -213,7 +275,7 @@ impl ImageGeometry {
     }
 
     /// Number of values; none where an axis is empty or the product overflows.
-    pub(super) fn count(&self, association: Association) -> Option<u64> {
+    pub(crate) fn count(&self, association: Association) -> Option<u64> {
         let sizes = self.sizes(association);
         sizes.into_iter().try_fold(1u64, |product, size| {
             product.checked_mul(u64::try_from(size).ok().filter(|&size| size > 0)?)
@@ -234,7 +296,7 @@ impl ImageGeometry {
     ///
     /// # Errors
     /// An extent that is empty or too large, or a grid that is not regular.
-    pub(super) fn draft(
+    pub(crate) fn draft(
         &self,
         association: Association,
         mut description: Description,

@@ -55,8 +55,8 @@ fn malformed_headers_name_the_field() {
         ),
         (
             "header_type=\"UInt32\"",
-            "compressor=\"vtkLZ4DataCompressor\"",
-            "vtkLZ4DataCompressor",
+            "compressor=\"vtkLZMADataCompressor\"",
+            "vtkLZMADataCompressor",
         ),
         (
             "header_type=\"UInt32\"",

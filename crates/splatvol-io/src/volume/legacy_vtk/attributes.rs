@@ -4,20 +4,20 @@
 
 use crate::IoError;
 use crate::samples::SampleType;
-use crate::volume::vtk_array::{ArrayHead, Association, ImageGeometry};
+use crate::volume::vtk_array::{ArrayHead, Association, TupleCounts};
 
 use super::cursor::Cursor;
 
 /// How the numbers of a file are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Coding {
+pub(crate) enum Coding {
     Ascii,
     Binary,
 }
 
 /// Type of an array's elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ElementType {
+pub(crate) enum ElementType {
     Number(SampleType),
     /// Eight to the byte in binary files, the first in the highest bit; digits 0 and 1 in text.
     Bit,
@@ -26,7 +26,7 @@ pub(super) enum ElementType {
 }
 
 impl ElementType {
-    fn from_name(name: &str) -> Self {
+    pub(crate) fn from_name(name: &str) -> Self {
         use SampleType as T;
         Self::Number(match name.to_ascii_lowercase().as_str() {
             "bit" => return Self::Bit,
@@ -46,7 +46,7 @@ impl ElementType {
         })
     }
 
-    fn sample_type(self) -> Option<SampleType> {
+    pub(crate) fn sample_type(self) -> Option<SampleType> {
         match self {
             Self::Number(sample_type) => Some(sample_type),
             Self::Bit => Some(SampleType::U8),
@@ -56,16 +56,16 @@ impl ElementType {
 }
 
 /// An array and where its data start.
-pub(super) struct Array {
-    pub(super) element: ElementType,
-    pub(super) start: usize,
+pub(crate) struct Array {
+    pub(crate) element: ElementType,
+    pub(crate) start: usize,
 }
 
 /// The arrays found. `heads` and `arrays` go together.
 #[derive(Default)]
-pub(super) struct Attributes {
-    pub(super) heads: Vec<ArrayHead>,
-    pub(super) arrays: Vec<Array>,
+pub(crate) struct Attributes {
+    pub(crate) heads: Vec<ArrayHead>,
+    pub(crate) arrays: Vec<Array>,
 }
 
 /// What an attribute's line declares.
@@ -77,14 +77,17 @@ struct Declaration {
 }
 
 /// Walks over the attributes of one file.
-pub(super) struct Scan<'a, 'b> {
-    pub(super) cursor: Cursor<'a>,
-    pub(super) coding: Coding,
-    pub(super) geometry: &'b ImageGeometry,
+pub(crate) struct Scan<'a, 'b> {
+    pub(crate) cursor: Cursor<'a>,
+    pub(crate) coding: Coding,
+    /// Number of points and cells.
+    pub(crate) counts: TupleCounts,
     /// Name of the array that is wanted; none: the point data's first scalars.
-    pub(super) wanted: Option<&'b str>,
+    pub(crate) wanted: Option<&'b str>,
+    /// Stop at the wanted array: what follows need not be legible.
+    pub(crate) stops_early: bool,
     /// What was found so far.
-    pub(super) found: Attributes,
+    pub(crate) found: Attributes,
 }
 
 impl Scan<'_, '_> {
@@ -92,7 +95,7 @@ impl Scan<'_, '_> {
     ///
     /// # Errors
     /// What cannot be read; what comes before it has been found all the same.
-    pub(super) fn run(&mut self) -> Result<(), IoError> {
+    pub(crate) fn run(&mut self) -> Result<(), IoError> {
         let mut section = None;
         while let Some(keyword) = self.cursor.word() {
             let keyword = keyword.to_ascii_uppercase();
@@ -113,21 +116,22 @@ impl Scan<'_, '_> {
     }
 
     fn has_wanted(&self) -> bool {
-        self.found.heads.last().is_some_and(|head| {
-            head.association == Association::Point
-                && match self.wanted {
-                    Some(name) => head.name == name,
-                    None => head.active,
-                }
-        })
+        self.stops_early
+            && self.found.heads.last().is_some_and(|head| {
+                head.association == Association::Point
+                    && match self.wanted {
+                        Some(name) => head.name == name,
+                        None => head.active,
+                    }
+            })
     }
 
     fn section(&mut self, association: Association) -> Result<(Association, u64), IoError> {
         let start = self.cursor;
         let count: u64 = self.cursor.number(association.name())?;
-        let expected = self.geometry.count(association);
+        let expected = self.counts.of(association);
         if expected != Some(count) {
-            let expected = format!("{} for these dimensions", expected.unwrap_or_default());
+            let expected = format!("{} for this geometry", expected.unwrap_or_default());
             return Err(start.error(association.name(), &count.to_string(), expected));
         }
         Ok((association, count))
@@ -197,7 +201,7 @@ impl Scan<'_, '_> {
         for _ in 0..count {
             let start = self.cursor;
             let declaration = field_array(&mut self.cursor)?;
-            let expected = self.geometry.count(association).unwrap_or_default();
+            let expected = self.counts.of(association).unwrap_or_default();
             if declaration.tuples != expected {
                 let found = declaration.tuples.to_string();
                 return Err(start.error(&declaration.name, &found, format!("{expected} tuples")));
@@ -245,7 +249,7 @@ impl Scan<'_, '_> {
 }
 
 /// Skips the arrays of a field that belongs to the data set as a whole.
-pub(super) fn skip_field(cursor: &mut Cursor<'_>, coding: Coding, count: u64) -> Result<(), IoError> {
+pub(crate) fn skip_field(cursor: &mut Cursor<'_>, coding: Coding, count: u64) -> Result<(), IoError> {
     for _ in 0..count {
         let array = field_array(cursor)?;
         let element = ElementType::from_name(&array.type_name);

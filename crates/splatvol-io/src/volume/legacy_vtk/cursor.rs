@@ -8,14 +8,14 @@ const MAX_LINE: usize = 4096;
 
 /// A position in the file. Reads never go past the end.
 #[derive(Clone, Copy)]
-pub(super) struct Cursor<'a> {
+pub(crate) struct Cursor<'a> {
     bytes: &'a [u8],
     position: usize,
     context: &'a Context<'a>,
 }
 
 impl<'a> Cursor<'a> {
-    pub(super) fn new(bytes: &'a [u8], context: &'a Context<'a>) -> Self {
+    pub(crate) fn new(bytes: &'a [u8], context: &'a Context<'a>) -> Self {
         Self {
             bytes,
             position: 0,
@@ -23,25 +23,25 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    pub(super) fn position(&self) -> usize {
+    pub(crate) fn position(&self) -> usize {
         self.position
     }
 
-    pub(super) fn rest(&self) -> &'a [u8] {
+    pub(crate) fn rest(&self) -> &'a [u8] {
         &self.bytes[self.position..]
     }
 
-    pub(super) fn context(&self) -> &'a Context<'a> {
+    pub(crate) fn context(&self) -> &'a Context<'a> {
         self.context
     }
 
     /// A malformed field at this position.
-    pub(super) fn error(&self, field: &str, value: &str, expected: impl Into<String>) -> IoError {
+    pub(crate) fn error(&self, field: &str, value: &str, expected: impl Into<String>) -> IoError {
         self.context.field(field, value, self.position as u64, expected)
     }
 
     /// The rest of the line, without its end.
-    pub(super) fn line(&mut self, field: &str) -> Result<String, IoError> {
+    pub(crate) fn line(&mut self, field: &str) -> Result<String, IoError> {
         let rest = self.rest();
         let length = rest
             .iter()
@@ -56,7 +56,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next word, if there is one; the white space before it may hold line ends.
-    pub(super) fn word(&mut self) -> Option<String> {
+    pub(crate) fn word(&mut self) -> Option<String> {
         self.skip_blanks();
         let rest = self.rest();
         let length = rest
@@ -69,14 +69,14 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next word as a number.
-    pub(super) fn number<T: std::str::FromStr>(&mut self, field: &str) -> Result<T, IoError> {
+    pub(crate) fn number<T: std::str::FromStr>(&mut self, field: &str) -> Result<T, IoError> {
         self.skip_blanks();
         let start = *self;
         let word = self.word().unwrap_or_default();
         word.parse().map_err(|_| start.error(field, &word, "a number"))
     }
 
-    pub(super) fn numbers<T: std::str::FromStr + Copy + Default, const N: usize>(
+    pub(crate) fn numbers<T: std::str::FromStr + Copy + Default, const N: usize>(
         &mut self,
         field: &str,
     ) -> Result<[T; N], IoError> {
@@ -87,13 +87,13 @@ impl<'a> Cursor<'a> {
         Ok(numbers)
     }
 
-    pub(super) fn skip_blanks(&mut self) {
+    pub(crate) fn skip_blanks(&mut self) {
         let blank = |byte: &&u8| byte.is_ascii_whitespace();
         self.position += self.rest().iter().take_while(blank).count();
     }
 
     /// Skips binary data.
-    pub(super) fn skip_bytes(&mut self, count: u64) -> Result<(), IoError> {
+    pub(crate) fn skip_bytes(&mut self, count: u64) -> Result<(), IoError> {
         let left = self.rest().len() as u64;
         if count > left {
             return Err(self.context.truncated("binary data", count, left));
@@ -103,7 +103,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Skips words of any length.
-    pub(super) fn skip_words(&mut self, count: u64) -> Result<(), IoError> {
+    pub(crate) fn skip_words(&mut self, count: u64) -> Result<(), IoError> {
         for skipped in 0..count {
             self.skip_blanks();
             let length = self
@@ -120,7 +120,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Skips what follows `METADATA`: lines up to an empty one.
-    pub(super) fn skip_metadata(&mut self) -> Result<(), IoError> {
+    pub(crate) fn skip_metadata(&mut self) -> Result<(), IoError> {
         self.line("METADATA")?;
         while !self.line("METADATA")?.is_empty() {}
         Ok(())

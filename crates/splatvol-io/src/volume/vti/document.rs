@@ -20,15 +20,15 @@ const MAX_ELEMENTS: u32 = 1 << 20;
 const APPENDED: &[u8] = b"<AppendedData";
 
 /// A .vti file cut into its header and its appended data.
-pub(super) struct Parts<'a> {
+pub(crate) struct Parts<'a> {
     /// A whole XML document, without the appended data's content.
-    pub(super) xml: Cow<'a, str>,
+    pub(crate) xml: Cow<'a, str>,
     /// What follows the underscore of the appended data, to the end of the file.
-    pub(super) appended: Option<&'a [u8]>,
+    pub(crate) appended: Option<&'a [u8]>,
 }
 
 /// Cuts `bytes` before the content of `<AppendedData>`.
-pub(super) fn split<'a>(bytes: &'a [u8], context: &Context<'_>) -> Result<Parts<'a>, IoError> {
+pub(crate) fn split<'a>(bytes: &'a [u8], context: &Context<'_>) -> Result<Parts<'a>, IoError> {
     let Some(tag) = find(bytes, APPENDED) else {
         return Ok(Parts {
             xml: String::from_utf8_lossy(bytes),
@@ -66,7 +66,7 @@ fn find(bytes: &[u8], pattern: &[u8]) -> Option<usize> {
 }
 
 /// The document, without document type or entities.
-pub(super) fn parse<'a>(parts: &'a Parts<'_>, context: &Context<'_>) -> Result<Document<'a>, IoError> {
+pub(crate) fn parse<'a>(parts: &'a Parts<'_>, context: &Context<'_>) -> Result<Document<'a>, IoError> {
     let options = ParsingOptions {
         allow_dtd: false,
         nodes_limit: MAX_ELEMENTS,
@@ -76,20 +76,27 @@ pub(super) fn parse<'a>(parts: &'a Parts<'_>, context: &Context<'_>) -> Result<D
         .map_err(|error| context.field("XML", error, None, "well-formed XML without document type"))
 }
 
+/// What makes the blocks of binary data smaller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Compressor {
+    Zlib,
+    /// Bare LZ4 blocks.
+    Lz4,
+}
+
 /// How binary data are written in this file.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Coding {
-    pub(super) endian: Endian,
+pub(crate) struct Coding {
+    pub(crate) endian: Endian,
     /// Bytes of each number in the header of a block of data: 4 or 8.
-    pub(super) header_word: usize,
-    /// True for zlib.
-    pub(super) compressed: bool,
+    pub(crate) header_word: usize,
+    pub(crate) compressor: Option<Compressor>,
     /// True where the appended data are base64, false where they are raw.
-    pub(super) appended_base64: bool,
+    pub(crate) appended_base64: bool,
 }
 
 /// Where an array's numbers are.
-pub(super) enum Place<'a> {
+pub(crate) enum Place<'a> {
     Ascii(Cow<'a, str>),
     Base64(Cow<'a, str>),
     /// Bytes (characters in base64) from the start of the appended data to the array, and to the next array.
@@ -100,18 +107,14 @@ pub(super) enum Place<'a> {
 }
 
 /// The declarations of an `ImageData` file.
-pub(super) struct ImageFile<'a> {
-    pub(super) geometry: ImageGeometry,
-    pub(super) coding: Coding,
-    pub(super) heads: Vec<ArrayHead>,
-    /// The element of each head.
-    elements: Vec<Node<'a, 'a>>,
-    /// Offsets of all arrays of the file in the appended data.
-    offsets: Vec<u64>,
+pub(crate) struct ImageFile<'a> {
+    pub(crate) geometry: ImageGeometry,
+    pub(crate) coding: Coding,
+    pub(crate) arrays: Arrays<'a>,
 }
 
 impl<'a> ImageFile<'a> {
-    pub(super) fn from_xml(document: &'a Document<'a>, context: &Context<'_>) -> Result<Self, IoError> {
+    pub(crate) fn from_xml(document: &'a Document<'a>, context: &Context<'_>) -> Result<Self, IoError> {
         let root = document.root_element();
         if !root.has_tag_name("VTKFile") {
             return Err(context.field("root element", root.tag_name().name(), None, "VTKFile"));
@@ -127,25 +130,51 @@ impl<'a> ImageFile<'a> {
         }
         let image = only_child(root, "ImageData", context)?;
         let piece = only_child(image, "Piece", context)?;
-        let mut file = Self {
+        Ok(Self {
             geometry: geometry(image, piece, context)?,
             coding: coding(root, context)?,
+            arrays: Arrays::of_piece(piece, offsets(document), context)?,
+        })
+    }
+}
+
+/// Offsets of all arrays of a file in its appended data.
+pub(crate) fn offsets(document: &Document<'_>) -> Vec<u64> {
+    let elements = document.descendants();
+    elements
+        .filter_map(|node| node.attribute("offset")?.parse().ok())
+        .collect()
+}
+
+/// The attributes of one piece.
+pub(crate) struct Arrays<'a> {
+    pub(crate) heads: Vec<ArrayHead>,
+    /// The element of each head.
+    elements: Vec<Node<'a, 'a>>,
+    offsets: Vec<u64>,
+}
+
+impl<'a> Arrays<'a> {
+    /// The arrays that a piece declares; `offsets` are those of the whole file.
+    pub(crate) fn of_piece(
+        piece: Node<'a, 'a>,
+        offsets: Vec<u64>,
+        context: &Context<'_>,
+    ) -> Result<Self, IoError> {
+        let mut arrays = Self {
             heads: Vec::new(),
             elements: Vec::new(),
-            offsets: document
-                .descendants()
-                .filter_map(|node| node.attribute("offset")?.parse().ok())
-                .collect(),
+            offsets,
         };
         for (tag, association) in [("PointData", Association::Point), ("CellData", Association::Cell)] {
             for data in piece.children().filter(|node| node.has_tag_name(tag)) {
-                file.add_arrays(data, association, context)?;
+                arrays.add(data, association, context)?;
             }
         }
-        Ok(file)
+        Ok(arrays)
     }
 
-    fn add_arrays(
+    fn add(
         &mut self,
         data: Node<'a, 'a>,
         association: Association,
@@ -184,8 +213,16 @@ impl<'a> ImageFile<'a> {
     }
 
     /// Where the numbers of array `index` are.
-    pub(super) fn place(&self, index: usize, context: &Context<'_>) -> Result<Place<'a>, IoError> {
-        let element = self.elements[index];
+    pub(crate) fn place(&self, index: usize, context: &Context<'_>) -> Result<Place<'a>, IoError> {
+        self.place_of(self.elements[index], context)
+    }
+
+    /// Where the numbers of a `DataArray` are.
+    pub(crate) fn place_of(
+        &self,
+        element: Node<'a, 'a>,
+        context: &Context<'_>,
+    ) -> Result<Place<'a>, IoError> {
         match element.attribute("format").unwrap_or("ascii") {
             "ascii" => Ok(Place::Ascii(text(element))),
             "binary" => Ok(Place::Base64(text(element))),
@@ -217,7 +254,11 @@ fn text<'a>(element: Node<'a, 'a>) -> Cow<'a, str> {
     })
 }
 
-fn only_child<'a>(parent: Node<'a, 'a>, tag: &str, context: &Context<'_>) -> Result<Node<'a, 'a>, IoError> {
+pub(crate) fn only_child<'a>(
+    parent: Node<'a, 'a>,
+    tag: &str,
+    context: &Context<'_>,
+) -> Result<Node<'a, 'a>, IoError> {
     let mut found = parent.children().filter(|node| node.has_tag_name(tag));
     let child = found
         .next()
@@ -228,7 +269,7 @@ fn only_child<'a>(parent: Node<'a, 'a>, tag: &str, context: &Context<'_>) -> Res
     }
 }
 
-fn sample_type(name: &str) -> Option<SampleType> {
+pub(crate) fn sample_type(name: &str) -> Option<SampleType> {
     Some(match name {
         "Int8" => SampleType::I8,
         "UInt8" => SampleType::U8,
@@ -244,7 +285,7 @@ fn sample_type(name: &str) -> Option<SampleType> {
     })
 }
 
-fn coding(root: Node, context: &Context<'_>) -> Result<Coding, IoError> {
+pub(crate) fn coding(root: Node, context: &Context<'_>) -> Result<Coding, IoError> {
     let appended = root.children().find(|node| node.has_tag_name("AppendedData"));
     Ok(Coding {
         endian: match root.attribute("byte_order") {
@@ -260,13 +301,13 @@ fn coding(root: Node, context: &Context<'_>) -> Result<Coding, IoError> {
             "UInt64" => 8,
             other => return Err(context.unsupported(format!("header_type `{other}`"))),
         },
-        compressed: match root.attribute("compressor").unwrap_or_default() {
-            "" => false,
-            "vtkZLibDataCompressor" => true,
+        compressor: match root.attribute("compressor").unwrap_or_default() {
+            "" => None,
+            "vtkZLibDataCompressor" => Some(Compressor::Zlib),
+            "vtkLZ4DataCompressor" => Some(Compressor::Lz4),
             other => {
-                return Err(
-                    context.unsupported(format!("compressor `{other}`; vtkZLibDataCompressor is read"))
-                );
+                let known = "vtkZLibDataCompressor and vtkLZ4DataCompressor are read";
+                return Err(context.unsupported(format!("compressor `{other}`; {known}")));
             }
         },
         appended_base64: match appended
@@ -309,7 +350,7 @@ fn extent_of_piece(
     }
 }
 
-fn extent(node: Node, field: &str, context: &Context<'_>) -> Result<[[i64; 2]; 3], IoError> {
+pub(crate) fn extent(node: Node, field: &str, context: &Context<'_>) -> Result<[[i64; 2]; 3], IoError> {
     let ends: [i64; 6] =
         numbers(node, field, context)?.ok_or_else(|| context.field(field, "", None, "six whole numbers"))?;
     let extent = [[ends[0], ends[1]], [ends[2], ends[3]], [ends[4], ends[5]]];

@@ -2,7 +2,7 @@
 //!
 //! Binary data are a header of words (4 or 8 bytes each, in the file's byte order) and the data themselves.
 //! Plain: one word, the number of bytes. Compressed: number of blocks, bytes per block, bytes of the last block (0:
-//! a whole one), compressed bytes of each block; then the blocks, one zlib stream each. In base64 the two parts may
+//! a whole one), compressed bytes of each block; then the blocks, one zlib stream or bare LZ4 block each. In base64 the two parts may
 //! be encoded apart, which is seen from the padding in the middle.
 
 use std::borrow::Cow;
@@ -11,14 +11,14 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use splatvol_scene::Samples;
 
-use super::document::{Coding, Place};
+use super::document::{Coding, Compressor, Place};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleBuffer, SampleType, decode_text};
 use crate::source::{Codec, Rest, Source};
 
 /// `count` numbers from `place`, and a warning where they lost digits.
-pub(super) fn samples(
+pub(crate) fn samples(
     place: &Place<'_>,
     (sample_type, count): (SampleType, usize),
     coding: Coding,
@@ -42,8 +42,9 @@ pub(super) fn samples(
         Place::Appended { offset, next } => from_appended(appended, (*offset, *next), coding, context)?,
     };
     let mut buffer = SampleBuffer::new(sample_type, coding.endian);
-    if coding.compressed {
-        read_blocks(&encoded, (sample_type, count), coding, &mut buffer, context)?;
+    if let Some(compressor) = coding.compressor {
+        let blocks = Blocks { compressor, coding };
+        blocks.read(&encoded, (sample_type, count), &mut buffer, context)?;
     } else {
         let mut words = Words::new(&encoded, coding);
         let (declared, expected) = (words.next(context)?, sample_type.byte_count(count));
@@ -105,56 +106,83 @@ fn from_base64(text: &[u8], context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     Ok(decoded)
 }
 
-fn read_blocks(
-    encoded: &[u8],
-    (sample_type, count): (SampleType, usize),
+/// Compressed blocks, and what they are written with.
+struct Blocks {
+    compressor: Compressor,
     coding: Coding,
-    buffer: &mut SampleBuffer,
-    context: &Context<'_>,
-) -> Result<(), IoError> {
-    let mut words = Words::new(encoded, coding);
-    let (blocks, size, last) = (words.next(context)?, words.next(context)?, words.next(context)?);
-    let last = if last == 0 { size } else { last };
-    let whole = blocks
-        .checked_sub(1)
-        .and_then(|whole| whole.checked_mul(size)?.checked_add(last));
-    let width = sample_type.size() as u64;
-    if whole != Some(sample_type.byte_count(count)) || last > size || blocks > 1 && size % width != 0 {
-        let found = format!("{blocks} of {size} bytes, the last of {last}");
-        let expected = format!(
-            "blocks of whole samples, {} bytes in all",
-            sample_type.byte_count(count)
-        );
-        return Err(context.field("compressed blocks", found, None, expected));
-    }
-    let lengths_of_blocks = blocks.saturating_mul(coding.header_word as u64);
-    let (mut lengths, mut rest) = usize::try_from(lengths_of_blocks)
-        .ok()
-        .and_then(|length| words.rest.split_at_checked(length))
-        .map(|(lengths, rest)| (Words::new(lengths, coding), rest))
-        .ok_or_else(|| {
-            context.truncated(
-                "lengths of the blocks",
-                lengths_of_blocks,
-                words.rest.len() as u64,
-            )
-        })?;
-    for block in 1..=blocks {
-        let length = lengths.next(context)?;
-        let (stream, after) = usize::try_from(length)
-            .ok()
-            .and_then(|length| rest.split_at_checked(length))
-            .ok_or_else(|| context.truncated("compressed blocks", length, rest.len() as u64))?;
-        rest = after;
-        let samples = if block == blocks { last } else { size } / width;
-        let mut source = Source::from_bytes(stream).inflate(Codec::Zlib);
-        buffer.read(&mut source, samples as usize, context)?;
-        if source.rest(context)? != Rest::Nothing {
-            let found = format!("more than {} bytes", samples * width);
-            return Err(context.field(format!("block {block} of {blocks}"), found, None, "as declared"));
+}
+
+impl Blocks {
+    fn read(
+        &self,
+        encoded: &[u8],
+        (sample_type, count): (SampleType, usize),
+        buffer: &mut SampleBuffer,
+        context: &Context<'_>,
+    ) -> Result<(), IoError> {
+        let coding = self.coding;
+        let mut words = Words::new(encoded, coding);
+        let (blocks, size, last) = (words.next(context)?, words.next(context)?, words.next(context)?);
+        let last = if last == 0 { size } else { last };
+        let whole = blocks
+            .checked_sub(1)
+            .and_then(|whole| whole.checked_mul(size)?.checked_add(last));
+        let width = sample_type.size() as u64;
+        if whole != Some(sample_type.byte_count(count)) || last > size || blocks > 1 && size % width != 0 {
+            let found = format!("{blocks} of {size} bytes, the last of {last}");
+            let expected = format!(
+                "blocks of whole samples, {} bytes in all",
+                sample_type.byte_count(count)
+            );
+            return Err(context.field("compressed blocks", found, None, expected));
         }
+        let lengths_of_blocks = blocks.saturating_mul(coding.header_word as u64);
+        let (mut lengths, mut rest) = usize::try_from(lengths_of_blocks)
+            .ok()
+            .and_then(|length| words.rest.split_at_checked(length))
+            .map(|(lengths, rest)| (Words::new(lengths, coding), rest))
+            .ok_or_else(|| {
+                context.truncated(
+                    "lengths of the blocks",
+                    lengths_of_blocks,
+                    words.rest.len() as u64,
+                )
+            })?;
+        for block in 1..=blocks {
+            let length = lengths.next(context)?;
+            let (stream, after) = usize::try_from(length)
+                .ok()
+                .and_then(|length| rest.split_at_checked(length))
+                .ok_or_else(|| context.truncated("compressed blocks", length, rest.len() as u64))?;
+            rest = after;
+            let bytes = if block == blocks { last } else { size };
+            let samples = bytes / width;
+            let plain;
+            let mut source = match self.compressor {
+                Compressor::Zlib => Source::from_bytes(stream).inflate(Codec::Zlib),
+                Compressor::Lz4 => {
+                    plain = from_lz4(stream, bytes, context)?;
+                    Source::from_bytes(&plain)
+                }
+            };
+            buffer.read(&mut source, samples as usize, context)?;
+            if source.rest(context)? != Rest::Nothing {
+                let found = format!("more than {} bytes", samples * width);
+                return Err(context.field(format!("block {block} of {blocks}"), found, None, "as declared"));
+            }
+        }
+        Ok(())
     }
-    Ok(())
+}
+
+/// A bare LZ4 block. A byte of it gives at most 255.
+fn from_lz4(stream: &[u8], bytes: u64, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
+    let most = (stream.len() as u64).saturating_mul(255);
+    if bytes > most {
+        return Err(context.too_small("LZ4 blocks", bytes, most));
+    }
+    lz4_flex::block::decompress(stream, bytes as usize)
+        .map_err(|error| context.read(std::io::Error::other(error)))
 }
 
 /// The numbers of a header of data.
