@@ -18,6 +18,12 @@ pub mod camera_keys;
 mod error;
 pub mod image;
 mod json;
+#[allow(
+    dead_code,
+    unused_imports,
+    reason = "the readers of points and of Gaussians use it"
+)]
+mod ply;
 mod samples;
 mod source;
 pub mod transfer_function;

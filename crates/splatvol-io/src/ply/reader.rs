@@ -1,0 +1,444 @@
+//! The rows of a PLY file.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use super::header::{Kind, Scalar};
+use super::{Element, Encoding, Header};
+use crate::IoError;
+use crate::error::Context;
+use crate::source::{Rest, Source};
+
+/// Bytes of rows that are decoded at a time.
+const CHUNK: usize = 1 << 16;
+/// Longest word of a text; numbers have at most some twenty characters.
+const LONGEST_WORD: usize = 400;
+
+/// Columns of an element by name.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Table {
+    columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Table {
+    /// The column of that name, one value per row.
+    pub(crate) fn column(&self, name: &str) -> Option<&[f64]> {
+        let (_, values) = self.columns.iter().find(|(column, _)| column == name)?;
+        Some(values)
+    }
+}
+
+/// A PLY file whose rows are read in the order of the file.
+pub(crate) struct Reader<'a> {
+    header: Header,
+    source: Source<'a>,
+    context: Context<'a>,
+    /// Elements before this one have been read or passed over.
+    next: usize,
+    position: u64,
+}
+
+impl<'a> Reader<'a> {
+    /// Opens a file and reads its header.
+    pub(crate) fn open(path: &'a Path) -> Result<Self, IoError> {
+        Self::new(Source::open(path)?, Context::new("PLY", path))
+    }
+
+    /// The header from a source that begins with it.
+    pub(crate) fn new(mut source: Source<'a>, context: Context<'a>) -> Result<Self, IoError> {
+        let header = Header::read(&mut source, &context)?;
+        let position = header.length;
+        Ok(Self {
+            header,
+            source,
+            context,
+            next: 0,
+            position,
+        })
+    }
+
+    /// What the header says.
+    pub(crate) fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The wanted columns of an element; memory for all of them at once.
+    pub(crate) fn table(&mut self, element: &str, columns: &[&str]) -> Result<Table, IoError> {
+        let mut values = vec![Vec::new(); columns.len()];
+        self.rows(element, columns, |_, row| {
+            for (values, value) in values.iter_mut().zip(row) {
+                values.push(*value);
+            }
+            Ok(())
+        })?;
+        let names = columns.iter().map(|name| (*name).to_owned());
+        Ok(Table {
+            columns: names.zip(values).collect(),
+        })
+    }
+
+    /// Calls `each` with the index and the wanted columns of every row of an element. Elements that come before it in the
+    /// file are passed over; one that has been read or passed over cannot be read again.
+    pub(crate) fn rows(
+        &mut self,
+        element: &str,
+        columns: &[&str],
+        mut each: impl FnMut(u64, &[f64]) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        let ahead = self.header.elements.get(self.next..).unwrap_or_default();
+        let index = ahead.iter().position(|e| e.name == element).ok_or_else(|| {
+            self.context
+                .field("element", "(absent)", None, format!("an element \"{element}\""))
+        })? + self.next;
+        while self.next < index {
+            let passed = self.header.elements[self.next].clone();
+            self.pass(&passed)?;
+            self.next += 1;
+        }
+        let element = self.header.elements[index].clone();
+        let wanted = columns
+            .iter()
+            .map(|name| {
+                element.column(name).ok_or_else(|| {
+                    let expected = format!("a scalar property \"{name}\" of element \"{}\"", element.name);
+                    self.context.field("property", "(absent)", None, expected)
+                })
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        self.check_count(&element)?;
+        self.next += 1;
+        match element.stride() {
+            Some(stride) if self.header.encoding != Encoding::Ascii => {
+                self.strided(&element, stride, &wanted, &mut each)
+            }
+            _ => self.sequential(&element, &wanted, &mut each),
+        }
+    }
+
+    /// Passes over what is left of the elements. True where more bytes follow (in text: anything but white space).
+    pub(crate) fn finish(mut self) -> Result<Rest, IoError> {
+        while let Some(element) = self.header.elements.get(self.next).cloned() {
+            self.pass(&element)?;
+            self.next += 1;
+        }
+        if self.header.encoding == Encoding::Ascii {
+            self.skip_white()?;
+        }
+        self.source.rest(&self.context)
+    }
+
+    fn pass(&mut self, element: &Element) -> Result<(), IoError> {
+        self.check_count(element)?;
+        match element.stride() {
+            Some(stride) if self.header.encoding != Encoding::Ascii => {
+                self.position += element.count * stride as u64;
+                self.source.skip(element.count * stride as u64, &self.context)
+            }
+            _ => self.sequential(element, &[], &mut |_, _| Ok(())),
+        }
+    }
+
+    fn check_count(&self, element: &Element) -> Result<(), IoError> {
+        let declared = element.least_bytes(self.header.encoding);
+        self.source
+            .check_declared("rows of an element", declared, &self.context)
+    }
+
+    /// Rows of one length.
+    fn strided(
+        &mut self,
+        element: &Element,
+        stride: usize,
+        wanted: &[usize],
+        each: &mut impl FnMut(u64, &[f64]) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        if stride == 0 {
+            return Ok(());
+        }
+        let columns = places(element, wanted);
+        let big = self.header.encoding == Encoding::BigEndian;
+        let per_chunk = (CHUNK / stride).max(1) as u64;
+        let mut row = vec![0.0; wanted.len()];
+        let mut index = 0;
+        while index < element.count {
+            let rows = per_chunk.min(element.count - index);
+            let bytes = rows * stride as u64;
+            let chunk = self.source.read_bytes("rows", bytes, &self.context)?;
+            self.position += bytes;
+            for bytes in chunk.chunks_exact(stride) {
+                for (value, &(place, scalar)) in row.iter_mut().zip(&columns) {
+                    *value = decode(scalar, &bytes[place..place + scalar.size()], big);
+                }
+                each(index, &row)?;
+                index += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows of text, or with lists.
+    fn sequential(
+        &mut self,
+        element: &Element,
+        wanted: &[usize],
+        each: &mut impl FnMut(u64, &[f64]) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        if element.properties.is_empty() {
+            return Ok(());
+        }
+        let mut values = vec![0.0; element.properties.len()];
+        let mut row = vec![0.0; wanted.len()];
+        for index in 0..element.count {
+            for (value, property) in values.iter_mut().zip(&element.properties) {
+                match property.kind {
+                    Kind::Scalar(scalar) => *value = self.number(scalar, &property.name)?,
+                    Kind::List { count, item } => self.pass_list(count, item, &property.name)?,
+                }
+            }
+            for (value, &column) in row.iter_mut().zip(wanted) {
+                *value = values[column];
+            }
+            each(index, &row)?;
+        }
+        Ok(())
+    }
+
+    fn pass_list(&mut self, count: Scalar, item: Scalar, name: &str) -> Result<(), IoError> {
+        let at = self.position;
+        let length = self.number(count, name)?;
+        if length < 0.0 || length.fract() != 0.0 {
+            return Err(self.context.field(name, length, at, "a list's length"));
+        }
+        let length = length as u64;
+        if self.header.encoding == Encoding::Ascii {
+            for _ in 0..length {
+                self.number(item, name)?;
+            }
+            return Ok(());
+        }
+        self.position += length * item.size() as u64;
+        self.source.skip(length * item.size() as u64, &self.context)
+    }
+
+    fn number(&mut self, scalar: Scalar, name: &str) -> Result<f64, IoError> {
+        if self.header.encoding == Encoding::Ascii {
+            return self.word(name);
+        }
+        let mut bytes = [0; 8];
+        let bytes = &mut bytes[..scalar.size()];
+        let read = self.source.fill(bytes, &self.context)?;
+        if read < bytes.len() {
+            return Err(self.context.truncated("rows", bytes.len() as u64, read as u64));
+        }
+        self.position += read as u64;
+        Ok(decode(scalar, bytes, self.header.encoding == Encoding::BigEndian))
+    }
+
+    /// The next number of a text. Lines do not matter: the header says how many numbers a row has.
+    fn word(&mut self, name: &str) -> Result<f64, IoError> {
+        self.skip_white()?;
+        let offset = self.position;
+        let mut word = [0; LONGEST_WORD];
+        let mut length = 0;
+        loop {
+            let buffer = self.source.peek(&self.context)?;
+            let part = buffer.iter().position(u8::is_ascii_whitespace);
+            let taken = part.unwrap_or(buffer.len()).min(LONGEST_WORD - length);
+            word[length..length + taken].copy_from_slice(&buffer[..taken]);
+            let done = part == Some(taken) || buffer.is_empty() || length + taken == LONGEST_WORD;
+            self.source.consume(taken);
+            self.position += taken as u64;
+            length += taken;
+            if done {
+                break;
+            }
+        }
+        let text = String::from_utf8_lossy(&word[..length]);
+        text.parse()
+            .map_err(|_| self.context.field(name, text, offset, "a number"))
+    }
+
+    fn skip_white(&mut self) -> Result<(), IoError> {
+        loop {
+            let buffer = self.source.peek(&self.context)?;
+            let white = buffer.iter().take_while(|b| b.is_ascii_whitespace()).count();
+            let all = white == buffer.len();
+            self.source.consume(white);
+            self.position += white as u64;
+            if !all || white == 0 {
+                return Ok(());
+            }
+        }
+    }
+}
+
+/// Byte offsets in a row and types of the wanted columns; none of the properties are lists.
+fn places(element: &Element, wanted: &[usize]) -> Vec<(usize, Scalar)> {
+    let mut place = 0;
+    let mut all = Vec::with_capacity(element.properties.len());
+    for property in &element.properties {
+        let (Kind::Scalar(scalar) | Kind::List { count: scalar, .. }) = property.kind;
+        all.push((place, scalar));
+        place += scalar.size();
+    }
+    wanted.iter().map(|&column| all[column]).collect()
+}
+
+/// The number that `bytes`, as many as the type has, stand for.
+#[inline]
+fn decode(scalar: Scalar, bytes: &[u8], big: bool) -> f64 {
+    let mut little = [0; 8];
+    for (to, from) in little.iter_mut().zip(bytes) {
+        *to = *from;
+    }
+    if big {
+        little[..bytes.len()].reverse();
+    }
+    let [a, b, c, d, ..] = little;
+    match scalar {
+        Scalar::I8 => f64::from(a as i8),
+        Scalar::U8 => f64::from(a),
+        Scalar::I16 => f64::from(i16::from_le_bytes([a, b])),
+        Scalar::U16 => f64::from(u16::from_le_bytes([a, b])),
+        Scalar::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
+        Scalar::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
+        Scalar::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
+        Scalar::F64 => f64::from_le_bytes(little),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement face 2\n\
+        property list uchar int vertex_indices\nproperty uchar flags\nelement vertex 3\nproperty float z\n\
+        property double x\nproperty list uint8 float32 more\nproperty int16 y\nend_header\n\
+        3 0 1 2 7\n0 9\n1.5 2.5 0 -3\n4 5e-1 2 8 9 -6 7 8\n1 0 -9\n";
+
+    fn context() -> Context<'static> {
+        Context::new("PLY", Path::new("a.ply"))
+    }
+
+    fn reader(bytes: &[u8]) -> Result<Reader<'_>, IoError> {
+        Reader::new(Source::from_bytes(bytes), context())
+    }
+
+    fn binary(big: bool) -> Vec<u8> {
+        let name = if big { "big" } else { "little" };
+        let header = TEXT
+            .split_once("end_header\n")
+            .unwrap()
+            .0
+            .replace("ascii", &format!("binary_{name}_endian"));
+        let mut bytes = [header.as_bytes(), b"end_header\n"].concat();
+        let mut put = |little: &[u8]| {
+            let mut number = little.to_vec();
+            if big {
+                number.reverse();
+            }
+            bytes.extend(number);
+        };
+        put(&[3]);
+        for vertex in [0i32, 1, 2] {
+            put(&vertex.to_le_bytes());
+        }
+        put(&[7]);
+        put(&[0]);
+        put(&[9]);
+        for (z, x, more, y) in [
+            (1.5f32, 2.5f64, &[][..], -3i16),
+            (4.0, 0.5, &[8f32, 9.0], -6),
+            (7.0, 8.0, &[0.0], -9),
+        ] {
+            put(&z.to_le_bytes());
+            put(&x.to_le_bytes());
+            put(&[more.len() as u8]);
+            more.iter().for_each(|m| put(&m.to_le_bytes()));
+            put(&y.to_le_bytes());
+        }
+        bytes
+    }
+
+    #[test]
+    fn all_encodings_give_the_wanted_columns_in_any_order() {
+        for bytes in [
+            TEXT.as_bytes().to_vec(),
+            TEXT.replace('\n', "\r\n").into_bytes(),
+            TEXT.replace('\n', "\r").into_bytes(),
+            binary(false),
+            binary(true),
+        ] {
+            let mut reader = reader(&bytes).unwrap();
+            assert_eq!(reader.header().comments, ["made by hand"]);
+            assert_eq!(reader.header().element("face").unwrap().count, 2);
+            let vertex = reader.header().element("vertex").unwrap();
+            assert!(vertex.has("x") && !vertex.has("more") && vertex.scalar("y") == Some(Scalar::I16));
+            let table = reader.table("vertex", &["x", "y", "z"]).unwrap();
+            assert_eq!(table.column("x").unwrap(), [2.5, 0.5, 8.0]);
+            assert_eq!(table.column("y").unwrap(), [-3.0, -6.0, -9.0]);
+            assert_eq!(table.column("z").unwrap(), [1.5, 4.0, 7.0]);
+            assert_eq!(reader.finish().unwrap(), Rest::Nothing);
+        }
+    }
+
+    #[test]
+    fn rows_of_one_length_are_read_in_chunks() {
+        let count = 20_000u32;
+        let mut bytes = format!(
+            "ply\nformat binary_big_endian 1.0\nelement vertex {count}\nproperty uint a\n\
+                     property char b\nelement empty 99999999999\nend_header\n"
+        )
+        .into_bytes();
+        for a in 0..count {
+            bytes.extend(a.to_be_bytes());
+            bytes.push((a % 251) as u8);
+        }
+        let table = reader(&bytes).unwrap().table("vertex", &["b", "a"]).unwrap();
+        for a in 0..count {
+            assert_eq!(table.column("a").unwrap()[a as usize], f64::from(a));
+            assert_eq!(
+                table.column("b").unwrap()[a as usize],
+                f64::from((a % 251) as u8 as i8)
+            );
+        }
+        bytes.push(0);
+        let mut longer = reader(&bytes).unwrap();
+        longer.rows("vertex", &[], |_, _| Ok(())).unwrap();
+        assert_eq!(longer.finish().unwrap(), Rest::Excess);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let refused = |from: &str, to: &str, words: &str| {
+            let text = TEXT.replacen(from, to, 1);
+            assert_ne!(text, TEXT);
+            let error = reader(text.as_bytes())
+                .and_then(|mut r| r.table("vertex", &["x", "y"]))
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(words) && error.ends_with("in a.ply"), "{error}");
+        };
+        refused("ply\n", "plz\n", "first line");
+        refused("format ascii 1.0\n", "", "format");
+        refused("ascii", "ascii8", "(byte 4)");
+        refused("float z", "half z", "property");
+        refused("face 2", "face -2", "element");
+        refused("element face 2\n", "", "an element before it");
+        refused("vertex 3", "vertex 99999999999999999", "rows of an element need");
+        refused("face 2", "face 18446744073709551615", "rows of an element need");
+        refused("end_header\n", "", "header line");
+        refused("double x", "double w", "\"x\"");
+        refused("5e-1", "5e-1k", "\"x\" = \"5e-1k\"");
+        refused("3 0 1 2 7", "-3 0 1 2 7", "a list's length");
+        for length in 0..TEXT.len() - 1 {
+            let result = reader(&TEXT.as_bytes()[..length]).and_then(|mut r| r.table("vertex", &["x"]));
+            assert!(result.is_err() || length + 3 > TEXT.len(), "{length}");
+        }
+        let whole = binary(true);
+        for length in 0..whole.len() {
+            let result = reader(&whole[..length]).and_then(|mut r| r.table("vertex", &["x"]));
+            assert!(result.is_err(), "{length}");
+        }
+    }
+}
