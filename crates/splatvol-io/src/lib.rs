@@ -1,8 +1,9 @@
-//! Readers and writers: volumes, transfer functions and images.
+//! Readers and writers: volumes, points, transfer functions and images.
 //!
 //! | module | formats |
 //! |---|---|
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
+//! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
@@ -24,6 +25,7 @@ mod json;
     reason = "the readers of points and of Gaussians use it"
 )]
 mod ply;
+pub mod points;
 mod samples;
 mod source;
 pub mod transfer_function;
@@ -34,6 +36,7 @@ pub use camera_keys::{StoredCameraKey, read_camera_keys};
 pub use error::{FormatError, IoError};
 pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
+pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
 pub use transfer_function::{
     read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,

@@ -98,7 +98,7 @@ fn sides_spread_around_a_torus_and_over_thin_sheets() {
     let angles_of_torus = angles(&estimate_normals(&stored(&points), 12), &truth);
     assert!(worst(&angles_of_torus) < 25.0, "{}", worst(&angles_of_torus));
 
-    // Two sides of a lens, thin as three spacings in its middle and sharp at its rim.
+    // Two sides of a lens, four spacings thick in its middle and sharp at its rim.
     let lens: Vec<(DVec3, DVec3)> = (0..30_000)
         .map(|i| {
             let (r, a) = (random.unit().sqrt(), random.range(0.0, TAU));
@@ -113,7 +113,7 @@ fn sides_spread_around_a_torus_and_over_thin_sheets() {
     let wrong = angles(&normals, &truth)
         .iter()
         .zip(&points)
-        .filter(|(angle, p)| p.truncate().length() < 0.8 && **angle > 90.0)
+        .filter(|(angle, p)| p.truncate().length() < 0.6 && **angle > 90.0)
         .count();
     assert_eq!(wrong, 0);
 }
@@ -195,7 +195,7 @@ fn threads_do_not_matter() {
     assert_eq!(with(1), with(3));
 }
 
-/// Vertices and the sums of their triangles' normals.
+/// Vertices and the sums of their triangles' normals, which point inward in this file: its volume comes out negative.
 fn bunny() -> Option<(Vec<[f32; 3]>, Vec<DVec3>)> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/points/bunny.ply");
     let Ok(text) = std::fs::read_to_string(path) else {
@@ -210,17 +210,18 @@ fn bunny() -> Option<(Vec<[f32; 3]>, Vec<DVec3>)> {
         .map(numbers)
         .map(|v| DVec3::new(v[0], v[1], v[2]))
         .collect();
-    let mut normals = vec![DVec3::ZERO; vertices.len()];
+    let (mut normals, mut volume) = (vec![DVec3::ZERO; vertices.len()], 0.0);
     for face in lines.map(numbers).filter(|face| face.len() == 4) {
         let [a, b, c] = [1, 2, 3].map(|i| face[i] as usize);
         let normal = (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]);
+        volume += normal.dot(vertices[a]);
         for corner in [a, b, c] {
             normals[corner] += normal;
         }
     }
     Some((
         stored(&vertices),
-        normals.into_iter().map(DVec3::normalize_or_zero).collect(),
+        normals.into_iter().map(|n| n.normalize_or_zero() * f64::signum(volume)).collect(),
     ))
 }
 
