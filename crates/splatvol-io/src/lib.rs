@@ -36,6 +36,8 @@ pub use camera_keys::{StoredCameraKey, read_camera_keys};
 pub use error::{FormatError, IoError};
 pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
+pub use points::depth_image::{DepthImageOptions, read_depth_images};
+pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
 pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
 pub use transfer_function::{

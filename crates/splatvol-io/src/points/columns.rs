@@ -17,7 +17,16 @@ pub(super) type Row = [f64; ROLES];
 const NAMES: [&[&str]; ROLES] = [
     &["x", "px", "posx", "pos_x", "x_coord", "easting", "position_x"],
     &["y", "py", "posy", "pos_y", "y_coord", "northing", "position_y"],
-    &["z", "pz", "posz", "pos_z", "z_coord", "height", "elevation", "position_z"],
+    &[
+        "z",
+        "pz",
+        "posz",
+        "pos_z",
+        "z_coord",
+        "height",
+        "elevation",
+        "position_z",
+    ],
     &["nx", "normal_x", "normalx", "n_x"],
     &["ny", "normal_y", "normaly", "n_y"],
     &["nz", "normal_z", "normalz", "n_z"],
@@ -25,7 +34,14 @@ const NAMES: [&[&str]; ROLES] = [
     &["green", "g", "diffuse_green"],
     &["blue", "b", "diffuse_blue"],
     &["alpha", "a", "diffuse_alpha"],
-    &["intensity", "i", "scalar_intensity", "reflectance", "gray", "grey"],
+    &[
+        "intensity",
+        "i",
+        "scalar_intensity",
+        "reflectance",
+        "gray",
+        "grey",
+    ],
     &["radius", "point_radius"],
 ];
 

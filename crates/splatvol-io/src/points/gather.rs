@@ -101,7 +101,9 @@ impl Gather {
         }
         let colors = self.finish_colors(kind, &mut description);
         if self.radii.iter().any(|r| !(r.is_finite() && *r > 0.0)) {
-            description.warnings.push("radii that are not above zero: none are used".to_owned());
+            description
+                .warnings
+                .push("radii that are not above zero: none are used".to_owned());
             self.radii.clear();
         }
         let origin = local_origin(&self.positions);
@@ -135,25 +137,40 @@ impl Gather {
             _ if largest <= 255.0 => 255.0,
             _ => 65_535.0,
         };
-        if colors.iter().flat_map(|c| &c[..3]).any(|c| !c.is_finite() || *c < 0.0 || *c > white) {
-            description.warnings.push(format!("colours outside 0..{white} are cut off"));
+        if colors
+            .iter()
+            .flat_map(|c| &c[..3])
+            .any(|c| !c.is_finite() || *c < 0.0 || *c > white)
+        {
+            description
+                .warnings
+                .push(format!("colours outside 0..{white} are cut off"));
         }
         description.stored_type = format!("{}colours 0..{white}", separated(&description.stored_type));
         // A conversion from float saturates, and NaN becomes 0.
         let byte = |c: f32| (c / white * 255.0).round() as u8;
         let invisible = self.present[ALPHA] && colors.iter().all(|c| c[3] == 0.0);
         if invisible {
-            description.warnings.push("alpha is 0 everywhere: taken as opaque".to_owned());
+            description
+                .warnings
+                .push("alpha is 0 everywhere: taken as opaque".to_owned());
         }
         let opaque = !self.present[ALPHA] || invisible;
         let alpha = |c: f32| if opaque { 255 } else { byte(c) };
-        colors.iter().map(|&[r, g, b, a]| [byte(r), byte(g), byte(b), alpha(a)]).collect()
+        colors
+            .iter()
+            .map(|&[r, g, b, a]| [byte(r), byte(g), byte(b), alpha(a)])
+            .collect()
     }
 }
 
 /// Grey for intensities that differ, brightest at the 99.5th percentile: scanners have no common unit.
 fn greys(intensities: &[[f32; 4]], description: &mut Description) -> Vec<[u8; 4]> {
-    let mut sorted: Vec<f32> = intensities.iter().map(|c| c[0]).filter(|i| i.is_finite()).collect();
+    let mut sorted: Vec<f32> = intensities
+        .iter()
+        .map(|c| c[0])
+        .filter(|i| i.is_finite())
+        .collect();
     if sorted.is_empty() {
         return Vec::new();
     }
@@ -163,13 +180,23 @@ fn greys(intensities: &[[f32; 4]], description: &mut Description) -> Vec<[u8; 4]
     if !differ || white <= 0.0 {
         return Vec::new();
     }
-    description.stored_type = format!("{}intensity as grey, white {white}", separated(&description.stored_type));
+    description.stored_type = format!(
+        "{}intensity as grey, white {white}",
+        separated(&description.stored_type)
+    );
     let grey = |i: f32| (i / white * 255.0).round() as u8;
-    intensities.iter().map(|c| [grey(c[0]), grey(c[0]), grey(c[0]), 255]).collect()
+    intensities
+        .iter()
+        .map(|c| [grey(c[0]), grey(c[0]), grey(c[0]), 255])
+        .collect()
 }
 
 fn separated(text: &str) -> String {
-    if text.is_empty() { String::new() } else { format!("{text}; ") }
+    if text.is_empty() {
+        String::new()
+    } else {
+        format!("{text}; ")
+    }
 }
 
 /// The middle of coordinates that are large beside the cloud, else zero.

@@ -13,9 +13,9 @@
 //! are sRGB, however many bits they were stored with. Points without a place (NaN) are left out and counted.
 
 mod columns;
-//DI pub mod depth_image;
+pub mod depth_image;
 mod gather;
-//HF pub mod height_field;
+pub mod height_field;
 pub mod las;
 pub mod pcd;
 pub mod ply;
@@ -88,7 +88,11 @@ fn format(path: &Path) -> Result<Format, IoError> {
     let mut start = vec![0; PROBE];
     let length = source.fill(&mut start, &context)?;
     start.truncate(length);
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
     if start.starts_with(b"ply") && start.get(3).is_some_and(u8::is_ascii_whitespace) {
         return Ok(Format::Ply);
     }
@@ -98,7 +102,10 @@ fn format(path: &Path) -> Result<Format, IoError> {
     if pcd::is_header(&start) {
         return Ok(Format::Pcd);
     }
-    let textual = !start.is_empty() && start.iter().all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace());
+    let textual = !start.is_empty()
+        && start
+            .iter()
+            .all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace());
     match extension.as_str() {
         "ply" => Ok(Format::Ply),
         "las" | "laz" => Ok(Format::Las),

@@ -17,8 +17,8 @@ use super::gather::{ColorKind, Gather};
 use crate::error::Context;
 use crate::source::read_file;
 use crate::{Description, IoError, ReadOptions};
-use header::{Data, Field, Header};
 pub(super) use header::is_header;
+use header::{Data, Field, Header};
 
 /// Reads a PCD file.
 ///
@@ -37,14 +37,16 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
         Data::Ascii => read_text(data, &header, &columns, &mut gather, context)?,
         Data::Binary => {
             let used = header.byte_count(context)?;
-            let rows = data.get(..used).ok_or_else(|| {
-                context.truncated("points", used as u64, data.len() as u64)
-            })?;
+            let rows = data
+                .get(..used)
+                .ok_or_else(|| context.truncated("points", used as u64, data.len() as u64))?;
             for row in rows.chunks_exact(header.stride) {
                 gather.push(&columns.row(|field| field.decode(&row[field.place..])));
             }
             if data.len() > used {
-                description.warnings.push("there are more data than the header declares".to_owned());
+                description
+                    .warnings
+                    .push("there are more data than the header declares".to_owned());
             }
         }
         Data::Compressed => {
@@ -81,7 +83,9 @@ impl<'a> Columns<'a> {
         }
         let roles = found.map(|column| column.map(|column| &fields[column]));
         let packed = ["rgb", "rgba"].iter().find_map(|name| {
-            let field = fields.iter().find(|field| field.name.eq_ignore_ascii_case(name) && field.size == 4)?;
+            let field = fields
+                .iter()
+                .find(|field| field.name.eq_ignore_ascii_case(name) && field.size == 4)?;
             let mut field = field.clone();
             if header.data != Data::Ascii {
                 // The bits of a float count, not its value: it may be NaN.
@@ -127,11 +131,16 @@ fn read_text(
     context: &Context<'_>,
 ) -> Result<(), IoError> {
     // Every number takes a digit and a separator, but the last.
-    let least = header.points.saturating_mul(2 * header.width as u64).saturating_sub(1);
+    let least = header
+        .points
+        .saturating_mul(2 * header.width as u64)
+        .saturating_sub(1);
     if least > data.len() as u64 {
         return Err(context.truncated("points", least, data.len() as u64));
     }
-    let lines = data.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii().is_empty());
+    let lines = data
+        .split(|&byte| byte == b'\n')
+        .filter(|line| !line.trim_ascii().is_empty());
     let mut count = 0;
     for line in lines {
         let offset = (line.as_ptr() as usize - data.as_ptr() as usize + header.length) as u64;
@@ -141,7 +150,12 @@ fn read_text(
             let expected = format!("{} points of {} numbers each", header.points, header.width);
             return Err(context.field(format!("point {count}"), text, offset, expected));
         }
-        let wanted = columns.roles.iter().flatten().copied().chain(columns.packed.as_ref().map(|(field, _)| field));
+        let wanted = columns
+            .roles
+            .iter()
+            .flatten()
+            .copied()
+            .chain(columns.packed.as_ref().map(|(field, _)| field));
         for field in wanted {
             if field.parse(words[field.column]).is_none() {
                 let name = format!("point {count}, {}", field.name);
@@ -152,13 +166,22 @@ fn read_text(
         count += 1;
     }
     if count < header.points {
-        return Err(context.field("POINTS", header.points, None, format!("{count}, as many as there are lines")));
+        return Err(context.field(
+            "POINTS",
+            header.points,
+            None,
+            format!("{count}, as many as there are lines"),
+        ));
     }
     Ok(())
 }
 
 fn describe(header: &Header, path: &Path) -> Description {
-    let fields: Vec<String> = header.fields.iter().map(|f| format!("{} {}{}", f.name, f.kind, f.size * 8)).collect();
+    let fields: Vec<String> = header
+        .fields
+        .iter()
+        .map(|f| format!("{} {}{}", f.name, f.kind, f.size * 8))
+        .collect();
     let viewpoint = match header.viewpoint {
         Some([x, y, z]) => format!("viewpoint {x} {y} {z}"),
         None => String::new(),

@@ -28,15 +28,20 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     let columns = columns_of_roles(vertex.properties.iter().map(|p| p.name.as_str()));
     let columns = columns.map(|column| column.filter(|&c| vertex.has(&vertex.properties[c].name)));
     if let Some(missing) = (0..3).find(|&axis| columns[X + axis].is_none()) {
-        let expected = format!("a scalar property \"{}\" of element \"vertex\"", ["x", "y", "z"][missing]);
+        let expected = format!(
+            "a scalar property \"{}\" of element \"vertex\"",
+            ["x", "y", "z"][missing]
+        );
         return Err(context.field("property", "(absent)", None, expected));
     }
     let mut description = describe(&reader, &vertex, path);
     let mut gather = Gather::new(columns.map(|column| column.is_some()), options);
     gather.check_count(vertex.count, context)?;
     let roles: Vec<usize> = (0..ROLES).filter(|&role| columns[role].is_some()).collect();
-    let names: Vec<&str> =
-        roles.iter().filter_map(|&role| Some(vertex.properties[columns[role]?].name.as_str())).collect();
+    let names: Vec<&str> = roles
+        .iter()
+        .filter_map(|&role| Some(vertex.properties[columns[role]?].name.as_str()))
+        .collect();
     reader.rows("vertex", &names, |_, values| {
         let mut row = [f64::NAN; ROLES];
         for (&role, &value) in roles.iter().zip(values) {
@@ -46,7 +51,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
         Ok(())
     })?;
     if reader.finish()? == Rest::Excess {
-        description.warnings.push("there are more data than the header declares".to_owned());
+        description
+            .warnings
+            .push("there are more data than the header declares".to_owned());
     }
     gather.finish(color_kind(&vertex, columns[RED]), description, context)
 }
@@ -61,9 +68,17 @@ fn color_kind(vertex: &Element, red: Option<usize>) -> ColorKind {
 
 fn describe(reader: &Reader<'_>, vertex: &Element, path: &Path) -> Description {
     let properties: Vec<&str> = vertex.properties.iter().map(|p| p.name.as_str()).collect();
-    let others = reader.header().elements.iter().filter(|e| e.name != "vertex" && e.count > 0);
+    let others = reader
+        .header()
+        .elements
+        .iter()
+        .filter(|e| e.name != "vertex" && e.count > 0);
     let others: Vec<String> = others.map(|e| format!("{} x {}", e.count, e.name)).collect();
-    let kind = if others.is_empty() { String::new() } else { format!(" (passed over: {})", others.join(", ")) };
+    let kind = if others.is_empty() {
+        String::new()
+    } else {
+        format!(" (passed over: {})", others.join(", "))
+    };
     Description {
         format: format!("PLY{kind}"),
         stored_type: format!("{}, {}", reader.header().encoding.name(), properties.join(" ")),

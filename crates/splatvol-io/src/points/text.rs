@@ -65,9 +65,16 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     let whole = fill(&mut gather, lines, &columns, width, context)?;
     let mut description = describe(&columns, path);
     if let Some(declared) = count.filter(|&declared| declared != whole.rows as f64) {
-        description.warnings.push(format!("the first line counts {declared} points, there are {}", whole.rows));
+        description.warnings.push(format!(
+            "the first line counts {declared} points, there are {}",
+            whole.rows
+        ));
     }
-    let kind = if whole.colors { ColorKind::Integer } else { ColorKind::Float };
+    let kind = if whole.colors {
+        ColorKind::Integer
+    } else {
+        ColorKind::Float
+    };
     gather.finish(kind, description, context)
 }
 
@@ -90,9 +97,17 @@ fn fill<'a>(
         if line.comment().is_some() {
             continue;
         }
-        let numbers = line.numbers().filter(|numbers| numbers.len() == width).ok_or_else(|| {
-            context.field(format!("row {rows}"), line.text, line.offset, format!("{width} numbers"))
-        })?;
+        let numbers = line
+            .numbers()
+            .filter(|numbers| numbers.len() == width)
+            .ok_or_else(|| {
+                context.field(
+                    format!("row {rows}"),
+                    line.text,
+                    line.offset,
+                    format!("{width} numbers"),
+                )
+            })?;
         let row = columns.map(|column| column.map_or(f64::NAN, |column| numbers[column]));
         for color in &row[RED..RED + 3] {
             whole &= color.fract() == 0.0;
@@ -129,7 +144,8 @@ fn guess<'a>(
         9 if unit(3) => vec![X, NORMAL, RED],
         9 if unit(6) => vec![X, RED, NORMAL],
         _ => {
-            let expected = "3, 4, 6, 7 or 9 columns, or a line that names them (x, y, z, nx, red, intensity, radius)";
+            let expected =
+                "3, 4, 6, 7 or 9 columns, or a line that names them (x, y, z, nx, red, intensity, radius)";
             return Err(context.field("columns", width, None, expected));
         }
     };
@@ -146,9 +162,25 @@ fn guess<'a>(
 }
 
 fn describe(columns: &[Option<usize>; ROLES], path: &Path) -> Description {
-    let names = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "intensity", "radius"];
-    let mut found: Vec<(usize, &str)> =
-        columns.iter().zip(names).filter_map(|(column, name)| Some(((*column)?, name))).collect();
+    let names = [
+        "x",
+        "y",
+        "z",
+        "nx",
+        "ny",
+        "nz",
+        "red",
+        "green",
+        "blue",
+        "alpha",
+        "intensity",
+        "radius",
+    ];
+    let mut found: Vec<(usize, &str)> = columns
+        .iter()
+        .zip(names)
+        .filter_map(|(column, name)| Some(((*column)?, name)))
+        .collect();
     found.sort_unstable();
     let found: Vec<&str> = found.into_iter().map(|(_, name)| name).collect();
     Description {
@@ -169,7 +201,9 @@ struct Line<'a> {
 impl<'a> Line<'a> {
     /// What follows a comment's mark.
     fn comment(&self) -> Option<&'a str> {
-        self.text.strip_prefix('#').or_else(|| self.text.strip_prefix("//"))
+        self.text
+            .strip_prefix('#')
+            .or_else(|| self.text.strip_prefix("//"))
     }
 
     fn words(&self, comment: Option<&'a str>) -> impl Iterator<Item = &'a str> {
@@ -181,7 +215,10 @@ impl<'a> Line<'a> {
 
     /// The numbers of a line that has nothing else.
     fn numbers(&self) -> Option<Vec<f64>> {
-        let numbers: Vec<f64> = self.words(None).map(|word| word.parse().ok()).collect::<Option<_>>()?;
+        let numbers: Vec<f64> = self
+            .words(None)
+            .map(|word| word.parse().ok())
+            .collect::<Option<_>>()?;
         (!numbers.is_empty()).then_some(numbers)
     }
 }

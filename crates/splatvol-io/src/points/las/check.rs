@@ -74,7 +74,11 @@ impl Claims {
         let [format] = bytes.array(104)?;
         let legacy = u64::from(bytes.u32(107)?);
         bytes.array::<8>(219)?;
-        let large = if (major, minor) >= (1, 4) { bytes.u64(247)? } else { 0 };
+        let large = if (major, minor) >= (1, 4) {
+            bytes.u64(247)?
+        } else {
+            0
+        };
         Some(Self {
             version: (major, minor),
             format: format & 0x3f,
@@ -110,7 +114,12 @@ impl Claims {
             return Err(context.field("point data record format", self.format, 104, "0 to 10"));
         };
         if self.record < fixed {
-            return Err(context.field("point data record length", self.record, 105, format!("at least {fixed}")));
+            return Err(context.field(
+                "point data record length",
+                self.record,
+                105,
+                format!("at least {fixed}"),
+            ));
         }
         let offset = u64::from(self.offset);
         if offset > bytes.length() {
@@ -139,7 +148,12 @@ impl Claims {
             at = length.map_or(u64::MAX, |length| at + 54 + length);
             if at > u64::from(self.offset) {
                 let expected = "records that end before the points";
-                return Err(context.field(format!("variable length record {index}"), self.vlrs, 100, expected));
+                return Err(context.field(
+                    format!("variable length record {index}"),
+                    self.vlrs,
+                    100,
+                    expected,
+                ));
             }
         }
         if self.version < (1, 4) {

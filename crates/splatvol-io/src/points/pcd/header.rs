@@ -80,7 +80,7 @@ pub(super) struct Header {
 }
 
 /// True where a file begins as PCD does: comments, then a version or fields.
-pub(in super::super) fn is_header(start: &[u8]) -> bool {
+pub(in crate::points) fn is_header(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     text.lines()
         .find(|line| !line.starts_with('#') && !line.trim().is_empty())
@@ -104,9 +104,17 @@ impl Header {
         let mut position = 0;
         let data = loop {
             let rest = &bytes[position..];
-            let end = rest.iter().position(|&byte| byte == b'\n').filter(|end| position + end < LONGEST);
+            let end = rest
+                .iter()
+                .position(|&byte| byte == b'\n')
+                .filter(|end| position + end < LONGEST);
             let Some(end) = end else {
-                return Err(context.field("header", "no DATA line", position as u64, "a header that ends with DATA"));
+                return Err(context.field(
+                    "header",
+                    "no DATA line",
+                    position as u64,
+                    "a header that ends with DATA",
+                ));
             };
             let offset = position as u64;
             position += end + 1;
@@ -122,15 +130,17 @@ impl Header {
         };
         let fields = lines.fields(context)?;
         let [width, height, points] = lines.numbers;
-        let product = width.zip(height).map(|(width, height)| width.saturating_mul(height));
+        let product = width
+            .zip(height)
+            .map(|(width, height)| width.saturating_mul(height));
         let points = match (points, product) {
             (Some(points), Some(product)) if points != product => {
                 let expected = format!("{product}, WIDTH times HEIGHT");
                 return Err(context.field("POINTS", points, None, expected));
             }
-            (points, product) => points.or(product).ok_or_else(|| {
-                context.field("POINTS", "(absent)", None, "POINTS, or WIDTH and HEIGHT")
-            })?,
+            (points, product) => points
+                .or(product)
+                .ok_or_else(|| context.field("POINTS", "(absent)", None, "POINTS, or WIDTH and HEIGHT"))?,
         };
         Ok(Self {
             version: lines.version.to_owned(),
@@ -160,7 +170,8 @@ impl<'a> Lines<'a> {
         offset: u64,
         context: &Context<'_>,
     ) -> Result<Option<Data>, IoError> {
-        let wrong = |values: &[&str], expected: &str| context.field(keyword, values.join(" "), offset, expected);
+        let wrong =
+            |values: &[&str], expected: &str| context.field(keyword, values.join(" "), offset, expected);
         match keyword {
             "VERSION" => self.version = values.first().copied().unwrap_or_default(),
             "FIELDS" | "COLUMNS" => self.names = values,
@@ -169,7 +180,9 @@ impl<'a> Lines<'a> {
             "COUNT" => self.counts = values,
             "VIEWPOINT" => self.viewpoint = values,
             "WIDTH" | "HEIGHT" | "POINTS" => {
-                let slot = ["WIDTH", "HEIGHT", "POINTS"].iter().position(|name| *name == keyword);
+                let slot = ["WIDTH", "HEIGHT", "POINTS"]
+                    .iter()
+                    .position(|name| *name == keyword);
                 let number = match values.as_slice() {
                     [number] => number.parse().ok(),
                     _ => None,
@@ -194,7 +207,11 @@ impl<'a> Lines<'a> {
     fn fields(&self, context: &Context<'_>) -> Result<Vec<Field>, IoError> {
         let count = self.names.len();
         let ones = vec!["1"; count];
-        let counts = if self.counts.is_empty() { &ones } else { &self.counts };
+        let counts = if self.counts.is_empty() {
+            &ones
+        } else {
+            &self.counts
+        };
         for (keyword, values) in [("SIZE", &self.sizes), ("TYPE", &self.kinds), ("COUNT", counts)] {
             if values.len() != count || count == 0 {
                 let expected = format!("one value for each of the {count} FIELDS");
@@ -216,9 +233,11 @@ impl<'a> Lines<'a> {
                 "8" => 8,
                 _ => return Err(wrong("SIZE", size, "1, 2, 4 or 8 bytes, of floats 4 or 8")),
             };
-            let count: u16 = count.parse().ok().filter(|&count| count > 0).ok_or_else(|| {
-                wrong("COUNT", count, "1 to 65535")
-            })?;
+            let count: u16 = count
+                .parse()
+                .ok()
+                .filter(|&count| count > 0)
+                .ok_or_else(|| wrong("COUNT", count, "1 to 65535"))?;
             let count = usize::from(count);
             fields.push(Field {
                 name: (*name).to_owned(),
@@ -239,8 +258,11 @@ impl<'a> Lines<'a> {
         if self.viewpoint.is_empty() {
             return Ok(None);
         }
-        let numbers: Option<Vec<f64>> =
-            self.viewpoint.iter().map(|word| word.parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        let numbers: Option<Vec<f64>> = self
+            .viewpoint
+            .iter()
+            .map(|word| word.parse().ok().filter(|n: &f64| n.is_finite()))
+            .collect();
         match numbers.as_deref() {
             Some([x, y, z, w, a, b, c]) => {
                 let default = [*x, *y, *z, *w, *a, *b, *c] == [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];

@@ -15,7 +15,9 @@ pub(super) fn data(bytes: &[u8], declared: usize, context: &Context<'_>) -> Resu
     let Some((lengths, stream)) = bytes.split_at_checked(8) else {
         return Err(context.truncated("lengths of the data", 8, bytes.len() as u64));
     };
-    let length = |at: usize| u32::from_le_bytes([lengths[at], lengths[at + 1], lengths[at + 2], lengths[at + 3]]) as usize;
+    let length = |at: usize| {
+        u32::from_le_bytes([lengths[at], lengths[at + 1], lengths[at + 2], lengths[at + 3]]) as usize
+    };
     let (compressed, decompressed) = (length(0), length(4));
     if decompressed != declared {
         let expected = format!("{declared}, as the header's fields and points take");
@@ -30,7 +32,12 @@ pub(super) fn data(bytes: &[u8], declared: usize, context: &Context<'_>) -> Resu
     }
     match inflate(stream, decompressed) {
         Some(data) if data.len() == decompressed => Ok(data),
-        _ => Err(context.field("compressed data", "corrupt", None, format!("an LZF stream of {decompressed} bytes"))),
+        _ => Err(context.field(
+            "compressed data",
+            "corrupt",
+            None,
+            format!("an LZF stream of {decompressed} bytes"),
+        )),
     }
 }
 
@@ -75,7 +82,12 @@ mod tests {
         assert_eq!(inflate(&stream, 13).unwrap(), b"abcabcabcabc!");
         // The same with a short length: 2 + 3.
         assert_eq!(inflate(&[0, b'x', 0b0110_0000, 0], 6).unwrap(), b"xxxxxx");
-        for bad in [&[2, b'a'][..], &[32, 0], &[0, b'a', 0b1110_0000], &[0, b'a', 0b1110_0000, 255, 0]] {
+        for bad in [
+            &[2, b'a'][..],
+            &[32, 0],
+            &[0, b'a', 0b1110_0000],
+            &[0, b'a', 0b1110_0000, 255, 0],
+        ] {
             assert_eq!(inflate(bad, 6), None, "{bad:?}");
         }
     }
