@@ -193,7 +193,7 @@ fn columns_of_tables_are_told_apart() {
     let attributes = |text: &str| {
         let loaded = read_as("a.txt", text.as_bytes()).unwrap_or_else(|error| panic!("{error}: {text}"));
         (
-            loaded.points.positions().to_vec(),
+            world(&loaded).iter().map(|p| p.to_array()).collect::<Vec<_>>(),
             loaded.points.attributes().clone(),
             loaded.description.warnings,
         )

@@ -149,7 +149,9 @@ fn cut_and_mutated_files_are_answered_in_time() {
         let step = (original.len() / 200).max(1);
         for length in (0..original.len()).step_by(step) {
             if let Ok(cut) = read_bytes(folder.path(), name, &original[..length]) {
-                let shorter = name.starts_with("table") && cut.points.len() <= whole.points.len();
+                // A text may lose whole lines, or the end of its last number.
+                let text = name.starts_with("table") || name.starts_with("ascii");
+                let shorter = text && cut.points.len() <= whole.points.len();
                 assert!(shorter || cut.points == whole.points, "{name}: cut at {length}");
             }
         }
@@ -207,8 +209,10 @@ fn promises_cost_nothing() {
     for name in ["1.2-with-color.las", "1.2-with-color.copc.laz"] {
         let mut bytes = std::fs::read(points.join(name)).unwrap();
         // LAS 1.4 has its own count, which holds where the old one is zero.
-        bytes[107..111].copy_from_slice(&if bytes[25] == 4 { 0u32 } else { u32::MAX }.to_le_bytes());
-        if bytes[25] == 4 {
+        let large = bytes[25] == 4;
+        let old: u32 = if large { 0 } else { u32::MAX };
+        bytes[107..111].copy_from_slice(&old.to_le_bytes());
+        if large {
             bytes[247..255].copy_from_slice(&1_000_000_000_000u64.to_le_bytes());
         }
         refused(name, &bytes);

@@ -221,7 +221,10 @@ fn bunny() -> Option<(Vec<[f32; 3]>, Vec<DVec3>)> {
     }
     Some((
         stored(&vertices),
-        normals.into_iter().map(|n| n.normalize_or_zero() * f64::signum(volume)).collect(),
+        normals
+            .into_iter()
+            .map(|n| n.normalize_or_zero() * f64::signum(volume))
+            .collect(),
     ))
 }
 

@@ -174,7 +174,7 @@ fn greys(intensities: &[[f32; 4]], description: &mut Description) -> Vec<[u8; 4]
     if sorted.is_empty() {
         return Vec::new();
     }
-    let rank = ((sorted.len() - 1) as f64 * WHITE) as usize;
+    let rank = ((sorted.len() - 1) as f64 * WHITE).ceil() as usize;
     let (below, &mut white, above) = sorted.select_nth_unstable_by(rank, f32::total_cmp);
     let differ = below.iter().chain(&*above).any(|i| *i != white);
     if !differ || white <= 0.0 {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::LoadedPoints;
-use super::columns::{RED, ROLES, X, columns_of_roles};
+use super::columns::{INTENSITY, RED, ROLES, X, columns_of_roles};
 use super::gather::{ColorKind, Gather};
 use crate::error::Context;
 use crate::ply::{Element, Reader};
@@ -26,7 +26,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
         return Err(context.unsupported("these are 3-D Gaussians, not points; read them as Gaussians"));
     }
     let columns = columns_of_roles(vertex.properties.iter().map(|p| p.name.as_str()));
-    let columns = columns.map(|column| column.filter(|&c| vertex.has(&vertex.properties[c].name)));
+    let mut columns = columns.map(|column| column.filter(|&c| vertex.has(&vertex.properties[c].name)));
+    // An intensity beside a confidence belongs to a range scan and is no colour.
+    columns[INTENSITY] = None;
     if let Some(missing) = (0..3).find(|&axis| columns[X + axis].is_none()) {
         let expected = format!(
             "a scalar property \"{}\" of element \"vertex\"",

@@ -144,7 +144,7 @@ impl Claims {
     fn check_records(&self, bytes: &Bytes<'_>, context: &Context<'_>) -> Result<(), IoError> {
         let mut at = u64::from(self.header);
         for index in 0..self.vlrs {
-            let length = bytes.u16(at + 18).map(u64::from);
+            let length = bytes.u16(at + 20).map(u64::from);
             at = length.map_or(u64::MAX, |length| at + 54 + length);
             if at > u64::from(self.offset) {
                 let expected = "records that end before the points";
