@@ -44,7 +44,7 @@ impl Neighborhoods {
     fn turn_outward(&self, normals: &mut [DVec3]) {
         let mut parts = Parts::new(normals.len());
         for key in self.edges(normals) {
-            let edge = (key & (1 << EDGE_BITS) - 1) as usize;
+            let edge = (key & ((1 << EDGE_BITS) - 1)) as usize;
             let (i, j) = (edge / self.k, self.neighbors_at(edge));
             parts.join(i, j, self.agreement(normals, i, j) < 0.0);
         }

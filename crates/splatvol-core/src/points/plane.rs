@@ -78,10 +78,8 @@ fn rotate(a: &mut [[f64; 3]; 3], v: &mut [[f64; 3]; 3], p: usize, q: usize) {
     let (rp, rq) = (a[r][p], a[r][q]);
     (a[r][p], a[r][q]) = (c * rp - s * rq, s * rp + c * rq);
     (a[p][r], a[q][r]) = (a[r][p], a[r][q]);
-    for i in 0..3 {
-        let (vp, vq) = (v[p][i], v[q][i]);
-        (v[p][i], v[q][i]) = (c * vp - s * vq, s * vp + c * vq);
-    }
+    let (vp, vq) = (DVec3::from_array(v[p]), DVec3::from_array(v[q]));
+    (v[p], v[q]) = ((c * vp - s * vq).to_array(), (s * vp + c * vq).to_array());
 }
 
 #[cfg(test)]

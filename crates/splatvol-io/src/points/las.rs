@@ -1,7 +1,7 @@
 //! LAS 1.0 to 1.4, LAZ and COPC (ASPRS LAS Specification 1.4 R15), by the crate `las`.
 //!
 //! A COPC file is a LAZ file whose order of points has a meaning besides; all its points are read. What a header
-//! promises is held against the file first ([`check`]): the crate trusts it. Colours have 16 bits by the specification,
+//! promises is held against the file first (`check`): the crate trusts it. Colours have 16 bits by the specification,
 //! of which many writers use 8; that is recognised by the largest one. Without colours, intensity is grey.
 
 mod check;

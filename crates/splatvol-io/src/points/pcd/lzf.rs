@@ -1,4 +1,4 @@
-//! LZF (Marc Lehmann's LibLZF), which compresses the data of PCD files.
+//! LZF (Marc Lehmann's `LibLZF`), which compresses the data of PCD files.
 //!
 //! A byte `c < 32` is followed by `c + 1` literal bytes. Else its upper three bits are a length (7: one more byte adds to
 //! it), 2 less than the true one, and its lower five with the next byte a distance, 1 less than the true one. Our own, as
