@@ -22,6 +22,7 @@ pub mod footprint;
 pub mod kernel;
 pub mod mip;
 pub mod normal;
+pub mod points;
 mod prefilter;
 pub mod radial;
 pub mod sheets;

@@ -70,7 +70,7 @@ pub fn read_camera_keys(path: impl AsRef<Path>) -> Result<Vec<StoredCameraKey>, 
     Ok(keys)
 }
 
-fn parse_toml(bytes: &[u8], context: &Context<'_>) -> Result<Value, IoError> {
+pub(crate) fn parse_toml(bytes: &[u8], context: &Context<'_>) -> Result<Value, IoError> {
     let text = std::str::from_utf8(bytes)
         .map_err(|error| context.field("contents", error, None, "text in UTF-8"))?;
     toml::from_str(text).map_err(|error| {

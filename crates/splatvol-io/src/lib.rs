@@ -1,9 +1,10 @@
-//! Readers and writers: volumes, Gaussians, transfer functions and images.
+//! Readers and writers: volumes, points, Gaussians, meshes, transfer functions and images.
 //!
 //! | module | formats |
 //! |---|---|
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
 //! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
+//! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
@@ -20,8 +21,8 @@ mod error;
 pub mod gaussians;
 pub mod image;
 mod json;
-#[allow(dead_code, reason = "parts of it are for the readers of points")]
 mod ply;
+pub mod points;
 mod samples;
 mod source;
 pub mod transfer_function;
@@ -33,6 +34,9 @@ pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
+pub use points::depth_image::{DepthImageOptions, read_depth_images};
+pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
+pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
 pub use transfer_function::{
     read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,

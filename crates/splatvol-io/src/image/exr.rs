@@ -96,44 +96,10 @@ pub(super) fn attributes(metadata: &[(String, String)]) -> Result<LayerAttribute
 /// [`IoError::Truncated`] and [`IoError::Limit`] for sizes that the bytes do not justify.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
     let context = Context::new("EXR", path);
-    let malformed = |error: exr::error::Error| context.field("contents", error, None, "a valid EXR");
-    let headers = MetaData::read_from_buffered(Cursor::new(bytes), false)
-        .map_err(malformed)?
-        .headers;
-    for header in &headers {
-        let Vec2(width, height) = header.layer_size;
-        let pixels = (width as u64).saturating_mul(height as u64);
-        let channels = header.channels.list.len() as u64;
-        check_size(
-            pixels.saturating_mul(channels.div_ceil(4)),
-            bytes,
-            PIXELS_PER_BYTE,
-            &context,
-        )?;
-    }
-    let picture = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(malformed)?;
+    let picture = decode_picture(bytes, &context)?;
     let layer = &picture.layer_data;
-    let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
-    let size =
-        ImageSize::new(side(layer.size.0), side(layer.size.1)).map_err(|error| context.scene(error))?;
-    let plane = |name: &str| -> Option<Vec<f32>> {
-        let channel = layer
-            .channel_data
-            .list
-            .iter()
-            .find(|channel| channel.name.eq(name))?;
-        let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        // Subsampled channels have fewer samples.
-        (samples.len() == size.pixel_count()).then_some(samples)
-    };
+    let size = layer_size(layer, &context)?;
+    let plane = |name: &str| channel(layer, name);
     let (Some(red), Some(green), Some(blue)) = (plane("R"), plane("G"), plane("B")) else {
         return Err(context.unsupported("the first layer has no full channels R, G and B"));
     };
@@ -146,6 +112,79 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
         depth: plane("Z"),
         metadata: texts(&layer.attributes, &context)?,
     })
+}
+
+/// Channels that may hold depths, best first.
+const DEPTH_CHANNELS: [&str; 5] = ["Z", "depth", "Y", "V", "R"];
+
+/// Width, height and depths of an EXR file: channel `Z`, or the first of `depth`, `Y`, `V`, `R`.
+///
+/// # Errors
+/// As [`decode`]; [`IoError::Unsupported`] without such a channel.
+pub(crate) fn decode_depth(bytes: &[u8], path: &Path) -> Result<([usize; 2], Vec<f32>), IoError> {
+    let context = Context::new("EXR", path);
+    let picture = decode_picture(bytes, &context)?;
+    let layer = &picture.layer_data;
+    let size = layer_size(layer, &context)?;
+    let depths = DEPTH_CHANNELS
+        .iter()
+        .find_map(|name| channel(layer, name))
+        .ok_or_else(|| {
+            context.unsupported(format!(
+                "no full channel {} for depths",
+                DEPTH_CHANNELS.join(", ")
+            ))
+        })?;
+    Ok(([size.width() as usize, size.height() as usize], depths))
+}
+
+type Channels = AnyChannels<FlatSamples>;
+
+/// The first layer, all channels; sizes are held against the bytes first.
+fn decode_picture(
+    bytes: &[u8],
+    context: &Context<'_>,
+) -> Result<exr::prelude::Image<Layer<Channels>>, IoError> {
+    let malformed = |error: exr::error::Error| context.field("contents", error, None, "a valid EXR");
+    let headers = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(malformed)?
+        .headers;
+    for header in &headers {
+        let Vec2(width, height) = header.layer_size;
+        let pixels = (width as u64).saturating_mul(height as u64);
+        let channels = header.channels.list.len() as u64;
+        check_size(
+            pixels.saturating_mul(channels.div_ceil(4)),
+            bytes,
+            PIXELS_PER_BYTE,
+            context,
+        )?;
+    }
+    read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(malformed)
+}
+
+fn layer_size(layer: &Layer<Channels>, context: &Context<'_>) -> Result<ImageSize, IoError> {
+    let side = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+    ImageSize::new(side(layer.size.0), side(layer.size.1)).map_err(|error| context.scene(error))
+}
+
+/// Samples of a channel that is not subsampled.
+fn channel(layer: &Layer<Channels>, name: &str) -> Option<Vec<f32>> {
+    let channel = layer
+        .channel_data
+        .list
+        .iter()
+        .find(|channel| channel.name.eq(name))?;
+    let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
+    (samples.len() == layer.size.0 * layer.size.1).then_some(samples)
 }
 
 fn texts(attributes: &LayerAttributes, context: &Context<'_>) -> Result<Vec<(String, String)>, IoError> {

@@ -161,6 +161,7 @@ pub(crate) struct Header {
 
 impl Header {
     /// The header at the start of `bytes`.
+    #[cfg(test)]
     pub(crate) fn parse(bytes: &[u8], context: &Context<'_>) -> Result<Self, IoError> {
         Self::read(&mut Source::from_bytes(bytes), context)
     }

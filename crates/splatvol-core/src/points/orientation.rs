@@ -1,0 +1,205 @@
+//! Signs of normals.
+//!
+//! Planes have two sides. As Hoppe et al. (1992, section 3.3) do, sides spread over a spanning tree of the graph of
+//! neighbours, from pairs that surely agree to pairs that do not. Whether two normals agree is not asked of their product
+//! alone, which fails where a surface turns by more than a right angle, but of
+//!
+//! `c = n_i . n_j - 2 (n_i . e)(n_j . e)`, with e the direction from one to the other:
+//!
+//! the second normal mirrored as by a circle through both points (the simplest curve between them, as König and Gumhold
+//! 2009 argue). It is 1 for the outward normals of a circle at any angle, and for the two sides of a thin sheet. Edges
+//! are taken in the order of `1 - |c|` (Kruskal's algorithm), and sets of places keep their sign relative to the set's root.
+//!
+//! Then each connected part is turned as a whole: outward where it encloses something, which is where the sum of
+//! `(p - centre) . n` over its area is above zero (the divergence theorem: three times the volume).
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Neighborhoods, Orientation};
+
+/// A part bulges where the mean of `(p - centre) . n` is at least this share of the mean of `|p - centre|`.
+const BULGING: f64 = 0.1;
+/// A part is closed where its mean normal is shorter than this; over a closed surface normals add up to nothing.
+const CLOSED: f64 = 0.3;
+/// Bits that hold the number of an edge: 2^32 places of up to 64 neighbours.
+const EDGE_BITS: u32 = 38;
+
+impl Neighborhoods {
+    /// Unit normals of all positions; see [`estimate_normals`](super::estimate_normals).
+    pub fn normals(&self, orientation: Orientation) -> Vec<[f32; 3]> {
+        let mut normals = self.plane_normals();
+        match orientation {
+            Orientation::Outward => self.turn_outward(&mut normals),
+            Orientation::Along(direction) => turn(&mut normals, |_| direction),
+            Orientation::Towards(viewpoint) => {
+                let viewpoint = (viewpoint - self.center) / self.scale;
+                turn(&mut normals, |place| viewpoint - self.place(place));
+            }
+        }
+        let normals: Vec<[f32; 3]> = normals.par_iter().map(|n| n.as_vec3().to_array()).collect();
+        self.spread(&normals)
+    }
+
+    fn turn_outward(&self, normals: &mut [DVec3]) {
+        let mut parts = Parts::new(normals.len());
+        for key in self.edges(normals) {
+            let edge = (key & ((1 << EDGE_BITS) - 1)) as usize;
+            let (i, j) = (edge / self.k, self.neighbors_at(edge));
+            parts.join(i, j, self.agreement(normals, i, j) < 0.0);
+        }
+        let roots: Vec<(u32, bool)> = (0..normals.len()).map(|place| parts.root(place)).collect();
+        normals
+            .par_iter_mut()
+            .zip(&roots)
+            .for_each(|(normal, &(_, flipped))| {
+                if flipped {
+                    *normal = -*normal;
+                }
+            });
+        let inward = self.inward_parts(normals, &roots);
+        normals
+            .par_iter_mut()
+            .zip(&roots)
+            .for_each(|(normal, &(root, _))| {
+                if inward[root as usize] {
+                    *normal = -*normal;
+                }
+            });
+    }
+
+    /// Keys of edges in the order in which sides spread: doubt in the upper bits, the edge's number in the lower.
+    fn edges(&self, normals: &[DVec3]) -> Vec<u64> {
+        let mut keys: Vec<u64> = (0..self.flat().len())
+            .into_par_iter()
+            .filter_map(|edge| {
+                let (i, j) = (edge / self.k, self.neighbors_at(edge));
+                // An edge that both ends know is taken once.
+                if j < i && self.of(j).contains(&(i as u32)) {
+                    return None;
+                }
+                let doubt = 1.0 - self.agreement(normals, i, j).abs();
+                let steps = (1u64 << (u64::BITS - EDGE_BITS)) - 1;
+                Some(((doubt.clamp(0.0, 1.0) * steps as f64) as u64) << EDGE_BITS | edge as u64)
+            })
+            .collect();
+        keys.par_sort_unstable();
+        keys
+    }
+
+    fn neighbors_at(&self, edge: usize) -> usize {
+        self.flat()[edge] as usize
+    }
+
+    /// 1 where two normals surely show the same side, -1 where they surely do not.
+    fn agreement(&self, normals: &[DVec3], i: usize, j: usize) -> f64 {
+        let along = (self.place(j) - self.place(i)).normalize_or_zero();
+        let (a, b) = (normals[i], normals[j]);
+        a.dot(b) - 2.0 * a.dot(along) * b.dot(along)
+    }
+
+    /// For each root, whether the part's normals point into it.
+    fn inward_parts(&self, normals: &[DVec3], roots: &[(u32, bool)]) -> Vec<bool> {
+        let area: Vec<f64> = self.place_radii().into_iter().map(|r| r * r).collect();
+        let mut parts = vec![Part::default(); normals.len()];
+        for (place, &(root, _)) in roots.iter().enumerate() {
+            let part = &mut parts[root as usize];
+            part.area += area[place];
+            part.moment += area[place] * self.place(place);
+        }
+        for (place, &(root, _)) in roots.iter().enumerate() {
+            let part = &mut parts[root as usize];
+            let from_center = self.place(place) - part.moment / part.area;
+            part.outward += area[place] * from_center.dot(normals[place]);
+            part.extent += area[place] * from_center.length();
+            part.normal += area[place] * normals[place];
+        }
+        parts.iter().map(Part::is_inward).collect()
+    }
+}
+
+/// Sums over a connected part.
+#[derive(Debug, Clone, Copy, Default)]
+struct Part {
+    area: f64,
+    moment: DVec3,
+    outward: f64,
+    extent: f64,
+    normal: DVec3,
+}
+
+impl Part {
+    fn is_inward(&self) -> bool {
+        let bulges = self.outward.abs() > BULGING * self.extent;
+        if bulges || self.normal.length() < CLOSED * self.area {
+            return self.outward < 0.0;
+        }
+        let [x, y, z] = self.normal.to_array();
+        // Ties go to z, the usual up.
+        [z, y, x]
+            .into_iter()
+            .reduce(|a, b| if b.abs() > a.abs() * (1.0 + 1e-9) { b } else { a })
+            .is_some_and(|most| most < 0.0)
+    }
+}
+
+/// Turns every normal to the side of a direction of its own.
+fn turn(normals: &mut [DVec3], side: impl Fn(usize) -> DVec3 + Sync) {
+    normals.par_iter_mut().enumerate().for_each(|(place, normal)| {
+        if normal.dot(side(place)) < 0.0 {
+            *normal = -*normal;
+        }
+    });
+}
+
+/// Disjoint sets whose members know their sign relative to the root (union by size, path halving).
+struct Parts {
+    /// Parent in the upper 31 bits, whether the sign differs from the parent's in the lowest.
+    parent: Vec<u64>,
+    size: Vec<u32>,
+}
+
+impl Parts {
+    fn new(count: usize) -> Self {
+        Self {
+            parent: (0..count as u64).map(|i| i << 1).collect(),
+            size: vec![1; count],
+        }
+    }
+
+    /// The root of a place's set, and whether the place's sign differs from the root's.
+    fn root(&mut self, place: usize) -> (u32, bool) {
+        let (mut at, mut differs) = (place, 0);
+        loop {
+            let up = self.parent[at];
+            let parent = (up >> 1) as usize;
+            if parent == at {
+                return (at as u32, differs == 1);
+            }
+            let above = self.parent[parent];
+            // The place moves under its grandparent.
+            let shorter = (above & !1) | ((up ^ above) & 1);
+            let is_root = (above >> 1) as usize == parent;
+            self.parent[at] = if is_root { up } else { shorter };
+            differs ^= self.parent[at] & 1;
+            at = (self.parent[at] >> 1) as usize;
+        }
+    }
+
+    /// Joins the sets of two places whose signs differ or not; nothing where they are joined already.
+    fn join(&mut self, i: usize, j: usize, differ: bool) {
+        let ((root_i, sign_i), (root_j, sign_j)) = (self.root(i), self.root(j));
+        if root_i == root_j {
+            return;
+        }
+        let sign = u64::from(differ ^ sign_i ^ sign_j);
+        let (root_i, root_j) = (root_i as usize, root_j as usize);
+        let (low, high) = if self.size[root_i] < self.size[root_j] {
+            (root_i, root_j)
+        } else {
+            (root_j, root_i)
+        };
+        self.parent[low] = (high as u64) << 1 | sign;
+        self.size[high] += self.size[low];
+    }
+}

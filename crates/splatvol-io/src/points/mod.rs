@@ -1,0 +1,120 @@
+//! Clouds of points: one module per format, and the choice between them.
+//!
+//! | module | formats |
+//! |---|---|
+//! | `ply` | PLY, vertices of meshes too |
+//! | [`las`] | LAS 1.0 to 1.4, LAZ, COPC |
+//! | [`pcd`] | PCD 0.5 to 0.7, ascii, binary, `binary_compressed` |
+//! | [`text`] | XYZ, CSV, PTS and other tables of numbers |
+//! | [`height_field`] | terrain: USGS DEM, `GeoTIFF`, tables, raw |
+//! | [`depth_image`] | frames of depth cameras |
+//!
+//! Positions are read in 64 bits and get a local origin before they become 32 bits, where they lie far from zero. Colours
+//! are sRGB, however many bits they were stored with. Points without a place (NaN) are left out and counted.
+
+mod columns;
+pub mod depth_image;
+mod gather;
+pub mod height_field;
+pub mod las;
+pub mod pcd;
+pub mod ply;
+pub mod text;
+
+use std::path::Path;
+
+use glam::DVec3;
+use splatvol_scene::Points;
+
+use crate::error::Context;
+use crate::source::Source;
+use crate::{Description, IoError, ReadOptions};
+
+/// Bytes looked at to tell formats apart.
+const PROBE: usize = 4096;
+
+/// Points and where they came from.
+#[derive(Debug, Clone)]
+pub struct LoadedPoints {
+    /// The points.
+    pub points: Points,
+    /// What the file said.
+    pub description: Description,
+    /// Where the scanner stood, world, if the file says so: normals point to its side.
+    pub viewpoint: Option<DVec3>,
+}
+
+impl LoadedPoints {
+    /// Makes an error of warnings where reading is strict.
+    fn checked(self, strict: bool, path: &Path) -> Result<Self, IoError> {
+        if strict && !self.description.warnings.is_empty() {
+            return Err(IoError::Strict {
+                warning: self.description.warnings.join("; "),
+                path: path.to_owned(),
+            });
+        }
+        Ok(self)
+    }
+}
+
+/// Reads points of any supported format. The first bytes of the file decide; its extension only where they do not. Of
+/// the options `strict` and `max_bytes` count.
+///
+/// # Errors
+/// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
+pub fn read_points(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedPoints, IoError> {
+    let path = path.as_ref();
+    let loaded = match format(path)? {
+        Format::Ply => ply::read(path, options),
+        Format::Las => las::read(path, options),
+        Format::Pcd => pcd::read(path, options),
+        Format::Text => text::read(path, options),
+    }?;
+    loaded.checked(options.strict, path)
+}
+
+/// The formats of clouds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Ply,
+    Las,
+    Pcd,
+    Text,
+}
+
+fn format(path: &Path) -> Result<Format, IoError> {
+    let context = Context::new("points", path);
+    let mut source = Source::open(path)?;
+    let mut start = vec![0; PROBE];
+    let length = source.fill(&mut start, &context)?;
+    start.truncate(length);
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    if start.starts_with(b"ply") && start.get(3).is_some_and(u8::is_ascii_whitespace) {
+        return Ok(Format::Ply);
+    }
+    if start.starts_with(b"LASF") {
+        return Ok(Format::Las);
+    }
+    if pcd::is_header(&start) {
+        return Ok(Format::Pcd);
+    }
+    let textual = !start.is_empty()
+        && start
+            .iter()
+            .all(|byte| !byte.is_ascii_control() || byte.is_ascii_whitespace());
+    match extension.as_str() {
+        "ply" => Ok(Format::Ply),
+        "las" | "laz" => Ok(Format::Las),
+        "pcd" => Ok(Format::Pcd),
+        "xyz" | "csv" | "txt" | "asc" | "pts" | "xyzrgb" | "xyzn" | "tsv" => Ok(Format::Text),
+        _ if textual => Ok(Format::Text),
+        _ => Err(context.unsupported(format!(
+            "neither the first bytes nor the extension \"{extension}\" belong to a known format of points \
+             (PLY, LAS, LAZ, COPC, PCD, tables of text)"
+        ))),
+    }
+}
