@@ -9,7 +9,7 @@
 //!
 //! | stage | module | what |
 //! |---|---|---|
-//! | project | `project`, `harmonics`, `view` | Gaussians to splats: centre, conic, colour, extent; SIMD over Gaussians |
+//! | project | `project`, `view`, `splatvol_scene::harmonics` | Gaussians to splats: centre, conic, colour, extent; SIMD over Gaussians |
 //! | order | `order` | all splats by the depth of their centres: stable radix sort, equal depths by index |
 //! | bin | `bin` | splats in the lists of 32 x 32-pixel tiles, in order |
 //! | cover | `cover` | which 4 x 4 blocks of a tile a splat's ellipse meets; SIMD over splats |
@@ -39,7 +39,6 @@
 
 mod bin;
 mod cover;
-mod harmonics;
 mod math;
 mod order;
 mod project;

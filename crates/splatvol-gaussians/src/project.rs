@@ -16,8 +16,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use splatvol_scene::Gaussians;
 use splatvol_scene::gaussians::harmonics_count;
+use splatvol_scene::harmonics;
 
-use crate::harmonics;
 use crate::math::log2;
 use crate::view::{REFERENCE_TILE, View};
 

@@ -14,6 +14,8 @@
 //! | [`points`] | samples of surfaces: places, sizes, normals, colours |
 //! | [`mesh`] | a scalar on irregular grids: structured blocks, unstructured cells |
 //! | [`gaussians`] | 3-D Gaussians with opacity and spherical harmonics |
+//! | [`harmonics`] | colours of Gaussians by direction |
+//! | [`composition`] | several of all these in one picture |
 //! | [`scene`] | volume + transfer function |
 //! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
 //! | [`clip`] | what is cut away |
@@ -33,10 +35,12 @@
 pub mod camera;
 pub mod camera_path;
 pub mod clip;
+pub mod composition;
 mod error;
 pub mod exposure;
 pub mod gaussians;
 pub mod grid;
+pub mod harmonics;
 pub mod image;
 pub mod lighting;
 pub mod mesh;
@@ -51,6 +55,7 @@ pub mod volume;
 pub use camera::{Camera, Projection, ScreenFromCamera, View};
 pub use camera_path::{CameraKey, CameraPath};
 pub use clip::{Clip, ClipPlane, Keep};
+pub use composition::{Composition, Content, Item, PointLook};
 pub use error::SceneError;
 pub use exposure::Exposure;
 pub use gaussians::{GaussianAttributes, Gaussians};
@@ -67,8 +72,8 @@ pub use points::{PointAttributes, Points};
 pub use scene::{Isosurface, Scene};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FootprintTable,
-    Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent,
-    Stretch, TablePrecision,
+    GaussianMode, Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings,
+    SheetContent, Stretch, TablePrecision,
 };
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

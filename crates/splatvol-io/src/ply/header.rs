@@ -160,12 +160,6 @@ pub(crate) struct Header {
 }
 
 impl Header {
-    /// The header at the start of `bytes`.
-    #[cfg(test)]
-    pub(crate) fn parse(bytes: &[u8], context: &Context<'_>) -> Result<Self, IoError> {
-        Self::read(&mut Source::from_bytes(bytes), context)
-    }
-
     /// Reads a header and nothing that follows it.
     pub(crate) fn read(source: &mut Source<'_>, context: &Context<'_>) -> Result<Self, IoError> {
         let mut lines = Lines::new(source, context);

@@ -6,6 +6,7 @@ mod coverage;
 mod extraction;
 mod filter;
 mod footprint;
+mod gaussians;
 mod kernel;
 mod motion_blur;
 mod papers;
@@ -19,6 +20,7 @@ pub use coverage::Coverage;
 pub use extraction::Extraction;
 pub use filter::Filter;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
+pub use gaussians::GaussianMode;
 pub use kernel::Kernel;
 pub use motion_blur::MotionBlur;
 pub use stretch::Stretch;
@@ -63,6 +65,8 @@ pub struct RenderSettings {
     pub extraction: Option<Extraction>,
     /// What the kernels stand for.
     pub reconstruction: Reconstruction,
+    /// How 3-D Gaussians are composited.
+    pub gaussians: GaussianMode,
     /// How motion is blurred.
     pub motion_blur: MotionBlur,
     /// Where the gradient that lights a sheet comes from (post-classification).

@@ -1,8 +1,9 @@
 //! Whole settings by name.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Coverage, Filter, FootprintTable, Gradient, Kernel,
-    MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent, Stretch,
+    Absorption, Alignment, Classification, Compositing, Coverage, Filter, FootprintTable, GaussianMode,
+    Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent,
+    Stretch,
 };
 use crate::{ImageSize, Lighting};
 
@@ -33,6 +34,7 @@ impl RenderSettings {
             occlusion: Occlusion::default(),
             extraction: None,
             reconstruction: Reconstruction::default(),
+            gaussians: GaussianMode::default(),
             motion_blur: MotionBlur::default(),
             gradient: Gradient::Analytic,
             kernel: Kernel::default(),

@@ -3,7 +3,7 @@
 //! Real spherical harmonics to degree 3 as polynomials of a unit vector, with the signs of the published implementation:
 //! those of quantum mechanics, with the Condon-Shortley phase. Sloan 2008, "Stupid Spherical Harmonics Tricks", appendix A2.
 
-use splatvol_scene::Gaussians;
+use crate::Gaussians;
 
 /// Harmonics of the highest degree.
 const COUNT: usize = (Gaussians::MAX_DEGREE as usize + 1).pow(2);
@@ -43,7 +43,7 @@ fn basis(degree: u32, [x, y, z]: [f32; 3]) -> [f32; COUNT] {
 
 /// Display colour of a Gaussian with coefficients `harmonics`, `(degree + 1)^2` of them, from a direction.
 #[inline(always)]
-pub(crate) fn color(degree: u32, harmonics: &[[f32; 3]], direction: [f32; 3]) -> [f32; 3] {
+pub fn color(degree: u32, harmonics: &[[f32; 3]], direction: [f32; 3]) -> [f32; 3] {
     let values = basis(degree, direction);
     let mut sum = [0.5f32; 3];
     for (value, coefficients) in values.iter().zip(harmonics) {
