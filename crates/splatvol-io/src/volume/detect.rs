@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
-use super::dicom;
+use super::{dicom, slc, slices, zarr};
 use crate::IoError;
 use crate::error::Context;
 use crate::source::{Codec, Source};
@@ -22,6 +22,11 @@ pub(super) enum Format {
     Npy,
     Npz,
     Dicom,
+    Tiff,
+    Slices,
+    Mgh,
+    Slc,
+    Zarr,
     Raw,
 }
 
@@ -69,24 +74,33 @@ pub(super) fn format(path: &Path) -> Result<Format, IoError> {
         "vtk" => Ok(Format::LegacyVtk),
         "npy" => Ok(Format::Npy),
         "npz" => Ok(Format::Npz),
+        "mgh" | "mgz" => Ok(Format::Mgh),
+        "slc" => Ok(Format::Slc),
+        "tif" | "tiff" => Ok(Format::Tiff),
         "dcm" | "dicom" | "ima" => Ok(Format::Dicom),
         "raw" | "raw.gz" | "bin" => Ok(Format::Raw),
         _ if looks_like_metaimage(&start) => Ok(Format::MetaImage),
         _ => Err(context.unsupported(format!(
             "neither the first bytes nor the extension \"{extension}\" belong to a known format \
-             (NRRD, MetaImage, NIfTI, VTI, legacy VTK, NPY, NPZ, DICOM; raw needs its layout)"
+             (NRRD, MetaImage, NIfTI, VTI, legacy VTK, NPY, NPZ, DICOM, TIFF, OME-Zarr, MGH, SLC; raw needs its layout)"
         ))),
     }
 }
 
 /// The format of what lies in a folder.
 fn folder_format(folder: &Path, context: &Context<'_>) -> Result<Format, IoError> {
+    if zarr::is_zarr(folder) {
+        return Ok(Format::Zarr);
+    }
     let files = files_of(folder)?;
     if files.iter().any(|file| dicom::is_dicom(file)) {
         return Ok(Format::Dicom);
     }
+    if files.iter().any(|file| slices::is_slice(file)) {
+        return Ok(Format::Slices);
+    }
     Err(context.unsupported(format!(
-        "a folder of {} files, none of which belongs to a known format (DICOM)",
+        "a folder of {} files, none of which belongs to a known format (DICOM; OME-Zarr; TIFF, PNG or JPEG slices)",
         files.len()
     )))
 }
@@ -162,6 +176,13 @@ fn by_magic(start: &[u8]) -> Option<Format> {
         Some(Format::Npz)
     } else if nifti_1 || nifti_2 {
         Some(Format::Nifti)
+    } else if [&b"II*\0"[..], b"MM\0*", b"II+\0\x08\0\0\0", b"MM\0+\0\x08\0\0"]
+        .iter()
+        .any(|magic| start.starts_with(magic))
+    {
+        Some(Format::Tiff)
+    } else if start.starts_with(slc::MAGIC) && start.get(5).is_some_and(u8::is_ascii_whitespace) {
+        Some(Format::Slc)
     } else if dicom::starts_dicom(start) {
         Some(Format::Dicom)
     } else if text.starts_with(b"<VTKFile") || (text.starts_with(b"<?xml") && contains(text, b"<VTKFile")) {

@@ -10,13 +10,19 @@ pub mod dicom;
 mod fields;
 pub mod legacy_vtk;
 pub mod metaimage;
+pub mod mgh;
 pub mod nifti;
 pub mod npy;
 pub mod nrrd;
+mod planes;
 pub mod raw;
+pub mod slc;
+pub mod slices;
 mod stored;
+pub mod tiff;
 pub mod vti;
 mod vtk_array;
+pub mod zarr;
 
 use std::path::{Path, PathBuf};
 
@@ -152,6 +158,11 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
         Format::Npy => npy::read(path, options),
         Format::Npz => npy::read_npz(path, options),
         Format::Dicom => dicom::read(path, options),
+        Format::Mgh => mgh::read(path, options),
+        Format::Slc => slc::read(path, options),
+        Format::Zarr => zarr::read(path, options),
+        Format::Tiff => tiff::read(path, options),
+        Format::Slices => slices::read(path, options),
         Format::Raw => raw::read(path, options),
     }?;
     if options.strict && !loaded.description.warnings.is_empty() {
