@@ -1,4 +1,4 @@
-//! SLC of VolVis: a text header, a preview, and 8-bit slices, plain or in runs (as VTK's `vtkSLCReader` reads them).
+//! SLC of `VolVis`: a text header, a preview, and 8-bit slices, plain or in runs (as VTK's `vtkSLCReader` reads them).
 
 use std::path::Path;
 

@@ -305,8 +305,12 @@ fn samples(
     let mut real = Vec::with_capacity(samples.len());
     splatvol_scene::with_samples!(&samples, data => {
         for (slice, data) in slices.iter().zip(data.chunks_exact(form.samples())) {
-            real.extend(data.iter().map(|&stored| slice.head.rescale.apply(f64::from(stored)) as f32));
+            scale(data, slice.head.rescale, &mut real);
         }
     });
     Ok((Samples::F32(real), Rescale::default()))
+}
+
+fn scale<T: Copy + Into<f64>>(stored: &[T], rescale: Rescale, into: &mut Vec<f32>) {
+    into.extend(stored.iter().map(|&stored| rescale.apply(stored.into()) as f32));
 }

@@ -203,7 +203,7 @@ fn uneven(heights: &[f64]) -> String {
     let (gap, between) = (gaps[index], [heights[index], heights[index + 1]]);
     let missing = (gap / usual).round() - 1.0;
     let cause = match missing {
-        missing if missing >= 1.0 && missing <= 1e6 => format!(" ({missing} missing?)"),
+        missing if (1.0..=1e6).contains(&missing) => format!(" ({missing} missing?)"),
         _ => String::new(),
     };
     format!(

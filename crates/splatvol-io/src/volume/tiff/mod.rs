@@ -1,7 +1,7 @@
-//! TIFF and BigTIFF: pages piled up to a volume, as ImageJ and OME-TIFF describe them, or simply one after the other
+//! TIFF and `BigTIFF`: pages piled up to a volume, as ImageJ and OME-TIFF describe them, or simply one after the other
 //! (TIFF 6.0; <https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/>).
 //!
-//! Read: strips and tiles of 8, 16, 32 and 64 bits and floats; uncompressed, LZW, deflate, PackBits, JPEG; several
+//! Read: strips and tiles of 8, 16, 32 and 64 bits and floats; uncompressed, LZW, deflate, `PackBits`, JPEG; several
 //! channels and time points. Spacing comes from ImageJ's or OME's description only: the resolution of a printer, which
 //! most files state, says nothing. Not read: zstd (its decoder is C), planar colours, OME images that are spread over several
 //! files, levels of detail in sub-directories.

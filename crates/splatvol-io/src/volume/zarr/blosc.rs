@@ -1,5 +1,5 @@
 //! Chunks of Blosc 1 (<https://github.com/Blosc/c-blosc/blob/main/README_CHUNK_FORMAT.rst>): blocks, split by the bytes
-//! of their elements, shuffled, and compressed by LZ4, zlib, Zstandard or BloscLZ. Crates bring the library in C.
+//! of their elements, shuffled, and compressed by LZ4, zlib, Zstandard or `BloscLZ`. Crates bring the library in C.
 
 use std::io::Read;
 
@@ -104,7 +104,7 @@ fn unshuffle_bits(bytes: &[u8], size: usize, into: &mut Vec<u8>) {
     into.extend_from_slice(&bytes[row * 8 * size..]);
 }
 
-/// BloscLZ, a relative of FastLZ: literals, and matches at up to 8191 bytes or, in a longer form, 73726.
+/// `BloscLZ`, a relative of `FastLZ`: literals, and matches at up to 8191 bytes or, in a longer form, 73726.
 fn blosclz(coded: &[u8], length: usize, into: &mut Vec<u8>) -> Result<(), String> {
     const NEAR: usize = 8191;
     let start = into.len();
@@ -151,5 +151,43 @@ fn blosclz(coded: &[u8], length: usize, into: &mut Vec<u8>) -> Result<(), String
         if into.len() > end {
             return Err("a BloscLZ block that is too long".to_owned());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Chunks that c-blosc 1.21 made of the same 700 words, in blocks of 512 bytes.
+    #[test]
+    fn chunks_of_the_library_decode() {
+        let word = |i: u32| (i / 7 * 3 + if i > 500 { i * 7919 % 251 } else { 0 }) as u16;
+        let expected: Vec<u8> = (0..700).flat_map(|i| word(i).to_le_bytes()).collect();
+        let shuffled_blosclz = include_bytes!("../../../tests/fixtures/blosclz1.blosc");
+        let shuffled_lz4 = include_bytes!("../../../tests/fixtures/lz41.blosc");
+        let bits_zstd = include_bytes!("../../../tests/fixtures/zstd2.blosc");
+        for chunk in [&shuffled_blosclz[..], shuffled_lz4, bits_zstd] {
+            assert_eq!(decode(chunk, expected.len()).unwrap(), expected);
+            assert!(decode(chunk, expected.len() + 1).is_err());
+            for length in 0..chunk.len() {
+                assert!(decode(&chunk[..length], expected.len()).is_err(), "{length}");
+            }
+        }
+    }
+
+    #[test]
+    fn bits_come_back_to_their_elements() {
+        let plain: Vec<u8> = (0..54).map(|i| i * 37 + 11).collect();
+        let mut shuffled = vec![0; 48];
+        for (i, byte) in plain[..48].iter().enumerate() {
+            let (element, of_element) = (i / 3, i % 3);
+            for bit in 0..8 {
+                shuffled[(8 * of_element + bit) * 2 + element / 8] |= (byte >> bit & 1) << (element % 8);
+            }
+        }
+        shuffled.extend(&plain[48..]);
+        let mut found = Vec::new();
+        unshuffle_bits(&shuffled, 3, &mut found);
+        assert_eq!(found, plain);
     }
 }
