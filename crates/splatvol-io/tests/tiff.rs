@@ -24,14 +24,8 @@ fn pages(count: u16, description: Option<&str>, compression: Compression) -> Vec
         let mut image = encoder.new_image::<Gray16>(4, 3).unwrap();
         if let Some(text) = description.filter(|_| page == 0) {
             image.encoder().write_tag(Tag::ImageDescription, text).unwrap();
-            image
-                .encoder()
-                .write_tag(Tag::XResolution, Rational { n: 4, d: 1 })
-                .unwrap();
-            image
-                .encoder()
-                .write_tag(Tag::YResolution, Rational { n: 2, d: 1 })
-                .unwrap();
+            image.x_resolution(Rational { n: 4, d: 1 });
+            image.y_resolution(Rational { n: 2, d: 1 });
         }
         let data: Vec<u16> = (0..12).map(|i| 100 * page + i).collect();
         image.write_data(&data).unwrap();

@@ -66,7 +66,7 @@ fn version_2(folder: &Path, order: &str) {
     let attributes = json!({"multiscales": scales(), "omero": omero});
     write(folder, ".zgroup", "{\"zarr_format\": 2}");
     write(folder, ".zattrs", attributes.to_string());
-    for (level, [nx, ny, nz]) in [("0", [5, 3, 4]), ("1", [3, 2, 2])] {
+    for (level, [nx, ny, nz]) in [("0", [5usize, 3, 4]), ("1", [3, 2, 2])] {
         let array = json!({"zarr_format": 2, "shape": [2, 2, nz, ny, nx], "chunks": [1, 2, 2, 2, 2], "dtype": ">u2",
             "compressor": {"id": "gzip", "level": 1}, "fill_value": 77, "order": order, "filters": null});
         write(folder, &format!("{level}/.zarray"), array.to_string());
@@ -192,7 +192,7 @@ fn shards_of_version_3_are_read() {
     let loaded = read(root, |_| ()).unwrap();
     assert_eq!(words(&loaded), wanted);
     assert_eq!(loaded.description.format, "OME-Zarr 0.5 (Zarr 3)");
-    let path = root.join("s0/c/0/0/1");
+    let path = root.join("s0/c/0/0/0");
     let whole = std::fs::read(&path).unwrap();
     for at in 0..whole.len() {
         let mut changed = whole.clone();

@@ -15,6 +15,7 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3};
 use splatvol_scene::Samples;
+use tiff::decoder::ifd::Value;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
@@ -159,8 +160,9 @@ impl Pages {
             let mut limits = Limits::default();
             let bytes = usize::try_from(length.min(256 << 20)).unwrap_or(usize::MAX);
             limits.ifd_value_size = bytes;
-            limits.intermediate_buffer_size = usize::MAX;
-            limits.decoding_buffer_size = usize::MAX;
+            let most = length.saturating_mul(RATIO).saturating_add(SLACK);
+            limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
+            limits.intermediate_buffer_size = limits.decoding_buffer_size;
             limits
         };
         let decoder = Decoder::new(BufReader::new(file)).map_err(|error| bad(error, context))?;
@@ -201,7 +203,10 @@ impl Pages {
     /// World length per pixel along x and y, in the unit that a description names.
     pub(super) fn resolution(&mut self) -> [Option<f64>; 2] {
         [Tag::XResolution, Tag::YResolution].map(|tag| {
-            let value = self.decoder.get_tag_f64(tag).ok()?;
+            let value = match self.decoder.find_tag(tag).ok()?? {
+                Value::Rational(over, under) => f64::from(over) / f64::from(under),
+                other => other.into_f64().ok()?,
+            };
             Some(1.0 / value).filter(|spacing| spacing.is_finite() && *spacing > 0.0)
         })
     }
