@@ -2,9 +2,9 @@
 //!
 //! | module | formats |
 //! |---|---|
-//! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, headerless raw |
 //! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
 //! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
+//! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, DICOM, TIFF, OME-Zarr, MGH/MGZ, SLC, folders of slices, headerless raw |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |

@@ -5,6 +5,8 @@
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 mod common;
+#[path = "dicom/file.rs"]
+mod dicom_file;
 #[path = "nifti/file.rs"]
 mod nifti_file;
 
@@ -73,7 +75,37 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
         &shorts,
     ]
     .concat();
+    let words = [1, 2, 3, 4, 5, 6];
+    let dicom = |syntax| dicom_file::DicomFile::slice(syntax, [1.0, 2.0, 3.0], 1, &words).bytes();
+    let mut tiff = Vec::new();
+    let mut encoder = tiff::encoder::TiffEncoder::new(std::io::Cursor::new(&mut tiff))
+        .unwrap()
+        .with_compression(tiff::encoder::Compression::Lzw);
+    for _ in 0..3 {
+        encoder
+            .write_image::<tiff::encoder::colortype::Gray16>(3, 2, &words)
+            .unwrap();
+    }
+    let mut mgh = Vec::new();
+    for number in [1, 3, 2, 4, 1, 4, 0] {
+        mgh.extend(i32::to_be_bytes(number));
+    }
+    mgh.extend([0, 1]);
+    for number in [
+        1.0, 1.0, 2.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0,
+    ] {
+        mgh.extend(f32::to_be_bytes(number));
+    }
+    mgh.resize(284, 0);
+    mgh.extend(&shorts);
+    let slc = b"11111\n3 2 2 8\n1.0 1.0 2.0\n1 6 0 1\n1 1 X...6 X\x83abc\x03d8 X\x01a\x85edcba";
     vec![
+        ("explicit.dcm", dicom(dicom_file::EXPLICIT)),
+        ("implicit.dcm", dicom(dicom_file::IMPLICIT)),
+        ("pages.tif", tiff),
+        ("plain.mgh", mgh.clone()),
+        ("packed.mgz", gzip(&mgh)),
+        ("runs.slc", slc.to_vec()),
         ("raw.nrrd", nrrd("raw", &shorts)),
         ("gzip.nrrd", nrrd("gzip", &gzip(&shorts))),
         ("text.nrrd", nrrd("ascii", text)),

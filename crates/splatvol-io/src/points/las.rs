@@ -86,6 +86,6 @@ fn describe(claims: &Claims, path: &Path) -> Description {
         stored_type: format!("point format {}, little-endian", claims.format),
         orientation: "coordinates as in the file's projection".to_owned(),
         files: vec![path.to_owned()],
-        warnings: Vec::new(),
+        ..Description::default()
     }
 }

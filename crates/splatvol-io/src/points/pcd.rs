@@ -191,6 +191,6 @@ fn describe(header: &Header, path: &Path) -> Description {
         stored_type: format!("{}, {}", header.data.name(), fields.join(", ")),
         orientation: viewpoint,
         files: vec![path.to_owned()],
-        warnings: Vec::new(),
+        ..Description::default()
     }
 }

@@ -86,6 +86,6 @@ fn describe(reader: &Reader<'_>, vertex: &Element, path: &Path) -> Description {
         stored_type: format!("{}, {}", reader.header().encoding.name(), properties.join(" ")),
         orientation: String::new(),
         files: vec![path.to_owned()],
-        warnings: Vec::new(),
+        ..Description::default()
     }
 }

@@ -33,8 +33,17 @@ impl Draft {
         self.description.warnings.push(warning.into());
     }
 
+    /// Says how many time points there are and, where several, which one is read.
+    pub(crate) fn set_times(&mut self, times: usize, time: usize) {
+        self.description.times = times;
+        if times > 1 {
+            self.warn(format!("time point {time} of {times} is read"));
+        }
+    }
+
     /// Says which of several volumes is read.
     pub(super) fn warn_of_series(&mut self, selection: &Selection) {
+        self.description.times = selection.times;
         if selection.volumes > 1 {
             self.warn(format!(
                 "volume {} of {} is read",
@@ -104,6 +113,30 @@ pub(crate) fn sample_count(
     }
 }
 
+/// The channel to take of the named ones, and a warning where the choice was not the caller's.
+pub(crate) fn choose_channel(
+    channels: &[String],
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<(usize, Option<String>), IoError> {
+    let list = || {
+        let named = channels.iter().enumerate();
+        named
+            .map(|(i, name)| format!("{i}: {name}"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    match options.channel {
+        Some(channel) if channel >= channels.len() => {
+            let what = format!("channel {channel} was asked for; there are {}", list());
+            Err(context.unsupported(what))
+        }
+        Some(channel) => Ok((channel, None)),
+        None if channels.len() == 1 => Ok((0, None)),
+        None => Ok((0, Some(format!("channel 0 is read; there are {}", list())))),
+    }
+}
+
 /// The component to take of samples of `count` components; `kind` names them: "vectors", "colours".
 pub(crate) fn choose_component(
     count: usize,
@@ -111,7 +144,7 @@ pub(crate) fn choose_component(
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<usize, IoError> {
-    match options.component {
+    match options.component.or(options.channel) {
         None if count == 1 => Ok(0),
         Some(component) if component < count => Ok(component),
         Some(component) => {

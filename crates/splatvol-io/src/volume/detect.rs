@@ -1,7 +1,9 @@
 //! Which format a file has: by its first bytes, else by its extension.
 
-use std::path::Path;
+use std::cmp::Ordering;
+use std::path::{Path, PathBuf};
 
+use super::{dicom, slc, slices, zarr};
 use crate::IoError;
 use crate::error::Context;
 use crate::source::{Codec, Source};
@@ -19,6 +21,12 @@ pub(super) enum Format {
     LegacyVtk,
     Npy,
     Npz,
+    Dicom,
+    Tiff,
+    Slices,
+    Mgh,
+    Slc,
+    Zarr,
     Raw,
 }
 
@@ -44,6 +52,9 @@ pub(super) fn extension(path: &Path) -> String {
 /// The format of the file at `path`.
 pub(super) fn format(path: &Path) -> Result<Format, IoError> {
     let context = Context::new("volume", path);
+    if path.is_dir() {
+        return folder_format(path, &context);
+    }
     let mut source = Source::open(path)?;
     let mut start = vec![0; PROBE];
     let length = source.fill(&mut start, &context)?;
@@ -63,13 +74,79 @@ pub(super) fn format(path: &Path) -> Result<Format, IoError> {
         "vtk" => Ok(Format::LegacyVtk),
         "npy" => Ok(Format::Npy),
         "npz" => Ok(Format::Npz),
+        "mgh" | "mgz" => Ok(Format::Mgh),
+        "slc" => Ok(Format::Slc),
+        "tif" | "tiff" => Ok(Format::Tiff),
+        "dcm" | "dicom" | "ima" => Ok(Format::Dicom),
         "raw" | "raw.gz" | "bin" => Ok(Format::Raw),
         _ if looks_like_metaimage(&start) => Ok(Format::MetaImage),
         _ => Err(context.unsupported(format!(
             "neither the first bytes nor the extension \"{extension}\" belong to a known format \
-             (NRRD, MetaImage, NIfTI, VTI, legacy VTK, NPY, NPZ; raw needs its layout)"
+             (NRRD, MetaImage, NIfTI, VTI, legacy VTK, NPY, NPZ, DICOM, TIFF, OME-Zarr, MGH, SLC; raw needs its layout)"
         ))),
     }
+}
+
+/// The format of what lies in a folder.
+fn folder_format(folder: &Path, context: &Context<'_>) -> Result<Format, IoError> {
+    if zarr::is_zarr(folder) {
+        return Ok(Format::Zarr);
+    }
+    let files = files_of(folder)?;
+    if files.iter().any(|file| dicom::is_dicom(file)) {
+        return Ok(Format::Dicom);
+    }
+    if files.iter().any(|file| slices::is_slice(file)) {
+        return Ok(Format::Slices);
+    }
+    Err(context.unsupported(format!(
+        "a folder of {} files, none of which belongs to a known format (DICOM; OME-Zarr; TIFF, PNG or JPEG slices)",
+        files.len()
+    )))
+}
+
+/// The regular files of a folder, in natural order: `I9` before `I10`.
+pub(super) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    let open = |source| IoError::Open {
+        source,
+        path: folder.to_owned(),
+    };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(open)? {
+        let path = entry.map_err(open)?.path();
+        if path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(files)
+}
+
+/// Compares names with their numbers taken as numbers; names that differ only in leading zeros by their text.
+pub(super) fn natural_order(a: &str, b: &str) -> Ordering {
+    let (mut rest_a, mut rest_b) = (a, b);
+    while let (Some(first_a), Some(first_b)) = (rest_a.chars().next(), rest_b.chars().next()) {
+        let order = if first_a.is_ascii_digit() && first_b.is_ascii_digit() {
+            let (number_a, number_b) = (take_digits(&mut rest_a), take_digits(&mut rest_b));
+            number_a.len().cmp(&number_b.len()).then(number_a.cmp(number_b))
+        } else {
+            rest_a = &rest_a[first_a.len_utf8()..];
+            rest_b = &rest_b[first_b.len_utf8()..];
+            first_a.cmp(&first_b)
+        };
+        if order != Ordering::Equal {
+            return order;
+        }
+    }
+    rest_a.len().cmp(&rest_b.len()).then(a.cmp(b))
+}
+
+/// The digits at the start of `rest`, without leading zeros, which it then is without.
+fn take_digits<'a>(rest: &mut &'a str) -> &'a str {
+    let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+    let (digits, after) = rest.split_at(end);
+    *rest = after;
+    digits.trim_start_matches('0')
 }
 
 /// The decompressed start, or nothing where the stream is corrupt: the format's own reader then says so.
@@ -99,6 +176,15 @@ fn by_magic(start: &[u8]) -> Option<Format> {
         Some(Format::Npz)
     } else if nifti_1 || nifti_2 {
         Some(Format::Nifti)
+    } else if [&b"II*\0"[..], b"MM\0*", b"II+\0\x08\0\0\0", b"MM\0+\0\x08\0\0"]
+        .iter()
+        .any(|magic| start.starts_with(magic))
+    {
+        Some(Format::Tiff)
+    } else if start.starts_with(slc::MAGIC) && start.get(5).is_some_and(u8::is_ascii_whitespace) {
+        Some(Format::Slc)
+    } else if dicom::starts_dicom(start) {
+        Some(Format::Dicom)
     } else if text.starts_with(b"<VTKFile") || (text.starts_with(b"<?xml") && contains(text, b"<VTKFile")) {
         Some(Format::Vti)
     } else {
@@ -127,6 +213,13 @@ mod tests {
         assert_eq!(extension(Path::new("/a.b/C.NII.GZ")), "nii.gz");
         assert_eq!(extension(Path::new("/a.b/c.d.Nrrd")), "nrrd");
         assert_eq!(extension(Path::new("/a.b/c")), "");
+    }
+
+    #[test]
+    fn numbers_in_names_are_numbers() {
+        let mut names = ["I10", "I9", "I1", "I010", "a2b10", "a2b9", "I", "I9x"];
+        names.sort_by(|a, b| natural_order(a, b));
+        assert_eq!(names, ["I", "I1", "I9", "I9x", "I010", "I10", "a2b9", "a2b10"]);
     }
 
     #[test]

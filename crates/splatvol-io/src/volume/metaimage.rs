@@ -51,6 +51,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         orientation: header.orientation(),
         files: vec![path.to_owned()],
         warnings: std::mem::take(&mut header.warnings),
+        ..Description::default()
     };
     let mut draft = Draft::new(selection.dims, description);
     draft.world_from_voxel = world_from_voxel;
@@ -134,6 +135,7 @@ impl Header {
             components,
             component,
             volumes,
+            times: volumes,
             volume: choose_time(volumes, options, context)?,
         })
     }

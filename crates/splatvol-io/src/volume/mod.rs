@@ -6,16 +6,23 @@
 mod assemble;
 mod data_files;
 mod detect;
+pub mod dicom;
 mod fields;
 pub mod legacy_vtk;
 pub mod metaimage;
+pub mod mgh;
 pub mod nifti;
 pub mod npy;
 pub mod nrrd;
+mod planes;
 pub mod raw;
+pub mod slc;
+pub mod slices;
 mod stored;
+pub mod tiff;
 pub mod vti;
 pub(crate) mod vtk_array;
+pub mod zarr;
 
 use std::path::{Path, PathBuf};
 
@@ -24,8 +31,8 @@ use splatvol_scene::Volume;
 
 pub use assemble::axis_codes;
 pub(crate) use assemble::{
-    Draft, checked_dims, choose_component, choose_time, complete_axes, length_unit, ras_from_lps,
-    sample_count,
+    Draft, checked_dims, choose_channel, choose_component, choose_time, complete_axes, length_unit,
+    ras_from_lps, sample_count,
 };
 
 use crate::error::Context;
@@ -52,6 +59,15 @@ pub struct Description {
     pub orientation: String,
     /// The file, followed by the data files that its header names.
     pub files: Vec<PathBuf>,
+    /// Names of the channels, where there are several to choose from ([`ReadOptions::channel`]).
+    pub channels: Vec<String>,
+    /// Number of time points to choose from ([`ReadOptions::time`]); 0 where the format knows no time.
+    pub times: usize,
+    /// Samples along x, y, z of every level of detail, the finest first ([`ReadOptions::level`]); empty where the
+    /// format has no levels.
+    pub levels: Vec<[usize; 3]>,
+    /// The series of a folder, where there are several to choose from ([`ReadOptions::series`]).
+    pub series: Vec<String>,
     /// What was odd but could be read.
     pub warnings: Vec<String>,
 }
@@ -67,6 +83,12 @@ pub struct ReadOptions {
     pub component: Option<usize>,
     /// Time point to take from a series.
     pub time: usize,
+    /// Channel to take, from 0; without it the first is taken, and a warning says so where there are others.
+    pub channel: Option<usize>,
+    /// Level of detail to take of multi-scale images; 0 is the finest.
+    pub level: usize,
+    /// Series to take from a folder that holds several: its number, its UID or its description.
+    pub series: Option<String>,
     /// Make errors of warnings.
     pub strict: bool,
     /// Most bytes that the samples may take in memory.
@@ -80,6 +102,9 @@ impl Default for ReadOptions {
             array: None,
             component: None,
             time: 0,
+            channel: None,
+            level: 0,
+            series: None,
             strict: false,
             max_bytes: 64 << 30,
         }
@@ -132,6 +157,12 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
         Format::LegacyVtk => legacy_vtk::read(path, options),
         Format::Npy => npy::read(path, options),
         Format::Npz => npy::read_npz(path, options),
+        Format::Dicom => dicom::read(path, options),
+        Format::Mgh => mgh::read(path, options),
+        Format::Slc => slc::read(path, options),
+        Format::Zarr => zarr::read(path, options),
+        Format::Tiff => tiff::read(path, options),
+        Format::Slices => slices::read(path, options),
         Format::Raw => raw::read(path, options),
     }?;
     if options.strict && !loaded.description.warnings.is_empty() {

@@ -46,6 +46,8 @@ pub(super) struct Selection {
     pub(super) component: usize,
     /// Volumes one after the other, and the one to take.
     pub(super) volumes: usize,
+    /// How many of them differ in time only.
+    pub(super) times: usize,
     pub(super) volume: usize,
 }
 

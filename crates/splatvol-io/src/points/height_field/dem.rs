@@ -133,7 +133,7 @@ pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
         stored_type: "text".to_owned(),
         orientation,
         files: vec![path.to_owned()],
-        warnings: Vec::new(),
+        ..Description::default()
     };
     Ok((field, description))
 }

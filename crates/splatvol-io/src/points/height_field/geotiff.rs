@@ -85,7 +85,7 @@ pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
         stored_type: format!("{bits} bits"),
         orientation,
         files: vec![path.to_owned()],
-        warnings: Vec::new(),
+        ..Description::default()
     };
     Ok((field, description))
 }

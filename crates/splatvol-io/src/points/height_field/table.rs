@@ -68,7 +68,7 @@ pub(super) fn read(path: &Path, order: RowOrder) -> Result<(HeightField, Descrip
         stored_type: "text".to_owned(),
         orientation: format!("the first row is the {first}; no geometry in the file, spacing 1"),
         files: vec![path.to_owned()],
-        warnings: Vec::new(),
+        ..Description::default()
     };
     Ok((field, description))
 }

@@ -198,6 +198,7 @@ fn select(
         components: interleaved,
         component: component % interleaved,
         volumes,
+        times,
         volume: component / interleaved * times + time,
     })
 }

@@ -88,6 +88,10 @@ pub(super) fn select(
             components,
             component,
             volumes,
+            times: match slow.map(|axis| axis.role) {
+                Some(Role::Components) => 1,
+                _ => volumes,
+            },
             volume,
         },
         steps: spatial.iter().map(|&i| axes[i].step).collect(),

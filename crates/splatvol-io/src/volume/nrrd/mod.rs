@@ -39,6 +39,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         orientation: placement.orientation,
         files: vec![path.to_owned()],
         warnings: header.warnings.clone(),
+        ..Description::default()
     };
     let mut draft = Draft::new(axes.selection.dims, description);
     draft.world_from_voxel = placement.world_from_voxel;

@@ -1,0 +1,316 @@
+//! DICOM images: a folder of slices, or a single file of one or many frames (<https://www.dicomstandard.org>).
+//!
+//! A folder's images are grouped by series, and within a series by orientation, spacing and form of samples; the largest group
+//! is read unless [`ReadOptions::series`] names another. Real values are `slope * stored + intercept`, per slice where
+//! slices differ. Patient space is LPS and becomes RAS+. MONOCHROME1, where low values are bright, is turned round.
+//!
+//! Read: 8, 16 and 32 bits; implicit, explicit, big-endian and deflated coding; RLE, JPEG baseline and lossless,
+//! JPEG-LS, JPEG 2000. Not read: colours, samples of one bit, JPEG of 12 bits, videos, modality look-up tables.
+
+mod element;
+mod image;
+mod jpeg_ls;
+mod jpeg_ls_context;
+mod pixels;
+mod stack;
+mod syntax;
+
+use std::path::{Path, PathBuf};
+
+use flate2::bufread::DeflateDecoder;
+use splatvol_scene::{LengthUnit, Rescale, Samples};
+
+use super::{Description, Draft, Loaded, ReadOptions, checked_dims, detect, ras_from_lps, sample_count};
+use crate::error::Context;
+use crate::samples::SampleType;
+use crate::source::{Source, read_file};
+use crate::{IoError, axis_codes};
+use element::Reader;
+use image::{Elements, FrameHead, ImageHead, Series};
+use pixels::SliceReader;
+use syntax::Syntax;
+
+/// Directions and spacing of slices of one volume agree up to this.
+const ALIKE: f64 = 1e-3;
+
+/// True where the first bytes (132 at least, if there are as many) are those of a DICOM file.
+pub(super) fn starts_dicom(start: &[u8]) -> bool {
+    let representation = || {
+        start
+            .get(4..6)
+            .is_some_and(|letters| matches!(letters, b"UL" | b"CS" | b"UI" | b"OB"))
+    };
+    start.get(128..132) == Some(b"DICM")
+        || ((start.starts_with(&[2, 0, 0, 0]) || matches!(start, [8, 0, _, 0, ..])) && representation())
+}
+
+/// True for a DICOM file.
+pub(super) fn is_dicom(path: &Path) -> bool {
+    let context = Context::new("DICOM", path);
+    let mut start = [0; 132];
+    let read = Source::open(path).and_then(|mut source| source.fill(&mut start, &context));
+    read.is_ok_and(|length| starts_dicom(&start[..length])) || detect::extension(path) == "dcm"
+}
+
+/// Reads a folder or a file.
+///
+/// # Errors
+/// See [`IoError`]; also slices that are missing or unevenly spaced, and a transfer syntax that is not covered.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    let context = &Context::new("DICOM", path);
+    let mut files = vec![path.to_owned()];
+    if path.is_dir() {
+        files = detect::files_of(path)?;
+        files.retain(|file| is_dicom(file));
+    }
+    let images = heads(files, context)?;
+    let stacks = stacks(&images);
+    let (chosen, mut warnings) = choose(&stacks, &images, options, context)?;
+    let series = match stacks.len() {
+        1 => Vec::new(),
+        _ => stacks.iter().map(|stack| stack.describe(&images)).collect(),
+    };
+    let slices: Vec<Slice> = stacks[chosen].slices.clone();
+    let heads: Vec<FrameHead> = slices.iter().map(|slice| slice.head).collect();
+    let stack = stack::stack(&heads, options, context)?;
+    let first = &images[slices[0].image];
+    let form = &first.form;
+    let sizes = [form.columns, form.rows, stack.order.len()].map(|size| size as i64);
+    let mut draft = Draft::new(
+        checked_dims(&sizes, "dims", None, context)?,
+        Description::default(),
+    );
+    draft.world_from_voxel = ras_from_lps() * stack.patient_from_voxel;
+    draft.unit = match first.frames[0].spacing {
+        Some(_) => LengthUnit::Millimetre,
+        None => LengthUnit::Unknown,
+    };
+    warnings.extend(stack.warnings);
+    if form.inverted {
+        warnings.push("MONOCHROME1: samples are turned round, so that high is bright".to_owned());
+    }
+    if first.lookup_table {
+        warnings.push("the modality look-up table is not applied".to_owned());
+    }
+    draft.description = Description {
+        format: "DICOM".to_owned(),
+        stored_type: format!(
+            "{}{} ({} bits), {}",
+            if form.signed { "i" } else { "u" },
+            form.allocated,
+            form.stored,
+            first.syntax
+        ),
+        series,
+        warnings,
+        ..Description::default()
+    };
+    let codes = axis_codes(&draft.grid(context)?);
+    draft.description.orientation = orientation(stack.placed, &codes, stack.tilt);
+    draft.set_times(stack.times, options.time);
+    sample_count(draft.dims, 1, SampleType::F32, options, context)?;
+    let ordered: Vec<&Slice> = stack.order.iter().map(|&i| &slices[i]).collect();
+    let (samples, rescale) = samples(&ordered, &images, &mut draft.description)?;
+    draft.rescale = rescale;
+    draft.finish(samples, context)
+}
+
+fn orientation(placed: bool, codes: &str, tilt: f64) -> String {
+    let tilted = match tilt {
+        tilt if tilt > 0.1 => format!(", gantry tilt {tilt:.1} degrees"),
+        _ => String::new(),
+    };
+    match placed {
+        true => format!("patient space (LPS) to RAS+; voxel axes {codes}{tilted}"),
+        false => "not in the files".to_owned(),
+    }
+}
+
+/// The bytes behind the file meta information, and how they are coded.
+fn contents(path: &Path, context: &Context<'_>) -> Result<(Vec<u8>, usize, Syntax), IoError> {
+    let bytes = read_file(path, context)?;
+    let (start, syntax) = element::start(&bytes, context)?;
+    if !syntax.deflated {
+        return Ok((bytes, start, syntax));
+    }
+    let limit = pixels::plausible(bytes.len());
+    let decoder = DeflateDecoder::new(&bytes[start..]);
+    let mut source = Source::from_decoder(decoder, bytes.len() as u64, limit);
+    let mut inflated = Vec::new();
+    std::io::Read::read_to_end(&mut std::io::Read::take(&mut source, limit), &mut inflated)
+        .map_err(|error| context.read(error))?;
+    Ok((inflated, 0, syntax))
+}
+
+fn heads(files: Vec<PathBuf>, folder: &Context<'_>) -> Result<Vec<ImageHead>, IoError> {
+    let mut images = Vec::new();
+    for path in files {
+        let context = &Context::new("DICOM", &path);
+        let (bytes, start, syntax) = contents(&path, context)?;
+        let dataset = Reader::new(&bytes, start, syntax.coding(), context).image()?;
+        let endian = syntax.endian();
+        let elements = Elements {
+            dataset: &dataset,
+            endian,
+            context,
+        };
+        images.extend(elements.image(&path, &syntax)?);
+    }
+    match images.is_empty() {
+        true => Err(folder.unsupported("no image (element (7FE0,0010) is missing)")),
+        false => Ok(images),
+    }
+}
+
+/// A frame of an image.
+#[derive(Debug, Clone)]
+struct Slice {
+    image: usize,
+    frame: usize,
+    head: FrameHead,
+}
+
+/// Slices that may make a volume.
+struct SliceStack {
+    slices: Vec<Slice>,
+}
+
+impl SliceStack {
+    fn series<'a>(&self, images: &'a [ImageHead]) -> &'a Series {
+        &images[self.slices[0].image].series
+    }
+
+    fn takes(&self, slice: &Slice, images: &[ImageHead]) -> bool {
+        let (first, image) = (&self.slices[0], &images[slice.image]);
+        let own = &images[first.image];
+        let near = |a: &[f64], b: &[f64]| {
+            a.iter()
+                .zip(b)
+                .all(|(a, b)| (a - b).abs() <= ALIKE * b.abs().max(1.0))
+        };
+        let turned = match (first.head.orientation, slice.head.orientation) {
+            (Some(a), Some(b)) => a.iter().zip(&b).any(|(a, b)| a.distance(*b) > ALIKE),
+            (None, None) => false,
+            _ => true,
+        };
+        let scaled = match (first.head.spacing, slice.head.spacing) {
+            (Some(a), Some(b)) => !near(&a, &b),
+            (None, None) => false,
+            _ => true,
+        };
+        own.series.uid == image.series.uid && own.form == image.form && !turned && !scaled
+    }
+
+    /// `2: head 5 mm, 512x512x28, UID`.
+    fn describe(&self, images: &[ImageHead]) -> String {
+        let Series {
+            uid,
+            number,
+            description,
+        } = self.series(images);
+        let form = &images[self.slices[0].image].form;
+        format!(
+            "{number}: {description}, {} slices of {} x {}, {uid}",
+            self.slices.len(),
+            form.columns,
+            form.rows
+        )
+    }
+}
+
+fn stacks(images: &[ImageHead]) -> Vec<SliceStack> {
+    let mut stacks: Vec<SliceStack> = Vec::new();
+    for (image, head) in images.iter().enumerate() {
+        for (frame, &head) in head.frames.iter().enumerate() {
+            let slice = Slice { image, frame, head };
+            // Slices mostly belong where the one before does.
+            match stacks.iter_mut().rev().find(|stack| stack.takes(&slice, images)) {
+                Some(stack) => stack.slices.push(slice),
+                None => stacks.push(SliceStack { slices: vec![slice] }),
+            }
+        }
+    }
+    stacks
+}
+
+/// The stack to read, and what to say about the others.
+fn choose(
+    stacks: &[SliceStack],
+    images: &[ImageHead],
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<(usize, Vec<String>), IoError> {
+    let list = |indices: &mut dyn Iterator<Item = usize>| {
+        const SHOWN: usize = 10;
+        let mut names: Vec<String> = indices
+            .take(SHOWN + 1)
+            .map(|i| stacks[i].describe(images))
+            .collect();
+        if names.len() > SHOWN {
+            names[SHOWN] = "and others".to_owned();
+        }
+        names.join("; ")
+    };
+    let asked = |i: &usize| {
+        let series = stacks[*i].series(images);
+        options
+            .series
+            .as_ref()
+            .is_none_or(|name| [&series.uid, &series.number, &series.description].contains(&name))
+    };
+    let candidates: Vec<usize> = (0..stacks.len()).filter(asked).collect();
+    // The first of the largest.
+    let chosen = candidates
+        .iter()
+        .copied()
+        .rev()
+        .max_by_key(|&i| stacks[i].slices.len());
+    let Some(chosen) = chosen else {
+        let name = options.series.as_deref().unwrap_or_default();
+        let all = list(&mut (0..stacks.len()));
+        return Err(context.unsupported(format!("series \"{name}\" was asked for; there are {all}")));
+    };
+    let mut warnings = Vec::new();
+    if candidates.len() > 1 {
+        let others = list(&mut candidates.into_iter().filter(|&i| i != chosen));
+        let own = stacks[chosen].describe(images);
+        warnings.push(format!(
+            "the largest of several series is read ({own}); also there: {others}"
+        ));
+    }
+    Ok((chosen, warnings))
+}
+
+/// Samples of the slices one after the other. Where their scales differ, real values.
+fn samples(
+    slices: &[&Slice],
+    images: &[ImageHead],
+    description: &mut Description,
+) -> Result<(Samples, Rescale), IoError> {
+    let form = &images[slices[0].image].form;
+    let mut reader = SliceReader::new(form);
+    for slice in slices {
+        let path = &images[slice.image].path;
+        reader.append(path, slice.frame)?;
+        if description.files.last() != Some(path) && !description.files.contains(path) {
+            description.files.push(path.clone());
+        }
+    }
+    let samples = reader.finish();
+    let first = slices[0].head.rescale;
+    if first.slope != 0.0 && slices.iter().all(|slice| slice.head.rescale == first) {
+        return Ok((samples, first));
+    }
+    description.stored_type.push_str(", scaled per slice");
+    let mut real = Vec::with_capacity(samples.len());
+    splatvol_scene::with_samples!(&samples, data => {
+        for (slice, data) in slices.iter().zip(data.chunks_exact(form.samples())) {
+            scale(data, slice.head.rescale, &mut real);
+        }
+    });
+    Ok((Samples::F32(real), Rescale::default()))
+}
+
+fn scale<T: Copy + Into<f64>>(stored: &[T], rescale: Rescale, into: &mut Vec<f32>) {
+    into.extend(stored.iter().map(|&stored| rescale.apply(stored.into()) as f32));
+}

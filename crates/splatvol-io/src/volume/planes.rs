@@ -1,0 +1,59 @@
+//! Pictures piled up to a volume: pages of a file, or the slices of a folder.
+
+use splatvol_scene::Samples;
+
+use crate::IoError;
+use crate::error::Context;
+use crate::samples::pick_component;
+
+/// A picture, row by row from the top.
+pub(super) struct Plane {
+    /// Columns and rows.
+    pub(super) size: [usize; 2],
+    /// Interleaved components.
+    pub(super) components: usize,
+    pub(super) samples: Samples,
+}
+
+impl Plane {
+    /// One of its components.
+    pub(super) fn component(self, component: usize) -> Samples {
+        match self.components {
+            1 => self.samples,
+            components => pick_component(&self.samples, components, component),
+        }
+    }
+}
+
+/// Names of the interleaved components of a picture.
+pub(super) fn component_names(components: usize) -> Vec<String> {
+    let names: &[&str] = match components {
+        2 => &["grey", "alpha"],
+        3 => &["red", "green", "blue"],
+        4 => &["red", "green", "blue", "alpha"],
+        _ => &[],
+    };
+    let name = |i: usize| {
+        names
+            .get(i)
+            .map_or_else(|| format!("component {i}"), |&name| name.to_owned())
+    };
+    (0..components).map(name).collect()
+}
+
+/// Adds the samples of the next slice, which must be of the same type and number as each before.
+pub(super) fn append(pile: &mut Samples, slice: Samples, context: &Context<'_>) -> Result<(), IoError> {
+    let (own, other) = (pile.type_name(), slice.type_name());
+    macro_rules! extend {
+        ($($variant:ident)*) => {
+            match (pile, slice) {
+                $((Samples::$variant(pile), Samples::$variant(slice)) => {
+                    pile.extend(slice);
+                    Ok(())
+                })*
+                _ => Err(context.unsupported(format!("samples are {other}, those of the slices before {own}"))),
+            }
+        };
+    }
+    extend!(U8 I8 U16 I16 U32 I32 F32 F64)
+}

@@ -1,0 +1,223 @@
+//! OME-XML in a TIFF's description: sizes, order of dimensions, physical sizes, and which page holds which plane
+//! (`TiffData`; <https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/specification.html>).
+
+use glam::DVec3;
+use roxmltree::{Document, Node};
+use splatvol_scene::LengthUnit;
+
+use super::description::Layout;
+use crate::IoError;
+use crate::error::Context;
+use crate::volume::{ReadOptions, length_unit};
+
+/// Most images that are listed.
+const SHOWN: usize = 50;
+
+pub(super) fn layout(
+    text: &str,
+    count: usize,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<Layout, IoError> {
+    let document = Document::parse(text.trim_end_matches('\0'))
+        .map_err(|error| context.field("OME-XML", error, None, "well-formed XML"))?;
+    let named = |node: &Node<'_, '_>, name: &str| node.is_element() && node.tag_name().name() == name;
+    let images: Vec<Node<'_, '_>> = document
+        .root_element()
+        .children()
+        .filter(|node| named(node, "Image"))
+        .collect();
+    let series: Vec<String> = images
+        .iter()
+        .take(SHOWN)
+        .enumerate()
+        .map(|(i, image)| format!("{i}: {}", image.attribute("Name").unwrap_or("without a name")))
+        .collect();
+    let asked = |(i, image): &(usize, &Node<'_, '_>)| {
+        options.series.as_ref().is_none_or(|name| {
+            *name == i.to_string() || [image.attribute("Name"), image.attribute("ID")].contains(&Some(name))
+        })
+    };
+    let Some((index, image)) = images.iter().enumerate().find(asked) else {
+        let asked = options.series.as_deref().unwrap_or("0");
+        let what = format!("image \"{asked}\" was asked for; there are {}", series.join(", "));
+        return Err(context.unsupported(what));
+    };
+    let pixels = image.children().find(|node| named(node, "Pixels"));
+    let pixels =
+        pixels.ok_or_else(|| context.field("OME-XML Pixels", "", None, "this element, which is missing"))?;
+    let pixels = OmePixels { pixels, context };
+    let mut layout = pixels.layout(count, images.len() == 1)?;
+    if images.len() > 1 {
+        layout.series = series;
+        if options.series.is_none() {
+            let warning = format!("image {index} of {} is read", images.len());
+            layout.warnings.push(warning);
+        }
+    }
+    Ok(layout)
+}
+
+struct OmePixels<'x, 'c> {
+    pixels: Node<'x, 'x>,
+    context: &'c Context<'c>,
+}
+
+impl OmePixels<'_, '_> {
+    fn size(&self, name: &str) -> Result<usize, IoError> {
+        let value = self.pixels.attribute(name).unwrap_or("1");
+        let size = value.parse().ok().filter(|&size: &usize| size > 0);
+        size.ok_or_else(|| self.context.field(name, value, None, "a positive number"))
+    }
+
+    fn children(&self, name: &str) -> impl Iterator<Item = Node<'_, '_>> {
+        self.pixels
+            .children()
+            .filter(move |node| node.tag_name().name() == name)
+    }
+
+    fn layout(&self, count: usize, alone: bool) -> Result<Layout, IoError> {
+        let samples = self
+            .children("Channel")
+            .filter_map(|channel| channel.attribute("SamplesPerPixel"));
+        let samples: usize = samples
+            .filter_map(|samples| samples.parse().ok())
+            .next()
+            .unwrap_or(1);
+        let (slices, times) = (self.size("SizeZ")?, self.size("SizeT")?);
+        let channels = (self.size("SizeC")? / samples.max(1)).max(1);
+        let total = slices
+            .checked_mul(times)
+            .and_then(|product| product.checked_mul(channels));
+        let total = total.filter(|&total| total <= count).ok_or_else(|| {
+            let shown = format!("{slices} x {channels} x {times}");
+            let expected = format!("slices, channels and times for the {count} pages of this file");
+            self.context
+                .field("OME-XML SizeZ, SizeC, SizeT", shown, None, expected)
+        })?;
+        let mut layout = Layout::plain(1);
+        layout.format = "OME-TIFF";
+        layout.orientation = "spacing of OME; the file does not say how an object lies";
+        (layout.slices, layout.times) = (slices, times);
+        let names: Vec<Option<&str>> = self
+            .children("Channel")
+            .map(|channel| channel.attribute("Name"))
+            .collect();
+        let name = |i: usize| {
+            let name = names.get(i).copied().flatten();
+            name.map_or_else(|| format!("channel {i}"), str::to_owned)
+        };
+        layout.channels = (0..channels).map(name).collect();
+        layout.pages = self.pages([slices, channels, times], total, count, alone)?;
+        self.calibrate(&mut layout)?;
+        Ok(layout)
+    }
+
+    /// Page of every plane: slices fastest, then channels.
+    fn pages(
+        &self,
+        sizes: [usize; 3],
+        total: usize,
+        count: usize,
+        alone: bool,
+    ) -> Result<Vec<usize>, IoError> {
+        let order = self.pixels.attribute("DimensionOrder").unwrap_or("XYZCT");
+        let axes: Vec<usize> = order.chars().filter_map(|axis| "ZCT".find(axis)).collect();
+        let mut sorted = axes.clone();
+        sorted.sort_unstable();
+        if sorted != [0, 1, 2] {
+            return Err(self
+                .context
+                .field("DimensionOrder", order, None, "an order such as XYZCT"));
+        }
+        // Number of a plane in the file's order from its slice, channel and time, and back to ours.
+        let strides = {
+            let mut strides = [0; 3];
+            let mut stride = 1;
+            for &axis in &axes {
+                strides[axis] = stride;
+                stride *= sizes[axis];
+            }
+            strides
+        };
+        let ours = |plane: usize| {
+            let at = [0, 1, 2].map(|axis| plane / strides[axis] % sizes[axis]);
+            at[0] + sizes[0] * (at[1] + sizes[1] * at[2])
+        };
+        let mut pages = vec![None; total];
+        for data in self.children("TiffData") {
+            let number = |name: &str| data.attribute(name).and_then(|value| value.parse::<usize>().ok());
+            self.check_file(&data)?;
+            let first = ["FirstZ", "FirstC", "FirstT"].map(|name| number(name).unwrap_or(0));
+            let start: usize = (0..3).map(|axis| first[axis].min(total) * strides[axis]).sum();
+            // Without a page, planes follow each other from the first; with one, it is one plane.
+            let planes = number("PlaneCount").unwrap_or(match number("IFD") {
+                Some(_) => 1,
+                None => total,
+            });
+            let page = number("IFD").unwrap_or(0);
+            for offset in 0..planes.min(total.saturating_sub(start)) {
+                pages[ours(start + offset)] = Some(page.saturating_add(offset));
+            }
+        }
+        if alone && pages.iter().all(Option::is_none) {
+            (0..total).for_each(|plane| pages[ours(plane)] = Some(plane));
+        }
+        let known: Option<Vec<usize>> = pages.into_iter().collect();
+        let known = known.filter(|pages| pages.iter().all(|&page| page < count));
+        known.ok_or_else(|| {
+            let expected = format!("one of the {count} pages for each of {total} planes");
+            self.context.field("OME-XML TiffData", "", None, expected)
+        })
+    }
+
+    /// Planes in other files are refused.
+    fn check_file(&self, data: &Node<'_, '_>) -> Result<(), IoError> {
+        let named = data.children().find_map(|node| node.attribute("FileName"));
+        let own = self.context.path.file_name().map(|name| name.to_string_lossy());
+        match named {
+            // A file that was renamed since holds all planes nevertheless; one that does not is found out by its pages.
+            Some(name) if own.as_deref() != Some(name) && self.context.path.with_file_name(name).exists() => {
+                let what = format!("OME image spread over several files; also in {name}");
+                Err(self.context.unsupported(what))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn calibrate(&self, layout: &mut Layout) -> Result<(), IoError> {
+        let mut units = Vec::new();
+        let mut spacing = [None; 3];
+        for (axis, name) in ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"]
+            .into_iter()
+            .enumerate()
+        {
+            let Some(value) = self.pixels.attribute(name) else {
+                continue;
+            };
+            let size = value
+                .parse()
+                .ok()
+                .filter(|size: &f64| size.is_finite() && *size > 0.0);
+            let bad = || self.context.field(name, value, None, "a positive number");
+            spacing[axis] = Some(size.ok_or_else(bad)?);
+            let unit = self.pixels.attribute(&*format!("{name}Unit")).unwrap_or("µm");
+            units.push(unit.to_owned());
+        }
+        let x = spacing[0].unwrap_or(1.0);
+        layout.spacing = DVec3::new(x, spacing[1].unwrap_or(x), spacing[2].unwrap_or(x));
+        layout.unit = match units.first() {
+            Some(unit) if units.iter().all(|other| other == unit) => {
+                length_unit(unit).unwrap_or(LengthUnit::Unknown)
+            }
+            Some(_) => {
+                layout
+                    .warnings
+                    .push(format!("sizes are in different units: {}", units.join(", ")));
+                LengthUnit::Unknown
+            }
+            None => LengthUnit::Unknown,
+        };
+        Ok(())
+    }
+}
