@@ -15,6 +15,7 @@
 //! the number of threads and the tile it lies in, so frames are the same to the bit.
 #![forbid(unsafe_code)]
 
+mod compositions;
 mod coverage;
 mod data;
 mod footprints;

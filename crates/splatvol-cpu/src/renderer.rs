@@ -11,9 +11,11 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{
-    Camera, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError, Volume,
+    Camera, Composition, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError,
+    Volume,
 };
 
+use crate::compositions;
 use crate::coverage::Edges;
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
@@ -139,6 +141,7 @@ pub struct Renderer {
     prepared: Option<Prepared>,
     data: DataEngine,
     footprints: FootprintEngine,
+    gaussians: splatvol_gaussians::Engine,
     /// The larger picture that edges are sampled from.
     fine: Option<Frame>,
     statistics: RenderStatistics,
@@ -176,6 +179,7 @@ impl Renderer {
             prepared: None,
             data: DataEngine::default(),
             footprints: FootprintEngine::default(),
+            gaussians: splatvol_gaussians::Engine::default(),
             fine: None,
             statistics,
         })
@@ -384,6 +388,51 @@ impl Renderer {
             *frame = self.render_slices(scene, (camera, settings), (progress, only));
         }
         Ok(())
+    }
+
+    /// Renders a frame of several things, reporting the finished share (0..1) from any thread.
+    ///
+    /// They are classified, lit, and composited sheet by sheet, or one by one ([`splatvol_scene::Compositing::PerSplat`]).
+    /// Nothing but Gaussians is rendered as published, unless the settings say otherwise
+    /// ([`splatvol_scene::GaussianMode`]).
+    ///
+    /// # Errors
+    /// Settings outside their domain, or methods that need the samples of one grid.
+    pub fn render_composition(
+        &mut self,
+        composition: &Composition,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Frame, SceneError> {
+        let mut frame = Frame::empty(settings.size);
+        if let Some(clouds) = compositions::published(composition, settings)? {
+            let start = Instant::now();
+            let settings = compositions::published_settings(composition, settings.size);
+            let (threads, view) = ((&self.pool, self.level), (camera, &settings));
+            self.gaussians.render_into(threads, &clouds, view, &mut frame);
+            self.statistics = RenderStatistics {
+                threads: self.pool.current_num_threads(),
+                simd: level_name(self.level),
+                voxels: clouds.iter().map(|cloud| cloud.gaussians.len() as u64).sum(),
+                ..RenderStatistics::default()
+            };
+            self.statistics.seconds.total = start.elapsed().as_secs_f64();
+            return Ok(frame);
+        }
+        let settings = compositions::in_sheets(settings)?;
+        settings.validate()?;
+        let run = Run {
+            pool: &self.pool,
+            level: self.level,
+            tile_edge: self.tile_edge,
+            progress,
+            only: None,
+        };
+        self.statistics = self
+            .footprints
+            .render_items(run, composition, (camera, &settings), &mut frame)?;
+        Ok(frame)
     }
 
     /// The mean of the pictures of a scene at rest, from several cameras: what a shutter sees while it is open.

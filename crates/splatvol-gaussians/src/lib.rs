@@ -39,6 +39,7 @@
 
 mod bin;
 mod cover;
+mod engine;
 mod math;
 mod order;
 mod project;
@@ -48,5 +49,6 @@ mod settings;
 mod tile;
 mod view;
 
+pub use engine::{Engine, Placed};
 pub use renderer::{Renderer, RendererConfig, RendererError, SimdLevel};
 pub use settings::GaussianSettings;

@@ -4,7 +4,9 @@
 //! lies; its position is kept in two f32, high and low part.
 
 use glam::{DMat3, DVec3};
-use splatvol_scene::{Camera, Gaussians};
+use splatvol_scene::Camera;
+
+use crate::engine::Placed;
 
 use crate::settings::{GaussianSettings, sane};
 
@@ -39,8 +41,9 @@ pub(crate) struct View {
 }
 
 impl View {
-    pub(crate) fn new(gaussians: &Gaussians, camera: &Camera, settings: &GaussianSettings) -> Self {
-        let world_from_local = gaussians.world_from_local();
+    pub(crate) fn new(placed: &Placed<'_>, camera: &Camera, settings: &GaussianSettings) -> Self {
+        let gaussians = placed.gaussians;
+        let world_from_local = placed.world_from_local();
         let local_from_world = world_from_local.inverse();
         let linear = camera.camera_from_world().matrix3 * world_from_local.matrix3;
         let eye = local_from_world.transform_point3(camera.position());

@@ -141,9 +141,14 @@ impl Gather {
 
     /// Adds points as discs of their radii, or balls where they have no normals. `color`: of points that have none, sRGB;
     /// `opacity`: what a surface of them has, times their own.
-    pub fn add_points(&mut self, points: &Points, color: [f64; 3], opacity: f64) {
+    pub fn add_points(
+        &mut self,
+        points: &Points,
+        world_from_item: &DAffine3,
+        (color, opacity): ([f64; 3], f64),
+    ) {
         let attributes = points.attributes();
-        let frame = points.world_from_local();
+        let frame = &(*world_from_item * *points.world_from_local());
         let linear = frame.matrix3;
         let scale = linear.determinant().abs().cbrt();
         let gradient = SURFACE_GRADIENT / self.spacing;
@@ -170,9 +175,15 @@ impl Gather {
     }
 
     /// Adds Gaussians, after everything else. `color`: of each in this view, sRGB.
-    pub fn add_gaussians(&mut self, gaussians: &Gaussians, color: impl Fn(usize) -> [f32; 3] + Sync) {
+    pub fn add_gaussians(
+        &mut self,
+        gaussians: &Gaussians,
+        world_from_item: &DAffine3,
+        color: impl Fn(usize) -> [f32; 3] + Sync,
+    ) {
         self.peaks_from.get_or_insert(self.positions.len());
-        let (attributes, frame) = (gaussians.attributes(), gaussians.world_from_local());
+        let attributes = gaussians.attributes();
+        let frame = &(*world_from_item * *gaussians.world_from_local());
         self.add(gaussians.len(), |index| {
             let rotation = Mat3::from_quat(Quat::from_array(attributes.rotations[index]));
             let axes = frame.matrix3
@@ -398,7 +409,7 @@ mod tests {
         let frame = DAffine3::from_scale(DVec3::splat(3.0));
         let points = Points::new(vec![[1.0, 0.0, 0.0]], attributes, frame).unwrap();
         let mut gather = Gather::around(DVec3::ZERO, 1.0);
-        gather.add_points(&points, [1.0; 3], 0.5);
+        gather.add_points(&points, &DAffine3::IDENTITY, ([1.0; 3], 0.5));
         let cloud = gather.finish().cloud;
         let sigma = (SURFEL_SIGMA * 1.5) as f32;
         let [xx, xy, xz, yy, yz, zz] = cloud.covariances[0];
@@ -428,7 +439,7 @@ mod tests {
             payload: [1.0; 4],
             gradient: DVec3::ZERO,
         });
-        gather.add_gaussians(&gaussians, |_| [1.0, 0.0, 0.5]);
+        gather.add_gaussians(&gaussians, &DAffine3::IDENTITY, |_| [1.0, 0.0, 0.5]);
         let Gathered { cloud, sources } = gather.finish();
         assert_eq!((cloud.peaks_from, sources), (1, vec![0, 1]));
         let found = cloud.covariances[1];

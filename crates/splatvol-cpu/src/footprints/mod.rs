@@ -4,7 +4,7 @@
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
-//! | extract | `cloud` | the volume's visible voxels become a cloud, kept between frames |
+//! | extract | `cloud`, `items` | the volume's visible voxels, or all kernels of a composition, become a cloud, kept between frames |
 //! | profile | `kernels` | the kernel's line integrals, as a function or as tables, kept between frames |
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
@@ -17,6 +17,7 @@
 
 mod cloud;
 mod data;
+mod items;
 mod kernels;
 mod light;
 mod occlusion;
@@ -33,13 +34,14 @@ use std::time::Instant;
 use rayon::prelude::*;
 use splatvol_core::splats::Profile;
 use splatvol_scene::{
-    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
+    Absorption, Alignment, Camera, Classification, Compositing, Composition, Filter, Frame, Occlusion,
+    Rasterizer, Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
 };
 
 use self::cloud::CloudStore;
+use self::items::ItemStore;
 use self::kernels::{Footprints, KernelStore};
-use self::plan::Plan;
+use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
 use crate::data::engine::Run;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -70,6 +72,7 @@ pub(crate) fn blurs(scene: &Scene, settings: &RenderSettings) -> bool {
 #[derive(Debug, Default)]
 pub(crate) struct FootprintEngine {
     store: CloudStore,
+    items: ItemStore,
     kernels: KernelStore,
 }
 
@@ -89,24 +92,67 @@ impl FootprintEngine {
         raster::check(scene, camera, settings)?;
         self.kernels.prepare(settings)?;
         let shape = self.kernels.shape(settings);
-        let cloud = run.pool.install(|| self.store.cloud(scene, settings, shape));
-        let seconds = StageSeconds {
-            classify: start.elapsed().as_secs_f64(),
-            ..StageSeconds::default()
+        let (cloud, bricks) = run.pool.install(|| self.store.cloud(scene, settings, shape));
+        let drawn = Drawn {
+            cloud,
+            bricks,
+            scene: Some(scene),
         };
-        let mut statistics = match self.kernels.footprints() {
-            Footprints::Gaussian(profile) => {
-                let plan = || Plan::new(cloud, scene, (camera, settings), (profile, None));
-                render_tiles(run, &run.pool.install(plan), frame, seconds)
-            }
-            Footprints::Radial(profile, tables) => {
-                let plan = || Plan::new(cloud, scene, (camera, settings), (profile, tables));
-                render_tiles(run, &run.pool.install(plan), frame, seconds)
-            }
-        };
-        statistics.seconds.total = start.elapsed().as_secs_f64();
-        Ok(statistics)
+        let view = (camera, settings);
+        Ok(draw(run, (drawn, self.kernels.footprints()), view, frame, start))
     }
+
+    /// Renders a frame of several things: everything but `camera` and settings is kept between frames.
+    ///
+    /// # Errors
+    /// Kernels outside their domain.
+    pub(crate) fn render_items(
+        &mut self,
+        run: Run<'_>,
+        composition: &Composition,
+        (camera, settings): (&Camera, &RenderSettings),
+        frame: &mut Frame,
+    ) -> Result<RenderStatistics, SceneError> {
+        let start = Instant::now();
+        self.kernels.prepare(settings)?;
+        let shape = self.kernels.shape(settings);
+        let items = &mut self.items;
+        let drawn = Drawn {
+            cloud: run
+                .pool
+                .install(move || items.cloud(composition, camera, (settings, shape))),
+            bricks: 0,
+            scene: None,
+        };
+        let view = (camera, settings);
+        Ok(draw(run, (drawn, self.kernels.footprints()), view, frame, start))
+    }
+}
+
+/// Plans and renders a frame. `start`: when work on it began.
+fn draw(
+    run: Run<'_>,
+    (drawn, footprints): (Drawn<'_>, Footprints<'_>),
+    view: (&Camera, &RenderSettings),
+    frame: &mut Frame,
+    start: Instant,
+) -> RenderStatistics {
+    let seconds = StageSeconds {
+        classify: start.elapsed().as_secs_f64(),
+        ..StageSeconds::default()
+    };
+    let mut statistics = match footprints {
+        Footprints::Gaussian(profile) => {
+            let plan = || Plan::new(drawn, view, (profile, None));
+            render_tiles(run, &run.pool.install(plan), frame, seconds)
+        }
+        Footprints::Radial(profile, tables) => {
+            let plan = || Plan::new(drawn, view, (profile, tables));
+            render_tiles(run, &run.pool.install(plan), frame, seconds)
+        }
+    };
+    statistics.seconds.total = start.elapsed().as_secs_f64();
+    statistics
 }
 
 /// Renders all tiles into a frame.

@@ -19,6 +19,16 @@ use crate::stage::shade::Phong;
 /// Edge of a tile, pixels, where the whole picture is not one.
 const TILE_EDGE: usize = 64;
 
+/// A cloud on its way into a picture.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drawn<'a> {
+    pub cloud: &'a SplatCloud,
+    /// Bricks of the volume that it is from.
+    pub bricks: usize,
+    /// The volume, whose data are classified in sheets, and may move; `None` for a composition.
+    pub scene: Option<&'a Scene>,
+}
+
 /// Everything that tiles need.
 #[derive(Debug)]
 pub(crate) struct Plan<'a, P> {
@@ -47,8 +57,7 @@ pub(crate) struct Plan<'a, P> {
 impl<'a, P: Profile> Plan<'a, P> {
     /// Projects and bins a cloud's chunks.
     pub(crate) fn new(
-        (cloud, bricks): (&'a SplatCloud, usize),
-        scene: &Scene,
+        Drawn { cloud, bricks, scene }: Drawn<'a>,
         (camera, settings): (&Camera, &'a RenderSettings),
         (profile, tables): (&'a P, Option<&'a Tables>),
     ) -> Self {
@@ -62,13 +71,10 @@ impl<'a, P: Profile> Plan<'a, P> {
         };
         let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), profile)
             .with_stretch(settings.stretch);
-        if let Some(motion) = scene
-            .motion
-            .as_ref()
-            .filter(|_| settings.motion_blur.moves_footprints())
-        {
+        let moving = scene.and_then(|scene| Some((scene.motion.as_ref()?, scene.volume.grid().dims())));
+        if let Some((motion, dims)) = moving.filter(|_| settings.motion_blur.moves_footprints()) {
             let capsule = settings.motion_blur == MotionBlur::Capsule;
-            projection = projection.moving(motion, scene.volume.grid().dims(), &view, capsule);
+            projection = projection.moving(motion, dims, &view, capsule);
         }
         let reach = projection.depth_reach();
         let corners = corners(cloud)
@@ -104,16 +110,14 @@ impl<'a, P: Profile> Plan<'a, P> {
             settings,
             cloud,
             light: lit.map(|lighting| SplatLight::new(lighting, cloud, camera)),
-            shading: data.then(|| {
+            shading: scene.filter(|_| data).map(|scene| {
                 let table = ClassificationTable::new(
                     &scene.transfer_function,
                     scene.volume.value_range(),
                     scene.unit_distance(),
                 );
-                (
-                    table,
-                    lighting.map(|lighting| Phong::new(lighting, cloud.spacing)),
-                )
+                let phong = lighting.map(|lighting| Phong::new(lighting, cloud.spacing));
+                (table, phong)
             }),
             projection,
             profile,

@@ -1,0 +1,282 @@
+//! Extract: the cloud of a composition, made again where an item, its look or its place has changed.
+//!
+//! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
+
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use splatvol_core::brick::BrickGrid;
+use splatvol_core::classification::ClassificationTable;
+use splatvol_core::coefficients::{Coefficients, Use};
+use splatvol_core::points::{Neighborhoods, Orientation};
+use splatvol_core::splats::{self, Extract, Gather, Gathered, KernelShape, SplatCloud, gaussian_payload};
+use splatvol_scene::gaussians::harmonics_count;
+use splatvol_scene::{
+    Camera, Composition, Content, Gaussians, Item, PointAttributes, PointLook, Points, Projection,
+    RenderSettings, TransferFunction, Volume, harmonics,
+};
+
+/// Neighbours that radii and normals are estimated from.
+const NEIGHBORS: usize = 8;
+/// Sheets of a composition of Gaussians: these have no spacing of their own.
+const SHEETS: f64 = 512.0;
+/// Most sheets of any composition, however fine one of its items is.
+const MOST_SHEETS: f64 = 4096.0;
+
+/// The cloud last made.
+#[derive(Debug, Default)]
+pub(crate) struct ItemStore {
+    kept: Option<Kept>,
+}
+
+#[derive(Debug)]
+struct Kept {
+    items: Vec<Item>,
+    key: (KernelShape, bool),
+    gathered: Gathered,
+    /// The Gaussians' items, and where their splats begin.
+    colored: Vec<(usize, Item)>,
+    /// The camera that they are coloured for.
+    camera: Option<Camera>,
+}
+
+impl ItemStore {
+    /// The cloud of a composition, as this camera sees it.
+    pub(crate) fn cloud(
+        &mut self,
+        composition: &Composition,
+        camera: &Camera,
+        (settings, shape): (&RenderSettings, KernelShape),
+    ) -> &SplatCloud {
+        let key = (shape, settings.lighting.is_some());
+        let same = |kept: &Kept| {
+            kept.key == key
+                && kept.items.len() == composition.items.len()
+                && kept
+                    .items
+                    .iter()
+                    .zip(&composition.items)
+                    .all(|(a, b)| a.is_same(b))
+        };
+        if !self.kept.as_ref().is_some_and(same) {
+            // First, so that the memory of two clouds is never needed.
+            self.kept = None;
+        }
+        let kept = self.kept.get_or_insert_with(|| Kept::new(composition, key));
+        kept.color(camera);
+        &kept.gathered.cloud
+    }
+}
+
+impl Kept {
+    fn new(composition: &Composition, key: (KernelShape, bool)) -> Self {
+        let completed: Vec<Item> = composition
+            .items
+            .iter()
+            .map(|item| completed(item, key.1))
+            .collect();
+        let bounds = composition.bounds();
+        let extent = bounds.map_or(1.0, |b| b.diagonal()).max(f64::MIN_POSITIVE);
+        let finest = completed.iter().filter_map(spacing).fold(f64::INFINITY, f64::min);
+        let spacing = if finest.is_finite() {
+            finest.max(extent / MOST_SHEETS)
+        } else {
+            extent / SHEETS
+        };
+        let origin = bounds.map_or(DVec3::ZERO, |b| b.centre());
+        let mut gather = Gather::around(origin, spacing);
+        let (gaussians, others): (Vec<_>, Vec<_>) = completed
+            .into_iter()
+            .partition(|item| matches!(item.content, Content::Gaussians(_)));
+        for item in &others {
+            add(&mut gather, item, key);
+        }
+        let mut colored = Vec::new();
+        for item in gaussians {
+            let first = gather.len();
+            if let Content::Gaussians(gaussians) = &item.content {
+                gather.add_gaussians(gaussians, &item.world_from_item, |_| [0.0; 3]);
+                colored.push((first, item));
+            }
+        }
+        Self {
+            items: composition.items.clone(),
+            key,
+            gathered: gather.finish(),
+            colored,
+            camera: None,
+        }
+    }
+
+    /// Gives Gaussians their colours from this camera.
+    fn color(&mut self, camera: &Camera) {
+        if self.camera.as_ref() == Some(camera) || self.colored.is_empty() {
+            return;
+        }
+        let views: Vec<(usize, ColorView<'_>)> = self
+            .colored
+            .iter()
+            .filter_map(|(first, item)| Some((*first, ColorView::new(item, camera)?)))
+            .collect();
+        let Gathered { cloud, sources } = &mut self.gathered;
+        let from = cloud.peaks_from;
+        cloud.payloads[from..]
+            .par_iter_mut()
+            .zip(&sources[from..])
+            .for_each(|(payload, &source)| {
+                let source = source as usize;
+                let item = views.partition_point(|(first, _)| *first <= source);
+                if let Some((first, view)) = item.checked_sub(1).map(|item| &views[item]) {
+                    *payload = view.payload(source - first);
+                }
+            });
+        self.camera = Some(*camera);
+    }
+}
+
+/// An item whose points have radii, and normals where they are lit.
+fn completed(item: &Item, lit: bool) -> Item {
+    let Content::Points { points, look } = &item.content else {
+        return item.clone();
+    };
+    let own = points.attributes();
+    let (radii, normals) = (!own.radii.is_empty(), !own.normals.is_empty() || !lit);
+    if (radii || look.radius.is_some()) && normals && look.radius.is_none() {
+        return item.clone();
+    }
+    let neighbors = (!normals || (!radii && look.radius.is_none()))
+        .then(|| Neighborhoods::new(points.positions(), NEIGHBORS));
+    let attributes = PointAttributes {
+        colors: own.colors.clone(),
+        normals: match &neighbors {
+            Some(neighbors) if !normals => neighbors.normals(Orientation::Outward),
+            _ => own.normals.clone(),
+        },
+        radii: match (look.radius, &neighbors) {
+            (Some(radius), _) => vec![radius as f32; points.len()],
+            (None, Some(neighbors)) if !radii => neighbors.radii(),
+            _ => own.radii.clone(),
+        },
+    };
+    // What was estimated is as good as what was read; where it is not (all points in one place), there is nothing to see.
+    let points = Points::clone(points).with_attributes(attributes);
+    match points {
+        Ok(points) => Item {
+            content: Content::Points {
+                points: points.into(),
+                look: *look,
+            },
+            world_from_item: item.world_from_item,
+        },
+        Err(_) => item.clone(),
+    }
+}
+
+/// How far apart an item's samples are, world length; `None` for what does not say.
+fn spacing(item: &Item) -> Option<f64> {
+    let scale = |frame: &DAffine3| frame.matrix3.determinant().abs().cbrt();
+    let placed = scale(&item.world_from_item);
+    match &item.content {
+        Content::Volume { volume, .. } => Some(volume.grid().mean_spacing() * placed),
+        Content::Mesh { mesh, .. } => {
+            let size = mesh.bounds().max - mesh.bounds().min;
+            let count = mesh.positions().len().max(1) as f64;
+            Some((size.x * size.y * size.z / count).cbrt() * placed).filter(|s| *s > 0.0)
+        }
+        Content::Points { points, .. } => {
+            let mut radii = points.attributes().radii.clone();
+            let middle = radii.len() / 2;
+            let median = (!radii.is_empty()).then(|| *radii.select_nth_unstable_by(middle, f32::total_cmp).1);
+            median.map(|radius| f64::from(radius) * scale(points.world_from_local()) * placed)
+        }
+        Content::Gaussians(_) => None,
+    }
+}
+
+fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
+    match &item.content {
+        Content::Volume {
+            volume,
+            transfer_function,
+        } => {
+            let mut cloud = classified(volume, transfer_function, (shape, lit));
+            let scale = item.world_from_item.matrix3.determinant().abs();
+            cloud.world_from_local = item.world_from_item * cloud.world_from_local;
+            cloud.mass *= scale;
+            cloud.spacing *= scale.cbrt();
+            // Opacities refer to lengths of the volume's own world.
+            let thinner = scale.cbrt().recip() as f32;
+            for payload in &mut cloud.payloads {
+                *payload = payload.map(|value| value * thinner);
+            }
+            gather.add_voxels(&cloud);
+        }
+        Content::Points { points, look } => {
+            let PointLook { color, opacity, .. } = *look;
+            gather.add_points(points, &item.world_from_item, (color, opacity));
+        }
+        Content::Mesh { .. } | Content::Gaussians(_) => {}
+    }
+}
+
+/// The visible voxels of a volume.
+fn classified(
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+    (shape, lit): (KernelShape, bool),
+) -> SplatCloud {
+    let (samples, bricks): (Coefficients, BrickGrid) = Coefficients::new(volume, Use::Samples);
+    let unit_distance = transfer_function
+        .unit_distance
+        .unwrap_or_else(|| volume.grid().mean_spacing());
+    let table = ClassificationTable::new(transfer_function, volume.value_range(), unit_distance);
+    splats::classified(&Extract {
+        grid: volume.grid(),
+        samples: &samples,
+        bricks: &bricks,
+        table: &table,
+        shape: KernelShape::Sphere { sigma: shape.sigma() },
+        gradients: lit,
+        interest: None,
+    })
+}
+
+/// Gaussians from a camera.
+struct ColorView<'a> {
+    gaussians: &'a Gaussians,
+    /// The eye, or the direction in which all rays go, local.
+    from: Result<DVec3, DVec3>,
+}
+
+impl<'a> ColorView<'a> {
+    fn new(item: &'a Item, camera: &Camera) -> Option<Self> {
+        let Content::Gaussians(gaussians) = &item.content else {
+            return None;
+        };
+        let local_from_world = (item.world_from_item * *gaussians.world_from_local()).inverse();
+        let from = match camera.projection() {
+            Projection::Perspective { .. } => Ok(local_from_world.transform_point3(camera.position())),
+            Projection::Orthographic { .. } => {
+                let forward = camera.camera_from_world().inverse().transform_vector3(DVec3::Z);
+                Err(local_from_world.transform_vector3(forward))
+            }
+        };
+        Some(Self { gaussians, from })
+    }
+
+    fn payload(&self, index: usize) -> [f32; 4] {
+        let attributes = self.gaussians.attributes();
+        let mean = DVec3::from_array(attributes.means[index].map(f64::from));
+        let direction = match self.from {
+            Ok(eye) => mean - eye,
+            Err(forward) => forward,
+        };
+        let degree = self.gaussians.degree();
+        let count = harmonics_count(degree);
+        let own = &attributes.harmonics[index * count..(index + 1) * count];
+        let direction = direction.normalize_or(DVec3::Z).as_vec3().to_array();
+        gaussian_payload(
+            attributes.opacities[index],
+            harmonics::color(degree, own, direction),
+        )
+    }
+}

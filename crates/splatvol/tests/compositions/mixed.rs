@@ -1,0 +1,208 @@
+//! Things inside each other.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use splatvol::{
+    Alignment, Classification, Compositing, Composition, Content, EngineConfig, Filter, Grid, Item,
+    PointLook, RenderSettings, Renderer, Scene, SheetContent, TransferFunction,
+};
+use splatvol_testing::fields::{Ball, Noise};
+use splatvol_testing::transfer::linear_extinction;
+use splatvol_testing::{Comparison, sample};
+
+use crate::common::{orthographic, perspective};
+use crate::support::{cloud, item, picture, pictured, sphere, unlit};
+
+/// Extinction of the fog's densest place, per world length.
+const FOG: f64 = 0.8;
+
+fn volume(content: (splatvol::Volume, TransferFunction)) -> Item {
+    Item::new(Content::Volume {
+        volume: Arc::new(content.0),
+        transfer_function: content.1,
+    })
+}
+
+/// A ball of fog of radius 1.2, `FOG (1 - (r / 1.2)^2)` dense, dark.
+fn fog() -> Item {
+    let grid = Grid::centred([48, 48, 48], DVec3::splat(2.6 / 48.0)).unwrap();
+    let field = Ball {
+        centre: DVec3::ZERO,
+        radius: 1.2,
+    };
+    volume((
+        sample(&field, &grid),
+        linear_extinction([0.0, 1.0], FOG, [0.0; 3]),
+    ))
+}
+
+/// Optical depth of the fog along a diameter, from `a` to `b` on it.
+fn fog_between(a: f64, b: f64) -> f64 {
+    let integral = |x: f64| FOG * (x - x.powi(3) / (3.0 * 1.44));
+    integral(b.clamp(-1.2, 1.2)) - integral(a.clamp(-1.2, 1.2))
+}
+
+/// Red, green and blue spheres, half transparent, in a ball of fog: seen from all sides, the ray through the middle meets
+/// them in their order.
+#[test]
+fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
+    let spheres = [
+        (1.0, [1.0, 0.0, 0.0]),
+        (0.7, [0.0, 1.0, 0.0]),
+        (0.4, [0.0, 0.0, 1.0]),
+    ];
+    let opacity = 0.5;
+    let mut items = vec![fog()];
+    for (radius, color) in spheres {
+        let look = PointLook {
+            color,
+            opacity,
+            ..PointLook::default()
+        };
+        items.push(item(sphere(12_000), look, radius));
+    }
+    // Front to back along a diameter: where a surface is met, and whose.
+    let mut expected = [0.0; 4];
+    let (mut transmittance, mut last) = (1.0, -2.0);
+    for (place, color) in [-1.0, -0.7, -0.4, 0.4, 0.7, 1.0]
+        .into_iter()
+        .zip([0, 1, 2, 2, 1, 0])
+    {
+        transmittance *= (-fog_between(last, place)).exp();
+        expected[color] += transmittance * opacity;
+        transmittance *= 1.0 - opacity;
+        last = place;
+    }
+    transmittance *= (-fog_between(last, 2.0)).exp();
+    expected[3] = 1.0 - transmittance;
+    let composition = Composition::new(items).unwrap();
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    for x in -1..=1 {
+        for y in -1..=1 {
+            for z in -1..=1 {
+                let direction = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+                if direction == DVec3::ZERO {
+                    continue;
+                }
+                let camera = perspective(DVec3::ZERO, direction, 9.0, 16.0);
+                let frame = renderer
+                    .render_composition(&composition, &camera, &unlit(63, 63), &|_| {})
+                    .unwrap();
+                let found = frame.image.pixel(31, 31).map(f64::from);
+                for c in 0..4 {
+                    let error = found[c] - expected[c];
+                    assert!(error.abs() < 0.015, "{direction}: {found:.3?} {expected:.3?}");
+                }
+            }
+        }
+    }
+}
+
+/// A volume as an item is the volume that it is alone.
+#[test]
+fn a_volume_as_an_item_is_the_volume() {
+    let grid = Grid::centred([24, 20, 28], DVec3::new(1.0, 1.3, 0.8)).unwrap();
+    let data = sample(&Noise::new(5, 20, DVec3::splat(0.6)), &grid);
+    let look = linear_extinction([-1.0, 1.0], 0.2, [0.9, 0.5, 0.2]);
+    let camera = perspective(DVec3::ZERO, DVec3::new(0.4, 1.0, 0.3), 60.0, 40.0);
+    let settings = RenderSettings {
+        classification: Classification::Pre,
+        sheet: Some(SheetContent::Section),
+        alignment: Alignment::Affine,
+        prefilter: false,
+        filter: Filter::Ewa { pixel_sigma: 0.55 },
+        ..RenderSettings {
+            size: unlit(96, 80).size,
+            ..RenderSettings::default()
+        }
+    };
+    let alone = {
+        let scene = Scene::new(data.clone(), look.clone());
+        let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+        renderer.render(&scene, &camera, &settings).unwrap()
+    };
+    let found = picture(vec![volume((data, look))], &camera, &settings);
+    let figures = Comparison::of(&found.image, &alone.image);
+    println!("a volume as an item: {:.1} dB", figures.psnr);
+    assert!(figures.psnr > 60.0, "{}", figures.psnr);
+}
+
+/// Twice as large and twice as far is the same picture.
+#[test]
+fn scaled_items_look_the_same_from_farther_away() {
+    let pictures = [1.0, 2.5].map(|scale| {
+        let mut fog = fog();
+        fog.world_from_item = DAffine3::from_scale(DVec3::splat(scale));
+        let look = PointLook {
+            opacity: 0.6,
+            ..PointLook::default()
+        };
+        let items = vec![fog, item(sphere(3000), look, 0.8 * scale)];
+        let camera = perspective(DVec3::ZERO, DVec3::new(1.0, 0.2, 0.1), 7.0 * scale, 20.0);
+        picture(items, &camera, &unlit(64, 64)).image
+    });
+    let figures = Comparison::of(&pictures[0], &pictures[1]);
+    assert!(figures.psnr > 70.0, "{}", figures.psnr);
+}
+
+#[test]
+fn pictures_do_not_depend_on_threads() {
+    let gaussians = Item::new(Content::Gaussians(Arc::new(cloud(300, [0.02, 0.3], 3))));
+    let items = vec![fog(), item(sphere(3000), PointLook::default(), 0.6), gaussians];
+    let composition = Composition::new(items).unwrap();
+    let camera = orthographic(DVec3::ZERO, DVec3::new(0.1, 0.5, 1.0), 3.0);
+    for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {
+        let settings = RenderSettings {
+            compositing,
+            ..unlit(150, 130)
+        };
+        let bits = |threads| {
+            let frame = pictured(&composition, &camera, &settings, Some(threads));
+            frame
+                .image
+                .pixels
+                .iter()
+                .map(|p| p.map(f32::to_bits))
+                .collect::<Vec<_>>()
+        };
+        assert!(bits(1) == bits(3), "{compositing:?}");
+    }
+}
+
+#[test]
+fn what_is_of_one_grid_is_refused() {
+    let composition = Composition::new(vec![item(sphere(100), PointLook::default(), 1.0)]).unwrap();
+    let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
+    let base = unlit(16, 16);
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    for (settings, words) in [
+        (
+            RenderSettings {
+                compositing: Compositing::Mip,
+                ..base
+            },
+            "one volume",
+        ),
+        (
+            RenderSettings {
+                filter: Filter::Swan,
+                ..base
+            },
+            "ewa or matched",
+        ),
+        (
+            RenderSettings {
+                gaussians: splatvol::GaussianMode::Published,
+                ..base
+            },
+            "volumetric",
+        ),
+    ] {
+        let error = renderer
+            .render_composition(&composition, &camera, &settings, &|_| {})
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
