@@ -16,6 +16,7 @@ mod effects;
 mod fastsplats;
 mod footprint;
 mod input;
+mod item;
 mod kernel;
 mod look;
 mod method;
@@ -36,6 +37,7 @@ pub(crate) use footprint::{
     AbsorptionName, AlignmentName, FootprintArgs, OcclusionName, ReconstructionName, SheetName, StretchName,
 };
 pub(crate) use input::InputArgs;
+pub(crate) use item::{ItemArgs, UpAxis};
 pub(crate) use kernel::{KernelArgs, KernelName};
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
