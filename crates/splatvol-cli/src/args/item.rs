@@ -12,7 +12,7 @@ const DATA: &str = "Points, Gaussians, meshes, terrain";
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct ItemArgs {
     /// What the input is: volume, points, terrain, depth-images, gaussians [default: what its contents say]
-    #[arg(long, value_name = "KIND", value_parser = kind, help_heading = DATA)]
+    #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = DATA)]
     pub(crate) kind: Option<DataKind>,
     /// Axis of the file that is up; for Gaussians of the frame they were trained in [default: z; Gaussians: -y]
     #[arg(long, value_name = "AXIS", help_heading = DATA, allow_hyphen_values = true)]
@@ -27,15 +27,11 @@ pub(crate) struct ItemArgs {
     #[arg(long, value_name = "R,G,B", value_parser = values::triple, help_heading = DATA)]
     pub(crate) point_color: Option<Triple>,
     /// Opacity of points, 0..1 [default: 1]
-    #[arg(long, value_name = "SHARE", value_parser = values::finite, help_heading = DATA)]
+    #[arg(long, value_name = "SHARE", value_parser = values::finite, help_heading = DATA, conflicts_with = "opacity")]
     pub(crate) point_opacity: Option<f64>,
     /// Picture of the same area, north at its top, that is laid over terrain
     #[arg(long, value_name = "PICTURE", help_heading = DATA)]
     pub(crate) drape: Option<std::path::PathBuf>,
-}
-
-fn kind(text: &str) -> Result<DataKind, String> {
-    text.parse()
 }
 
 /// Axes of a file.

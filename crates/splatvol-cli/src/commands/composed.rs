@@ -1,31 +1,31 @@
 //! `splatvol render` of what is not one volume: points, Gaussians, meshes, scenes.
 
+mod refuse;
+mod scene_camera;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::ValueEnum;
 use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, Composition, Frame, GaussianMode, ImageSize, RenderSettings, RenderStatistics};
-use splatvol_io::{DataKind, ImageFormat, SceneCamera, SceneFile, is_scene, read_scene};
+use splatvol::{Camera, Composition, Frame, ImageSize, RenderSettings, RenderStatistics};
+use splatvol_io::{DataKind, ImageFormat, SceneFile, is_scene, read_scene};
 
 use super::outputs::Outputs;
 use super::render::describe;
 use super::studio::engine;
-use crate::args::{
-    Background, CameraArgs, EffectArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, RenderArgs, ViewName,
-    values,
-};
+use crate::args::{Background, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{CameraRecipe, SceneRecipe, command_line};
 use crate::resolve::camera::Surroundings;
-use crate::resolve::items::{self, Reading, Source};
+use crate::resolve::item_keys::{self, Source};
+use crate::resolve::items::{self, Reading};
 use crate::resolve::look::Wishes;
 use crate::resolve::outline::outline;
 use crate::resolve::{camera, method};
 use crate::terminal::Terminal;
 
 /// A scene, and who says what is in it.
-pub(super) struct Composed {
+pub(in crate::commands) struct Composed {
     scene: SceneFile,
     source: fn(usize) -> Source,
     like: Option<SceneRecipe>,
@@ -36,7 +36,7 @@ pub(super) struct Composed {
 }
 
 /// The scene that the arguments ask for; `None` where it is one volume.
-pub(super) fn of(args: &RenderArgs) -> Result<Option<Composed>, Failure> {
+pub(in crate::commands) fn of(args: &RenderArgs) -> Result<Option<Composed>, Failure> {
     if let Some(picture) = args.like.as_deref()
         && let Some(like) = SceneRecipe::of_picture(picture)?
     {
@@ -49,12 +49,13 @@ pub(super) fn of(args: &RenderArgs) -> Result<Option<Composed>, Failure> {
     let (scene, source): (_, fn(usize) -> Source) = if is_scene(path) {
         of_file(path, args)?
     } else {
-        let item = items::of_flags(args, reference);
+        let item = item_keys::of_flags(args, reference);
         match items::kind(&item, None) {
-            // What cannot be read is for the reader of volumes to say, in its words.
-            Ok((DataKind::Volume, _)) | Err(_) => {
-                return no_volume_flags(&args.item, reference).map(|()| None);
+            Ok((DataKind::Volume, _)) => {
+                return refuse::no_volume_flags(&args.item, reference).map(|()| None);
             }
+            // What cannot be read is for the reader of volumes to say, in its words.
+            Err(_) => return Ok(None),
             Ok(_) => {
                 let items = vec![item];
                 let scene = SceneFile {
@@ -87,7 +88,7 @@ fn again(args: &RenderArgs, picture: &Path, like: SceneRecipe) -> Result<Compose
             picture.display()
         )));
     }
-    no_item_flags(args, "the scene of an earlier picture")?;
+    refuse::no_item_flags(args, "the scene of an earlier picture")?;
     Ok(Composed {
         scene: like.scene.clone(),
         source: Source::Scene,
@@ -98,7 +99,7 @@ fn again(args: &RenderArgs, picture: &Path, like: SceneRecipe) -> Result<Compose
 }
 
 fn of_file(path: &Path, args: &RenderArgs) -> Result<(SceneFile, fn(usize) -> Source), Failure> {
-    no_item_flags(args, "a scene, whose items say it themselves")?;
+    refuse::no_item_flags(args, "a scene, whose items say it themselves")?;
     let scene = read_scene(path).during(Step::Input)?;
     if let Some((index, item)) = scene
         .items
@@ -115,55 +116,11 @@ fn of_file(path: &Path, args: &RenderArgs) -> Result<(SceneFile, fn(usize) -> So
     Ok((scene, Source::Scene))
 }
 
-/// Flags that belong to one of several items are refused.
-fn no_item_flags(args: &RenderArgs, what: &str) -> Result<(), Failure> {
-    let (given, read) = (&args.item, &args.read);
-    let of_item = ItemArgs {
-        gaussians: None,
-        ..given.clone()
-    } != ItemArgs::default();
-    let of_file = read.dims.is_some()
-        || read.array.is_some()
-        || read.component.is_some()
-        || read.channel.is_some()
-        || read.time.is_some()
-        || read.level.is_some()
-        || read.series.is_some();
-    if of_item || of_file || args.look != LookArgs::default() {
-        return Err(Failure::usage(format!(
-            "flags about reading, colour, opacity, radius and orientation have no meaning for {what}"
-        )));
-    }
-    Ok(())
-}
-
-/// Flags of other data are refused for a volume.
-fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Failure> {
-    let given = [
-        ("--up", args.up.is_some()),
-        ("--gaussians", args.gaussians.is_some()),
-        ("--radius", args.radius.is_some()),
-        ("--point-color", args.point_color.is_some()),
-        ("--point-opacity", args.point_opacity.is_some()),
-        ("--drape", args.drape.is_some()),
-    ];
-    match given.into_iter().find(|(_, given)| *given) {
-        Some(("--up", _)) => Err(
-            Failure::usage(format!("--up has no meaning for a volume ({reference})"))
-                .hint("--camera-up turns the camera"),
-        ),
-        Some((flag, _)) => Err(Failure::usage(format!(
-            "{flag} has no meaning for a volume ({reference})"
-        ))),
-        None => Ok(()),
-    }
-}
-
 impl Composed {
     /// Renders and writes the picture.
     pub(super) fn run(&self, args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
         let start = Instant::now();
-        refuse_effects(args)?;
+        refuse::effects(args)?;
         let outputs = Outputs::new(args, &self.reference)?;
         let threads = args.threads.filter(|&n| n > 0);
         if let Some(threads) = threads {
@@ -217,7 +174,7 @@ impl Composed {
             )));
         }
         let mut composition = Composition::new(items).during(Step::Usage)?;
-        check_gaussians(args, &composition, settings.gaussians)?;
+        refuse::gaussians(args, &composition, settings.gaussians)?;
         let background = self.background(args)?;
         // An EXR keeps its alpha.
         if let Some([r, g, b, a]) = background.filter(|_| format != ImageFormat::Exr) {
@@ -226,7 +183,7 @@ impl Composed {
         }
         let own = self.scene.camera.as_ref().filter(|_| like.is_none());
         let flags = match own {
-            Some(own) => args.camera.or(&camera_args(own)?),
+            Some(own) => args.camera.or(&scene_camera::as_flags(own)?),
             None => args.camera.clone(),
         };
         let outlines = || {
@@ -297,84 +254,4 @@ fn render(
         .render_composition(composition, camera, settings, &|share| bar.set(share))
         .during(Step::Render)?;
     Ok((frame, renderer.statistics().clone()))
-}
-
-/// Effects, clips and motion are of one volume.
-fn refuse_effects(args: &RenderArgs) -> Result<(), Failure> {
-    let what = if args.effects != EffectArgs::default() {
-        "effects and clips"
-    } else if args.motion != MotionArgs::default() {
-        "motion blur"
-    } else {
-        return Ok(());
-    };
-    Err(Failure::usage(format!(
-        "{what} are of one volume; points, Gaussians, meshes and scenes are rendered without"
-    )))
-}
-
-/// Flags about Gaussians need Gaussians; flags about sheets need sheets.
-fn check_gaussians(args: &RenderArgs, composition: &Composition, mode: GaussianMode) -> Result<(), Failure> {
-    let has = |item: &splatvol::Item| matches!(item.content, splatvol::Content::Gaussians(_));
-    if args.item.gaussians.is_some() && !composition.items.iter().any(has) {
-        return Err(Failure::usage("--gaussians: there are none"));
-    }
-    let sorted = composition.is_gaussians() && mode != GaussianMode::Volumetric;
-    if sorted && args.method != MethodArgs::default() {
-        return Err(Failure::usage(
-            "Gaussians are composited as published, where methods and lighting of sheets have no meaning",
-        )
-        .hint("--gaussians volumetric composites them in sheets"));
-    }
-    Ok(())
-}
-
-/// A scene's camera as flags.
-fn camera_args(camera: &SceneCamera) -> Result<CameraArgs, Failure> {
-    let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-    let triples = [camera.position, camera.target, camera.up];
-    let numbers = [
-        camera.fov,
-        camera.orthographic,
-        camera.azimuth,
-        camera.elevation,
-        camera.zoom,
-    ];
-    if !triples.iter().flatten().all(|triple| finite(triple))
-        || !numbers.iter().flatten().all(|n| n.is_finite())
-    {
-        return Err(Failure::usage("camera: numbers have to be finite"));
-    }
-    let view = camera.view.as_deref().map(|name| {
-        ViewName::from_str(name, false).map_err(|_| {
-            let names = "front, back, left, right, top, bottom, iso";
-            Failure::usage(format!("camera.view = {name:?}: expected one of {names}"))
-        })
-    });
-    let both = |a: bool, b: bool, what| match a && b {
-        true => Err(Failure::usage(format!("camera: {what} exclude each other"))),
-        false => Ok(()),
-    };
-    both(
-        camera.view.is_some(),
-        camera.position.is_some(),
-        "view and position",
-    )?;
-    both(
-        camera.fov.is_some(),
-        camera.orthographic.is_some(),
-        "fov and orthographic",
-    )?;
-    Ok(CameraArgs {
-        view: view.transpose()?,
-        fit: None,
-        camera_pos: camera.position,
-        camera_target: camera.target,
-        camera_up: camera.up,
-        camera_fov: camera.fov,
-        orthographic: camera.orthographic.map(Some),
-        azimuth: camera.azimuth,
-        elevation: camera.elevation,
-        zoom: camera.zoom,
-    })
 }

@@ -10,20 +10,12 @@ use splatvol_io::scene_file::Opacity;
 use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneItem, data_kind, read_data};
 
 use super::input::{self, Input, locate};
+use super::item_keys::{Source, check, known_keys};
 use super::look;
-use crate::args::{LookArgs, RenderArgs, UpAxis, values};
+use crate::args::{LookArgs, UpAxis, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{InputRecipe, RawRecipe};
 use crate::terminal::Terminal;
-
-/// Who says what an item is: it is blamed for what makes no sense.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Source {
-    /// Flags of the command line.
-    Flags,
-    /// Item of a scene, from 0.
-    Scene(usize),
-}
 
 /// Where and how items are read.
 #[derive(Clone, Copy)]
@@ -35,44 +27,6 @@ pub(crate) struct Reading<'a> {
     /// How the sheets are composited: an automatic look depends on it.
     pub(crate) compositing: Compositing,
     pub(crate) terminal: &'a Terminal,
-}
-
-/// What flags say of a single file, as a scene would.
-pub(crate) fn of_flags(args: &RenderArgs, reference: &str) -> SceneItem {
-    let (read, look, item) = (&args.read, &args.look, &args.item);
-    let text = |path: &PathBuf| path.to_string_lossy().into_owned();
-    let share = item.point_opacity.map(Opacity::Share);
-    SceneItem {
-        file: reference.to_owned(),
-        kind: item.kind.map(|kind| kind.name().to_owned()),
-        up: item
-            .up
-            .and_then(|up| Some(up.to_possible_value()?.get_name().to_owned())),
-        dims: read.dims,
-        sample_type: read.sample_type.map(|kind| kind.name().to_owned()),
-        spacing: read.spacing,
-        endian: read.endian.map(|endian| match endian {
-            splatvol_io::Endian::Little => "little".to_owned(),
-            splatvol_io::Endian::Big => "big".to_owned(),
-        }),
-        offset: read.offset,
-        array: read.array.clone(),
-        component: read.component,
-        channel: read.channel,
-        time: read.time,
-        level: read.level,
-        series: read.series.clone(),
-        drape: item.drape.as_ref().map(text),
-        tf: look.tf.as_ref().map(text),
-        cmap: look.cmap.clone(),
-        clim: look.clim,
-        opacity: look.opacity.clone().map(Opacity::Curve).or(share),
-        iso: look.iso,
-        unit_distance: look.unit_distance,
-        color: item.point_color,
-        radius: item.radius,
-        ..SceneItem::default()
-    }
 }
 
 /// What the file of an item is, and its path.
@@ -88,20 +42,15 @@ pub(crate) fn kind(item: &SceneItem, beside: Option<&Path>) -> Result<(DataKind,
 /// Reads an item.
 pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Result<Item, Failure> {
     let (kind, path) = kind(item, reading.beside)?;
+    check(item, source, kind.name(), known_keys(kind))?;
     let (content, frame) = if kind == DataKind::Volume {
-        check(item, source, "a volume", &VALUES)?;
         let input = input::load(
             &input_recipe(item),
             reading.strict,
             reading.beside,
             reading.terminal,
         )?;
-        let transfer_function = transfer_function(item, &input, reading)?;
-        let content = Content::Volume {
-            volume: input.volume,
-            transfer_function,
-        };
-        (content, DAffine3::IDENTITY)
+        (volume_content(item, input, reading)?, DAffine3::IDENTITY)
     } else {
         let loaded = {
             let _spinner = reading.terminal.spinner(format!("Reading {}", item.file));
@@ -132,16 +81,6 @@ fn content(
 ) -> Result<(Content, DAffine3), Failure> {
     Ok(match loaded.data {
         Data::Points(points) => {
-            check(
-                item,
-                source,
-                loaded.kind.name(),
-                if loaded.kind == DataKind::Terrain {
-                    &TERRAIN
-                } else {
-                    &POINTS
-                },
-            )?;
             let content = Content::Points {
                 points: Arc::new(points),
                 look: point_look(item, source)?,
@@ -149,12 +88,10 @@ fn content(
             (content, DAffine3::IDENTITY)
         }
         Data::Gaussians(gaussians) => {
-            check(item, source, "Gaussians", &[])?;
             let frame = gaussians.world_from_local().inverse();
             (Content::Gaussians(Arc::new(gaussians)), frame)
         }
         Data::Mesh(mesh) => {
-            check(item, source, "a mesh", &VALUES)?;
             let input = values_of(&mesh, loaded.description)?;
             let transfer_function = transfer_function(item, &input, reading)?;
             let content = Content::Mesh {
@@ -169,13 +106,16 @@ fn content(
                 description: loaded.description,
                 sample: None,
             };
-            let transfer_function = transfer_function(item, &input, reading)?;
-            let content = Content::Volume {
-                volume: input.volume,
-                transfer_function,
-            };
-            (content, DAffine3::IDENTITY)
+            (volume_content(item, input, reading)?, DAffine3::IDENTITY)
         }
+    })
+}
+
+fn volume_content(item: &SceneItem, input: Input, reading: Reading<'_>) -> Result<Content, Failure> {
+    let transfer_function = transfer_function(item, &input, reading)?;
+    Ok(Content::Volume {
+        volume: input.volume,
+        transfer_function,
     })
 }
 
@@ -269,7 +209,8 @@ fn input_recipe(item: &SceneItem) -> InputRecipe {
     }
 }
 
-fn options(item: &SceneItem, strict: bool) -> Result<DataOptions, Failure> {
+/// How the file of an item is read.
+pub(crate) fn options(item: &SceneItem, strict: bool) -> Result<DataOptions, Failure> {
     let usage = |key: &str, why: String| Failure::usage(format!("{}: {key}: {why}", item.file));
     if item.dims.is_some() != item.sample_type.is_some() {
         return Err(usage("dims", "needs type too, and type needs dims".to_owned()));
@@ -304,90 +245,6 @@ fn upright(item: &SceneItem, source: Source) -> Result<Option<DAffine3>, Failure
         UpAxis::MinusZ => [DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z],
     };
     Ok(Some(DAffine3::from_mat3(DMat3::from_cols(x, y, z))))
-}
-
-/// Keys of what has values: volumes and meshes.
-const VALUES: [&str; 17] = [
-    "dims",
-    "type",
-    "spacing",
-    "endian",
-    "offset",
-    "array",
-    "component",
-    "channel",
-    "time",
-    "level",
-    "series",
-    "tf",
-    "cmap",
-    "clim",
-    "opacity",
-    "iso",
-    "unit-distance",
-];
-/// Keys of points.
-const POINTS: [&str; 3] = ["color", "point-opacity", "radius"];
-/// Keys of terrain.
-const TERRAIN: [&str; 9] = [
-    "dims",
-    "type",
-    "spacing",
-    "endian",
-    "offset",
-    "drape",
-    "color",
-    "point-opacity",
-    "radius",
-];
-
-/// Refuses what cannot apply to the kind of data.
-fn check(item: &SceneItem, source: Source, what: &str, known: &[&str]) -> Result<(), Failure> {
-    let given = [
-        ("dims", item.dims.is_some()),
-        ("type", item.sample_type.is_some()),
-        ("spacing", item.spacing.is_some()),
-        ("endian", item.endian.is_some()),
-        ("offset", item.offset.is_some()),
-        ("array", item.array.is_some()),
-        ("component", item.component.is_some()),
-        ("channel", item.channel.is_some()),
-        ("time", item.time.is_some()),
-        ("level", item.level.is_some()),
-        ("series", item.series.is_some()),
-        ("drape", item.drape.is_some()),
-        ("tf", item.tf.is_some()),
-        ("cmap", item.cmap.is_some()),
-        ("clim", item.clim.is_some()),
-        ("opacity", matches!(item.opacity, Some(Opacity::Curve(_)))),
-        ("point-opacity", matches!(item.opacity, Some(Opacity::Share(_)))),
-        ("iso", item.iso.is_some()),
-        ("unit-distance", item.unit_distance.is_some()),
-        ("color", item.color.is_some()),
-        ("radius", item.radius.is_some()),
-    ];
-    match given.iter().find(|(key, given)| *given && !known.contains(key)) {
-        Some((key, _)) => Err(source.refuse(item, key, &format!("has no meaning for {what}"))),
-        None => Ok(()),
-    }
-}
-
-impl Source {
-    fn refuse(self, item: &SceneItem, key: &str, why: &str) -> Failure {
-        match self {
-            Self::Flags => {
-                let flag = match key {
-                    "color" => "point-color",
-                    key => key,
-                };
-                Failure::usage(format!("--{flag} {why} ({})", item.file))
-            }
-            Self::Scene(index) => {
-                let key = key.strip_prefix("point-").unwrap_or(key);
-                Failure::usage(format!("item[{index}].{key} {why} ({})", item.file))
-            }
-        }
-    }
 }
 
 /// Reads all items that are visible.
@@ -426,18 +283,5 @@ mod tests {
             assert_eq!(up.transform_vector3(axis), DVec3::Z, "{name}");
             assert_eq!(up.matrix3.determinant(), 1.0, "{name}");
         }
-    }
-
-    #[test]
-    fn what_has_no_meaning_is_named_as_it_was_said() {
-        let item = SceneItem {
-            file: "a.ply".to_owned(),
-            opacity: Some(Opacity::Share(0.5)),
-            ..SceneItem::default()
-        };
-        let text = |source| format!("{:?}", check(&item, source, "a volume", &VALUES).unwrap_err());
-        assert!(text(Source::Flags).contains("--point-opacity has no meaning for a volume (a.ply)"));
-        assert!(text(Source::Scene(2)).contains("item[2].opacity has no meaning"));
-        assert!(check(&item, Source::Flags, "points", &POINTS).is_ok());
     }
 }

@@ -9,6 +9,7 @@ mod fastsplats;
 mod footprint;
 mod framing;
 pub(crate) mod input;
+pub(crate) mod item_keys;
 pub(crate) mod items;
 pub(crate) mod kernel;
 pub(crate) mod look;
