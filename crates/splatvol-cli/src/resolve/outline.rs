@@ -17,19 +17,20 @@ const STRAYS: f64 = 0.005;
 const REACH: f64 = 0.1;
 /// Radius of Gaussians, standard deviations.
 const SIGMAS: f64 = 2.0;
+/// Share of Gaussians that have their radius; larger ones have that of the last of these.
+const USUAL: f64 = 0.95;
 
 /// World positions that bound an item.
 pub(crate) fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
-    let world = |frame: &DAffine3, places: &[[f32; 3]]| {
+    let world = |frame: &DAffine3, places: &[[f32; 3]]| -> Vec<DVec3> {
         let frame = item.world_from_item * *frame;
-        let places: Vec<DVec3> = sampled(places)
+        sampled(places)
             .map(|place| frame.transform_point3(place.map(f64::from).into()))
-            .collect();
-        match fit {
-            Fit::Visible => without_strays(places),
-            Fit::Volume => item.bounds().corners().to_vec(),
-        }
+            .collect()
     };
+    if fit == Fit::Volume && !matches!(item.content, Content::Volume { .. }) {
+        return item.bounds().corners().to_vec();
+    }
     match &item.content {
         Content::Volume {
             volume,
@@ -44,14 +45,22 @@ pub(crate) fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
                 .collect()
         }
         Content::Mesh { .. } => item.bounds().corners().to_vec(),
-        Content::Points { points, .. } => world(points.world_from_local(), points.positions()),
+        Content::Points { points, .. } => {
+            without_strays(world(points.world_from_local(), points.positions()))
+        }
         Content::Gaussians(gaussians) => {
             let means = world(gaussians.world_from_local(), &gaussians.attributes().means);
-            let radius = SIGMAS * middle_scale(gaussians, &item.world_from_item);
-            let around = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * radius);
+            let radii = radii(gaussians, &item.world_from_item);
+            let [low, high] = reach(&means);
+            let inside = |mean: DVec3| mean.cmpge(low).all() && mean.cmple(high).all();
             means
                 .into_iter()
-                .flat_map(|mean| around.into_iter().flat_map(move |r| [mean - r, mean + r]))
+                .zip(radii)
+                .filter(|(mean, _)| inside(*mean))
+                .flat_map(|(mean, radius)| {
+                    DVec3::AXES.map(|axis| [mean - axis * radius, mean + axis * radius])
+                })
+                .flatten()
                 .collect()
         }
     }
@@ -61,19 +70,30 @@ fn sampled(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 3]> {
     places.iter().copied().step_by(places.len().div_ceil(MOST).max(1))
 }
 
-/// The median of the Gaussians' largest standard deviations, world.
-fn middle_scale(gaussians: &Gaussians, world_from_item: &DAffine3) -> f64 {
-    let mut scales: Vec<f32> = sampled(&gaussians.attributes().scales)
-        .map(|scales| scales.into_iter().fold(0.0, f32::max))
-        .collect();
-    let middle = scales.len() / 2;
+/// Radii of the sampled Gaussians, world; huge ones, such as those of a sky, are not taken at their word.
+fn radii(gaussians: &Gaussians, world_from_item: &DAffine3) -> Vec<f64> {
     let frame = *world_from_item * *gaussians.world_from_local();
-    f64::from(*scales.select_nth_unstable_by(middle, f32::total_cmp).1)
-        * frame.matrix3.determinant().abs().cbrt()
+    let factor = SIGMAS * frame.matrix3.determinant().abs().cbrt();
+    let radii: Vec<f64> = sampled(&gaussians.attributes().scales)
+        .map(|scales| factor * f64::from(scales.into_iter().fold(0.0, f32::max)))
+        .collect();
+    let mut sorted = radii.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let most = sorted[(USUAL * (sorted.len() - 1) as f64) as usize];
+    radii.into_iter().map(|radius| radius.min(most)).collect()
 }
 
 /// The places that are no strays.
 fn without_strays(places: Vec<DVec3>) -> Vec<DVec3> {
+    let [low, high] = reach(&places);
+    places
+        .into_iter()
+        .filter(|place| place.cmpge(low).all() && place.cmple(high).all())
+        .collect()
+}
+
+/// Box beyond which places are strays.
+fn reach(places: &[DVec3]) -> [DVec3; 2] {
     let mut low = DVec3::ZERO;
     let mut high = DVec3::ZERO;
     for axis in 0..3 {
@@ -84,11 +104,7 @@ fn without_strays(places: Vec<DVec3>) -> Vec<DVec3> {
     }
     // One length for all axes: a flat thing is not full of strays.
     let reach = DVec3::splat(REACH * (high - low).max_element());
-    let (low, high) = (low - reach, high + reach);
-    places
-        .into_iter()
-        .filter(|place| place.cmpge(low).all() && place.cmple(high).all())
-        .collect()
+    [low - reach, high + reach]
 }
 
 #[cfg(test)]
