@@ -2,16 +2,19 @@
 //!
 //! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
+use splatvol_core::irregular;
 use splatvol_core::points::{Neighborhoods, Orientation};
-use splatvol_core::splats::{self, Extract, Gather, Gathered, KernelShape, SplatCloud, gaussian_payload};
+use splatvol_core::splats::{
+    self, Extract, Gather, Gathered, KernelShape, Splat, SplatCloud, gaussian_payload,
+};
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::{
-    Camera, Composition, Content, Gaussians, Item, PointAttributes, PointLook, Points, Projection,
+    Camera, Composition, Content, Gaussians, Item, Mesh, PointAttributes, PointLook, Points, Projection,
     RenderSettings, TransferFunction, Volume, harmonics,
 };
 
@@ -225,8 +228,52 @@ fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
             let PointLook { color, opacity, .. } = *look;
             gather.add_points(points, &item.world_from_item, (color, opacity));
         }
-        Content::Mesh { .. } | Content::Gaussians(_) => {}
+        Content::Mesh {
+            mesh,
+            transfer_function,
+        } => add_mesh(gather, item, (mesh, transfer_function), shape.sigma()),
+        Content::Gaussians(_) => {}
     }
+}
+
+/// The visible samples of a mesh.
+fn add_mesh(
+    gather: &mut Gather,
+    item: &Item,
+    (mesh, transfer_function): (&Mesh, &TransferFunction),
+    sigma: f64,
+) {
+    let kernels = irregular::kernels(mesh, sigma);
+    let [low, high] = mesh.value_range().map(f64::from);
+    let width = if high > low { high - low } else { 1.0 };
+    // As with volumes, opacities refer to lengths of the item's own world.
+    let placed = item.world_from_item.matrix3.determinant().abs().cbrt();
+    let unit_distance = transfer_function
+        .unit_distance
+        .unwrap_or_else(|| spacing(item) / placed);
+    let table = ClassificationTable::new(transfer_function, [low, high], unit_distance);
+    let lit = |value: f32| table.at(((f64::from(value) - low) / width) as f32);
+    let visible: Vec<u32> = (0..kernels.len() as u32)
+        .filter(|&index| lit(kernels.values[index as usize])[0] > 0.0)
+        .collect();
+    let frame = item.world_from_item * *mesh.world_from_local();
+    let volume = frame.matrix3.determinant().abs();
+    let world_from_gradient = frame.matrix3.inverse().transpose();
+    let compared = gather.spacing();
+    gather.add_splats(visible.len(), |index| {
+        let index = visible[index] as usize;
+        let mass = f64::from(kernels.masses[index]) * volume;
+        let [xx, xy, xz, yy, yz, zz] = kernels.covariances[index].map(f64::from);
+        let covariance = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+        let gradient = DVec3::from_array(kernels.gradients[index].map(f64::from)) / width;
+        Splat {
+            centre: frame.transform_point3(DVec3::from_array(kernels.positions[index].map(f64::from))),
+            covariance: frame.matrix3 * covariance * frame.matrix3.transpose(),
+            payload: lit(kernels.values[index]).map(|value| (f64::from(value) * mass / placed) as f32),
+            // Gradients are compared with the sample's own size.
+            gradient: world_from_gradient * gradient * (mass.cbrt() / compared),
+        }
+    });
 }
 
 /// The visible voxels of a volume.
