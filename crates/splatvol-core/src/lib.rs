@@ -7,6 +7,7 @@
 //! | cull | [`brick`] | coefficients, tables | bricks that can be seen |
 //! | project | [`footprint`], [`sheets`] | grid, kernel, camera | the one footprint type, sliced by sheets |
 //! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
+//! | extract | [`irregular`] | meshes | kernels with covariances, masses and gradients |
 //! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
 //! [`kernel`], [`radial`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
@@ -19,6 +20,7 @@ pub mod classification;
 pub mod coefficients;
 pub mod field;
 pub mod footprint;
+pub mod irregular;
 pub mod kernel;
 pub mod mip;
 pub mod normal;

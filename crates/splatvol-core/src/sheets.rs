@@ -14,11 +14,15 @@ pub struct SheetStack {
     pub count: usize,
 }
 
+/// Most sheets: they are farther apart where one splat reaches deeper than these.
+const MOST: f64 = 131_072.0;
+
 impl SheetStack {
     /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera. A
-    /// perspective camera sees nothing nearer than half a sheet.
+    /// perspective camera sees nothing nearer than half a sheet. Farther apart than `spacing` where these were too many.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [first, last] = depths(corners, reach, 0.5 * spacing, screen);
+        let spacing = spacing.max((last - first) / MOST);
         let count = if last < first {
             0
         } else {

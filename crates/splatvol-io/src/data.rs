@@ -8,6 +8,7 @@
 //! | a folder | Gaussians (SOG), or a volume: OME-Zarr, DICOM, slices |
 //! | `.toml`, `.json` with `frame` | frames of depth cameras |
 //! | what [`is_gaussians`] knows | Gaussians |
+//! | what [`is_mesh`] knows | a mesh |
 //! | USGS DEM; a TIFF that says where on earth it lies; a table of very many columns | terrain |
 //! | what [`read_volume`] knows, by its first bytes or its extension | a volume |
 //! | anything else that is text, PLY, LAS or PCD | points |
@@ -24,8 +25,8 @@ use splatvol_scene::{Gaussians, Mesh, Points, Volume};
 use crate::points::{self, height_field};
 use crate::{
     DepthImageOptions, Description, GaussiansDescription, HeightFieldOptions, IoError, Loaded,
-    LoadedGaussians, LoadedPoints, ReadOptions, is_gaussians, read_depth_images, read_gaussians,
-    read_height_field, read_points, read_volume, volume,
+    LoadedGaussians, LoadedMesh, LoadedPoints, ReadOptions, is_gaussians, is_mesh, read_depth_images,
+    read_gaussians, read_height_field, read_mesh, read_points, read_volume, volume,
 };
 
 /// What can be read.
@@ -54,16 +55,19 @@ pub enum DataKind {
     DepthImages,
     /// [`read_gaussians`].
     Gaussians,
+    /// [`read_mesh`].
+    Mesh,
 }
 
 impl DataKind {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Volume,
         Self::Points,
         Self::Terrain,
         Self::DepthImages,
         Self::Gaussians,
+        Self::Mesh,
     ];
 
     /// Its name: `volume`, `depth-images`...
@@ -74,6 +78,7 @@ impl DataKind {
             Self::Terrain => "terrain",
             Self::DepthImages => "depth-images",
             Self::Gaussians => "gaussians",
+            Self::Mesh => "mesh",
         }
     }
 }
@@ -153,6 +158,9 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
     if extension == "toml" || extension == "json" {
         return Ok(DataKind::DepthImages);
     }
+    if is_mesh(path)? {
+        return Ok(DataKind::Mesh);
+    }
     if height_field::is_terrain(path)? {
         return Ok(DataKind::Terrain);
     }
@@ -173,6 +181,7 @@ pub fn read_data(path: impl AsRef<Path>, options: &DataOptions) -> Result<Loaded
     Ok(match kind {
         DataKind::Volume => read_volume(path, read)?.into(),
         DataKind::Gaussians => read_gaussians(path, read)?.into(),
+        DataKind::Mesh => read_mesh(path, read)?.into(),
         DataKind::Points => LoadedData::of_points(read_points(path, read)?, kind),
         DataKind::Terrain => {
             let terrain = HeightFieldOptions {
@@ -217,6 +226,19 @@ impl From<Loaded> for LoadedData {
             description: loaded.description,
             tags: Vec::new(),
             arrays: Vec::new(),
+            viewpoint: None,
+        }
+    }
+}
+
+impl From<LoadedMesh> for LoadedData {
+    fn from(loaded: LoadedMesh) -> Self {
+        Self {
+            data: Data::Mesh(loaded.mesh),
+            kind: DataKind::Mesh,
+            description: loaded.description,
+            tags: Vec::new(),
+            arrays: loaded.arrays,
             viewpoint: None,
         }
     }
@@ -286,11 +308,16 @@ mod tests {
             ("e", "NRRD0004\n".to_owned(), DataKind::Volume),
             ("f.bin", "\u{1}\u{2}".to_owned(), DataKind::Volume),
             ("g.toml", "[[frame]]\n".to_owned(), DataKind::DepthImages),
+            (
+                "i.vtk",
+                "# vtk DataFile Version 3.0\na\nASCII\nDATASET RECTILINEAR_GRID\n".to_owned(),
+                DataKind::Mesh,
+            ),
             ("h.splat", "0".repeat(32), DataKind::Gaussians),
         ] {
             assert_eq!(kind_of(name, contents.as_bytes()).unwrap(), kind, "{name}");
         }
-        assert!(kind_of("i.dat", &[0, 1, 2, 255]).is_err());
+        assert!(kind_of("j.dat", &[0, 1, 2, 255]).is_err());
     }
 
     #[test]

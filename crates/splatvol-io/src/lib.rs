@@ -6,6 +6,7 @@
 //! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
 //! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, DICOM, TIFF, OME-Zarr, MGH/MGZ, SLC, folders of slices, headerless raw |
+//! | [`mesh`] | legacy VTK grids, .vtr, .vts, .vtu, PLOT3D |
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
@@ -25,6 +26,7 @@ mod error;
 pub mod gaussians;
 pub mod image;
 mod json;
+pub mod mesh;
 mod ply;
 pub mod points;
 mod samples;
@@ -40,6 +42,7 @@ pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
 pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
+pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
 pub use points::{LoadedPoints, read_points};

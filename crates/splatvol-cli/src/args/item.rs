@@ -11,7 +11,7 @@ const DATA: &str = "Points, Gaussians, meshes, terrain";
 /// What only data other than volumes have.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct ItemArgs {
-    /// What the input is: volume, points, terrain, depth-images, gaussians [default: what its contents say]
+    /// What the input is: volume, points, terrain, depth-images, gaussians, mesh [default: what its contents say]
     #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = DATA)]
     pub(crate) kind: Option<DataKind>,
     /// Axis of the file that is up; for Gaussians of the frame they were trained in [default: z; Gaussians: -y]

@@ -128,7 +128,7 @@ pub(crate) struct InfoArgs {
     pub(crate) kernel: KernelArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
-    /// What the input is: volume, points, terrain, depth-images, gaussians [default: what its contents say]
+    /// What the input is: volume, points, terrain, depth-images, gaussians, mesh [default: what its contents say]
     #[arg(long, value_name = "KIND", value_parser = values::kind)]
     pub(crate) kind: Option<splatvol_io::DataKind>,
     /// Print JSON

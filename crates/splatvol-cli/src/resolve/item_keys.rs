@@ -71,15 +71,16 @@ pub(crate) fn check_reading(item: &SceneItem, kind: DataKind) -> Result<(), Fail
 /// What can be said of data.
 pub(super) fn known_keys(kind: DataKind) -> &'static [&'static str] {
     match kind {
-        DataKind::Volume => &VALUES,
+        DataKind::Volume => &VOLUMES,
         DataKind::Points | DataKind::DepthImages => &POINTS,
         DataKind::Terrain => &TERRAIN,
         DataKind::Gaussians => &[],
+        DataKind::Mesh => &MESHES,
     }
 }
 
-/// Keys of what has values: volumes and meshes.
-const VALUES: [&str; 17] = [
+/// Keys of volumes.
+const VOLUMES: [&str; 17] = [
     "dims",
     "type",
     "spacing",
@@ -98,6 +99,8 @@ const VALUES: [&str; 17] = [
     "iso",
     "unit-distance",
 ];
+/// Keys of meshes.
+const MESHES: [&str; 7] = ["array", "tf", "cmap", "clim", "opacity", "iso", "unit-distance"];
 /// Keys of points.
 const POINTS: [&str; 3] = ["color", "point-opacity", "radius"];
 /// Keys of terrain.
@@ -178,7 +181,7 @@ mod tests {
             opacity: Some(Opacity::Share(0.5)),
             ..SceneItem::default()
         };
-        let text = |source| format!("{:?}", check(&item, source, "volume", &VALUES).unwrap_err());
+        let text = |source| format!("{:?}", check(&item, source, "volume", &VOLUMES).unwrap_err());
         assert!(
             text(Source::Flags)
                 .contains("--point-opacity has no meaning for data of this kind: volume (a.ply)")

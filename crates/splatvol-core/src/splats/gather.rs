@@ -88,6 +88,11 @@ impl Gather {
         self.positions.len()
     }
 
+    /// Distance of neighbours, world length.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
     /// True before anything was added.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()

@@ -2,25 +2,28 @@
 //!
 //! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
+use splatvol_core::irregular;
 use splatvol_core::points::{Neighborhoods, Orientation};
-use splatvol_core::splats::{self, Extract, Gather, Gathered, KernelShape, SplatCloud, gaussian_payload};
+use splatvol_core::splats::{
+    self, Extract, Gather, Gathered, KernelShape, Splat, SplatCloud, gaussian_payload,
+};
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::{
-    Camera, Composition, Content, Gaussians, Item, PointAttributes, PointLook, Points, Projection,
+    Camera, Composition, Content, Gaussians, Item, Mesh, PointAttributes, PointLook, Points, Projection,
     RenderSettings, TransferFunction, Volume, harmonics,
 };
 
 /// Neighbours that radii and normals are estimated from.
 const NEIGHBORS: usize = 8;
-/// Sheets of a composition of Gaussians: these have no spacing of their own.
-const SHEETS: f64 = 512.0;
-/// Most sheets of any composition, however fine one of its items is.
-const MOST_SHEETS: f64 = 4096.0;
+/// Spacing that Gaussians are taken to have, medians of their standard deviations.
+const GAUSSIAN_SPACING: f64 = 0.5;
+/// Most spacings along a composition's box, however fine one of its items is.
+const MOST_SPACINGS: f64 = 8192.0;
 
 /// The cloud last made.
 #[derive(Debug, Default)]
@@ -75,15 +78,11 @@ impl Kept {
             .map(|item| completed(item, key.1))
             .collect();
         let bounds = composition.bounds();
-        let extent = bounds.map_or(1.0, |b| b.diagonal()).max(f64::MIN_POSITIVE);
-        let finest = completed.iter().filter_map(spacing).fold(f64::INFINITY, f64::min);
-        let spacing = if finest.is_finite() {
-            finest.max(extent / MOST_SHEETS)
-        } else {
-            extent / SHEETS
-        };
+        let extent = bounds.map_or(0.0, |b| b.diagonal());
+        let finest = completed.iter().map(spacing).filter(|s| *s > 0.0);
+        let spacing = finest.reduce(f64::min).unwrap_or(1.0);
         let origin = bounds.map_or(DVec3::ZERO, |b| b.centre());
-        let mut gather = Gather::around(origin, spacing);
+        let mut gather = Gather::around(origin, spacing.max(extent / MOST_SPACINGS));
         let (gaussians, others): (Vec<_>, Vec<_>) = completed
             .into_iter()
             .partition(|item| matches!(item.content, Content::Gaussians(_)));
@@ -171,25 +170,40 @@ fn completed(item: &Item, lit: bool) -> Item {
     }
 }
 
-/// How far apart an item's samples are, world length; `None` for what does not say.
-fn spacing(item: &Item) -> Option<f64> {
+/// How far apart an item's samples are, world length; zero for what does not say.
+fn spacing(item: &Item) -> f64 {
     let scale = |frame: &DAffine3| frame.matrix3.determinant().abs().cbrt();
     let placed = scale(&item.world_from_item);
     match &item.content {
-        Content::Volume { volume, .. } => Some(volume.grid().mean_spacing() * placed),
+        Content::Volume { volume, .. } => volume.grid().mean_spacing() * placed,
         Content::Mesh { mesh, .. } => {
             let size = mesh.bounds().max - mesh.bounds().min;
             let count = mesh.positions().len().max(1) as f64;
-            Some((size.x * size.y * size.z / count).cbrt() * placed).filter(|s| *s > 0.0)
+            (size.x * size.y * size.z / count).cbrt() * placed
         }
         Content::Points { points, .. } => {
-            let mut radii = points.attributes().radii.clone();
-            let middle = radii.len() / 2;
-            let median = (!radii.is_empty()).then(|| *radii.select_nth_unstable_by(middle, f32::total_cmp).1);
-            median.map(|radius| f64::from(radius) * scale(points.world_from_local()) * placed)
+            let radius = median(points.attributes().radii.clone());
+            radius * scale(points.world_from_local()) * placed
         }
-        Content::Gaussians(_) => None,
+        Content::Gaussians(gaussians) => {
+            let middle = |axes: &[f32; 3]| {
+                let mut axes = *axes;
+                axes.sort_unstable_by(f32::total_cmp);
+                axes[1]
+            };
+            let width = median(gaussians.attributes().scales.iter().map(middle).collect());
+            GAUSSIAN_SPACING * width * scale(gaussians.world_from_local()) * placed
+        }
     }
+}
+
+/// The median; zero of nothing.
+fn median(mut values: Vec<f32>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
 fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
@@ -214,8 +228,52 @@ fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
             let PointLook { color, opacity, .. } = *look;
             gather.add_points(points, &item.world_from_item, (color, opacity));
         }
-        Content::Mesh { .. } | Content::Gaussians(_) => {}
+        Content::Mesh {
+            mesh,
+            transfer_function,
+        } => add_mesh(gather, item, (mesh, transfer_function), shape.sigma()),
+        Content::Gaussians(_) => {}
     }
+}
+
+/// The visible samples of a mesh.
+fn add_mesh(
+    gather: &mut Gather,
+    item: &Item,
+    (mesh, transfer_function): (&Mesh, &TransferFunction),
+    sigma: f64,
+) {
+    let kernels = irregular::kernels(mesh, sigma);
+    let [low, high] = mesh.value_range().map(f64::from);
+    let width = if high > low { high - low } else { 1.0 };
+    // As with volumes, opacities refer to lengths of the item's own world.
+    let placed = item.world_from_item.matrix3.determinant().abs().cbrt();
+    let unit_distance = transfer_function
+        .unit_distance
+        .unwrap_or_else(|| spacing(item) / placed);
+    let table = ClassificationTable::new(transfer_function, [low, high], unit_distance);
+    let lit = |value: f32| table.at(((f64::from(value) - low) / width) as f32);
+    let visible: Vec<u32> = (0..kernels.len() as u32)
+        .filter(|&index| lit(kernels.values[index as usize])[0] > 0.0)
+        .collect();
+    let frame = item.world_from_item * *mesh.world_from_local();
+    let volume = frame.matrix3.determinant().abs();
+    let world_from_gradient = frame.matrix3.inverse().transpose();
+    let compared = gather.spacing();
+    gather.add_splats(visible.len(), |index| {
+        let index = visible[index] as usize;
+        let mass = f64::from(kernels.masses[index]) * volume;
+        let [xx, xy, xz, yy, yz, zz] = kernels.covariances[index].map(f64::from);
+        let covariance = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+        let gradient = DVec3::from_array(kernels.gradients[index].map(f64::from)) / width;
+        Splat {
+            centre: frame.transform_point3(DVec3::from_array(kernels.positions[index].map(f64::from))),
+            covariance: frame.matrix3 * covariance * frame.matrix3.transpose(),
+            payload: lit(kernels.values[index]).map(|value| (f64::from(value) * mass / placed) as f32),
+            // Gradients are compared with the sample's own size.
+            gradient: world_from_gradient * gradient * (mass.cbrt() / compared),
+        }
+    });
 }
 
 /// The visible voxels of a volume.

@@ -89,6 +89,8 @@ pub struct ReadOptions {
     pub level: usize,
     /// Series to take from a folder that holds several: its number, its UID or its description.
     pub series: Option<String>,
+    /// The solution that belongs to a PLOT3D grid; without it a file of the matching name.
+    pub solution: Option<PathBuf>,
     /// Make errors of warnings.
     pub strict: bool,
     /// Most bytes that the samples may take in memory.
@@ -105,6 +107,7 @@ impl Default for ReadOptions {
             channel: None,
             level: 0,
             series: None,
+            solution: None,
             strict: false,
             max_bytes: 64 << 30,
         }

@@ -40,6 +40,8 @@ pub(crate) struct ArrayHead {
     pub(crate) sample_type: Option<SampleType>,
     /// True where the file marks the array as the one to show.
     pub(crate) active: bool,
+    /// True for numbers that name points or cells: never what is shown unless asked for.
+    pub(crate) is_id: bool,
 }
 
 impl ArrayHead {
@@ -174,7 +176,10 @@ fn preferred(heads: &[ArrayHead]) -> Result<(usize, Option<Component>), String> 
     for association in [Association::Point, Association::Cell] {
         let found = position(heads, |head| head.association == association && head.active).or_else(|| {
             position(heads, |head| {
-                head.association == association && head.components == 1 && head.sample_type.is_some()
+                head.association == association
+                    && head.components == 1
+                    && head.sample_type.is_some()
+                    && !head.is_id
             })
         });
         if let Some(index) = found {

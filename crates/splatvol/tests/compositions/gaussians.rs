@@ -68,9 +68,9 @@ fn small_gaussians_keep_their_energy() {
 }
 
 fn frames(mode: GaussianMode) -> Vec<Frame> {
-    let composition = Composition::new(vec![item(cloud(400, [0.05, 0.35], 21))]).unwrap();
+    let composition = Composition::new(vec![item(cloud(300, [0.05, 0.35], 21))]).unwrap();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
-    (0..24)
+    (0..16)
         .map(|step| {
             let angle = (40.0 + 0.5 * f64::from(step)).to_radians();
             let direction = DVec3::new(angle.cos(), angle.sin(), 0.2);
@@ -78,7 +78,7 @@ fn frames(mode: GaussianMode) -> Vec<Frame> {
             let projection = splatvol::Projection::Perspective { fov_degrees: 30.0 };
             let camera = Camera::new(position, DVec3::ZERO, DVec3::Z, projection).unwrap();
             renderer
-                .render_composition(&composition, &camera, &of(mode, 96), &|_| {})
+                .render_composition(&composition, &camera, &of(mode, 64), &|_| {})
                 .unwrap()
         })
         .collect()
@@ -107,9 +107,9 @@ fn jumps(frames: &[Frame]) -> usize {
 fn sheets_do_not_pop_where_sorted_centres_do() {
     let [published, volumetric] =
         [GaussianMode::Auto, GaussianMode::Volumetric].map(|mode| jumps(&frames(mode)));
-    println!("jumps of pixels along 12 degrees: 3dgs {published}, volumetric {volumetric}");
+    println!("jumps of pixels along 8 degrees: 3dgs {published}, volumetric {volumetric}");
     assert_eq!(volumetric, 0);
-    assert!(published > 100, "{published}");
+    assert!(published > 50, "{published}");
 }
 
 /// Thin clouds, which hide nothing from each other, look alike in both ways but for the space in which they are mixed.

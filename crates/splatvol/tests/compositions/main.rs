@@ -7,6 +7,7 @@
 mod common;
 
 mod gaussians;
+mod meshes;
 mod mixed;
 mod support;
 mod surfels;

@@ -181,7 +181,7 @@ impl Scan<'_, '_> {
             components,
             tuples,
         };
-        self.add(declaration, association, keyword == "SCALARS")
+        self.add(declaration, association, keyword)
     }
 
     /// `LOOKUP_TABLE name` between scalars and their data.
@@ -206,7 +206,7 @@ impl Scan<'_, '_> {
                 let found = declaration.tuples.to_string();
                 return Err(start.error(&declaration.name, &found, format!("{expected} tuples")));
             }
-            self.add(declaration, association, false)?;
+            self.add(declaration, association, "FIELD")?;
             if self.has_wanted() {
                 return Ok(());
             }
@@ -214,7 +214,7 @@ impl Scan<'_, '_> {
         Ok(())
     }
 
-    fn add(&mut self, array: Declaration, association: Association, scalars: bool) -> Result<(), IoError> {
+    fn add(&mut self, array: Declaration, association: Association, keyword: &str) -> Result<(), IoError> {
         if array.type_name.is_empty() {
             return Err(self.cursor.error("attribute", &array.name, "a name and a type"));
         }
@@ -235,7 +235,8 @@ impl Scan<'_, '_> {
             components,
             type_name: array.type_name,
             sample_type: element.sample_type(),
-            active: scalars && !self.found.heads.iter().any(first),
+            active: keyword == "SCALARS" && !self.found.heads.iter().any(first),
+            is_id: keyword.ends_with("_IDS"),
         });
         self.found.arrays.push(Array {
             element,

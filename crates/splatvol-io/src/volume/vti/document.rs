@@ -206,6 +206,9 @@ impl<'a> Arrays<'a> {
                 type_name: type_name.to_owned(),
                 sample_type: sample_type(type_name).filter(|_| element.has_tag_name("DataArray")),
                 active: data.attribute("Scalars").is_some_and(|active| active == name),
+                is_id: ["GlobalIds", "PedigreeIds"]
+                    .iter()
+                    .any(|ids| data.attribute(*ids) == Some(name)),
             });
             self.elements.push(element);
         }

@@ -1,0 +1,120 @@
+//! Kernels of meshes: a Gaussian per sample whose covariance follows the cells around it.
+//!
+//! On a regular grid the kernel of a voxel has covariance `sigma^2 I` in voxels. A mesh has no voxels, but cells that its
+//! samples lie amid, and those say how far neighbours are: `V = sigma^2 J J^T` with J the derivative of space by the
+//! index (zwicker2001 section 3: the kernel is warped by the local affine map). Where there are no indices, the second
+//! moments of the region that belongs to a sample take the place of J: a voxel's are `I / 12`, so `V = 12 sigma^2 M`.
+//! The mass of a kernel is the volume of that region, so that a constant field stays constant:
+//! `sum_i m_i N(x; p_i, V_i) = 1` inside.
+//!
+//! That is exact up to the regular grid's own ripple wherever the map is affine. Where cells change size the sum is off
+//! by the square of their change per kernel width, which varies slowly; sweeps of `m_i <- m_i / sum_j m_j N(p_i; p_j,
+//! V_j)` take it away (`normalise`). Where cells differ from neighbour to neighbour, as tetrahedra do, covariances are
+//! first averaged over neighbours and widened (`unstructured`). Mao (1996) adds samples until spheres do; kernels that
+//! follow the cells need none.
+//!
+//! Measured (tests), largest of 400 places away from the border: 0.2 % on spacing that grows by up to 1.15 per cell, 0.7 % at
+//! 1.3, 0.01 % sheared, 0.2 % curvilinear; cells of a lattice whose points are moved by up to 0.15 and 0.25 of it: tetrahedra
+//! 1.3 and 1.9 % (points), 1.3 and 2.4 % (cells), hexahedra 0.9 and 1.5 %, 1.6 and 2.5 %.
+//!
+//! Beyond the border structured grids go on as they end, so that samples there keep the mass of a whole cell, like
+//! voxels do; points on the border of unstructured cells have the part of it that is inside.
+
+mod adjacency;
+mod gradient;
+mod moments;
+mod normalise;
+mod reference_cell;
+mod structured;
+mod unstructured;
+
+#[cfg(test)]
+mod tests;
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+use splatvol_scene::{Mesh, Topology};
+
+/// Kernels of a mesh, in its local space. All fields are of one length.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Kernels {
+    /// Centres.
+    pub positions: Vec<[f32; 3]>,
+    /// Covariances: xx, xy, xz, yy, yz, zz.
+    pub covariances: Vec<[f32; 6]>,
+    /// Integral of each kernel over local volume.
+    pub masses: Vec<f32>,
+    /// Values; all finite.
+    pub values: Vec<f32>,
+    /// Gradients of the value per local unit.
+    pub gradients: Vec<[f32; 3]>,
+}
+
+/// The kernels of a mesh, of standard deviation `sigma` in units of its cells (a regular grid's voxels). Samples that
+/// are missing or blanked have none, nor have those whose cells have no volume. The same on any number of threads.
+pub fn kernels(mesh: &Mesh, sigma: f64) -> Kernels {
+    let samples = match mesh.topology() {
+        Topology::Structured(blocks) => structured::samples(mesh, blocks, sigma),
+        Topology::Unstructured(cells) => unstructured::samples(mesh, cells, sigma),
+    };
+    Kernels::of(&samples, &mesh.field().values)
+}
+
+/// A sample with its kernel, before it is known whether it is seen.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    position: DVec3,
+    covariance: DMat3,
+    mass: f64,
+    gradient: DVec3,
+    /// False where the sample is blanked or its cells are flat.
+    valid: bool,
+}
+
+impl Kernels {
+    fn of(samples: &[Sample], values: &[f32]) -> Self {
+        let seen: Vec<(&Sample, f32)> = samples
+            .iter()
+            .zip(values.iter().copied())
+            .filter(|(sample, value)| sample.valid && value.is_finite() && sample.mass > 0.0)
+            .collect();
+        Self {
+            positions: seen
+                .par_iter()
+                .map(|(s, _)| s.position.as_vec3().to_array())
+                .collect(),
+            covariances: seen.par_iter().map(|(s, _)| symmetric(&s.covariance)).collect(),
+            masses: seen.par_iter().map(|(s, _)| s.mass as f32).collect(),
+            values: seen.par_iter().map(|&(_, value)| value).collect(),
+            gradients: seen
+                .par_iter()
+                .map(|(s, _)| s.gradient.as_vec3().to_array())
+                .collect(),
+        }
+    }
+
+    /// Number of kernels.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// True where there are none.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+}
+
+fn symmetric(m: &DMat3) -> [f32; 6] {
+    [
+        m.x_axis.x, m.y_axis.x, m.z_axis.x, m.y_axis.y, m.z_axis.y, m.z_axis.z,
+    ]
+    .map(|v| v as f32)
+}
+
+fn position(mesh: &Mesh, point: usize) -> DVec3 {
+    DVec3::from_array(mesh.positions()[point].map(f64::from))
+}
+
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}

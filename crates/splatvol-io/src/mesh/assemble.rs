@@ -1,0 +1,257 @@
+//! What the readers of meshes share: from points, cells and an array to a validated [`Mesh`].
+
+use glam::{DAffine3, DVec3};
+use splatvol_scene::{Association, CellKind, Cells, Mesh, MeshField, Samples, Topology, with_samples};
+
+use super::LoadedMesh;
+use crate::error::Context;
+use crate::volume::vtk_array::{self, ArrayHead, Component};
+use crate::volume::{Description, ReadOptions};
+use crate::{IoError, SampleType};
+
+/// A mesh on its way, one piece of the file after the other.
+#[derive(Debug, Default)]
+pub(super) struct Draft {
+    pub(super) positions: Vec<DVec3>,
+    /// False where the file's coordinates need more than 32 bits.
+    pub(super) single_precision: bool,
+    pub(super) blocks: Vec<[usize; 3]>,
+    pub(super) cells: Cells,
+    pub(super) blanked: Vec<bool>,
+    pub(super) values: Vec<f32>,
+    /// Cells that list too many points.
+    pub(super) cut: usize,
+    /// Cells of each VTK type that were left out.
+    pub(super) left_out: Vec<(u8, usize)>,
+}
+
+/// Cells of one piece, as VTK's two file formats store them.
+pub(super) struct StoredCells {
+    pub(super) types: Vec<u8>,
+    /// End of each cell's points in the connectivity.
+    pub(super) ends: Vec<u64>,
+    pub(super) connectivity: Vec<u64>,
+}
+
+impl Draft {
+    /// Adds points of three coordinates each.
+    pub(super) fn add_points(&mut self, coordinates: &Samples) {
+        self.single_precision = !matches!(coordinates, Samples::F64(_) | Samples::I32(_) | Samples::U32(_));
+        let numbers = to_f64(coordinates);
+        self.positions
+            .extend(numbers.chunks_exact(3).map(DVec3::from_slice));
+    }
+
+    /// Adds a block of points at the products of three axes.
+    pub(super) fn add_rectilinear(&mut self, axes: [&Samples; 3]) {
+        let [x, y, z] = axes.map(to_f64);
+        self.single_precision = axes.iter().all(|axis| !matches!(axis, Samples::F64(_)));
+        self.blocks.push([x.len(), y.len(), z.len()]);
+        for &z in &z {
+            for &y in &y {
+                self.positions.extend(x.iter().map(|&x| DVec3::new(x, y, z)));
+            }
+        }
+    }
+
+    /// Adds the cells of a piece whose points begin at `first`; gives the indices of those that are kept: the solids.
+    pub(super) fn add_cells(
+        &mut self,
+        stored: &StoredCells,
+        first: usize,
+        context: &Context<'_>,
+    ) -> Result<Vec<usize>, IoError> {
+        let points = self.positions.len() - first;
+        let mut kept = Vec::new();
+        let (mut begin, mut indices) = (0u64, Vec::new());
+        for (cell, (&code, &end)) in stored.types.iter().zip(&stored.ends).enumerate() {
+            let range = usize::try_from(begin).ok().zip(usize::try_from(end).ok());
+            let list = range
+                .and_then(|(begin, end)| stored.connectivity.get(begin..end))
+                .ok_or_else(|| {
+                    let expected = format!("{begin} to {}", stored.connectivity.len());
+                    context.field(format!("offset of cell {cell}"), end, None, expected)
+                })?;
+            begin = end;
+            let Some(kind) = CellKind::from_vtk(code) else {
+                self.leave_out(code);
+                continue;
+            };
+            // As VTK does: the corners come first, what follows is not used.
+            let used = list.get(..kind.point_count()).unwrap_or(list);
+            self.cut += usize::from(used.len() < list.len());
+            indices.clear();
+            for &index in used {
+                let place = usize::try_from(index).ok().filter(|&index| index < points);
+                let place = place.and_then(|index| u32::try_from(first + index).ok());
+                indices.push(place.ok_or_else(|| {
+                    context.field(
+                        format!("point of cell {cell}"),
+                        index,
+                        None,
+                        format!("below {points}"),
+                    )
+                })?);
+            }
+            self.cells
+                .push(kind, &indices)
+                .map_err(|error| context.scene(error))?;
+            kept.push(cell);
+        }
+        Ok(kept)
+    }
+
+    fn leave_out(&mut self, code: u8) {
+        match self.left_out.iter_mut().find(|(other, _)| *other == code) {
+            Some((_, count)) => *count += 1,
+            None => self.left_out.push((code, 1)),
+        }
+    }
+
+    /// Adds the values of one component; of cells only those in `kept`, where there is such a list.
+    pub(super) fn add_values(
+        &mut self,
+        samples: Samples,
+        (components, component): (usize, Component),
+        kept: Option<&[usize]>,
+    ) {
+        let picked = vtk_array::pick(samples, components, component);
+        let values = to_f64(&picked);
+        let single = |value: f64| match (value as f32).is_finite() {
+            true => value as f32,
+            false => f32::NAN,
+        };
+        match kept {
+            None => self.values.extend(values.into_iter().map(single)),
+            Some(kept) => self.values.extend(kept.iter().map(|&cell| single(values[cell]))),
+        }
+    }
+
+    /// The mesh. `choice` is the array and its component.
+    pub(super) fn finish(
+        mut self,
+        (head, component): (&ArrayHead, Component),
+        mut description: Description,
+        arrays: Vec<String>,
+        context: &Context<'_>,
+    ) -> Result<LoadedMesh, IoError> {
+        description.warnings.extend(self.warnings());
+        let world_from_local = self.frame(context)?;
+        let local_from_world = world_from_local.inverse();
+        let local = |p: &DVec3| local_from_world.transform_point3(*p).as_vec3().to_array();
+        let positions = self.positions.iter().map(local).collect();
+        let field = MeshField {
+            name: name(head, component),
+            association: match head.association {
+                vtk_array::Association::Point => Association::Point,
+                vtk_array::Association::Cell => Association::Cell,
+            },
+            values: std::mem::take(&mut self.values),
+        };
+        let topology = match self.blocks.is_empty() {
+            true => Topology::Unstructured(self.cells),
+            false => Topology::Structured(self.blocks),
+        };
+        let mesh = Mesh::new(positions, topology, self.blanked, field, world_from_local)
+            .map_err(|error| context.scene(error))?;
+        Ok(LoadedMesh {
+            mesh,
+            description,
+            arrays,
+        })
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings: Vec<String> = self
+            .left_out
+            .iter()
+            .map(|(code, count)| {
+                format!("{count} cells of VTK type {code} are no solid that is read; left out")
+            })
+            .collect();
+        if self.cut > 0 {
+            let cells = self.cut;
+            warnings.push(format!(
+                "{cells} cells list more points than their kind has; the first ones are used"
+            ));
+        }
+        let missing = self.values.iter().filter(|value| value.is_nan()).count();
+        if missing > 0 {
+            warnings.push(format!(
+                "{missing} values are missing: NaN, infinite, or beyond 32-bit floats"
+            ));
+        }
+        warnings
+    }
+
+    /// Local space: the world, but centred where coordinates need more than 32 bits, and scaled by a power of two where
+    /// squares of lengths would not fit in 32 bits.
+    fn frame(&self, context: &Context<'_>) -> Result<DAffine3, IoError> {
+        if let Some(position) = self.positions.iter().find(|p| !p.is_finite()) {
+            return Err(context.field("points", position, None, "finite coordinates"));
+        }
+        let first = self.positions.first().copied().unwrap_or_default();
+        let (low, high) = self
+            .positions
+            .iter()
+            .fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+        let size = (high - low).max_element();
+        let scale = match size {
+            1e-4..1e6 | 0.0 => 1.0,
+            _ => size.log2().floor().exp2(),
+        };
+        let origin = match self.single_precision && scale == 1.0 {
+            true => DVec3::ZERO,
+            false => 0.5 * low + 0.5 * high,
+        };
+        Ok(DAffine3::from_scale_rotation_translation(
+            DVec3::splat(scale),
+            glam::DQuat::IDENTITY,
+            origin,
+        ))
+    }
+}
+
+fn name(head: &ArrayHead, component: Component) -> String {
+    match component {
+        Component::Index(_) if head.components == 1 => head.name.clone(),
+        Component::Index(index) => format!("{}:{index}", head.name),
+        Component::Magnitude => format!("{}:magnitude", head.name),
+    }
+}
+
+/// The samples as f64.
+pub(super) fn to_f64(samples: &Samples) -> Vec<f64> {
+    fn widened<T: Copy + Into<f64>>(data: &[T]) -> Vec<f64> {
+        data.iter().map(|&value| value.into()).collect()
+    }
+    with_samples!(samples, data => widened(data))
+}
+
+/// `tuples` x `components` as a number of samples within the memory allowed.
+pub(super) fn count(
+    tuples: u64,
+    components: usize,
+    sample_type: SampleType,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<usize, IoError> {
+    let bytes = tuples
+        .checked_mul(components as u64)
+        .and_then(|count| count.checked_mul(sample_type.size() as u64));
+    match bytes.filter(|&bytes| bytes <= options.max_bytes) {
+        // Fewer bytes than a usize counts, or the file could not be in memory.
+        Some(bytes) => Ok((bytes / sample_type.size() as u64) as usize),
+        None => Err(context.limit(bytes.unwrap_or(u64::MAX), options.max_bytes)),
+    }
+}
+
+/// Refuses numbers that are no counts or indices.
+pub(super) fn to_indices(samples: &Samples, field: &str, context: &Context<'_>) -> Result<Vec<u64>, IoError> {
+    let whole = |value: f64| value >= 0.0 && value.fract() == 0.0 && value < 9e15;
+    let numbers = to_f64(samples);
+    match numbers.iter().find(|&&value| !whole(value)) {
+        Some(value) => Err(context.field(field, value, None, "whole numbers from 0 on")),
+        None => Ok(numbers.into_iter().map(|value| value as u64).collect()),
+    }
+}

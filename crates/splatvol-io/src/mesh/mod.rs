@@ -1,0 +1,105 @@
+//! Meshes: one module per format, and the choice between them by the first bytes.
+//!
+//! | module | formats |
+//! |---|---|
+//! | [`legacy_vtk`] | `RECTILINEAR_GRID`, `STRUCTURED_GRID` and `UNSTRUCTURED_GRID` of legacy VTK |
+//! | [`vtk_xml`] | .vtr, .vts and .vtu |
+//! | [`plot3d`] | a PLOT3D grid and its solution |
+
+mod assemble;
+pub mod legacy_vtk;
+pub mod plot3d;
+pub mod vtk_xml;
+
+use std::path::Path;
+
+use splatvol_scene::Mesh;
+
+use crate::IoError;
+use crate::error::Context;
+use crate::source::Source;
+use crate::volume::{Description, ReadOptions};
+
+/// Bytes looked at to tell a format.
+const PROBE: usize = 4096;
+
+/// A mesh and where it came from.
+#[derive(Debug, Clone)]
+pub struct LoadedMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What the file said.
+    pub description: Description,
+    /// The arrays that the file holds, one line each; any of them can be named as [`ReadOptions::array`].
+    pub arrays: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    LegacyVtk,
+    VtkXml,
+    Plot3d,
+}
+
+/// True where [`read_mesh`] and not [`crate::read_volume`] reads the file: a VTK file of another data set than a regular
+/// grid, or a PLOT3D file.
+///
+/// # Errors
+/// [`IoError::Open`] where the file cannot be read.
+pub fn is_mesh(path: impl AsRef<Path>) -> Result<bool, IoError> {
+    Ok(format(path.as_ref())?.is_some())
+}
+
+/// Reads a mesh of any supported format, and of its arrays the one that [`ReadOptions::array`] names: `NAME`,
+/// `NAME:component`, `NAME:magnitude`. A vector without a component gives its magnitude. Without a name: the array that the
+/// file marks, else the first scalar of the points, else of the cells, else the magnitude of the first vector.
+///
+/// # Errors
+/// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
+pub fn read_mesh(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
+    let path = path.as_ref();
+    let loaded = match format(path)? {
+        Some(Format::LegacyVtk) => legacy_vtk::read(path, options),
+        Some(Format::VtkXml) => vtk_xml::read(path, options),
+        Some(Format::Plot3d) => plot3d::read(path, options),
+        None => {
+            let what = "no mesh: neither a VTK grid (legacy or XML) that is not regular nor PLOT3D";
+            Err(Context::new("mesh", path).unsupported(what))
+        }
+    }?;
+    if options.strict && !loaded.description.warnings.is_empty() {
+        return Err(IoError::Strict {
+            warning: loaded.description.warnings.join("; "),
+            path: path.to_owned(),
+        });
+    }
+    Ok(loaded)
+}
+
+fn format(path: &Path) -> Result<Option<Format>, IoError> {
+    let context = Context::new("mesh", path);
+    let mut source = Source::open(path)?;
+    let mut start = vec![0; PROBE];
+    let length = source.fill(&mut start, &context)?;
+    start.truncate(length);
+    let text = String::from_utf8_lossy(&start).to_ascii_uppercase();
+    let holds = |words: &[&str]| words.iter().any(|word| text.contains(word));
+    if text.starts_with("# VTK DATAFILE") {
+        let kinds = ["RECTILINEAR_GRID", "STRUCTURED_GRID", "UNSTRUCTURED_GRID"];
+        let found = text
+            .lines()
+            .take(20)
+            .find_map(|line| line.trim_start().strip_prefix("DATASET"));
+        let kind = found.map(str::trim).unwrap_or_default();
+        return Ok(kinds.contains(&kind).then_some(Format::LegacyVtk));
+    }
+    if text.trim_start().starts_with('<') && text.contains("<VTKFILE") {
+        let kinds = [
+            "\"RECTILINEARGRID\"",
+            "\"STRUCTUREDGRID\"",
+            "\"UNSTRUCTUREDGRID\"",
+        ];
+        return Ok(holds(&kinds).then_some(Format::VtkXml));
+    }
+    Ok(plot3d::recognises(&start, length as u64 + source.at_most()).then_some(Format::Plot3d))
+}

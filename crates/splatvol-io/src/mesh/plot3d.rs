@@ -1,0 +1,164 @@
+//! PLOT3D: a grid (.xyz, .x, .g) and its solution (.q), after NASA's PLOT3D manual (TM 101067, section 8).
+//!
+//! The files say nothing of their own layout: byte order, Fortran record marks, one grid or several, 32 or 64 bits and
+//! IBLANK are those for which dimensions and length of the file agree.
+//!
+//! The solution holds density rho, momentum rho u, and energy per volume e; with gamma = 1.4 they give velocity u and
+//! pressure `(gamma - 1) (e - rho u^2 / 2)`.
+
+mod companion;
+mod layout;
+
+use std::path::Path;
+
+use glam::DVec3;
+use splatvol_scene::Samples;
+
+use super::LoadedMesh;
+use super::assemble::Draft;
+use crate::error::Context;
+use crate::source::read_file;
+use crate::volume::vtk_array::{self, ArrayHead, Association};
+use crate::volume::{Description, ReadOptions};
+use crate::{Endian, IoError, SampleType};
+use layout::{Content, Layout};
+
+/// Ratio of specific heats of air.
+const GAMMA: f64 = 1.4;
+
+/// The scalars and vectors of a solution, and their components.
+const ARRAYS: [(&str, usize); 5] = [
+    ("density", 1),
+    ("momentum", 3),
+    ("energy", 1),
+    ("pressure", 1),
+    ("velocity", 3),
+];
+
+/// True where a file of `length` bytes that begins with `start` has one of PLOT3D's layouts.
+pub(super) fn recognises(start: &[u8], length: u64) -> bool {
+    let layout = |content| Layout::find(start, length, content).is_some();
+    layout(Content::Grid) || layout(Content::Solution)
+}
+
+/// Reads a grid and its solution; `path` is either. The other is [`ReadOptions::solution`] or lies beside it under the
+/// matching name: `comb.xyz` and `comb.q`, `combxyz.bin` and `combq.bin`, `comb_grid.bin` and `comb_q.bin`.
+///
+/// # Errors
+/// No other file, lengths that fit no layout, dimensions that differ, or an array that is absent.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
+    let context = &Context::new("PLOT3D", path);
+    let (grid_path, solution_path) = companion::pair(path, options.solution.as_deref(), context)?;
+    let grid_context = &Context::new("PLOT3D grid", &grid_path);
+    let bytes = read_file(&grid_path, grid_context)?;
+    let grid = Layout::of(&bytes, Content::Grid, grid_context)?;
+    let mut draft = grid.draft(&bytes);
+    drop(bytes);
+    let context = &Context::new("PLOT3D solution", &solution_path);
+    let bytes = read_file(&solution_path, context)?;
+    let solution = Layout::of(&bytes, Content::Solution, context)?;
+    if solution.blocks != grid.blocks {
+        let (found, expected) = (
+            format!("{:?}", solution.blocks),
+            format!("{:?}, as the grid", grid.blocks),
+        );
+        return Err(context.field("dimensions", found, None, expected));
+    }
+    let sample_type = if solution.wide {
+        SampleType::F64
+    } else {
+        SampleType::F32
+    };
+    let heads: Vec<ArrayHead> = ARRAYS
+        .iter()
+        .map(|&(name, n)| head(name, n, sample_type))
+        .collect();
+    let (index, component) = vtk_array::choose_scalar(&heads, &plain_names(options), context)?;
+    for block in 0..solution.blocks.len() {
+        let values = solution.values(&bytes, block, index);
+        draft.add_values(Samples::F64(values), (heads[index].components, component), None);
+    }
+    let description = Description {
+        format: "PLOT3D".to_owned(),
+        stored_type: solution.describe(),
+        orientation: "coordinates as stored".to_owned(),
+        files: vec![grid_path.clone(), solution_path.clone()],
+        ..Description::default()
+    };
+    let list = heads.iter().map(ArrayHead::describe).collect();
+    draft.finish((&heads[index], component), description, list, context)
+}
+
+fn head(name: &str, components: usize, sample_type: SampleType) -> ArrayHead {
+    ArrayHead {
+        association: Association::Point,
+        name: name.to_owned(),
+        components,
+        type_name: sample_type.name().to_owned(),
+        sample_type: Some(sample_type),
+        active: false,
+        is_id: false,
+    }
+}
+
+/// `Density`, `StagnationEnergy` and the like, as other programs call them.
+fn plain_names(options: &ReadOptions) -> ReadOptions {
+    let lower = |name: &String| name.to_ascii_lowercase().replace("stagnation", "");
+    ReadOptions {
+        array: options.array.as_ref().map(lower),
+        ..options.clone()
+    }
+}
+
+impl Layout {
+    /// Points, blocks and blanking of a grid.
+    fn draft(&self, bytes: &[u8]) -> Draft {
+        let mut draft = Draft {
+            single_precision: !self.wide,
+            blocks: self.blocks.clone(),
+            ..Draft::default()
+        };
+        for block in 0..self.blocks.len() {
+            let (start, count) = (self.start(block, Content::Grid), self.points(block));
+            let coordinate = |axis: usize, point: usize| self.real(bytes, start, axis * count + point);
+            let point = |point| DVec3::new(coordinate(0, point), coordinate(1, point), coordinate(2, point));
+            draft.positions.extend((0..count).map(point));
+            if self.blanked {
+                let marks = start + 3 * count * self.real_size();
+                // 0 is a point inside a body. Others are valid: 1, walls (2), points that another grid gives (negative).
+                let blank = |point| self.integer(bytes, marks + 4 * point) == 0;
+                draft.blanked.extend((0..count).map(blank));
+            }
+        }
+        draft
+    }
+
+    /// Values of array `index` of [`ARRAYS`] in a block, components interleaved.
+    fn values(&self, bytes: &[u8], block: usize, index: usize) -> Vec<f64> {
+        let (start, count) = (self.start(block, Content::Solution), self.points(block));
+        let stored = |variable: usize, point: usize| self.real(bytes, start, variable * count + point);
+        let momentum = |point| DVec3::new(stored(1, point), stored(2, point), stored(3, point));
+        let pressure = |point| {
+            let kinetic = 0.5 * momentum(point).length_squared() / stored(0, point);
+            (GAMMA - 1.0) * (stored(4, point) - kinetic)
+        };
+        let velocity = |point| (momentum(point) / stored(0, point)).to_array();
+        match ARRAYS[index].0 {
+            "density" => (0..count).map(|point| stored(0, point)).collect(),
+            "energy" => (0..count).map(|point| stored(4, point)).collect(),
+            "pressure" => (0..count).map(pressure).collect(),
+            "velocity" => (0..count).flat_map(velocity).collect(),
+            _ => (0..count).flat_map(|point| momentum(point).to_array()).collect(),
+        }
+    }
+
+    fn describe(&self) -> String {
+        let order = match self.endian {
+            Endian::Little => "little-endian",
+            Endian::Big => "big-endian",
+        };
+        let records = if self.records { ", Fortran records" } else { "" };
+        let bits = 8 * self.real_size();
+        format!("f{bits}, {order}{records}, {} grid(s)", self.blocks.len())
+    }
+}

@@ -1,0 +1,74 @@
+//! Which file goes with a grid or a solution.
+
+use std::path::{Path, PathBuf};
+
+use super::layout::{Content, Layout};
+use crate::IoError;
+use crate::error::Context;
+use crate::source::read_file;
+
+/// Extensions, and ends or parts of names, of grids and of the solutions that go with them.
+const EXTENSIONS: [&[&str]; 2] = [&["xyz", "x", "g", "grd", "p3d", "grid"], &["q", "sol"]];
+const PARTS: [(&str, &str); 4] = [("xyz", "q"), ("grid", "q"), ("grid", "solution"), ("grid", "sol")];
+
+/// Grid and solution, of which `path` is one.
+pub(super) fn pair(
+    path: &Path,
+    solution: Option<&Path>,
+    context: &Context<'_>,
+) -> Result<(PathBuf, PathBuf), IoError> {
+    if let Some(solution) = solution {
+        return Ok((path.to_owned(), solution.to_owned()));
+    }
+    let bytes = read_file(path, context)?;
+    let holds = |bytes: &[u8], content| Layout::find(bytes, bytes.len() as u64, content).is_some();
+    let wanted = match holds(&bytes, Content::Grid) {
+        true => Content::Solution,
+        false => Content::Grid,
+    };
+    let fits = |candidate: &PathBuf| {
+        candidate.is_file() && read_file(candidate, context).is_ok_and(|bytes| holds(&bytes, wanted))
+    };
+    let found = candidates(path, wanted).into_iter().find(fits);
+    match (found, wanted) {
+        (Some(found), Content::Solution) => Ok((path.to_owned(), found)),
+        (Some(found), Content::Grid) => Ok((found, path.to_owned())),
+        (None, Content::Solution) => Err(context.unsupported(
+            "a grid without a solution beside it (comb.xyz and comb.q, combxyz.bin and combq.bin); name the solution",
+        )),
+        (None, Content::Grid) => Err(context.unsupported("a solution without its grid beside it")),
+    }
+}
+
+/// Names that the other file may have, in its folder.
+fn candidates(path: &Path, wanted: Content) -> Vec<PathBuf> {
+    let stem = path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().into_owned());
+    let own = usize::from(wanted == Content::Grid);
+    let mut found: Vec<PathBuf> = Vec::new();
+    let known = |extension: &String| EXTENSIONS[own].contains(&extension.to_ascii_lowercase().as_str());
+    if extension.as_ref().is_some_and(known) {
+        found.extend(EXTENSIONS[1 - own].iter().map(|other| path.with_extension(other)));
+    }
+    for (grid, solution) in PARTS {
+        let (from, to) = if own == 0 {
+            (grid, solution)
+        } else {
+            (solution, grid)
+        };
+        if let Some(at) = stem.rfind(from) {
+            let name = format!("{}{to}{}", &stem[..at], &stem[at + from.len()..]);
+            found.push(match &extension {
+                Some(extension) => path.with_file_name(format!("{name}.{extension}")),
+                None => path.with_file_name(name),
+            });
+        }
+    }
+    found
+}

@@ -1,0 +1,184 @@
+//! The layouts of PLOT3D's files, told apart by arithmetic on dimensions and length.
+
+use crate::error::Context;
+use crate::{Endian, IoError};
+
+/// More points along an axis are not believed.
+const MOST: i32 = 1 << 24;
+/// More grids are not believed.
+const MOST_GRIDS: i32 = 1 << 16;
+
+/// What a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Content {
+    /// x, y, z, and perhaps IBLANK.
+    Grid,
+    /// Four numbers of the flow, and five variables.
+    Solution,
+}
+
+/// How a file is laid out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub(super) endian: Endian,
+    /// True where every record stands between two counts of its bytes, as Fortran writes unformatted files.
+    pub(super) records: bool,
+    /// True where a number of grids comes first.
+    several: bool,
+    /// True for 64-bit reals.
+    pub(super) wide: bool,
+    /// True where an integer per point follows the coordinates.
+    pub(super) blanked: bool,
+    pub(super) blocks: Vec<[usize; 3]>,
+}
+
+impl Layout {
+    /// The layout of a whole file.
+    pub(super) fn of(bytes: &[u8], content: Content, context: &Context<'_>) -> Result<Self, IoError> {
+        Self::find(bytes, bytes.len() as u64, content).ok_or_else(|| {
+            let found = format!("{} bytes", bytes.len());
+            let what = match content {
+                Content::Grid => "x, y, z and perhaps IBLANK of the grids' dimensions",
+                Content::Solution => "4 and 5 n numbers of the grids' dimensions",
+            };
+            context.field(
+                "length",
+                found,
+                None,
+                format!("{what}, in either byte order and precision"),
+            )
+        })
+    }
+
+    /// The layout for which a file of `length` bytes is neither too long nor too short.
+    pub(super) fn find(start: &[u8], length: u64, content: Content) -> Option<Self> {
+        let choices = (0..32u8).map(|bits| [0, 1, 2, 3, 4].map(|bit| bits >> bit & 1 == 1));
+        choices
+            .filter(|&[.., blanked]| !blanked || content == Content::Grid)
+            .find_map(|[little, records, several, wide, blanked]| {
+                let layout = Self {
+                    endian: if little { Endian::Little } else { Endian::Big },
+                    records,
+                    several,
+                    wide,
+                    blanked,
+                    blocks: Vec::new(),
+                };
+                let layout = layout.with_blocks(start)?;
+                (layout.length(content) == Some(length)).then_some(layout)
+            })
+    }
+
+    /// Reads the dimensions.
+    fn with_blocks(mut self, start: &[u8]) -> Option<Self> {
+        let mark =
+            |at: usize, bytes: usize| !self.records || self.try_integer(start, at) == Some(bytes as i32);
+        let margin = self.margin();
+        let mut grids = 1;
+        if self.several {
+            grids = self
+                .try_integer(start, margin)
+                .filter(|n| (1..=MOST_GRIDS).contains(n))? as usize;
+            if !mark(0, 4) || !mark(margin + 4, 4) {
+                return None;
+            }
+        }
+        let head = self.head();
+        if !mark(head, 12 * grids) || start.len() < head + 12 * grids {
+            return None;
+        }
+        let size = |index: usize| {
+            let size = self.try_integer(start, head + margin + 4 * index)?;
+            (2..=MOST).contains(&size).then_some(size as usize)
+        };
+        let block = |grid: usize| Some([size(3 * grid)?, size(3 * grid + 1)?, size(3 * grid + 2)?]);
+        self.blocks = (0..grids).map(block).collect::<Option<_>>()?;
+        Some(self)
+    }
+
+    /// Bytes before and after a record.
+    fn margin(&self) -> usize {
+        if self.records { 4 } else { 0 }
+    }
+
+    /// Bytes of the record that counts the grids.
+    fn head(&self) -> usize {
+        if self.several { 4 + 2 * self.margin() } else { 0 }
+    }
+
+    /// Bytes of a real number.
+    pub(super) fn real_size(&self) -> usize {
+        if self.wide { 8 } else { 4 }
+    }
+
+    /// Points of a block.
+    pub(super) fn points(&self, block: usize) -> usize {
+        self.blocks[block].iter().product()
+    }
+
+    /// Bytes of a block's records with their marks; none where they cannot be counted.
+    fn block_length(&self, block: usize, content: Content) -> Option<u64> {
+        let points = self.blocks[block]
+            .iter()
+            .try_fold(1u64, |n, &size| n.checked_mul(size as u64))?;
+        let (real, margin) = (self.real_size() as u64, self.margin() as u64);
+        match content {
+            Content::Grid => {
+                let blanks = if self.blanked { 4 } else { 0 };
+                points.checked_mul(3 * real + blanks)?.checked_add(2 * margin)
+            }
+            Content::Solution => points.checked_mul(5 * real)?.checked_add(4 * real + 4 * margin),
+        }
+    }
+
+    fn blocks_start(&self) -> usize {
+        self.head() + 12 * self.blocks.len() + 2 * self.margin()
+    }
+
+    fn length(&self, content: Content) -> Option<u64> {
+        (0..self.blocks.len()).try_fold(self.blocks_start() as u64, |sum, block| {
+            sum.checked_add(self.block_length(block, content)?)
+        })
+    }
+
+    /// Where the arrays of a block begin, in a file whose length has been checked.
+    pub(super) fn start(&self, block: usize, content: Content) -> usize {
+        let before: u64 = (0..block)
+            .filter_map(|block| self.block_length(block, content))
+            .sum();
+        let flow = match content {
+            Content::Grid => 0,
+            Content::Solution => 4 * self.real_size() + 2 * self.margin(),
+        };
+        self.blocks_start() + before as usize + flow + self.margin()
+    }
+
+    /// Real number `index` after `start`; NaN past the end.
+    pub(super) fn real(&self, bytes: &[u8], start: usize, index: usize) -> f64 {
+        let at = start + index * self.real_size();
+        match self.wide {
+            true => self.word::<8>(bytes, at).map_or(f64::NAN, f64::from_be_bytes),
+            false => self
+                .word::<4>(bytes, at)
+                .map_or(f64::NAN, |word| f32::from_be_bytes(word).into()),
+        }
+    }
+
+    /// The integer at a byte; 0 past the end.
+    pub(super) fn integer(&self, bytes: &[u8], at: usize) -> i32 {
+        self.try_integer(bytes, at).unwrap_or(0)
+    }
+
+    fn try_integer(&self, bytes: &[u8], at: usize) -> Option<i32> {
+        self.word::<4>(bytes, at).map(i32::from_be_bytes)
+    }
+
+    /// Bytes in big-endian order.
+    fn word<const N: usize>(&self, bytes: &[u8], at: usize) -> Option<[u8; N]> {
+        let mut word: [u8; N] = bytes.get(at..at.checked_add(N)?)?.try_into().ok()?;
+        if self.endian == Endian::Little {
+            word.reverse();
+        }
+        Some(word)
+    }
+}
