@@ -131,7 +131,7 @@ fn point_look(item: &SceneItem, source: Source) -> Result<PointLook, Failure> {
         return Err(source.refuse(item, "color", &format!("{color:?} is not in 0..1")));
     }
     if !unit(&opacity) {
-        return Err(source.refuse(item, "opacity", &format!("{opacity} is not in 0..1")));
+        return Err(source.refuse(item, "point-opacity", &format!("{opacity} is not in 0..1")));
     }
     if let Some(radius) = item
         .radius

@@ -1,7 +1,7 @@
 //! Scenes of several things, end to end.
 
 use crate::data::{gaussian, pixels, sphere};
-use crate::sandbox::{Sandbox, png};
+use crate::sandbox::{Sandbox, png as picture};
 
 const RED: fn([u8; 3]) -> bool = |[r, g, b]| r > 60 && u16::from(r) > 2 * u16::from(g.max(b));
 const GREEN: fn([u8; 3]) -> bool = |[r, g, b]| g > 60 && u16::from(g) > 2 * u16::from(r.max(b));
@@ -19,12 +19,21 @@ fn two(sandbox: &Sandbox, more: &str) {
     sandbox.write("scene.toml", scene);
 }
 
+/// What a picture remembers.
+fn text(sandbox: &Sandbox, name: &str) -> String {
+    let bytes = sandbox.bytes(name);
+    let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info();
+    let info = reader.expect("the picture is a PNG").info().clone();
+    let texts = info.utf8_text.iter().map(|chunk| chunk.get_text());
+    texts.map(|text| text.expect("texts are whole")).collect()
+}
+
 #[test]
 fn items_lie_where_the_scene_says() {
     let sandbox = Sandbox::new();
     two(&sandbox, "translate = [4, 0, 0]");
     sandbox.run("render scene.toml").succeeds();
-    assert_eq!(png(&sandbox.path("scene.png")).0, 96);
+    assert_eq!(picture(&sandbox.path("scene.png")).0, 96);
     let ((red, [width, _]), (green, _)) = (
         pixels(&sandbox, "scene.png", RED),
         pixels(&sandbox, "scene.png", GREEN),
@@ -60,7 +69,7 @@ fn flags_go_over_the_scene_and_pictures_are_made_again() {
     sandbox
         .run("render scene.toml --size 50x40 --background white --view left --zoom 1.2")
         .succeeds();
-    let (width, height, codes) = png(&sandbox.path("scene.png"));
+    let (width, height, codes) = picture(&sandbox.path("scene.png"));
     assert_eq!((width, height), (50, 40));
     assert_eq!(codes[..3], [255; 3]);
     // Seen along the way from one to the other, red hides green or the other way round.
@@ -72,7 +81,7 @@ fn flags_go_over_the_scene_and_pictures_are_made_again() {
     );
     sandbox.run("render --like scene.png -o again.png").succeeds();
     assert_eq!(sandbox.bytes("scene.png"), sandbox.bytes("again.png"));
-    let settings = String::from_utf8_lossy(&sandbox.bytes("scene.png")).into_owned();
+    let settings = text(&sandbox, "scene.png");
     assert!(settings.contains("\"sheet-thickness\":0.5"), "{settings}");
     for flags in ["--radius 1", "--cmap gray", "--array a", "--up y"] {
         sandbox
@@ -89,7 +98,7 @@ fn volumes_points_and_gaussians_share_a_picture() {
     sandbox.write(
         "scene.toml",
         "background = 'black'\nsize = '96x48'\n[camera]\nview = 'front'\n\
-         [[item]]\nfile = 'sample:marschner-lobb:16'\niso = 0.5\nscale = 1\n\
+         [[item]]\nfile = 'sample:marschner-lobb:16'\niso = 0.5\nscale = 0.1\n\
          [[item]]\nfile = 'red.txt'\ntranslate = [4, 0, 0]\n\
          [[item]]\nfile = 'green.ply'\nscale = 3\ntranslate = [-4, 0, 0]\n",
     );
