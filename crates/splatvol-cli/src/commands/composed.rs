@@ -24,10 +24,13 @@ use crate::resolve::outline::outline;
 use crate::resolve::{camera, method};
 use crate::terminal::Terminal;
 
+/// Who says what an item is, by its number.
+type SourceOf = fn(usize) -> Source;
+
 /// A scene, and who says what is in it.
 pub(in crate::commands) struct Composed {
     scene: SceneFile,
-    source: fn(usize) -> Source,
+    source: SourceOf,
     like: Option<SceneRecipe>,
     /// As the output is named after.
     reference: String,
@@ -46,7 +49,7 @@ pub(in crate::commands) fn of(args: &RenderArgs) -> Result<Option<Composed>, Fai
         return Ok(None);
     };
     let path = Path::new(reference);
-    let (scene, source): (_, fn(usize) -> Source) = if is_scene(path) {
+    let (scene, source): (_, SourceOf) = if is_scene(path) {
         of_file(path, args)?
     } else {
         let item = item_keys::of_flags(args, reference);
@@ -98,7 +101,7 @@ fn again(args: &RenderArgs, picture: &Path, like: SceneRecipe) -> Result<Compose
     })
 }
 
-fn of_file(path: &Path, args: &RenderArgs) -> Result<(SceneFile, fn(usize) -> Source), Failure> {
+fn of_file(path: &Path, args: &RenderArgs) -> Result<(SceneFile, SourceOf), Failure> {
     refuse::no_item_flags(args, "a scene, whose items say it themselves")?;
     let scene = read_scene(path).during(Step::Input)?;
     if let Some((index, item)) = scene
