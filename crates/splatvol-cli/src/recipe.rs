@@ -6,6 +6,7 @@ use anyhow::{Context, bail};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use splatvol::{Camera, Motion, Projection, RenderSettings, SceneError, TransferFunction};
+use splatvol_io::SceneFile;
 use splatvol_io::image::metadata;
 
 use crate::args::{EffectArgs, LookArgs};
@@ -62,6 +63,19 @@ pub(crate) struct InputRecipe {
     /// Time point of a series.
     #[serde(default)]
     pub(crate) time: usize,
+    /// Channel of a multi-channel image.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) channel: Option<usize>,
+    /// Level of detail; 0 is the finest.
+    #[serde(default, skip_serializing_if = "is_finest")]
+    pub(crate) level: usize,
+    /// Series of a folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) series: Option<String>,
+}
+
+fn is_finest(level: &usize) -> bool {
+    *level == 0
 }
 
 /// Layout of a headerless file.
@@ -162,13 +176,11 @@ impl Recipe {
     }
 
     fn read(path: &Path) -> anyhow::Result<Self> {
-        let picture = splatvol_io::read_image(path)?;
-        let Some(text) = metadata::find(&picture.metadata, metadata::SETTINGS) else {
-            bail!(
-                "the picture does not say how it was made (splatvol did not write it, or another program saved it again)"
-            );
-        };
-        serde_json::from_str(text).context("its settings are malformed, or from a later version")
+        let text = settings_of(path)?;
+        if serde_json::from_str::<SceneRecipe>(&text).is_ok() {
+            bail!("it shows a scene, not one volume: only render can make it again");
+        }
+        serde_json::from_str(&text).context("its settings are malformed, or from a later version")
     }
 
     /// Whether pictures of both recipes are the same; the command may say it in other words.
@@ -183,16 +195,75 @@ impl Recipe {
 
     /// Keywords and texts for a picture's file.
     pub(crate) fn metadata(&self) -> Result<Vec<(String, String)>, Failure> {
-        let settings = serde_json::to_string(self).during(Step::Output)?;
-        Ok(vec![
-            (
-                metadata::SOFTWARE.to_owned(),
-                format!("splatvol {}", self.version),
-            ),
-            ("Comment".to_owned(), self.command.clone()),
-            (metadata::SETTINGS.to_owned(), settings),
-        ])
+        texts(self, &self.version, &self.command)
     }
+}
+
+/// Everything about a picture of a scene but its pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) struct SceneRecipe {
+    /// Version of splatvol that made it.
+    pub(crate) version: String,
+    /// The command line, quoted for a shell.
+    pub(crate) command: String,
+    /// The input as typed, after which pictures are named.
+    pub(crate) reference: String,
+    /// What is in it; camera, settings and background are what came of the scene's and the flags'.
+    pub(crate) scene: SceneFile,
+    /// Camera, world.
+    pub(crate) camera: CameraRecipe,
+    /// The method.
+    pub(crate) settings: RenderSettings,
+    /// sRGB with straight alpha; absent where the picture keeps its alpha.
+    pub(crate) background: Option<[f64; 4]>,
+    /// Bits per channel.
+    pub(crate) bits: u8,
+}
+
+impl SceneRecipe {
+    /// The recipe that a picture carries; `None` where it carries another, or none.
+    pub(crate) fn of_picture(path: &Path) -> Result<Option<Self>, Failure> {
+        let text = settings_of(path)
+            .with_context(|| format!("cannot take settings from {}", path.display()))
+            .during(Step::Input)?;
+        Ok(serde_json::from_str(&text).ok())
+    }
+
+    /// Whether pictures of both recipes are the same; the command may say it in other words.
+    pub(crate) fn is_same_picture(&self, other: &Self) -> bool {
+        let command = other.command.clone();
+        *other
+            == Self {
+                command,
+                ..self.clone()
+            }
+    }
+
+    /// Keywords and texts for a picture's file.
+    pub(crate) fn metadata(&self) -> Result<Vec<(String, String)>, Failure> {
+        texts(self, &self.version, &self.command)
+    }
+}
+
+/// The settings in a picture's text.
+fn settings_of(path: &Path) -> anyhow::Result<String> {
+    let picture = splatvol_io::read_image(path)?;
+    match metadata::find(&picture.metadata, metadata::SETTINGS) {
+        Some(text) => Ok(text.to_owned()),
+        None => bail!(
+            "the picture does not say how it was made (splatvol did not write it, or another program saved it again)"
+        ),
+    }
+}
+
+fn texts(recipe: &impl Serialize, version: &str, command: &str) -> Result<Vec<(String, String)>, Failure> {
+    let settings = serde_json::to_string(recipe).during(Step::Output)?;
+    Ok(vec![
+        (metadata::SOFTWARE.to_owned(), format!("splatvol {version}")),
+        ("Comment".to_owned(), command.to_owned()),
+        (metadata::SETTINGS.to_owned(), settings),
+    ])
 }
 
 /// This process's command line, quoted so that a POSIX shell gives it back.

@@ -2,6 +2,7 @@
 //!
 //! | module | formats |
 //! |---|---|
+//! | [`data`] | all of the following: which reader a file is for |
 //! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
 //! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, DICOM, TIFF, OME-Zarr, MGH/MGZ, SLC, folders of slices, headerless raw |
@@ -9,15 +10,18 @@
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
+//! | [`scene_file`] | `scene.toml`: several things in one picture |
 //! | [`camera_keys`] | key frames of a camera path, TOML or JSON |
 //!
 //! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
 //! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
-//! and [`ReadOptions::strict`] makes errors of them); no path outside the input's folder is followed.
+//! and [`ReadOptions::strict`] makes errors of them); no path outside the input's folder is followed (but absolute ones
+//! of a scene, which its user wrote).
 #![forbid(unsafe_code)]
 
 pub mod animation;
 pub mod camera_keys;
+pub mod data;
 mod error;
 pub mod gaussians;
 pub mod image;
@@ -26,12 +30,14 @@ pub mod mesh;
 mod ply;
 pub mod points;
 mod samples;
+pub mod scene_file;
 mod source;
 pub mod transfer_function;
 pub mod volume;
 
 pub use animation::{AnimationSettings, ApngWriter, GifWriter};
 pub use camera_keys::{StoredCameraKey, read_camera_keys};
+pub use data::{Data, DataKind, DataOptions, LoadedData, data_kind, read_data};
 pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
@@ -41,6 +47,7 @@ pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
 pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
+pub use scene_file::{SceneCamera, SceneFile, SceneItem, is_scene, read_scene};
 pub use transfer_function::{
     read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,
 };

@@ -44,6 +44,26 @@ pub(crate) struct CameraArgs {
     pub(crate) zoom: Option<f64>,
 }
 
+impl CameraArgs {
+    /// These flags, and where they are silent those of `other`. Flags that exclude each other do not mix.
+    pub(crate) fn or(&self, other: &Self) -> Self {
+        let placed = self.view.is_some() || self.camera_pos.is_some();
+        let projected = self.camera_fov.is_some() || self.orthographic.is_some();
+        Self {
+            view: self.view.or(other.view.filter(|_| !placed)),
+            fit: self.fit.or(other.fit),
+            camera_pos: self.camera_pos.or(other.camera_pos.filter(|_| !placed)),
+            camera_target: self.camera_target.or(other.camera_target),
+            camera_up: self.camera_up.or(other.camera_up),
+            camera_fov: self.camera_fov.or(other.camera_fov.filter(|_| !projected)),
+            orthographic: self.orthographic.or(other.orthographic.filter(|_| !projected)),
+            azimuth: self.azimuth.or(other.azimuth),
+            elevation: self.elevation.or(other.elevation),
+            zoom: self.zoom.or(other.zoom),
+        }
+    }
+}
+
 /// Sides to look from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ViewName {

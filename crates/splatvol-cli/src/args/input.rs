@@ -36,6 +36,15 @@ pub(crate) struct InputArgs {
     /// Time point of a series, from 0
     #[arg(long, value_name = "N", help_heading = READING)]
     pub(crate) time: Option<usize>,
+    /// Channel of a multi-channel image, from 0
+    #[arg(long, value_name = "N", help_heading = READING)]
+    pub(crate) channel: Option<usize>,
+    /// Level of detail of a multi-scale image; 0 is the finest
+    #[arg(long, value_name = "N", help_heading = READING)]
+    pub(crate) level: Option<usize>,
+    /// Series of a folder that holds several: its number, UID or description
+    #[arg(long, value_name = "SERIES", help_heading = READING)]
+    pub(crate) series: Option<String>,
     /// Refuse files that are odd in any way
     #[arg(long, help_heading = READING)]
     pub(crate) strict: bool,

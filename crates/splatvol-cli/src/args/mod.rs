@@ -16,6 +16,7 @@ mod effects;
 mod fastsplats;
 mod footprint;
 mod input;
+mod item;
 mod kernel;
 mod look;
 mod method;
@@ -36,6 +37,7 @@ pub(crate) use footprint::{
     AbsorptionName, AlignmentName, FootprintArgs, OcclusionName, ReconstructionName, SheetName, StretchName,
 };
 pub(crate) use input::InputArgs;
+pub(crate) use item::{ItemArgs, UpAxis};
 pub(crate) use kernel::{KernelArgs, KernelName};
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
@@ -56,6 +58,7 @@ pub(crate) use render::{Background, RenderArgs};
 #[command(after_help = "Examples:
   splatvol render scan.nii.gz                     makes scan.png
   splatvol render sample:head --view front -o head.png
+  splatvol render capture.spz                     3-D Gaussians; likewise points, meshes, scene.toml
   splatvol animate sample:head --view front -o spin.gif
   splatvol info scan.nii.gz
   splatvol sample                                 lists the built-in volumes
@@ -81,11 +84,11 @@ pub(crate) struct Verbosity {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Render a volume to a picture (PNG or EXR)
+    /// Render a volume, points, Gaussians, a mesh or a scene to a picture (PNG or EXR)
     Render(Box<RenderArgs>),
     /// Render a volume from a camera that moves (GIF, animated PNG, films, frames)
     Animate(Box<AnimateArgs>),
-    /// Say what a volume is and how it would be shown, or what a kernel does
+    /// Say what a volume, points, Gaussians, a mesh or a scene are, or what a kernel does
     Info(InfoArgs),
     /// Write a built-in volume to a file, or list them
     Sample(SampleArgs),
@@ -113,9 +116,11 @@ const KERNEL_FLAGS: [&str; 4] = ["kernel", "kernel_sigma", "kernel_radius", "ker
   splatvol info scan.nii.gz
   splatvol info scan.raw --dims 256x256x109 --type u16 --endian big
   splatvol info sample:head --json
+  splatvol info lidar.laz
+  splatvol info scene.toml
   splatvol info --kernel kaiser-bessel --kernel-radius 2.5")]
 pub(crate) struct InfoArgs {
-    /// Volume: a file, or sample:NAME[:SIZE]
+    /// Volume, points, Gaussians, mesh or scene: a file, a folder, or sample:NAME[:SIZE]
     #[arg(required_unless_present_any = KERNEL_FLAGS, conflicts_with_all = KERNEL_FLAGS)]
     pub(crate) input: Option<String>,
     /// Describe a kernel instead of a volume
@@ -123,6 +128,9 @@ pub(crate) struct InfoArgs {
     pub(crate) kernel: KernelArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
+    /// What the input is: volume, points, terrain, depth-images, gaussians [default: what its contents say]
+    #[arg(long, value_name = "KIND", value_parser = values::kind)]
+    pub(crate) kind: Option<splatvol_io::DataKind>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

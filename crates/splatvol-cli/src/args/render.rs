@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use splatvol::ImageSize;
 
-use super::{CameraArgs, EffectArgs, InputArgs, LookArgs, MethodArgs, MotionArgs, WriteArgs, values};
+use super::{
+    CameraArgs, EffectArgs, InputArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, WriteArgs, values,
+};
 
 const OUTPUT: &str = "Output";
 
@@ -14,6 +16,19 @@ const OUTPUT: &str = "Output";
 #[command(
     after_help = "Colours of --background and transfer functions are sRGB. PNG is straight alpha in sRGB; EXR is linear,
 premultiplied, without the background. A PNG carries the settings that made it: --like takes them all as defaults.
+
+A scene is a TOML file of several things; flags go over what it says (docs/scenes.md):
+  background = \"black\"
+  [[item]]
+  file = \"scan.nii.gz\"
+  iso = 300
+  [[item]]
+  file = \"electrodes.ply\"        # beside the scene
+  color = [1, 0.8, 0.2]
+  rotate = [\"z\", 30]
+  translate = [10, 0, 5]
+  [camera]
+  view = \"front\"
 
 Examples:
   splatvol render scan.nii.gz
@@ -29,11 +44,15 @@ Examples:
   splatvol render ct.nrrd --gradient-opacity 0:0,50:0.2,200:1
   splatvol render ct.nrrd --iso 300 --bump word.png --environment studio.exr --environment-share 0.3
   splatvol render sample:head --spin 20 --classification pre --motion-blur exact
+  splatvol render lidar.laz --radius 0.4
+  splatvol render capture.spz --gaussians volumetric --up y
+  splatvol render dem.csv --drape dem.jpg
+  splatvol render scene.toml --view front
   splatvol render --like head.png --azimuth 30 -o head-30.png
   splatvol render sample:head:128 --background none -o - > head.png"
 )]
 pub(crate) struct RenderArgs {
-    /// Volume: a file, or sample:NAME[:SIZE] (see splatvol sample)
+    /// Volume, points, Gaussians, mesh or scene: a file, a folder, or sample:NAME[:SIZE] (see splatvol sample)
     #[arg(required_unless_present_any = ["like", "list_methods"])]
     pub(crate) input: Option<String>,
     /// Picture: .png, .exr, or - for a PNG on stdout [default: INPUT's name with .png]
@@ -68,6 +87,8 @@ pub(crate) struct RenderArgs {
     pub(crate) motion: MotionArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
+    #[command(flatten)]
+    pub(crate) item: ItemArgs,
     /// List every method that a picture can be made by, with the flag that selects it
     #[arg(long)]
     pub(crate) list_methods: bool,

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use glam::DVec3;
 use splatvol::{ClipPlane, GradientOpacity, GradientOpacityPoint, ImageSize};
-use splatvol_io::{Endian, SampleType};
+use splatvol_io::{DataKind, Endian, SampleType};
 use splatvol_samples::SampleSize;
 
 use super::{Background, BoxSides, GradientCurve};
@@ -113,6 +113,10 @@ pub(crate) fn sample_type(text: &str) -> Result<SampleType, String> {
         let names: Vec<_> = SampleType::ALL.iter().map(|kind| kind.name()).collect();
         format!("expected one of {}", names.join(", "))
     })
+}
+
+pub(crate) fn kind(text: &str) -> Result<DataKind, String> {
+    text.parse()
 }
 
 pub(crate) fn endian(text: &str) -> Result<Endian, String> {

@@ -1,5 +1,6 @@
 //! `splatvol info`: what a volume is, and how it would be shown.
 
+mod data;
 mod kernel;
 
 use std::fmt::Write;
@@ -18,6 +19,9 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
     let Some(name) = &args.input else {
         return kernel::run(args);
     };
+    if let Some(text) = data::text(name, args, terminal)? {
+        return Target::Stdout.write(text.as_bytes(), false);
+    }
     let recipe = input::recipe(Some(name), &args.read, None)?;
     let input = input::load(&recipe, args.read.strict, None, terminal)?;
     let report = Report::new(name, &input, usize::from(args.bins));
@@ -33,6 +37,7 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 struct Report {
+    kind: &'static str,
     input: String,
     format: String,
     stored_type: String,
@@ -53,6 +58,11 @@ struct Report {
     max: f64,
     mean: f64,
     missing_samples: usize,
+    /// Names of channels, number of times, dims of levels, series: where there are several to choose from.
+    channels: Vec<String>,
+    times: usize,
+    levels: Vec<[usize; 3]>,
+    series: Vec<String>,
     histogram: Vec<u64>,
     transfer_function: TransferFunctionReport,
     warnings: Vec<String>,
@@ -78,6 +88,7 @@ impl Report {
             None => (automatic, choice.reason),
         };
         Self {
+            kind: "volume",
             input: name.to_owned(),
             format: description.format.clone(),
             stored_type: description.stored_type.clone(),
@@ -97,6 +108,10 @@ impl Report {
             max: statistics.max,
             mean: statistics.mean,
             missing_samples: statistics.non_finite,
+            channels: description.channels.clone(),
+            times: description.times,
+            levels: description.levels.clone(),
+            series: description.series.clone(),
             histogram: volume.histogram(bins),
             transfer_function: TransferFunctionReport { reason, curves },
             warnings: description.warnings.clone(),
@@ -150,6 +165,21 @@ impl Report {
                 count => format!("{count} ({share:.2} %)"),
             },
         );
+        for channel in &self.channels {
+            row("channel", channel.clone());
+        }
+        if self.times > 1 {
+            row("times", self.times.to_string());
+        }
+        for (level, dims) in self.levels.iter().enumerate() {
+            row(
+                "level",
+                format!("{level}: {}", dims.map(|n| n.to_string()).join(" x ")),
+            );
+        }
+        for series in &self.series {
+            row("series", series.clone());
+        }
         row("transfer function", self.transfer_function.reason.clone());
         for warning in &self.warnings {
             row("warning", warning.clone());

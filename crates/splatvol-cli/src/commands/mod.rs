@@ -3,10 +3,12 @@
 pub(crate) mod animate;
 pub(crate) mod bench;
 pub(crate) mod compare;
+mod composed;
 pub(crate) mod convert;
 pub(crate) mod info;
 mod methods;
 mod metrics;
+mod outputs;
 pub(crate) mod render;
 pub(crate) mod sample;
 mod studio;

@@ -6,12 +6,14 @@ use std::time::Instant;
 use splatvol::{
     Camera, Classification, Compositing, Frame, Gradient, MotionBlur, RenderSettings, RenderStatistics, Scene,
 };
-use splatvol_io::{DepthFormat, ImageFormat, encode_depth};
+use splatvol_io::ImageFormat;
 
+use super::composed;
+use super::outputs::{Outputs, encode_with_bits};
 use super::studio::{Studio, engine};
 use crate::args::{Background, CameraArgs, EffectArgs, MotionArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
-use crate::output::{Target, encode_frame, picture_format};
+use crate::output::Target;
 use crate::recipe::{CameraRecipe, InputRecipe, MotionRecipe, Recipe, command_line};
 use crate::resolve::camera::Surroundings;
 use crate::resolve::effects::Effects;
@@ -25,9 +27,12 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     if args.list_methods {
         return Target::Stdout.write(super::methods::list().as_bytes(), false);
     }
+    if let Some(composed) = composed::of(args)? {
+        return composed.run(args, terminal);
+    }
     let start = Instant::now();
     let (like, reference) = sources(args)?;
-    let outputs = Outputs::new(args, &reference)?;
+    let outputs = Outputs::new(args, &reference.reference)?;
     let prepared = prepare(
         args,
         (like.as_ref(), reference),
@@ -37,23 +42,15 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let (frame, statistics) = render(&prepared, terminal)?;
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
 
-    outputs.write(&frame, &prepared.recipe, args.write.overwrite)?;
-    if let Some(stats) = &outputs.stats {
-        let mut json = serde_json::to_string_pretty(&statistics).during(Step::Output)?;
-        json.push('\n');
-        stats.write(json.as_bytes(), args.write.overwrite)?;
-    }
-    if let Target::File(path) = &outputs.picture {
-        let size = prepared.recipe.settings.size;
-        terminal.note(format!(
-            "wrote {} ({}x{}, {:.2} s)",
-            path.display(),
-            size.width(),
-            size.height(),
-            start.elapsed().as_secs_f64()
-        ));
-    }
-    Ok(())
+    let recipe = &prepared.recipe;
+    let overwrite = args.write.overwrite;
+    outputs.write(
+        &frame,
+        (recipe.background, recipe.bits),
+        &recipe.metadata()?,
+        overwrite,
+    )?;
+    outputs.finish(&statistics, recipe.settings.size, (overwrite, start), terminal)
 }
 
 /// The earlier picture that the flags name, if they do, and the volume.
@@ -143,92 +140,12 @@ fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStat
 
 /// A frame as a picture file.
 pub(super) fn encode(frame: &Frame, format: ImageFormat, recipe: &Recipe) -> Result<Vec<u8>, Failure> {
-    let format = match format {
-        ImageFormat::Png8 if recipe.bits == 16 => ImageFormat::Png16,
-        format => format,
-    };
-    encode_frame(frame, format, recipe.background, &recipe.metadata()?)
-}
-
-/// Where everything goes; made before the work, so that a refusal costs nothing.
-struct Outputs {
-    picture: Target,
-    format: ImageFormat,
-    depth: Option<(Target, DepthFormat)>,
-    stats: Option<Target>,
-}
-
-impl Outputs {
-    fn new(args: &RenderArgs, input: &InputRecipe) -> Result<Self, Failure> {
-        let picture = match &args.output {
-            Some(path) => Target::new(path),
-            None => Target::File(default_name(&input.reference)),
-        };
-        let format = match &picture {
-            Target::Stdout => ImageFormat::Png8,
-            Target::File(path) => picture_format(path)?,
-        };
-        let stats = args.stats.as_deref().map(Target::new);
-        if picture == Target::Stdout && stats == Some(Target::Stdout) {
-            return Err(Failure::usage("picture and statistics cannot both go to stdout"));
-        }
-        let depth = args.depth.as_deref().map(depth_target).transpose()?;
-        picture.check(args.write.overwrite)?;
-        if let Some((depth, _)) = &depth {
-            if *depth == picture {
-                return Err(Failure::usage("picture and depth cannot go to the same file"));
-            }
-            depth.check(args.write.overwrite)?;
-        }
-        if let Some(stats) = &stats {
-            stats.check(args.write.overwrite)?;
-        }
-        Ok(Self {
-            picture,
-            format,
-            depth,
-            stats,
-        })
-    }
-
-    fn write(&self, frame: &Frame, recipe: &Recipe, overwrite: bool) -> Result<(), Failure> {
-        self.picture
-            .write(&encode(frame, self.format, recipe)?, overwrite)?;
-        if let Some((target, format)) = &self.depth {
-            let size = frame.image.size();
-            let software = [("Software".to_owned(), format!("splatvol {}", recipe.version))];
-            let bytes = encode_depth(&frame.depth, size, *format, &software).during(Step::Output)?;
-            target.write(&bytes, overwrite)?;
-        }
-        Ok(())
-    }
-}
-
-fn depth_target(path: &Path) -> Result<(Target, DepthFormat), Failure> {
-    let format = DepthFormat::from_path(path).ok_or_else(|| {
-        Failure::usage(format!("{}: no depth format has this extension", path.display()))
-            .hint("use .exr, .png or .npy")
-    })?;
-    Ok((Target::new(path), format))
-}
-
-/// `folder/scan.nii.gz` makes `scan.png`, here; `sample:head:128` makes `head.png`.
-fn default_name(reference: &str) -> PathBuf {
-    let name = match reference.strip_prefix("sample:") {
-        Some(sample) => sample.split(':').next().unwrap_or(sample).to_owned(),
-        None => {
-            let path = Path::new(reference);
-            let path = match path.extension() {
-                Some(ext) if ext.eq_ignore_ascii_case("gz") => path.with_extension(""),
-                _ => path.to_owned(),
-            };
-            path.file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        }
-    };
-    PathBuf::from(format!("{name}.png"))
+    encode_with_bits(
+        frame,
+        (format, recipe.bits),
+        recipe.background,
+        &recipe.metadata()?,
+    )
 }
 
 /// All that is rendered.
@@ -364,7 +281,8 @@ fn keeps_look(args: &RenderArgs, like: &Recipe, compositing: Compositing) -> boo
     args.look.is_empty() && same_input && compositing == like.settings.compositing
 }
 
-fn describe(camera: &Camera) -> String {
+/// A camera as flags.
+pub(super) fn describe(camera: &Camera) -> String {
     let point = |p: glam::DVec3| format!("{:.6},{:.6},{:.6}", p.x, p.y, p.z);
     let projection = match camera.projection() {
         splatvol::Projection::Perspective { fov_degrees } => format!("--camera-fov {fov_degrees}"),
@@ -376,21 +294,4 @@ fn describe(camera: &Camera) -> String {
         point(camera.target()),
         point(camera.up())
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn outputs_are_named_after_inputs_in_the_current_folder() {
-        for (reference, name) in [
-            ("data/scan.nii.gz", "scan.png"),
-            ("a.b.nrrd", "a.b.png"),
-            ("sample:head", "head.png"),
-            ("sample:head:64", "head.png"),
-        ] {
-            assert_eq!(default_name(reference), PathBuf::from(name));
-        }
-    }
 }

@@ -49,6 +49,16 @@ impl<'a> Surroundings<'a> {
         }
     }
 
+    /// Those of things with an outline.
+    pub(crate) fn of_outline(outline: impl Fn() -> Vec<DVec3> + 'a, aspect: f64) -> Self {
+        Self {
+            outline: Box::new(outline),
+            aspect,
+            preferred: View::Iso,
+            turns: false,
+        }
+    }
+
     /// The same, for a camera that turns around its target if so said.
     pub(crate) fn turning(self, turns: bool) -> Self {
         Self { turns, ..self }

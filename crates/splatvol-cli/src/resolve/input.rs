@@ -42,6 +42,12 @@ pub(crate) fn recipe(
             .or_else(|| like.and_then(|like| like.array.clone())),
         component: args.component.or(like.and_then(|like| like.component)),
         time: args.time.or(like.map(|like| like.time)).unwrap_or(0),
+        channel: args.channel.or(like.and_then(|like| like.channel)),
+        level: args.level.or(like.map(|like| like.level)).unwrap_or(0),
+        series: args
+            .series
+            .clone()
+            .or_else(|| like.and_then(|like| like.series.clone())),
     })
 }
 
@@ -122,7 +128,8 @@ pub(crate) fn locate(path: &Path, beside: Option<&Path>) -> PathBuf {
     }
 }
 
-fn options(recipe: &InputRecipe, strict: bool) -> Result<ReadOptions, Failure> {
+/// What the readers need.
+pub(crate) fn options(recipe: &InputRecipe, strict: bool) -> Result<ReadOptions, Failure> {
     let raw = match &recipe.raw {
         None => None,
         Some(raw) => Some(RawLayout {
@@ -145,6 +152,9 @@ fn options(recipe: &InputRecipe, strict: bool) -> Result<ReadOptions, Failure> {
         array: recipe.array.clone(),
         component: recipe.component,
         time: recipe.time,
+        channel: recipe.channel,
+        level: recipe.level,
+        series: recipe.series.clone(),
         strict,
         ..ReadOptions::default()
     })

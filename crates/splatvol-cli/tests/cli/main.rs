@@ -3,9 +3,11 @@
 mod animate;
 mod bench;
 mod commands;
+mod data;
 mod effects;
 mod kernels;
 mod motion;
 mod orientation;
 mod render;
 mod sandbox;
+mod scenes;

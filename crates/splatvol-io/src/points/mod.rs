@@ -73,6 +73,15 @@ pub fn read_points(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
     loaded.checked(options.strict, path)
 }
 
+/// Whether [`read_points`] takes the file.
+pub(crate) fn is_known(path: &Path) -> Result<bool, IoError> {
+    match format(path) {
+        Ok(_) => Ok(true),
+        Err(IoError::Unsupported { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
 /// The formats of clouds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {

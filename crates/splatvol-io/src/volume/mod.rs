@@ -142,6 +142,14 @@ impl Default for WriteOptions {
     }
 }
 
+/// Whether [`read_volume`] takes the file or folder, by its start or its extension.
+///
+/// # Errors
+/// What [`read_volume`] would say.
+pub(crate) fn known(path: &Path) -> Result<(), IoError> {
+    detect::format(path).map(drop)
+}
+
 /// Reads a volume of any supported format. The first bytes of the file decide; its extension only where they do not.
 ///
 /// # Errors

@@ -16,6 +16,7 @@ use self::destination::{Destination, FrameNames};
 use self::movie::Movie;
 use self::plan::{Plan, stored_keys};
 use crate::args::AnimateArgs;
+use crate::commands::composed;
 use crate::commands::render::{self, Prepared};
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
@@ -32,6 +33,12 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
     let stats = args.render.stats.as_deref().map(Target::new);
     if let Some(stats) = &stats {
         stats.check(overwrite)?;
+    }
+    if composed::of(&args.render)?.is_some() {
+        return Err(Failure::usage(
+            "only volumes can be animated: points, Gaussians, meshes and scenes are single pictures",
+        )
+        .hint("render --camera-pos makes one frame after the other"));
     }
     let (like, reference) = render::sources(&args.render)?;
     let moves = CameraMotion {

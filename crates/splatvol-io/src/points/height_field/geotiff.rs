@@ -24,6 +24,19 @@ const RATIO: u64 = 1100;
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
 
+/// Whether a TIFF says where on earth it lies, and is one band: heights, not a photograph.
+pub(super) fn is_geotiff(path: &Path) -> bool {
+    let Ok(file) = std::fs::File::open(path) else {
+        return false;
+    };
+    let Ok(mut decoder) = Decoder::new(std::io::BufReader::new(file)) else {
+        return false;
+    };
+    let placed = matches!(decoder.find_tag(Tag::ModelPixelScaleTag), Ok(Some(_)))
+        || matches!(decoder.find_tag(Tag::ModelTransformationTag), Ok(Some(_)));
+    placed && matches!(decoder.colortype(), Ok(ColorType::Gray(_)))
+}
+
 pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
     let context = &Context::new("TIFF", path);
     let bytes = read_file(path, context)?;

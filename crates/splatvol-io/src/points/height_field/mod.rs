@@ -79,6 +79,40 @@ const STEEPEST: f64 = 0.5;
 /// Relief that they get.
 const SCALED: f64 = 0.15;
 
+/// Columns of a table from which on it is no list of points.
+const WIDE: usize = 16;
+
+/// True where a file is terrain and says so: a USGS DEM, a TIFF with a place on earth, a table of more columns than points
+/// have.
+pub(crate) fn is_terrain(path: &Path) -> Result<bool, IoError> {
+    let context = Context::new("height field", path);
+    let mut source = Source::open(path)?;
+    let mut start = vec![0; 4096];
+    let length = source.fill(&mut start, &context)?;
+    start.truncate(length);
+    Ok(match start.as_slice() {
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => geotiff::is_geotiff(path),
+        _ => dem::is_dem(&start) || is_wide_table(&start),
+    })
+}
+
+/// Whether the first line is numbers, very many.
+fn is_wide_table(start: &[u8]) -> bool {
+    let line = start.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let Ok(line) = str::from_utf8(line.trim_ascii_end()) else {
+        return false;
+    };
+    let words: Vec<&str> = line
+        .split(|c: char| c.is_whitespace() || ",;".contains(c))
+        .filter(|word| !word.is_empty())
+        .collect();
+    // The last one may be cut off by the end of what was looked at.
+    words.len() > WIDE
+        && words[..words.len() - 1]
+            .iter()
+            .all(|word| word.parse::<f64>().is_ok())
+}
+
 /// Heights on a grid of posts; row 0 is the south.
 #[derive(Debug, Clone, PartialEq)]
 struct HeightField {

@@ -1,0 +1,84 @@
+//! What has no meaning for what is rendered is refused, and named.
+
+use splatvol::{Composition, Content, GaussianMode, Item};
+
+use crate::args::{EffectArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, RenderArgs};
+use crate::failure::Failure;
+
+/// Flags that belong to one of several items are refused.
+pub(super) fn no_item_flags(args: &RenderArgs, what: &str) -> Result<(), Failure> {
+    let (given, read) = (&args.item, &args.read);
+    let of_item = ItemArgs {
+        gaussians: None,
+        ..given.clone()
+    } != ItemArgs::default();
+    let of_file = read.dims.is_some()
+        || read.array.is_some()
+        || read.component.is_some()
+        || read.channel.is_some()
+        || read.time.is_some()
+        || read.level.is_some()
+        || read.series.is_some();
+    if of_item || of_file || args.look != LookArgs::default() {
+        return Err(Failure::usage(format!(
+            "flags about reading, colour, opacity, radius and orientation have no meaning for {what}"
+        )));
+    }
+    Ok(())
+}
+
+/// Flags of other data are refused for a volume.
+pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Failure> {
+    let given = [
+        ("--up", args.up.is_some()),
+        ("--gaussians", args.gaussians.is_some()),
+        ("--radius", args.radius.is_some()),
+        ("--point-color", args.point_color.is_some()),
+        ("--point-opacity", args.point_opacity.is_some()),
+        ("--drape", args.drape.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        Some(("--up", _)) => Err(
+            Failure::usage(format!("--up has no meaning for a volume ({reference})"))
+                .hint("--camera-up turns the camera"),
+        ),
+        Some((flag, _)) => Err(Failure::usage(format!(
+            "{flag} has no meaning for a volume ({reference})"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Effects, clips and motion are of one volume.
+pub(super) fn effects(args: &RenderArgs) -> Result<(), Failure> {
+    let what = if args.effects != EffectArgs::default() {
+        "effects and clips"
+    } else if args.motion != MotionArgs::default() {
+        "motion blur"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::usage(format!(
+        "{what} are of one volume; points, Gaussians, meshes and scenes are rendered without"
+    )))
+}
+
+/// Flags about Gaussians need Gaussians; flags about sheets need sheets.
+pub(super) fn gaussians(
+    args: &RenderArgs,
+    composition: &Composition,
+    mode: GaussianMode,
+) -> Result<(), Failure> {
+    let has = |item: &Item| matches!(item.content, Content::Gaussians(_));
+    if args.item.gaussians.is_some() && !composition.items.iter().any(has) {
+        return Err(Failure::usage("--gaussians: there are none"));
+    }
+    let sorted = composition.is_gaussians() && mode != GaussianMode::Volumetric;
+    if sorted && args.method != MethodArgs::default() {
+        return Err(Failure::usage(
+            "Gaussians are composited as published, where methods and lighting of sheets have no meaning",
+        )
+        .hint("--gaussians volumetric composites them in sheets"));
+    }
+    Ok(())
+}

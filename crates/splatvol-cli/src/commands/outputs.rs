@@ -1,0 +1,165 @@
+//! Where `splatvol render` puts what it made.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use splatvol::{Frame, ImageSize, RenderStatistics};
+use splatvol_io::{DepthFormat, ImageFormat, encode_depth};
+
+use crate::args::RenderArgs;
+use crate::failure::{During, Failure, Step};
+use crate::output::{Target, encode_frame, picture_format};
+use crate::terminal::Terminal;
+
+/// Where everything goes; made before the work, so that a refusal costs nothing.
+pub(super) struct Outputs {
+    picture: Target,
+    format: ImageFormat,
+    depth: Option<(Target, DepthFormat)>,
+    stats: Option<Target>,
+}
+
+impl Outputs {
+    /// Where the flags say; the picture is named after the input otherwise.
+    pub(super) fn new(args: &RenderArgs, reference: &str) -> Result<Self, Failure> {
+        let picture = match &args.output {
+            Some(path) => Target::new(path),
+            None => Target::File(default_name(reference)),
+        };
+        let format = match &picture {
+            Target::Stdout => ImageFormat::Png8,
+            Target::File(path) => picture_format(path)?,
+        };
+        let stats = args.stats.as_deref().map(Target::new);
+        if picture == Target::Stdout && stats == Some(Target::Stdout) {
+            return Err(Failure::usage("picture and statistics cannot both go to stdout"));
+        }
+        let depth = args.depth.as_deref().map(depth_target).transpose()?;
+        picture.check(args.write.overwrite)?;
+        if let Some((depth, _)) = &depth {
+            if *depth == picture {
+                return Err(Failure::usage("picture and depth cannot go to the same file"));
+            }
+            depth.check(args.write.overwrite)?;
+        }
+        if let Some(stats) = &stats {
+            stats.check(args.write.overwrite)?;
+        }
+        Ok(Self {
+            picture,
+            format,
+            depth,
+            stats,
+        })
+    }
+
+    /// Format of the picture.
+    pub(super) fn format(&self) -> ImageFormat {
+        self.format
+    }
+
+    /// Writes picture and depths.
+    pub(super) fn write(
+        &self,
+        frame: &Frame,
+        (background, bits): (Option<[f64; 4]>, u8),
+        metadata: &[(String, String)],
+        overwrite: bool,
+    ) -> Result<(), Failure> {
+        let bytes = encode_with_bits(frame, (self.format, bits), background, metadata)?;
+        self.picture.write(&bytes, overwrite)?;
+        if let Some((target, format)) = &self.depth {
+            let size = frame.image.size();
+            let software = [(
+                "Software".to_owned(),
+                concat!("splatvol ", env!("CARGO_PKG_VERSION")).to_owned(),
+            )];
+            let bytes = encode_depth(&frame.depth, size, *format, &software).during(Step::Output)?;
+            target.write(&bytes, overwrite)?;
+        }
+        Ok(())
+    }
+
+    /// Writes statistics, and says that all is done.
+    pub(super) fn finish(
+        &self,
+        statistics: &RenderStatistics,
+        size: ImageSize,
+        (overwrite, start): (bool, Instant),
+        terminal: &Terminal,
+    ) -> Result<(), Failure> {
+        if let Some(stats) = &self.stats {
+            let mut json = serde_json::to_string_pretty(statistics).during(Step::Output)?;
+            json.push('\n');
+            stats.write(json.as_bytes(), overwrite)?;
+        }
+        if let Target::File(path) = &self.picture {
+            terminal.note(format!(
+                "wrote {} ({}x{}, {:.2} s)",
+                path.display(),
+                size.width(),
+                size.height(),
+                start.elapsed().as_secs_f64()
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// A frame as a picture file of so many bits per channel.
+pub(super) fn encode_with_bits(
+    frame: &Frame,
+    (format, bits): (ImageFormat, u8),
+    background: Option<[f64; 4]>,
+    metadata: &[(String, String)],
+) -> Result<Vec<u8>, Failure> {
+    let format = match format {
+        ImageFormat::Png8 if bits == 16 => ImageFormat::Png16,
+        format => format,
+    };
+    encode_frame(frame, format, background, metadata)
+}
+
+fn depth_target(path: &Path) -> Result<(Target, DepthFormat), Failure> {
+    let format = DepthFormat::from_path(path).ok_or_else(|| {
+        Failure::usage(format!("{}: no depth format has this extension", path.display()))
+            .hint("use .exr, .png or .npy")
+    })?;
+    Ok((Target::new(path), format))
+}
+
+/// `folder/scan.nii.gz` makes `scan.png`, here; `sample:head:128` makes `head.png`.
+fn default_name(reference: &str) -> PathBuf {
+    let name = match reference.strip_prefix("sample:") {
+        Some(sample) => sample.split(':').next().unwrap_or(sample).to_owned(),
+        None => {
+            let path = Path::new(reference);
+            let path = match path.extension() {
+                Some(ext) if ext.eq_ignore_ascii_case("gz") => path.with_extension(""),
+                _ => path.to_owned(),
+            };
+            path.file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        }
+    };
+    PathBuf::from(format!("{name}.png"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_are_named_after_inputs_in_the_current_folder() {
+        for (reference, name) in [
+            ("data/scan.nii.gz", "scan.png"),
+            ("a.b.nrrd", "a.b.png"),
+            ("sample:head", "head.png"),
+            ("sample:head:64", "head.png"),
+        ] {
+            assert_eq!(default_name(reference), PathBuf::from(name));
+        }
+    }
+}

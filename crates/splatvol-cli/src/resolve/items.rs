@@ -1,0 +1,287 @@
+//! From what a scene says of an item, and from the flags that say the same of a single file, to the item.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::ValueEnum;
+use glam::{DAffine3, DMat3, DVec3};
+use splatvol::{Compositing, Content, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples, Volume};
+use splatvol_io::scene_file::Opacity;
+use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneItem, data_kind, read_data};
+
+use super::input::{self, Input, locate};
+use super::item_keys::{Source, check, known_keys};
+use super::look;
+use crate::args::{LookArgs, UpAxis, values};
+use crate::failure::{During, Failure, Step};
+use crate::recipe::{InputRecipe, RawRecipe};
+use crate::terminal::Terminal;
+
+/// Where and how items are read.
+#[derive(Clone, Copy)]
+pub(crate) struct Reading<'a> {
+    /// Whether warnings are errors.
+    pub(crate) strict: bool,
+    /// Folder in which relative paths are tried next.
+    pub(crate) beside: Option<&'a Path>,
+    /// How the sheets are composited: an automatic look depends on it.
+    pub(crate) compositing: Compositing,
+    pub(crate) terminal: &'a Terminal,
+}
+
+/// What the file of an item is, and its path.
+pub(crate) fn kind(item: &SceneItem, beside: Option<&Path>) -> Result<(DataKind, PathBuf), Failure> {
+    let path = locate(Path::new(&item.file), beside);
+    if item.file.starts_with("sample:") {
+        return Ok((DataKind::Volume, path));
+    }
+    let kind = data_kind(&path, &options(item, false)?).during(Step::Input)?;
+    Ok((kind, path))
+}
+
+/// Reads an item.
+pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Result<Item, Failure> {
+    let (kind, path) = kind(item, reading.beside)?;
+    check(item, source, kind.name(), known_keys(kind))?;
+    let (content, frame) = if kind == DataKind::Volume {
+        let input = input::load(
+            &input_recipe(item),
+            reading.strict,
+            reading.beside,
+            reading.terminal,
+        )?;
+        (volume_content(item, input, reading)?, DAffine3::IDENTITY)
+    } else {
+        let loaded = {
+            let _spinner = reading.terminal.spinner(format!("Reading {}", item.file));
+            let mut options = options(item, reading.strict)?;
+            options.kind = Some(kind);
+            read_data(&path, &options).during(Step::Input)?
+        };
+        for warning in &loaded.description.warnings {
+            reading.terminal.warn(format!("{}: {warning}", item.file));
+        }
+        content(item, source, loaded, reading)?
+    };
+    let place = item.world_from_file();
+    let place = place.map_err(|(key, value)| source.refuse(item, key, &format!("{value} makes no place")))?;
+    let world_from_item = place * upright(item, source)?.map_or(DAffine3::IDENTITY, |up| up * frame);
+    Ok(Item {
+        content,
+        world_from_item,
+    })
+}
+
+/// What an item of other data than a volume holds; and what takes its world to the frame of its file.
+fn content(
+    item: &SceneItem,
+    source: Source,
+    loaded: LoadedData,
+    reading: Reading<'_>,
+) -> Result<(Content, DAffine3), Failure> {
+    Ok(match loaded.data {
+        Data::Points(points) => {
+            let content = Content::Points {
+                points: Arc::new(points),
+                look: point_look(item, source)?,
+            };
+            (content, DAffine3::IDENTITY)
+        }
+        Data::Gaussians(gaussians) => {
+            let frame = gaussians.world_from_local().inverse();
+            (Content::Gaussians(Arc::new(gaussians)), frame)
+        }
+        Data::Mesh(mesh) => {
+            let input = values_of(&mesh, loaded.description)?;
+            let transfer_function = transfer_function(item, &input, reading)?;
+            let content = Content::Mesh {
+                mesh: Arc::new(mesh),
+                transfer_function,
+            };
+            (content, DAffine3::IDENTITY)
+        }
+        Data::Volume(volume) => {
+            let input = Input {
+                volume: Arc::new(volume),
+                description: loaded.description,
+                sample: None,
+            };
+            (volume_content(item, input, reading)?, DAffine3::IDENTITY)
+        }
+    })
+}
+
+fn volume_content(item: &SceneItem, input: Input, reading: Reading<'_>) -> Result<Content, Failure> {
+    let transfer_function = transfer_function(item, &input, reading)?;
+    Ok(Content::Volume {
+        volume: input.volume,
+        transfer_function,
+    })
+}
+
+fn point_look(item: &SceneItem, source: Source) -> Result<PointLook, Failure> {
+    let default = PointLook::default();
+    let color = item.color.unwrap_or(default.color);
+    let opacity = match item.opacity {
+        Some(Opacity::Share(share)) => share,
+        _ => default.opacity,
+    };
+    let unit = |value: &f64| (0.0..=1.0).contains(value);
+    if !color.iter().all(unit) {
+        return Err(source.refuse(item, "color", &format!("{color:?} is not in 0..1")));
+    }
+    if !unit(&opacity) {
+        return Err(source.refuse(item, "opacity", &format!("{opacity} is not in 0..1")));
+    }
+    if let Some(radius) = item
+        .radius
+        .filter(|radius| !(radius.is_finite() && *radius > 0.0))
+    {
+        return Err(source.refuse(item, "radius", &format!("{radius} is not a length above zero")));
+    }
+    Ok(PointLook {
+        color,
+        opacity,
+        radius: item.radius,
+    })
+}
+
+/// A mesh's values as a row of samples: what a transfer function is chosen by.
+fn values_of(mesh: &Mesh, description: Description) -> Result<Input, Failure> {
+    let values = mesh.field().values.clone();
+    let volume = Grid::centred([values.len(), 1, 1], DVec3::ONE)
+        .and_then(|grid| {
+            Volume::new(
+                grid,
+                Samples::F32(values),
+                Rescale::default(),
+                LengthUnit::Unknown,
+            )
+        })
+        .during(Step::Input)?;
+    Ok(Input {
+        volume: Arc::new(volume),
+        description,
+        sample: None,
+    })
+}
+
+fn transfer_function(
+    item: &SceneItem,
+    input: &Input,
+    reading: Reading<'_>,
+) -> Result<splatvol::TransferFunction, Failure> {
+    let args = LookArgs {
+        tf: item.tf.as_deref().map(|tf| locate(Path::new(tf), reading.beside)),
+        cmap: item.cmap.clone(),
+        opacity: match &item.opacity {
+            Some(Opacity::Curve(name)) => Some(name.clone()),
+            _ => None,
+        },
+        clim: item.clim,
+        unit_distance: item.unit_distance,
+        iso: item.iso,
+    };
+    look::resolve(&args, input, reading.compositing, reading.terminal).map(|look| look.transfer_function)
+}
+
+/// The file of an item as the reader of volumes takes it.
+fn input_recipe(item: &SceneItem) -> InputRecipe {
+    let raw = item
+        .dims
+        .zip(item.sample_type.clone())
+        .map(|(dims, sample_type)| RawRecipe {
+            dims,
+            sample_type,
+            spacing: item.spacing.unwrap_or([1.0; 3]),
+            big_endian: item.endian.as_deref() == Some("big"),
+            offset: item.offset.unwrap_or(0),
+        });
+    InputRecipe {
+        reference: item.file.clone(),
+        raw,
+        array: item.array.clone(),
+        component: item.component,
+        time: item.time.unwrap_or(0),
+        channel: item.channel,
+        level: item.level.unwrap_or(0),
+        series: item.series.clone(),
+    }
+}
+
+/// How the file of an item is read.
+pub(crate) fn options(item: &SceneItem, strict: bool) -> Result<DataOptions, Failure> {
+    let usage = |key: &str, why: String| Failure::usage(format!("{}: {key}: {why}", item.file));
+    if item.dims.is_some() != item.sample_type.is_some() {
+        return Err(usage("dims", "needs type too, and type needs dims".to_owned()));
+    }
+    if let Some(endian) = &item.endian {
+        values::endian(endian).map_err(|why| usage("endian", why))?;
+    }
+    if let Some(kind) = &item.sample_type {
+        values::sample_type(kind).map_err(|why| usage("type", why))?;
+    }
+    let kind = item.kind.as_deref().map(str::parse::<DataKind>).transpose();
+    Ok(DataOptions {
+        kind: kind.map_err(|why| usage("kind", why))?,
+        read: input::options(&input_recipe(item), strict)?,
+        drape: item.drape.as_ref().map(PathBuf::from),
+    })
+}
+
+/// Rotation that turns the file's upward axis to z, if one is named.
+fn upright(item: &SceneItem, source: Source) -> Result<Option<DAffine3>, Failure> {
+    let Some(name) = &item.up else {
+        return Ok(None);
+    };
+    let axis = UpAxis::from_str(name, false)
+        .map_err(|_| source.refuse(item, "up", &format!("{name} is none of x, y, z, -x, -y, -z")))?;
+    let [x, y, z] = match axis {
+        UpAxis::X => [DVec3::Z, DVec3::Y, DVec3::NEG_X],
+        UpAxis::MinusX => [DVec3::NEG_Z, DVec3::Y, DVec3::X],
+        UpAxis::Y => [DVec3::X, DVec3::Z, DVec3::NEG_Y],
+        UpAxis::MinusY => [DVec3::X, DVec3::NEG_Z, DVec3::Y],
+        UpAxis::Z => [DVec3::X, DVec3::Y, DVec3::Z],
+        UpAxis::MinusZ => [DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z],
+    };
+    Ok(Some(DAffine3::from_mat3(DMat3::from_cols(x, y, z))))
+}
+
+/// Reads all items that are visible.
+pub(crate) fn load_all(
+    items: &[SceneItem],
+    source: impl Fn(usize) -> Source,
+    reading: Reading<'_>,
+) -> Result<Vec<Item>, Failure> {
+    items
+        .iter()
+        .enumerate()
+        .filter(|(_, item)| item.visible != Some(false))
+        .map(|(index, item)| load(item, source(index), reading))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_named_axis_becomes_z_by_a_rotation() {
+        for (name, axis) in [
+            ("x", DVec3::X),
+            ("-x", DVec3::NEG_X),
+            ("y", DVec3::Y),
+            ("-y", DVec3::NEG_Y),
+            ("z", DVec3::Z),
+            ("-z", DVec3::NEG_Z),
+        ] {
+            let item = SceneItem {
+                up: Some(name.to_owned()),
+                ..SceneItem::default()
+            };
+            let up = upright(&item, Source::Flags).unwrap().unwrap();
+            assert_eq!(up.transform_vector3(axis), DVec3::Z, "{name}");
+            assert_eq!(up.matrix3.determinant(), 1.0, "{name}");
+        }
+    }
+}

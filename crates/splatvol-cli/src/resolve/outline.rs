@@ -1,0 +1,142 @@
+//! What an automatic camera shows of the items of a composition.
+//!
+//! Scans and captures have strays far from everything else, which would shrink the picture: what lies further from the
+//! innermost 99 % than a share of its size is left out of the outline (not out of the picture).
+
+use glam::{DAffine3, DVec3};
+use splatvol::{Content, Gaussians, Item};
+
+use super::visible::visible_outline;
+use crate::args::Fit;
+
+/// Places looked at per item.
+const MOST: usize = 50_000;
+/// Share of places on either side of each axis that may be strays...
+const STRAYS: f64 = 0.005;
+/// ...where they lie further out than this share of the others' size.
+const REACH: f64 = 0.1;
+/// Radius of Gaussians, standard deviations.
+const SIGMAS: f64 = 2.0;
+/// Share of Gaussians that have their radius; larger ones have that of the last of these.
+const USUAL: f64 = 0.95;
+
+/// World positions that bound an item.
+pub(crate) fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
+    let world = |frame: &DAffine3, places: &[[f32; 3]]| -> Vec<DVec3> {
+        let frame = item.world_from_item * *frame;
+        sampled(places)
+            .map(|place| frame.transform_point3(place.map(f64::from).into()))
+            .collect()
+    };
+    if fit == Fit::Volume && !matches!(item.content, Content::Volume { .. }) {
+        return item.bounds().corners().to_vec();
+    }
+    match &item.content {
+        Content::Volume {
+            volume,
+            transfer_function,
+        } => {
+            let own = match fit {
+                Fit::Visible => visible_outline(volume, transfer_function),
+                Fit::Volume => volume.grid().corners().to_vec(),
+            };
+            own.into_iter()
+                .map(|place| item.world_from_item.transform_point3(place))
+                .collect()
+        }
+        Content::Mesh { .. } => item.bounds().corners().to_vec(),
+        Content::Points { points, .. } => {
+            without_strays(world(points.world_from_local(), points.positions()))
+        }
+        Content::Gaussians(gaussians) => {
+            let means = world(gaussians.world_from_local(), &gaussians.attributes().means);
+            let radii = radii(gaussians, &item.world_from_item);
+            let [low, high] = reach(&means);
+            let inside = |mean: DVec3| mean.cmpge(low).all() && mean.cmple(high).all();
+            means
+                .into_iter()
+                .zip(radii)
+                .filter(|(mean, _)| inside(*mean))
+                .flat_map(|(mean, radius)| {
+                    DVec3::AXES.map(|axis| [mean - axis * radius, mean + axis * radius])
+                })
+                .flatten()
+                .collect()
+        }
+    }
+}
+
+fn sampled(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 3]> {
+    places.iter().copied().step_by(places.len().div_ceil(MOST).max(1))
+}
+
+/// Radii of the sampled Gaussians, world; huge ones, such as those of a sky, are not taken at their word.
+fn radii(gaussians: &Gaussians, world_from_item: &DAffine3) -> Vec<f64> {
+    let frame = *world_from_item * *gaussians.world_from_local();
+    let factor = SIGMAS * frame.matrix3.determinant().abs().cbrt();
+    let radii: Vec<f64> = sampled(&gaussians.attributes().scales)
+        .map(|scales| factor * f64::from(scales.into_iter().fold(0.0, f32::max)))
+        .collect();
+    let mut sorted = radii.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let most = sorted[(USUAL * (sorted.len() - 1) as f64) as usize];
+    radii.into_iter().map(|radius| radius.min(most)).collect()
+}
+
+/// The places that are no strays.
+fn without_strays(places: Vec<DVec3>) -> Vec<DVec3> {
+    let [low, high] = reach(&places);
+    places
+        .into_iter()
+        .filter(|place| place.cmpge(low).all() && place.cmple(high).all())
+        .collect()
+}
+
+/// Box beyond which places are strays.
+fn reach(places: &[DVec3]) -> [DVec3; 2] {
+    let mut low = DVec3::ZERO;
+    let mut high = DVec3::ZERO;
+    for axis in 0..3 {
+        let mut along: Vec<f64> = places.iter().map(|place| place[axis]).collect();
+        along.sort_unstable_by(f64::total_cmp);
+        let skipped = (STRAYS * along.len() as f64) as usize;
+        (low[axis], high[axis]) = (along[skipped], along[along.len() - 1 - skipped]);
+    }
+    // One length for all axes: a flat thing is not full of strays.
+    let reach = DVec3::splat(REACH * (high - low).max_element());
+    [low - reach, high + reach]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use splatvol::{PointAttributes, PointLook, Points};
+    use std::sync::Arc;
+
+    fn item(positions: Vec<[f32; 3]>) -> Item {
+        let points = Points::new(positions, PointAttributes::default(), DAffine3::IDENTITY).unwrap();
+        Item::new(Content::Points {
+            points: Arc::new(points),
+            look: PointLook::default(),
+        })
+    }
+
+    #[test]
+    fn strays_do_not_shrink_the_picture_but_parts_do() {
+        let mut positions: Vec<_> = (0u8..200)
+            .map(|i| [f32::from(i), f32::from(i % 7), 0.0])
+            .collect();
+        let last = |item: &Item, fit| {
+            let places = outline(item, fit).into_iter().map(|place| place.x);
+            places.fold(f64::NEG_INFINITY, f64::max)
+        };
+        assert_eq!(last(&item(positions.clone()), Fit::Visible), 199.0);
+        positions.push([5000.0, 0.0, 0.0]);
+        let mut strayed = item(positions);
+        assert_eq!(last(&strayed, Fit::Visible), 199.0);
+        assert_eq!(last(&strayed, Fit::Volume), 5000.0);
+        strayed.world_from_item = DAffine3::from_translation(DVec3::X);
+        assert_eq!(last(&strayed, Fit::Visible), 200.0);
+        assert_eq!(outline(&item(vec![[1.0; 3]]), Fit::Visible), [DVec3::ONE]);
+    }
+}

@@ -1,0 +1,187 @@
+//! Scenes of several things, end to end.
+
+use crate::data::{gaussian, pixels, sphere};
+use crate::sandbox::{Sandbox, png};
+
+const RED: fn([u8; 3]) -> bool = |[r, g, b]| r > 60 && u16::from(r) > 2 * u16::from(g.max(b));
+const GREEN: fn([u8; 3]) -> bool = |[r, g, b]| g > 60 && u16::from(g) > 2 * u16::from(r.max(b));
+
+/// A red and a green sphere, the second moved; whatever else is said of it goes to its end.
+fn two(sandbox: &Sandbox, more: &str) {
+    sandbox.write("red.txt", sphere(2000, [0.0; 3], Some([255, 0, 0])));
+    sandbox.write("bare.txt", sphere(2000, [0.0; 3], None));
+    let scene = format!(
+        "background = 'black'\nsize = '96x64'\n\
+         [camera]\nview = 'front'\n\
+         [[item]]\nfile = 'red.txt'\n\
+         [[item]]\nfile = 'bare.txt'\ncolor = [0, 1, 0]\n{more}\n"
+    );
+    sandbox.write("scene.toml", scene);
+}
+
+#[test]
+fn items_lie_where_the_scene_says() {
+    let sandbox = Sandbox::new();
+    two(&sandbox, "translate = [4, 0, 0]");
+    sandbox.run("render scene.toml").succeeds();
+    assert_eq!(png(&sandbox.path("scene.png")).0, 96);
+    let ((red, [width, _]), (green, _)) = (
+        pixels(&sandbox, "scene.png", RED),
+        pixels(&sandbox, "scene.png", GREEN),
+    );
+    assert!(red > 400 && red.abs_diff(green) < red / 10, "{red} {green}");
+    assert!(width < 40, "{width}");
+
+    two(&sandbox, "translate = [4, 0, 0]\nvisible = false");
+    sandbox.run("render scene.toml -w").succeeds();
+    assert_eq!(pixels(&sandbox, "scene.png", GREEN).0, 0);
+    assert!(pixels(&sandbox, "scene.png", RED).0 > 2 * red);
+
+    // Within the red one, and then around it.
+    two(&sandbox, "scale = 0.5");
+    sandbox.run("render scene.toml -w").succeeds();
+    assert_eq!(pixels(&sandbox, "scene.png", GREEN).0, 0);
+    two(&sandbox, "scale = 1.5\nrotate = ['x', 90]");
+    sandbox.run("render scene.toml -w").succeeds();
+    assert_eq!(pixels(&sandbox, "scene.png", RED).0, 0);
+    two(&sandbox, "scale = 1.5\nopacity = 0.3");
+    sandbox.run("render scene.toml -w").succeeds();
+    let reddish = |[r, g, _]: [u8; 3]| r > 40 && g > 20;
+    assert!(pixels(&sandbox, "scene.png", reddish).0 > 300);
+}
+
+#[test]
+fn flags_go_over_the_scene_and_pictures_are_made_again() {
+    let sandbox = Sandbox::new();
+    two(
+        &sandbox,
+        "translate = [4, 0, 0]\n[settings]\nsheet-thickness = 0.5",
+    );
+    sandbox
+        .run("render scene.toml --size 50x40 --background white --view left --zoom 1.2")
+        .succeeds();
+    let (width, height, codes) = png(&sandbox.path("scene.png"));
+    assert_eq!((width, height), (50, 40));
+    assert_eq!(codes[..3], [255; 3]);
+    // Seen along the way from one to the other, red hides green or the other way round.
+    assert!(
+        pixels(&sandbox, "scene.png", RED)
+            .0
+            .min(pixels(&sandbox, "scene.png", GREEN).0)
+            < 5
+    );
+    sandbox.run("render --like scene.png -o again.png").succeeds();
+    assert_eq!(sandbox.bytes("scene.png"), sandbox.bytes("again.png"));
+    let settings = String::from_utf8_lossy(&sandbox.bytes("scene.png")).into_owned();
+    assert!(settings.contains("\"sheet-thickness\":0.5"), "{settings}");
+    for flags in ["--radius 1", "--cmap gray", "--array a", "--up y"] {
+        sandbox
+            .run(&format!("render scene.toml -w {flags}"))
+            .fails(2, &["no meaning for a scene"]);
+    }
+}
+
+#[test]
+fn volumes_points_and_gaussians_share_a_picture() {
+    let sandbox = Sandbox::new();
+    sandbox.write("red.txt", sphere(1000, [0.0; 3], Some([255, 0, 0])));
+    sandbox.write("green.ply", gaussian([0.0, 1.0, 0.0]));
+    sandbox.write(
+        "scene.toml",
+        "background = 'black'\nsize = '96x48'\n[camera]\nview = 'front'\n\
+         [[item]]\nfile = 'sample:marschner-lobb:16'\niso = 0.5\nscale = 1\n\
+         [[item]]\nfile = 'red.txt'\ntranslate = [4, 0, 0]\n\
+         [[item]]\nfile = 'green.ply'\nscale = 3\ntranslate = [-4, 0, 0]\n",
+    );
+    sandbox.run("render scene.toml").succeeds();
+    let gray = |[r, g, b]: [u8; 3]| r > 60 && r.abs_diff(g) < 30 && g.abs_diff(b) < 60;
+    for (what, count) in [
+        ("red", pixels(&sandbox, "scene.png", RED).0),
+        ("green", pixels(&sandbox, "scene.png", GREEN).0),
+        ("gray", pixels(&sandbox, "scene.png", gray).0),
+    ] {
+        assert!(count > 40, "{what}: {count}");
+    }
+    sandbox
+        .run("render scene.toml --gaussians 3dgs -w")
+        .fails(4, &["3dgs", "volumetric"]);
+    let text = sandbox.run("info scene.toml").succeeds().stdout();
+    for words in [
+        "sample:marschner-lobb:16 (volume)",
+        "red.txt (points)",
+        "green.ply (gaussians)",
+    ] {
+        assert!(text.contains(words), "no {words:?} in\n{text}");
+    }
+}
+
+#[test]
+fn scenes_that_make_no_sense_say_why() {
+    let sandbox = Sandbox::new();
+    for (more, code, words) in [
+        ("radios = 3", 3, vec!["radios", "scene.toml", "line"]),
+        ("radius = 'x'", 3, vec!["radius", "scene.toml"]),
+        ("radius = -1", 2, vec!["item[1].radius", "-1"]),
+        ("color = [2, 0, 0]", 3, vec!["color"]),
+        ("iso = 3", 2, vec!["item[1].iso", "points"]),
+        ("up = 'w'", 2, vec!["item[1].up", "w"]),
+        ("kind = 'cloud'", 2, vec!["kind", "terrain"]),
+        ("[[item]]\nfile = 'missing.ply'", 3, vec!["missing.ply"]),
+        (
+            "[[item]]\nfile = '../red.txt'",
+            3,
+            vec!["item[2].file", "../red.txt"],
+        ),
+        (
+            "[[item]]\nfile = 'scene.toml'",
+            2,
+            vec!["item[2].file", "scenes hold no scenes"],
+        ),
+        ("[[item]]\nfile = 'sample:nothing'", 3, vec!["nothing"]),
+        ("[settings]\nsheets = 1", 3, vec!["sheets", "scene.toml"]),
+        ("[settings]\nsheet-thickness = -1", 2, vec!["thickness"]),
+        ("[camera]\nview = 'side'", 3, vec!["camera"]),
+    ] {
+        two(&sandbox, more);
+        sandbox.run("render scene.toml -w").fails(code, &words);
+    }
+    for (scene, words) in [
+        (
+            "background = 'mauve'\n[[item]]\nfile = 'red.txt'",
+            vec!["background", "charcoal"],
+        ),
+        ("size = 'big'\n[[item]]\nfile = 'red.txt'", vec!["size", "WxH"]),
+        (
+            "[camera]\nview = 'side'\n[[item]]\nfile = 'red.txt'",
+            vec!["camera.view", "side", "front"],
+        ),
+        (
+            "[camera]\nview = 'front'\nposition = [1, 2, 3]\n[[item]]\nfile = 'red.txt'",
+            vec!["view and position"],
+        ),
+        (
+            "[[item]]\nfile = 'red.txt'\nvisible = false",
+            vec!["no item", "visible"],
+        ),
+    ] {
+        sandbox.write("scene.toml", scene);
+        sandbox.run("render scene.toml -w").fails(2, &words);
+    }
+}
+
+/// The example of docs/scenes.md is what it says: it is run.
+#[test]
+fn the_documented_example_renders() {
+    let text = include_str!("../../../../docs/scenes.md");
+    let example = text
+        .split("```toml\n")
+        .nth(1)
+        .and_then(|rest| rest.split("```").next());
+    let sandbox = Sandbox::new();
+    sandbox.write("electrodes.txt", sphere(500, [0.0; 3], None));
+    sandbox.write("marker.ply", gaussian([0.2, 0.8, 1.0]));
+    sandbox.write("scene.toml", example.expect("the page has an example"));
+    sandbox.run("render scene.toml --size 64").succeeds();
+    let (count, _) = pixels(&sandbox, "scene.png", |[r, g, b]| b > 100 && g > 100 && r < 100);
+    assert!(count > 4, "{count}");
+}
