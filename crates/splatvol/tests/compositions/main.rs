@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code, reason = "used in part")]
 mod common;
 
 mod gaussians;
