@@ -161,10 +161,12 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
     if is_mesh(path)? {
         return Ok(DataKind::Mesh);
     }
-    if height_field::is_terrain(path)? {
+    let volume = volume::known(path);
+    // Numbers of a text volume may stand where a DEM has its own.
+    if height_field::is_terrain(path, volume.is_ok())? {
         return Ok(DataKind::Terrain);
     }
-    match volume::known(path) {
+    match volume {
         Err(IoError::Unsupported { .. }) if points::is_known(path)? => Ok(DataKind::Points),
         known => known.map(|()| DataKind::Volume),
     }

@@ -14,7 +14,7 @@ pub(crate) struct ItemArgs {
     /// What the input is: volume, points, terrain, depth-images, gaussians, mesh [default: what its contents say]
     #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = DATA)]
     pub(crate) kind: Option<DataKind>,
-    /// Axis of the file that is up; for Gaussians of the frame they were trained in [default: z; Gaussians: -y]
+    /// Axis of the file that is up; for Gaussians of the frame they were trained in [default: z, or y where a PLY file's points stand on it; Gaussians: -y]
     #[arg(long, value_name = "AXIS", help_heading = DATA, allow_hyphen_values = true)]
     pub(crate) up: Option<UpAxis>,
     /// How Gaussians are composited [default: auto]

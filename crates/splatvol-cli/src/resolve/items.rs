@@ -12,6 +12,7 @@ use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneIte
 use super::input::{self, Input, locate};
 use super::item_keys::{Source, check, known_keys};
 use super::look;
+use super::standing;
 use crate::args::{LookArgs, UpAxis, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{InputRecipe, RawRecipe};
@@ -43,6 +44,7 @@ pub(crate) fn kind(item: &SceneItem, beside: Option<&Path>) -> Result<(DataKind,
 pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Result<Item, Failure> {
     let (kind, path) = kind(item, reading.beside)?;
     check(item, source, kind.name(), known_keys(kind))?;
+    let mut up = item.up.clone();
     let (content, frame) = if kind == DataKind::Volume {
         let input = input::load(
             &input_recipe(item),
@@ -61,15 +63,31 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
         for warning in &loaded.description.warnings {
             reading.terminal.warn(format!("{}: {warning}", item.file));
         }
-        content(item, source, loaded, reading)?
+        let frameless = kind == DataKind::Points && loaded.description.format.starts_with("PLY");
+        let (content, frame) = content(item, source, loaded, reading)?;
+        if frameless && item.up.is_none() && matches!(source, Source::Flags) && is_y_up(&content) {
+            let note = format!("{}: it stands with y up; --up says otherwise", item.file);
+            reading.terminal.detail(note);
+            up = Some("y".to_owned());
+        }
+        (content, frame)
     };
+    let placed = SceneItem { up, ..item.clone() };
     let place = item.world_from_file();
     let place = place.map_err(|(key, value)| source.refuse(item, key, &format!("{value} makes no place")))?;
-    let world_from_item = place * upright(item, source)?.map_or(DAffine3::IDENTITY, |up| up * frame);
+    let world_from_item = place * upright(&placed, source)?.map_or(DAffine3::IDENTITY, |up| up * frame);
     Ok(Item {
         content,
         world_from_item,
     })
+}
+
+/// Whether points stand on y.
+fn is_y_up(content: &Content) -> bool {
+    match content {
+        Content::Points { points, .. } => standing::is_y_up(points.positions()),
+        _ => false,
+    }
 }
 
 /// What an item of other data than a volume holds; and what takes its world to the frame of its file.
@@ -146,10 +164,17 @@ fn point_look(item: &SceneItem, source: Source) -> Result<PointLook, Failure> {
     })
 }
 
-/// A mesh's values as a row of samples: what a transfer function is chosen by.
+/// Samples of a row at most.
+const ROW: usize = 32_768;
+
+/// A mesh's values as rows of samples: what a transfer function is chosen by.
 fn values_of(mesh: &Mesh, description: Description) -> Result<Input, Failure> {
-    let values = mesh.field().values.clone();
-    let volume = Grid::centred([values.len(), 1, 1], DVec3::ONE)
+    let mut values = mesh.field().values.clone();
+    // Rows of a grid are not endless; what is missing in the last one does not count.
+    let width = values.len().clamp(1, ROW);
+    let rows = values.len().div_ceil(width);
+    values.resize(rows * width, f32::NAN);
+    let volume = Grid::centred([width, rows, 1], DVec3::ONE)
         .and_then(|grid| {
             Volume::new(
                 grid,

@@ -16,5 +16,6 @@ pub(crate) mod look;
 pub(crate) mod method;
 pub(crate) mod motion;
 pub(crate) mod outline;
+mod standing;
 mod turning;
 mod visible;

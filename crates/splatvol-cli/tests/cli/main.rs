@@ -11,3 +11,4 @@ mod orientation;
 mod render;
 mod sandbox;
 mod scenes;
+mod shared;

@@ -26,7 +26,7 @@ fn picture(sandbox: &Sandbox, path: &Path, view: &str) -> (u32, u32, Vec<u8>) {
     png(&sandbox.path("a.png"))
 }
 
-fn psnr(a: &(u32, u32, Vec<u8>), b: &(u32, u32, Vec<u8>)) -> f64 {
+pub(crate) fn psnr(a: &(u32, u32, Vec<u8>), b: &(u32, u32, Vec<u8>)) -> f64 {
     assert_eq!((a.0, a.1, a.2.len()), (b.0, b.1, b.2.len()));
     let squares =
         a.2.iter()

@@ -84,7 +84,7 @@ const WIDE: usize = 16;
 
 /// True where a file is terrain and says so: a USGS DEM, a TIFF with a place on earth, a table of more columns than points
 /// have.
-pub(crate) fn is_terrain(path: &Path) -> Result<bool, IoError> {
+pub(crate) fn is_terrain(path: &Path, is_volume: bool) -> Result<bool, IoError> {
     let context = Context::new("height field", path);
     let mut source = Source::open(path)?;
     let mut start = vec![0; 4096];
@@ -92,7 +92,7 @@ pub(crate) fn is_terrain(path: &Path) -> Result<bool, IoError> {
     start.truncate(length);
     Ok(match start.as_slice() {
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => geotiff::is_geotiff(path),
-        _ => dem::is_dem(&start) || is_wide_table(&start),
+        _ => !is_volume && (dem::is_dem(&start) || is_wide_table(&start)),
     })
 }
 
