@@ -207,11 +207,11 @@ impl Gather {
         let peaks_from = self.peaks_from.unwrap_or(self.len());
         let order = self.order(peaks_from);
         let sources: Vec<u32> = order.par_iter().map(|key| *key as u32).collect();
-        let pick = |index: &u32| *index as usize;
-        let positions: Vec<_> = sources.par_iter().map(|i| self.positions[pick(i)]).collect();
-        let covariances: Vec<_> = sources.par_iter().map(|i| self.covariances[pick(i)]).collect();
-        let payloads = sources.par_iter().map(|i| self.payloads[pick(i)]).collect();
-        let gradients = sources.par_iter().map(|i| self.gradients[pick(i)]).collect();
+        // One after the other, so that one field at a time is there twice.
+        let positions = permuted(&sources, self.positions);
+        let covariances = permuted(&sources, self.covariances);
+        let payloads = permuted(&sources, self.payloads);
+        let gradients = permuted(&sources, self.gradients);
         let chunks = chunks(&positions, &covariances, &order, peaks_from);
         let largest = chunks.iter().map(|chunk| chunk.sigma).fold(0.0, f32::max);
         let cloud = SplatCloud {
@@ -248,6 +248,14 @@ impl Gather {
         peaks.par_sort_unstable();
         keys
     }
+}
+
+/// Values in the order of the cloud.
+fn permuted<T: Copy + Send + Sync>(sources: &[u32], values: Vec<T>) -> Vec<T> {
+    sources
+        .par_iter()
+        .map(|&source| values[source as usize])
+        .collect()
 }
 
 /// What a Gaussian of this opacity and colour (sRGB) carries.

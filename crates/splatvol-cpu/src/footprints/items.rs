@@ -86,8 +86,9 @@ impl Kept {
         let (gaussians, others): (Vec<_>, Vec<_>) = completed
             .into_iter()
             .partition(|item| matches!(item.content, Content::Gaussians(_)));
-        for item in &others {
-            add(&mut gather, item, key);
+        // Item by item: what was estimated of one is not needed for the next.
+        for item in others {
+            add(&mut gather, &item, key);
         }
         let mut colored = Vec::new();
         for item in gaussians {
