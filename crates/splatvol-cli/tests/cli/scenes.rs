@@ -178,6 +178,45 @@ fn scenes_that_make_no_sense_say_why() {
     }
 }
 
+/// Two channels of one file, each with a transfer function of its own.
+#[test]
+fn channels_have_transfer_functions_of_their_own() {
+    let sandbox = Sandbox::new();
+    let mut file =
+        b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 12 12 12\nkinds: vector domain domain domain\n\
+                     encoding: raw\n\n"
+            .to_vec();
+    let within = |range: std::ops::Range<usize>, at: usize| if range.contains(&at) { 255 } else { 0 };
+    for voxel in 0..12 * 12 * 12 {
+        let x = voxel % 12;
+        file.extend([within(1..5, x), within(7..11, x)]);
+    }
+    sandbox.write("cells.nrrd", file);
+    let item = |channel: usize, cmap: &str| {
+        format!(
+            "[[item]]\nfile = 'cells.nrrd'\nchannel = {channel}\ncmap = '{cmap}'\nclim = [0, 300]\nopacity = 'linear'\n"
+        )
+    };
+    let head = "background = 'black'\nsize = '96x96'\n[camera]\nview = 'front'\n";
+    let shown = |items: String| {
+        sandbox.write("scene.toml", format!("{head}{items}"));
+        sandbox.run("render scene.toml -w").succeeds();
+        let gray = pixels(&sandbox, "scene.png", |[r, g, b]| {
+            r > 40 && r.abs_diff(g) < 8 && g.abs_diff(b) < 8
+        });
+        let warm = pixels(&sandbox, "scene.png", |[r, _, b]| {
+            r > 60 && u16::from(r) > 2 * u16::from(b)
+        });
+        [gray.0, warm.0]
+    };
+    let both = shown(item(0, "gray") + &item(1, "hot"));
+    let first = shown(item(0, "gray"));
+    let second = shown(item(1, "hot"));
+    assert!(first[0] > 200 && first[1] == 0, "{first:?}");
+    assert!(second[1] > 200 && second[0] < 50, "{second:?}");
+    assert!(both[0] > first[0] / 2 && both[1] > second[1] / 2, "{both:?}");
+}
+
 /// The example of docs/scenes.md is what it says: it is run.
 #[test]
 fn the_documented_example_renders() {
