@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 mod compositions;
+mod config;
 mod coverage;
 mod data;
 mod footprints;
@@ -30,7 +31,8 @@ mod stage;
 mod statistics;
 mod tile;
 
+pub(crate) use config::level_name;
+pub use config::{EngineConfig, EngineError, SimdLevel};
 pub use progressive::Pass;
-pub(crate) use renderer::level_name;
-pub use renderer::{EngineConfig, EngineError, Renderer, SimdLevel};
+pub use renderer::Renderer;
 pub use statistics::{RenderStatistics, StageSeconds};

@@ -16,6 +16,7 @@ use splatvol_scene::{
 };
 
 use crate::compositions;
+use crate::config::{EngineConfig, EngineError, level_name};
 use crate::coverage::Edges;
 use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
@@ -25,94 +26,6 @@ use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
 use crate::tile::{self, ColorMode, DataMode, Mode, Scratch, TileWork};
-
-/// Settings of an engine's lifetime.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct EngineConfig {
-    /// Worker threads; `None` takes one per logical processor.
-    pub threads: Option<usize>,
-    /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes the fastest. Does not change the picture.
-    pub tile_edge: Option<usize>,
-    /// Instructions to use; `None` takes the best that the processor has. Changes pictures by rounding at most, and
-    /// post-classified ones of presets other than [`RenderSettings::best`] not at all.
-    pub simd: Option<SimdLevel>,
-}
-
-/// Vector instructions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SimdLevel {
-    /// What every processor of the architecture has: SSE2 on x86-64, NEON on 64-bit ARM.
-    Baseline,
-    /// AVX2 with FMA.
-    Avx2,
-    /// AVX-512.
-    Avx512,
-}
-
-impl SimdLevel {
-    /// All levels.
-    pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
-
-    /// Whether this processor has it.
-    pub fn is_available(self) -> bool {
-        self.level().is_some()
-    }
-
-    fn level(self) -> Option<Level> {
-        match self {
-            Self::Baseline => Some(Level::baseline()),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx2 => Level::new().as_avx2().map(Level::Avx2),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx512 => Level::new().as_avx512().map(Level::Avx512),
-            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-            Self::Avx2 | Self::Avx512 => None,
-        }
-    }
-}
-
-/// A level's name, for people.
-pub(crate) fn level_name(level: Level) -> &'static str {
-    match level {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Avx512(_) => "AVX-512",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Avx2(_) => "AVX2",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse4_2(_) => "SSE4.2",
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse2(_) => "SSE2",
-        #[cfg(target_arch = "aarch64")]
-        Level::Neon(_) => "NEON",
-        _ => "scalar",
-    }
-}
-
-/// Why an engine cannot start.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum EngineError {
-    /// The operating system refused the threads.
-    #[error("cannot start {threads:?} worker threads: {reason}")]
-    Threads {
-        /// Threads asked for.
-        threads: Option<usize>,
-        /// What the system said.
-        reason: String,
-    },
-    /// Instructions that the processor lacks.
-    #[error("this processor has no {simd:?} instructions")]
-    Simd {
-        /// What was asked for.
-        simd: SimdLevel,
-    },
-    /// A tile edge outside its domain.
-    #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 64)")]
-    TileEdge {
-        /// The offending value, pixels.
-        edge: usize,
-    },
-}
 
 /// What coefficients of a volume are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -46,9 +46,11 @@ mod project;
 mod renderer;
 mod resolve;
 mod settings;
+mod simd;
 mod tile;
 mod view;
 
 pub use engine::{Engine, Placed};
-pub use renderer::{Renderer, RendererConfig, RendererError, SimdLevel};
+pub use renderer::{Renderer, RendererConfig, RendererError};
 pub use settings::GaussianSettings;
+pub use simd::SimdLevel;

@@ -1,0 +1,59 @@
+//! What an engine is started with, and why it may not start.
+
+use fearless_simd::Level;
+pub use splatvol_gaussians::SimdLevel;
+
+/// Settings of an engine's lifetime.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct EngineConfig {
+    /// Worker threads; `None` takes one per logical processor.
+    pub threads: Option<usize>,
+    /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes the fastest. Does not change the picture.
+    pub tile_edge: Option<usize>,
+    /// Instructions to use; `None` takes the best that the processor has. Changes pictures by rounding at most, and
+    /// post-classified ones of presets other than [`splatvol_scene::RenderSettings::best`] not at all.
+    pub simd: Option<SimdLevel>,
+}
+
+/// A level's name, for people.
+pub(crate) fn level_name(level: Level) -> &'static str {
+    match level {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx512(_) => "AVX-512",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Avx2(_) => "AVX2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse4_2(_) => "SSE4.2",
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Level::Sse2(_) => "SSE2",
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(_) => "NEON",
+        _ => "scalar",
+    }
+}
+
+/// Why an engine cannot start.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EngineError {
+    /// The operating system refused the threads.
+    #[error("cannot start {threads:?} worker threads: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: Option<usize>,
+        /// What the system said.
+        reason: String,
+    },
+    /// Instructions that the processor lacks.
+    #[error("this processor has no {simd:?} instructions")]
+    Simd {
+        /// What was asked for.
+        simd: SimdLevel,
+    },
+    /// A tile edge outside its domain.
+    #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 64)")]
+    TileEdge {
+        /// The offending value, pixels.
+        edge: usize,
+    },
+}
