@@ -20,8 +20,6 @@ use splatvol_scene::{
 
 /// Neighbours that radii and normals are estimated from.
 const NEIGHBORS: usize = 8;
-/// Spacing that Gaussians are taken to have, medians of their standard deviations.
-const GAUSSIAN_SPACING: f64 = 0.5;
 /// Most spacings along a composition's box, however fine one of its items is.
 const MOST_SPACINGS: f64 = 8192.0;
 
@@ -187,13 +185,11 @@ fn spacing(item: &Item) -> f64 {
             radius * scale(points.world_from_local()) * placed
         }
         Content::Gaussians(gaussians) => {
-            let middle = |axes: &[f32; 3]| {
-                let mut axes = *axes;
-                axes.sort_unstable_by(f32::total_cmp);
-                axes[1]
-            };
-            let width = median(gaussians.attributes().scales.iter().map(middle).collect());
-            GAUSSIAN_SPACING * width * scale(gaussians.world_from_local()) * placed
+            // The mean of their longest axes: the long ones are cut by many sheets, and what that costs counts.
+            let longest = |axes: &[f32; 3]| f64::from(axes[0].max(axes[1]).max(axes[2]));
+            let scales = &gaussians.attributes().scales;
+            let mean = scales.iter().map(longest).sum::<f64>() / scales.len().max(1) as f64;
+            mean * scale(gaussians.world_from_local()) * placed
         }
     }
 }
