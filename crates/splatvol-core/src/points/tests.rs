@@ -247,32 +247,3 @@ fn the_bunnys_normals_point_out_of_it() {
     assert_eq!(inward, 0);
     assert!(mean < 4.0, "{mean}");
 }
-
-/// Time and memory: `cargo test -p splatvol-core --release points -- --ignored --nocapture`.
-#[test]
-#[ignore = "takes long; prints figures"]
-fn a_million_points() {
-    let count = std::env::var("SPLATVOL_POINTS")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(1_000_000);
-    let truth = sphere(count, 10);
-    let points = stored(&truth);
-    let start = std::time::Instant::now();
-    let neighborhoods = Neighborhoods::new(&points, 8);
-    let found = start.elapsed();
-    let radii = neighborhoods.radii();
-    let sized = start.elapsed();
-    let normals = neighborhoods.normals(Orientation::Outward);
-    let turned = start.elapsed();
-    assert!(radii.iter().all(|r| *r > 0.0));
-    let inward = angles(&normals, &truth).iter().filter(|a| **a > 90.0).count();
-    let memory = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = memory
-        .lines()
-        .find(|line| line.starts_with("VmHWM"))
-        .unwrap_or_default();
-    println!(
-        "{count} points: neighbours {found:?}, radii {sized:?}, normals {turned:?}; {inward} inward; {peak}"
-    );
-}
