@@ -10,9 +10,6 @@ use splatvol_scene::{
     MotionBlur, Rasterizer, Reconstruction, RenderSettings, SceneError, SheetContent,
 };
 
-/// What footprints of compositions are widened to at least where the settings would leave them thinner than pixels.
-const PIXEL_SIGMA: f64 = 0.55;
-
 /// The Gaussians of a composition that is to be rendered as published; `None` where sheets are.
 ///
 /// # Errors
@@ -83,11 +80,8 @@ pub(crate) fn in_sheets(settings: &RenderSettings) -> Result<RenderSettings, Sce
         return refuse("its edges are not sampled; use coverage off");
     }
     let filter = match settings.filter {
-        Filter::None => Filter::None,
-        Filter::Matched { pixel_sigma } | Filter::Ewa { pixel_sigma } => Filter::Ewa { pixel_sigma },
-        Filter::Swan | Filter::SwanAlpha => Filter::Ewa {
-            pixel_sigma: PIXEL_SIGMA,
-        },
+        Filter::Matched { pixel_sigma } => Filter::Ewa { pixel_sigma },
+        filter => filter,
     };
     Ok(RenderSettings {
         classification: Classification::Pre,

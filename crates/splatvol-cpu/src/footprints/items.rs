@@ -138,7 +138,7 @@ fn completed(item: &Item, lit: bool) -> Item {
     };
     let own = points.attributes();
     let (radii, normals) = (!own.radii.is_empty(), !own.normals.is_empty() || !lit);
-    if (radii || look.radius.is_some()) && normals && look.radius.is_none() {
+    if radii && normals && look.radius.is_none() {
         return item.clone();
     }
     let neighbors = (!normals || (!radii && look.radius.is_none()))
