@@ -86,6 +86,12 @@ impl Progress {
         self.0.set_position((share * Self::STEPS as f64) as u64);
     }
 
+    /// Shows the finished share, 0..1, and what is being done.
+    pub(crate) fn show(&self, share: f64, label: impl Into<Cow<'static, str>>) {
+        self.set(share);
+        self.0.set_message(label);
+    }
+
     /// Shows one more frame as finished.
     pub(crate) fn advance(&self) {
         self.0.inc(1);

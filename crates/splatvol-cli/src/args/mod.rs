@@ -18,6 +18,7 @@ mod footprint;
 mod input;
 mod item;
 mod kernel;
+mod lab;
 mod look;
 mod method;
 mod motion;
@@ -39,6 +40,7 @@ pub(crate) use footprint::{
 pub(crate) use input::InputArgs;
 pub(crate) use item::{ItemArgs, UpAxis};
 pub(crate) use kernel::{KernelArgs, KernelName};
+pub(crate) use lab::LabArgs;
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
     ClassificationName, CompositingName, CoverageName, FilterName, GradientName, MethodArgs, PresetName,
@@ -98,6 +100,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Measure how long pictures take, and check that they are as expected
     Bench(Box<BenchArgs>),
+    /// Run the experiments of the papers, and our own: numbers, plots and pictures
+    Lab(LabArgs),
 }
 
 /// Flags of every command that writes a file.

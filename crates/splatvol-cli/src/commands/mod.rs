@@ -6,6 +6,7 @@ pub(crate) mod compare;
 mod composed;
 pub(crate) mod convert;
 pub(crate) mod info;
+pub(crate) mod lab;
 mod methods;
 mod metrics;
 mod outputs;

@@ -1,0 +1,134 @@
+//! `splatvol lab`: the papers' experiments, listed or run.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::anyhow;
+use splatvol_lab::{
+    Effort, Experiment, LabError, Run, Workbench, experiment, experiments, folder, papers, report,
+};
+
+use crate::args::LabArgs;
+use crate::failure::{During, Failure, Step};
+use crate::output::Target;
+use crate::terminal::Terminal;
+
+pub(crate) fn run(args: &LabArgs, terminal: &Terminal) -> Result<(), Failure> {
+    if args.names.is_empty() {
+        return list();
+    }
+    let chosen = chosen(&args.names)?;
+    let output = args.report.as_deref().unwrap_or(&args.output);
+    if !args.write.overwrite {
+        refuse_existing(output, &chosen, args.report.is_some())?;
+    }
+    let mut runs = Vec::with_capacity(chosen.len());
+    for (index, one) in chosen.iter().enumerate() {
+        let run = run_one(
+            one,
+            args,
+            &format!("{}/{} {}", index + 1, chosen.len(), one.name),
+            terminal,
+        )?;
+        folder::write(&run, output).during(Step::Output)?;
+        Target::Stdout.write(told(&run).as_bytes(), false)?;
+        runs.push(run);
+    }
+    match &args.report {
+        Some(folder) => {
+            report::write(&runs, folder).during(Step::Output)?;
+            terminal.note(format!("wrote {}", folder.join("index.html").display()));
+        }
+        None => terminal.note(format!("pictures, plots and CSV are in {}", output.display())),
+    }
+    Ok(())
+}
+
+/// The experiments of names, in the catalogue's order, each once.
+fn chosen(names: &[String]) -> Result<Vec<&'static Experiment>, Failure> {
+    let is_group = |name: &str| name == "all" || experiments().any(|one| one.paper == name);
+    for name in names.iter().filter(|name| !is_group(name)) {
+        experiment(name).map_err(|error| Failure::usage(error).hint("splatvol lab lists them"))?;
+    }
+    let takes = |one: &Experiment, name: &String| name == "all" || name == one.name || name == one.paper;
+    Ok(experiments()
+        .filter(|one| names.iter().any(|name| takes(one, name)))
+        .collect())
+}
+
+fn refuse_existing(output: &Path, chosen: &[&Experiment], report: bool) -> Result<(), Failure> {
+    let page = report.then(|| output.join("index.html"));
+    let folders = chosen.iter().map(|one| output.join(one.name));
+    match page.into_iter().chain(folders).find(|path| path.exists()) {
+        Some(path) => Err(anyhow!("{} exists", path.display()))
+            .during(Step::Output)
+            .map_err(|failure| failure.hint("-w overwrites it, -o names another folder")),
+        None => Ok(()),
+    }
+}
+
+fn run_one(
+    one: &'static Experiment,
+    args: &LabArgs,
+    label: &str,
+    terminal: &Terminal,
+) -> Result<Run, Failure> {
+    let bar = terminal.progress(label.to_owned());
+    let start = Instant::now();
+    let bench = Workbench {
+        effort: match args.quick {
+            true => Effort::Quick,
+            false => Effort::Full,
+        },
+        threads: args.threads.filter(|&threads| threads > 0),
+        progress: &|share, what| bar.show(share, format!("{label}: {what}")),
+    };
+    let outcome = (one.run)(&bench)
+        .map_err(|error: LabError| anyhow!("{}: {error}", one.name))
+        .during(Step::Render)?;
+    let took = start.elapsed();
+    terminal.detail(format!("{} took {:.1} s", one.name, took.as_secs_f64()));
+    Ok(Run {
+        experiment: one,
+        effort: bench.effort,
+        outcome,
+        took,
+    })
+}
+
+/// A run's findings for the terminal: measured against published.
+fn told(run: &Run) -> String {
+    let mut text = format!("{}: {}\n", run.experiment.name, run.experiment.title);
+    for one in &run.outcome.findings {
+        text.push_str(&format!(
+            "  {:<12} {}\n               measured {}; paper {}; condition {}: {}\n",
+            one.figure,
+            one.quantity,
+            one.measured_text(),
+            one.published,
+            one.expected,
+            one.verdict_text()
+        ));
+    }
+    text
+}
+
+fn list() -> Result<(), Failure> {
+    let mut text = String::new();
+    let mut group = "";
+    for one in experiments() {
+        if one.paper != group {
+            group = one.paper;
+            let paper = papers().into_iter().find(|paper| paper.key == group);
+            let title = paper.map_or("our own".to_owned(), |paper| paper.citation.to_owned());
+            text.push_str(&format!("{group}: {title}\n"));
+        }
+        text.push_str(&format!(
+            "  {:<30} {} ({})\n",
+            one.name,
+            one.title,
+            one.figures.join(", ")
+        ));
+    }
+    Target::Stdout.write(text.as_bytes(), false)
+}

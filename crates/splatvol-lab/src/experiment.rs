@@ -1,0 +1,43 @@
+//! What an experiment and a paper are.
+
+use crate::{LabError, Outcome, Workbench};
+
+/// One experiment: its name, what it reproduces, and how it is run.
+#[derive(Debug, Clone, Copy)]
+pub struct Experiment {
+    /// Name on the command line, as `swan1997-checker`.
+    pub name: &'static str,
+    /// Key of the paper, as `swan1997`; `beyond` for our own.
+    pub paper: &'static str,
+    /// Title, in a line.
+    pub title: &'static str,
+    /// The figures, tables and sections that it reproduces, as the paper numbers them: `Fig. 7`, `Table 1`.
+    pub figures: &'static [&'static str],
+    /// What is done, on which data (and how it stands in for what is not public), and what is measured. Markdown
+    /// paragraphs without headings.
+    pub about: &'static str,
+    /// Runs it.
+    pub run: fn(&Workbench<'_>) -> Result<Outcome, LabError>,
+}
+
+/// A paper and every figure and table in it, so that a reader with the paper in hand finds each by its number.
+#[derive(Debug, Clone, Copy)]
+pub struct Paper {
+    /// Key: first author and year.
+    pub key: &'static str,
+    /// Authors, title, where it appeared.
+    pub citation: &'static str,
+    /// All its figures and tables, in its order.
+    pub figures: &'static [FigureEntry],
+}
+
+/// A figure or table of a paper.
+#[derive(Debug, Clone, Copy)]
+pub struct FigureEntry {
+    /// As the paper numbers it: `Fig. 7`, `Table 1`.
+    pub number: &'static str,
+    /// What it shows.
+    pub shows: &'static str,
+    /// Experiments that reproduce it; none for drawings that explain, with nothing to measure.
+    pub experiments: &'static [&'static str],
+}

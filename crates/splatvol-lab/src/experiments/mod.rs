@@ -1,0 +1,7 @@
+//! The experiments, a module per paper.
+
+pub mod beyond;
+pub mod huang2000;
+pub mod mueller1998;
+pub mod swan1997;
+pub mod zwicker2001;

@@ -1,0 +1,29 @@
+//! Times that can be compared: everything once per round, medians over the rounds, so that a slow minute of the machine
+//! slows all alike.
+
+use std::time::Instant;
+
+use crate::LabError;
+
+/// Something to time.
+pub(crate) type Timed<'a> = Box<dyn FnMut() -> Result<(), LabError> + 'a>;
+
+/// Median seconds of each, over `rounds` rounds after one that is not counted.
+pub(crate) fn median_seconds(timed: &mut [Timed<'_>], rounds: usize) -> Result<Vec<f64>, LabError> {
+    let mut seconds = vec![Vec::with_capacity(rounds); timed.len()];
+    for round in 0..=rounds {
+        for (one, seconds) in timed.iter_mut().zip(&mut seconds) {
+            let start = Instant::now();
+            one()?;
+            if round > 0 {
+                seconds.push(start.elapsed().as_secs_f64());
+            }
+        }
+    }
+    Ok(seconds.into_iter().map(median).collect())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}

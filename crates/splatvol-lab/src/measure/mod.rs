@@ -1,0 +1,9 @@
+//! What several experiments measure with.
+
+mod clock;
+mod picture;
+mod spectrum;
+
+pub(crate) use clock::median_seconds;
+pub(crate) use picture::{luminance, psnr};
+pub(crate) use spectrum::Spectrum;

@@ -1,0 +1,38 @@
+//! What an experiment brought out.
+
+use std::time::Duration;
+
+use crate::{Effort, Experiment, Finding, Plate, Plot, Table};
+
+/// What an experiment brought out.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// Numbers beside the published ones.
+    pub findings: Vec<Finding>,
+    /// Rows of measurements, written as CSV.
+    pub tables: Vec<Table>,
+    /// Plots, written as SVG.
+    pub plots: Vec<Plot>,
+    /// Pictures side by side, written as PNG.
+    pub plates: Vec<Plate>,
+}
+
+impl Outcome {
+    /// Adds a finding.
+    pub fn find(&mut self, finding: Finding) {
+        self.findings.push(finding);
+    }
+}
+
+/// An experiment that was run.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// The experiment.
+    pub experiment: &'static Experiment,
+    /// How thoroughly.
+    pub effort: Effort,
+    /// What it brought out.
+    pub outcome: Outcome,
+    /// How long it took.
+    pub took: Duration,
+}

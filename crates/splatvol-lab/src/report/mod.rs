@@ -1,0 +1,31 @@
+//! One report of many experiments: a self-contained HTML page, and the same as Markdown beside files.
+
+mod html;
+mod markdown;
+mod summary;
+
+use std::path::Path;
+
+use crate::{LabError, Run, folder};
+
+/// Writes `index.html`, which holds everything, and `lab.md`, which shows the files of [`folder::write`], which are
+/// written too.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write(runs: &[Run], folder: &Path) -> Result<(), LabError> {
+    std::fs::create_dir_all(folder).map_err(|source| LabError::Write {
+        path: folder.to_owned(),
+        source,
+    })?;
+    for run in runs {
+        folder::write(run, folder)?;
+    }
+    folder::put(&folder.join("index.html"), html::page(runs)?.as_bytes())?;
+    folder::put(&folder.join("lab.md"), markdown::page(runs, "").as_bytes())
+}
+
+/// The report as Markdown whose pictures lie in `folder` (empty, or ending with a slash).
+pub fn markdown(runs: &[Run], folder: &str) -> String {
+    markdown::page(runs, folder)
+}
