@@ -15,7 +15,7 @@ const COLOURS: [&str; 8] = [
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#F0E442",
 ];
 const MARK: &str = "#777777";
-const SIZE: [f64; 2] = [560.0, 380.0];
+const SIZE: [f64; 2] = [720.0, 400.0];
 
 /// The plot as SVG.
 pub(super) fn svg(plot: &Plot) -> String {
@@ -94,7 +94,9 @@ fn layout(plot: &Plot, drawn: &[Drawn]) -> Layout {
         .with_label_size(13)
         .with_tick_size(11)
         .with_body_size(12)
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
+        .with_legend_position(LegendPosition::OutsideRightTop)
+        .with_legend_box(false)
+        .with_legend_wrap(24)
         .with_font_family("DejaVu Sans, Helvetica, Arial, sans-serif");
     if !matches!(plot.kind, PlotKind::Surface { .. }) {
         layout = layout
