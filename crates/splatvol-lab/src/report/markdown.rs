@@ -5,14 +5,14 @@ use std::fmt::Write;
 use super::summary::{group_title, groups, lead, standing};
 use crate::{Finding, Plate, Plot, Run, Table, papers};
 
-/// The whole page; pictures lie in `folder`.
-pub(super) fn page(runs: &[Run], folder: &str) -> String {
+/// The whole page; pictures lie in a folder per experiment beside it.
+pub(super) fn page(runs: &[Run]) -> String {
     let mut text = format!("# The papers' experiments\n\n{}\n", lead(runs));
     for key in groups(runs) {
         let _ = write!(text, "\n## {}\n", group_title(key));
         figures(&mut text, key, runs);
         for run in runs.iter().filter(|run| run.experiment.paper == key) {
-            experiment(&mut text, run, folder);
+            experiment(&mut text, run);
         }
     }
     text
@@ -36,9 +36,9 @@ fn figures(text: &mut String, key: &str, runs: &[Run]) {
     }
 }
 
-fn experiment(text: &mut String, run: &Run, folder: &str) {
+fn experiment(text: &mut String, run: &Run) {
     let about = run.experiment;
-    let folder = format!("{folder}{}", about.name);
+    let folder = about.name;
     let _ = write!(
         text,
         "\n### {}\n\n**{}** ({})\n\n{}\n",
@@ -49,10 +49,10 @@ fn experiment(text: &mut String, run: &Run, folder: &str) {
     );
     findings(text, &run.outcome.findings);
     for plate in &run.outcome.plates {
-        pictures(text, plate, &folder);
+        pictures(text, plate, folder);
     }
     for plot in &run.outcome.plots {
-        drawing(text, plot, &folder);
+        drawing(text, plot, folder);
     }
     for table in run.outcome.tables.iter().filter(|table| table.shown) {
         rows(text, table);

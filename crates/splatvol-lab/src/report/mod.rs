@@ -22,10 +22,5 @@ pub fn write(runs: &[Run], folder: &Path) -> Result<(), LabError> {
         folder::write(run, folder)?;
     }
     folder::put(&folder.join("index.html"), html::page(runs)?.as_bytes())?;
-    folder::put(&folder.join("lab.md"), markdown::page(runs, "").as_bytes())
-}
-
-/// The report as Markdown whose pictures lie in `folder` (empty, or ending with a slash).
-pub fn markdown(runs: &[Run], folder: &str) -> String {
-    markdown::page(runs, folder)
+    folder::put(&folder.join("lab.md"), markdown::page(runs).as_bytes())
 }
