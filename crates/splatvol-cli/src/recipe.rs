@@ -9,7 +9,7 @@ use splatvol::{Camera, Motion, Projection, RenderSettings, SceneError, TransferF
 use splatvol_io::SceneFile;
 use splatvol_io::image::metadata;
 
-use crate::args::{EffectArgs, LookArgs};
+use crate::args::{EffectArgs, LookArgs, UpAxis};
 use crate::failure::{During, Failure, Step};
 
 /// Everything about a picture but its pixels.
@@ -72,6 +72,9 @@ pub(crate) struct InputRecipe {
     /// Series of a folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) series: Option<String>,
+    /// Axis that was turned to z, if one was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) up: Option<UpAxis>,
 }
 
 fn is_finest(level: &usize) -> bool {

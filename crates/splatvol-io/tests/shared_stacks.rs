@@ -110,3 +110,33 @@ fn what_is_not_there_is_said() {
         "{error}"
     );
 }
+
+#[test]
+fn only_files_with_directions_say_how_a_volume_lies() {
+    let Some(folder) = shared_volumes() else {
+        return;
+    };
+    for (name, oriented) in [
+        ("FLAIR.nii.gz", true),
+        ("zstat1.nii.gz", true),
+        ("FLAIR.nrrd", true),
+        ("LIDC2.mha", true),
+        ("wm.mgz", true),
+        ("dicom_mr_oblique", true),
+        ("headsq/quarter.nhdr", false),
+        ("HeadMRVolume.mhd", false),
+        ("hydrogen.vti", false),
+        ("ironProt.vtk", false),
+        ("stent.npz", false),
+        ("neghip.slc", false),
+        ("100_fiberform.tif", false),
+        ("ome_zarr_v2_blosc_lz4.zarr", false),
+    ] {
+        let description = load(&folder.join(name)).description;
+        assert_eq!(
+            description.oriented, oriented,
+            "{name}: {}",
+            description.orientation
+        );
+    }
+}

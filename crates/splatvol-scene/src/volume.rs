@@ -4,6 +4,8 @@
 //! they carry no weight in the reconstruction, exactly as if they lay outside the volume, and they are counted in
 //! [`Statistics::non_finite`].
 
+use glam::DAffine3;
+
 use crate::{Grid, LengthUnit, SceneError};
 
 /// Stored samples, x fastest.
@@ -150,6 +152,15 @@ impl Volume {
             unit,
             statistics,
         })
+    }
+
+    /// Moves the volume: its map from voxel to world becomes `world_from_old * world_from_voxel`.
+    ///
+    /// # Errors
+    /// As [`Grid::from_affine`]; the volume stays where it was.
+    pub fn transform(&mut self, world_from_old: DAffine3) -> Result<(), SceneError> {
+        self.grid = Grid::from_affine(self.grid.dims(), world_from_old * self.grid.world_from_voxel())?;
+        Ok(())
     }
 
     /// Where the samples lie.

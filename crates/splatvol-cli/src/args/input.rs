@@ -6,7 +6,7 @@ use splatvol_io::{Endian, SampleType};
 use super::values::{self, Dims, Triple};
 
 const RAW: &str = "Raw input (files without a header)";
-const READING: &str = "Reading";
+pub(super) const READING: &str = "Reading";
 
 /// How to read a volume.
 #[derive(Debug, Clone, Default, Args)]

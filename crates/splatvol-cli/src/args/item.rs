@@ -1,21 +1,24 @@
-//! Flags about data other than volumes: points, Gaussians, meshes, terrain.
+//! Flags about what data are and which way they are up; and about data other than volumes: points, Gaussians, meshes,
+//! terrain.
 
 use clap::{Args, ValueEnum};
+use serde::{Deserialize, Serialize};
 use splatvol::GaussianMode;
 use splatvol_io::DataKind;
 
+use super::input::READING;
 use super::values::{self, Triple};
 
 const DATA: &str = "Points, Gaussians, meshes, terrain";
 
-/// What only data other than volumes have.
+/// What the data are, and what only data other than volumes have.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct ItemArgs {
     /// What the input is: volume, points, terrain, depth-images, gaussians, mesh [default: what its contents say]
     #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = DATA)]
     pub(crate) kind: Option<DataKind>,
-    /// Axis of the file that is up; for Gaussians of the frame they were trained in [default: z, or y where a PLY file's points stand on it; Gaussians: -y]
-    #[arg(long, value_name = "AXIS", help_heading = DATA, allow_hyphen_values = true)]
+    /// Axis of the file that is up: it is turned to z. For volumes of the world as info gives it, whatever the file says; for Gaussians of the frame they were trained in [default: z, or y where a volume without orientation or a PLY file's points stand on it; Gaussians: -y]
+    #[arg(long, value_name = "AXIS", help_heading = READING, allow_hyphen_values = true)]
     pub(crate) up: Option<UpAxis>,
     /// How Gaussians are composited [default: auto]
     #[arg(long, value_name = "MODE", help_heading = DATA)]
@@ -35,16 +38,20 @@ pub(crate) struct ItemArgs {
 }
 
 /// Axes of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(crate) enum UpAxis {
     X,
     Y,
     Z,
     #[value(name = "-x")]
+    #[serde(rename = "-x")]
     MinusX,
     #[value(name = "-y")]
+    #[serde(rename = "-y")]
     MinusY,
     #[value(name = "-z")]
+    #[serde(rename = "-z")]
     MinusZ,
 }
 

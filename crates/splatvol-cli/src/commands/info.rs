@@ -13,6 +13,7 @@ use crate::args::InfoArgs;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 use crate::resolve::input::{self, Input};
+use crate::resolve::upright::Up;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -54,6 +55,7 @@ struct Report {
     directions: [[f64; 3]; 3],
     orientation_code: String,
     orientation: String,
+    up: Up,
     min: f64,
     max: f64,
     mean: f64,
@@ -104,6 +106,7 @@ impl Report {
             directions: [direction.x_axis, direction.y_axis, direction.z_axis].map(|axis| axis.to_array()),
             orientation_code: orientation_code(grid),
             orientation: description.orientation.clone(),
+            up: Up::of(input),
             min: statistics.min,
             max: statistics.max,
             mean: statistics.mean,
@@ -155,6 +158,7 @@ impl Report {
             "orientation",
             format!("{} ({})", self.orientation_code, self.orientation),
         );
+        row("up", format!("{} ({})", self.up.name(), self.up.reason));
         row("range", format!("{} to {}", tidy(self.min), tidy(self.max)));
         row("mean", tidy(self.mean));
         let share = 100.0 * self.missing_samples as f64 / samples as f64;

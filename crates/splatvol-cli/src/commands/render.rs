@@ -56,11 +56,12 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
 /// The earlier picture that the flags name, if they do, and the volume.
 pub(super) fn sources(args: &RenderArgs) -> Result<(Option<Recipe>, InputRecipe), Failure> {
     let like = args.like.as_deref().map(Recipe::of_picture).transpose()?;
-    let reference = input::recipe(
+    let mut reference = input::recipe(
         args.input.as_deref(),
         &args.read,
         like.as_ref().map(|like| &like.input),
     )?;
+    reference.up = args.item.up.or(reference.up);
     Ok((like, reference))
 }
 
@@ -78,7 +79,7 @@ pub(super) struct Prepared {
 /// Reads the volume and resolves the flags.
 pub(super) fn prepare(
     args: &RenderArgs,
-    (like, reference): (Option<&Recipe>, InputRecipe),
+    (like, mut reference): (Option<&Recipe>, InputRecipe),
     moves: CameraMotion,
     terminal: &Terminal,
 ) -> Result<Prepared, Failure> {
@@ -95,7 +96,11 @@ pub(super) fn prepare(
         .as_deref()
         .and_then(Path::parent)
         .filter(|_| args.input.is_none());
-    let loaded = input::load(&reference, args.read.strict, beside, terminal)?;
+    let mut loaded = input::load(&reference, args.read.strict, beside, terminal)?;
+    // An earlier picture of this volume has decided which way is up.
+    if like.is_none_or(|like| like.input.reference != reference.reference) {
+        loaded.stand_up(&mut reference, terminal)?;
+    }
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
 
     let resolved = Resolved::new((args, like), (&loaded, moves), beside, terminal)?;

@@ -48,6 +48,7 @@ pub(crate) fn recipe(
             .series
             .clone()
             .or_else(|| like.and_then(|like| like.series.clone())),
+        up: like.and_then(|like| like.up),
     })
 }
 
@@ -61,9 +62,22 @@ fn raw(args: &InputArgs) -> Option<RawRecipe> {
     })
 }
 
-/// Reads or generates the volume; warnings go to the terminal. `beside` is where a relative path that leads nowhere
-/// from here is tried next.
+/// Reads or generates the volume, and turns it if so said; warnings go to the terminal. `beside` is where a relative path
+/// that leads nowhere from here is tried next.
 pub(crate) fn load(
+    recipe: &InputRecipe,
+    strict: bool,
+    beside: Option<&Path>,
+    terminal: &Terminal,
+) -> Result<Input, Failure> {
+    let mut input = as_stored(recipe, strict, beside, terminal)?;
+    if let Some(axis) = recipe.up {
+        input.turn(axis)?;
+    }
+    Ok(input)
+}
+
+fn as_stored(
     recipe: &InputRecipe,
     strict: bool,
     beside: Option<&Path>,
@@ -108,6 +122,7 @@ fn generate(text: &str) -> Result<Input, Failure> {
             Sample::Head => "RAS+ by construction".to_owned(),
             _ => "none: world axes are the grid's".to_owned(),
         },
+        oriented: true,
         ..Description::default()
     };
     Ok(Input {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use splatvol::{Compositing, Content, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples, Volume};
 use splatvol_io::scene_file::Opacity;
 use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneItem, data_kind, read_data};
@@ -12,7 +12,7 @@ use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneIte
 use super::input::{self, Input, locate};
 use super::item_keys::{Source, check, known_keys};
 use super::look;
-use super::standing;
+use super::{standing, upright};
 use crate::args::{LookArgs, UpAxis, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{InputRecipe, RawRecipe};
@@ -75,7 +75,7 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
     let placed = SceneItem { up, ..item.clone() };
     let place = item.world_from_file();
     let place = place.map_err(|(key, value)| source.refuse(item, key, &format!("{value} makes no place")))?;
-    let world_from_item = place * upright(&placed, source)?.map_or(DAffine3::IDENTITY, |up| up * frame);
+    let world_from_item = place * turn(&placed, source)?.map_or(DAffine3::IDENTITY, |up| up * frame);
     Ok(Item {
         content,
         world_from_item,
@@ -231,6 +231,8 @@ fn input_recipe(item: &SceneItem) -> InputRecipe {
         channel: item.channel,
         level: item.level.unwrap_or(0),
         series: item.series.clone(),
+        // It is turned when it gets its place.
+        up: None,
     }
 }
 
@@ -255,21 +257,13 @@ pub(crate) fn options(item: &SceneItem, strict: bool) -> Result<DataOptions, Fai
 }
 
 /// Rotation that turns the file's upward axis to z, if one is named.
-fn upright(item: &SceneItem, source: Source) -> Result<Option<DAffine3>, Failure> {
+fn turn(item: &SceneItem, source: Source) -> Result<Option<DAffine3>, Failure> {
     let Some(name) = &item.up else {
         return Ok(None);
     };
     let axis = UpAxis::from_str(name, false)
         .map_err(|_| source.refuse(item, "up", &format!("{name} is none of x, y, z, -x, -y, -z")))?;
-    let [x, y, z] = match axis {
-        UpAxis::X => [DVec3::Z, DVec3::Y, DVec3::NEG_X],
-        UpAxis::MinusX => [DVec3::NEG_Z, DVec3::Y, DVec3::X],
-        UpAxis::Y => [DVec3::X, DVec3::Z, DVec3::NEG_Y],
-        UpAxis::MinusY => [DVec3::X, DVec3::NEG_Z, DVec3::Y],
-        UpAxis::Z => [DVec3::X, DVec3::Y, DVec3::Z],
-        UpAxis::MinusZ => [DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z],
-    };
-    Ok(Some(DAffine3::from_mat3(DMat3::from_cols(x, y, z))))
+    Ok(Some(upright::rotation(axis)))
 }
 
 /// Reads all items that are visible.
@@ -304,7 +298,7 @@ mod tests {
                 up: Some(name.to_owned()),
                 ..SceneItem::default()
             };
-            let up = upright(&item, Source::Flags).unwrap().unwrap();
+            let up = turn(&item, Source::Flags).unwrap().unwrap();
             assert_eq!(up.transform_vector3(axis), DVec3::Z, "{name}");
             assert_eq!(up.matrix3.determinant(), 1.0, "{name}");
         }

@@ -18,4 +18,5 @@ pub(crate) mod motion;
 pub(crate) mod outline;
 mod standing;
 mod turning;
+pub(crate) mod upright;
 mod visible;

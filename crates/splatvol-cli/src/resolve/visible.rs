@@ -26,7 +26,8 @@ const DIRECTIONS: usize = 32;
 /// grid's corners where nothing is seen.
 pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunction) -> Vec<DVec3> {
     let seen = SeenValues::new(volume, transfer_function);
-    let [xs, ys, zs] = opacity_per_slice(volume, &seen).map(|weights| without_specks(&weights));
+    let rows = 0..volume.grid().dims()[1];
+    let [xs, ys, zs] = opacity_per_slice(volume, &seen, &rows).map(|weights| without_specks(&weights));
     let rescale = volume.rescale();
     let [nx, ny, _] = volume.grid().dims();
     let directions = std::array::from_fn(|i| {
@@ -64,8 +65,9 @@ pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunct
     world
 }
 
-/// Sums of the seen voxels' opacities, in whole steps, in the slices across x, y and z.
-fn opacity_per_slice(volume: &Volume, seen: &SeenValues) -> [Vec<u64>; 3] {
+/// Sums of the seen voxels' opacities, in whole steps, in the slices across x, y and z; of those voxels whose y is one of
+/// `rows`.
+pub(super) fn opacity_per_slice(volume: &Volume, seen: &SeenValues, rows: &Range<usize>) -> [Vec<u64>; 3] {
     let rescale = volume.rescale();
     let dims = volume.grid().dims();
     let [nx, ny, _] = dims;
@@ -80,7 +82,8 @@ fn opacity_per_slice(volume: &Volume, seen: &SeenValues) -> [Vec<u64>; 3] {
         data.par_chunks(nx * ny)
             .enumerate()
             .fold(none, |[mut xs, mut ys, mut zs], (z, slice)| {
-                for (row, y) in slice.chunks_exact(nx).zip(&mut ys) {
+                let counted = slice.chunks_exact(nx).zip(&mut ys);
+                for (row, y) in counted.take(rows.end).skip(rows.start) {
                     let mut sum = 0;
                     for (sample, x) in row.iter().zip(&mut xs) {
                         let weight = u64::from(seen.weight(rescale.apply(widen(*sample))));
@@ -97,7 +100,7 @@ fn opacity_per_slice(volume: &Volume, seen: &SeenValues) -> [Vec<u64>; 3] {
 }
 
 /// The slices from the first to the last that is seen, without the specks at the ends.
-fn without_specks(weights: &[u64]) -> Range<usize> {
+pub(super) fn without_specks(weights: &[u64]) -> Range<usize> {
     let span = |least: u64| {
         let first = weights.iter().position(|&w| w >= least)?;
         let last = weights.iter().rposition(|&w| w >= least)?;
@@ -123,14 +126,14 @@ fn without_specks(weights: &[u64]) -> Range<usize> {
 }
 
 /// A table of the opacity of values in steps of 1/65535, 0 where they are not seen.
-struct SeenValues {
+pub(super) struct SeenValues {
     weights: Vec<u16>,
     low: f64,
     scale: f64,
 }
 
 impl SeenValues {
-    fn new(volume: &Volume, transfer_function: &TransferFunction) -> Self {
+    pub(super) fn new(volume: &Volume, transfer_function: &TransferFunction) -> Self {
         let [low, high] = volume.value_range();
         let step = (high - low) / (ENTRIES as f64 - 1.0);
         let opacities: Vec<f64> = (0..ENTRIES)

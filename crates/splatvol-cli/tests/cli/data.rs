@@ -118,6 +118,100 @@ fn the_axis_that_is_up_is_up() {
     }
 }
 
+/// A headerless volume of 24 samples along each axis, and the flags that say so.
+fn raw(sandbox: &Sandbox, value: impl Fn([usize; 3]) -> u8) -> &'static str {
+    let places = (0..24 * 24 * 24).map(|i| [i % 24, i / 24 % 24, i / 576]);
+    sandbox.write("a.raw", places.map(value).collect::<Vec<_>>());
+    "a.raw --dims 24x24x24 --type u8"
+}
+
+/// A thin stem, along this axis, on a thick plate.
+fn plant(up: usize) -> impl Fn([usize; 3]) -> u8 {
+    move |place| {
+        let across = [(up + 1) % 3, (up + 2) % 3].map(|axis| place[axis]);
+        let is_plate = (1..4).contains(&place[up]) && across.iter().all(|i| (2..22).contains(i));
+        let is_stem = (4..23).contains(&place[up]) && across.iter().all(|i| (11..13).contains(i));
+        if is_plate || is_stem { 200 } else { 0 }
+    }
+}
+
+#[test]
+fn the_axis_of_a_volume_that_is_up_is_up() {
+    let sandbox = Sandbox::new();
+    let column = |[x, y, z]: [usize; 3]| {
+        let inside = (10..14).contains(&x) && (2..22).contains(&y) && (10..14).contains(&z);
+        if inside { 200 } else { 0 }
+    };
+    let file = raw(&sandbox, column);
+    let stands = |arguments: &str| {
+        let view = "--view left --size 64 --background black -w -o a.png";
+        sandbox.run(&format!("render {arguments} {view}")).succeeds();
+        let (_, [width, height]) = pixels(&sandbox, "a.png", |code| code.iter().any(|c| *c > 20));
+        assert!(width.max(height) > 40, "{arguments}: {width} x {height}");
+        height > 2 * width
+    };
+    for (up, expected) in [("y", true), ("-y", true), ("x", false), ("z", false)] {
+        assert_eq!(stands(&format!("{file} --up {up}")), expected, "{up}");
+    }
+    assert!(!stands(file));
+    // A file that says how it lies is turned as well, and so is an item of a scene.
+    sandbox.run(&format!("convert {file} a.nrrd")).succeeds();
+    assert!(!stands("a.nrrd") && stands("a.nrrd --up -y"));
+    let item = "[[item]]\nfile = 'a.nrrd'\n";
+    sandbox.write("lies.toml", item);
+    sandbox.write("stands.toml", format!("{item}up = 'y'\n"));
+    assert!(!stands("lies.toml") && stands("stands.toml"));
+}
+
+#[test]
+fn a_volume_that_stands_on_y_is_turned_and_stays_so() {
+    let sandbox = Sandbox::new();
+    let file = raw(&sandbox, plant(1));
+    let picture = |flags: &str, name: &str| {
+        sandbox
+            .run(&format!("render {file} --size 48 {flags} -o {name}.png"))
+            .succeeds();
+        png(&sandbox.path(&format!("{name}.png")))
+    };
+    let own = picture("", "own");
+    assert_eq!(own, picture("--up y", "turned"));
+    assert_ne!(own, picture("--up z", "lying"));
+    // What was decided, or said, is decided.
+    for name in ["own", "turned", "lying"] {
+        sandbox
+            .run(&format!("render --like {name}.png -w -o again.png"))
+            .succeeds();
+        assert_eq!(
+            sandbox.bytes(&format!("{name}.png")),
+            sandbox.bytes("again.png"),
+            "{name}"
+        );
+    }
+    // Another look does not turn it.
+    let [own, turned] = ["", "--up y"].map(|up| picture(&format!("--iso 100 -w {up}"), "iso"));
+    assert_eq!(own, turned);
+
+    let text = sandbox.run(&format!("info {file}")).succeeds().stdout();
+    assert!(
+        text.contains("up                 y (the file does not say"),
+        "{text}"
+    );
+    let axis = |arguments: &str| {
+        let text = sandbox
+            .run(&format!("info {arguments} --json"))
+            .succeeds()
+            .stdout();
+        let report: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+        report["up"]["axis"].as_str().map(str::to_owned)
+    };
+    assert_eq!(axis(file).as_deref(), Some("y"));
+    sandbox.run(&format!("convert {file} a.nrrd")).succeeds();
+    assert_eq!(axis("a.nrrd").as_deref(), Some("z"), "the file says RAS");
+    for up in [0, 2] {
+        assert_eq!(axis(raw(&sandbox, plant(up))).as_deref(), Some("z"), "{up}");
+    }
+}
+
 #[test]
 fn gaussians_are_rendered_in_both_ways() {
     let sandbox = Sandbox::new();
@@ -187,7 +281,7 @@ fn flags_that_cannot_apply_are_refused() {
             vec!["--point-color", "gaussians"],
         ),
         ("render sample:head:16 --radius 1", vec!["--radius", "volume"]),
-        ("render sample:head:16 --up y", vec!["--up", "--camera-up"]),
+        ("render sample:head:16 --up w", vec!["--up", "w"]),
         (
             "render sample:head:16 --gaussians auto",
             vec!["--gaussians", "volume"],

@@ -110,6 +110,45 @@ fn the_same_gaussians_look_alike_from_every_format() {
     assert!(figure > 38.0, "{figure:.1}");
 }
 
+/// Volumes whose files do not say which way is up: the one that stands on y is turned, the others stay as they are.
+#[test]
+fn volumes_stand_on_their_feet() {
+    let Some(data) = shared() else { return };
+    let sandbox = Sandbox::new();
+    let bonsai = data.join("volumes/bonsai.vti");
+    let own = picture(&sandbox, &bonsai, "--size 64");
+    assert!(own == picture(&sandbox, &bonsai, "--size 64 --up y"));
+    for (name, layout) in [
+        ("100_fiberform.tif", ""),
+        ("LIDC2.vti", ""),
+        ("carotid.vtk", ""),
+        ("engine.vti", ""),
+        ("headsq/quarter.nhdr", ""),
+        ("hydrogen.vti", ""),
+        ("HeadMRVolume.mhd", ""),
+        ("ironProt.vtk", ""),
+        ("mouse_brain_tiff", ""),
+        ("neghip.slc", ""),
+        ("neghip_64x64x64_uint8.raw", "--dims 64x64x64 --type u8"),
+        ("ome_zarr_v2_blosc_lz4.zarr", ""),
+        ("stent.npz", ""),
+        ("tooth_103x94x161_uint8.raw", "--dims 103x94x161 --type u8"),
+    ] {
+        let path = data.join("volumes").join(name);
+        let text = sandbox
+            .run(&format!("info {} {layout}", path.display()))
+            .succeeds()
+            .stdout();
+        let kept = "up                 z (the file does not say";
+        assert!(text.contains(kept), "{name}: {text}");
+    }
+    let text = sandbox
+        .run(&format!("info {}", data.join("volumes/LIDC2.mha").display()))
+        .succeeds()
+        .stdout();
+    assert!(text.contains("up                 z (as the file says"), "{text}");
+}
+
 /// Scans that stand on y are shown upright.
 #[test]
 fn scans_stand_on_their_feet() {

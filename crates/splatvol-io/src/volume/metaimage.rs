@@ -23,6 +23,8 @@ use crate::source::Source;
 
 /// Axes that are read: three of space and one of time.
 const MAX_AXES: usize = 4;
+/// Names of the field with the axes' directions.
+const DIRECTION: [&str; 3] = ["transformmatrix", "rotation", "orientation"];
 
 /// A parsed header; `source` was left behind its last line.
 struct Header {
@@ -49,6 +51,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         format: "MetaImage".to_owned(),
         stored_type: layout.describe(),
         orientation: header.orientation(),
+        oriented: header.is_oriented(),
         files: vec![path.to_owned()],
         warnings: std::mem::take(&mut header.warnings),
         ..Description::default()
@@ -170,7 +173,7 @@ impl Header {
         };
         let spacing = numbers(&["elementspacing", "elementsize"], axes)?.unwrap_or_else(|| vec![1.0; axes]);
         let offset = numbers(&["offset", "position", "origin"], axes)?.unwrap_or_else(|| vec![0.0; axes]);
-        let matrix = numbers(&["transformmatrix", "rotation", "orientation"], axes * axes)?;
+        let matrix = numbers(&DIRECTION, axes * axes)?;
         if let Some(field) = self.fields.any(&["elementspacing", "elementsize"])
             && spacing.iter().any(|&step| step <= 0.0)
         {
@@ -192,9 +195,13 @@ impl Header {
         Ok(ras_from_lps() * DAffine3::from_mat3_translation(complete_axes(&steps), origin))
     }
 
+    /// Whether the header says more than which axes the format's world has.
+    fn is_oriented(&self) -> bool {
+        self.fields.any(&DIRECTION).is_some() || self.fields.get("anatomicalorientation").is_some()
+    }
+
     fn orientation(&self) -> String {
-        let keys = ["transformmatrix", "rotation", "orientation"];
-        let matrix = match self.fields.any(&keys) {
+        let matrix = match self.fields.any(&DIRECTION) {
             Some(field) => field.name.as_str(),
             None => "no direction, axes along the space's",
         };

@@ -58,6 +58,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
             true => format!("voxel axes {codes}; RAS+ as stored"),
             false => "not in the file; coronal slices (LIA), as FreeSurfer takes it".to_owned(),
         },
+        // Without directions, FreeSurfer's convention is part of the format.
+        oriented: true,
         files: vec![path.to_owned()],
         ..Description::default()
     };

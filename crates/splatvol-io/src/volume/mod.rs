@@ -57,6 +57,9 @@ pub struct Description {
     pub stored_type: String,
     /// The file's space convention and how it became world space.
     pub orientation: String,
+    /// Whether the file says how a volume lies in the world: by patient axes, or a named space. Where it does not, world
+    /// axes are those of the grid, and z need not be up.
+    pub oriented: bool,
     /// The file, followed by the data files that its header names.
     pub files: Vec<PathBuf>,
     /// Names of the channels, where there are several to choose from ([`ReadOptions::channel`]).

@@ -117,8 +117,9 @@ impl<'a> Bench<'a> {
         let mut cases = Vec::new();
         self.print(&self.table.head())?;
         for scene in scenes::scenes(self.args) {
-            let recipe = input::recipe(Some(&scene.reference), &self.args.read, None)?;
-            let input = input::load(&recipe, self.args.read.strict, None, self.terminal)?;
+            let mut recipe = input::recipe(Some(&scene.reference), &self.args.read, None)?;
+            let mut input = input::load(&recipe, self.args.read.strict, None, self.terminal)?;
+            input.stand_up(&mut recipe, self.terminal)?;
             for variant in &self.variants {
                 let subject = self.subject(&scene, &input, variant)?;
                 let (case, measured) = self.case(&scene, variant, &subject)?;

@@ -30,7 +30,6 @@ pub(super) fn no_item_flags(args: &RenderArgs, what: &str) -> Result<(), Failure
 /// Flags of other data are refused for a volume.
 pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Failure> {
     let given = [
-        ("--up", args.up.is_some()),
         ("--gaussians", args.gaussians.is_some()),
         ("--radius", args.radius.is_some()),
         ("--point-color", args.point_color.is_some()),
@@ -38,10 +37,6 @@ pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Fa
         ("--drape", args.drape.is_some()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
-        Some(("--up", _)) => Err(
-            Failure::usage(format!("--up has no meaning for a volume ({reference})"))
-                .hint("--camera-up turns the camera"),
-        ),
         Some((flag, _)) => Err(Failure::usage(format!(
             "{flag} has no meaning for a volume ({reference})"
         ))),

@@ -106,6 +106,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         ..Description::default()
     };
     let codes = axis_codes(&draft.grid(context)?);
+    draft.description.oriented = stack.placed;
     draft.description.orientation = orientation(stack.placed, &codes, stack.tilt);
     draft.set_times(stack.times, options.time);
     sample_count(draft.dims, 1, SampleType::F32, options, context)?;

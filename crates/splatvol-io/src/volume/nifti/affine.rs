@@ -22,6 +22,8 @@ pub(super) struct Orientation {
     pub(super) world_from_voxel: DAffine3,
     /// `sform (aligned)`.
     pub(super) source: String,
+    /// Whether the file has one of the two that say how the volume lies.
+    pub(super) oriented: bool,
     pub(super) warnings: Vec<String>,
 }
 
@@ -51,6 +53,7 @@ pub(super) fn orientation(
         return Ok(Orientation {
             world_from_voxel: sform,
             source: format!("sform ({})", code_name(header.sform_code)),
+            oriented: true,
             warnings,
         });
     }
@@ -58,6 +61,7 @@ pub(super) fn orientation(
         return Ok(Orientation {
             world_from_voxel: qform(header, &mut warnings, context)?,
             source: format!("qform ({})", code_name(header.qform_code)),
+            oriented: true,
             warnings,
         });
     }
@@ -66,6 +70,7 @@ pub(super) fn orientation(
     Ok(Orientation {
         world_from_voxel: DAffine3::from_mat3(DMat3::from_diagonal(spacing)),
         source: "pixdim only".to_owned(),
+        oriented: false,
         warnings,
     })
 }

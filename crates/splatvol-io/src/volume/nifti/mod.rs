@@ -59,6 +59,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let mut layout = layout(&header, sample_type, compressed);
     draft.description.format = format!("NIfTI-{}", header.version);
     draft.description.stored_type = layout.describe();
+    draft.description.oriented = orientation.oriented;
     draft.description.orientation = format!("{}; voxel axes {codes}; RAS+ as stored", orientation.source);
     draft.description.files = vec![path.clone()];
     if header.single {

@@ -37,6 +37,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         format: format!("NRRD000{}", header.version),
         stored_type: header.layout.describe(),
         orientation: placement.orientation,
+        oriented: placement.oriented,
         files: vec![path.to_owned()],
         warnings: header.warnings.clone(),
         ..Description::default()

@@ -43,6 +43,8 @@ pub(super) struct Placement {
     pub(super) world_from_voxel: DAffine3,
     pub(super) unit: LengthUnit,
     pub(super) orientation: String,
+    /// Whether the space is a patient's.
+    pub(super) oriented: bool,
     pub(super) warnings: Vec<String>,
 }
 
@@ -173,8 +175,13 @@ impl Space {
             world_from_voxel: to_world * DAffine3::from_mat3_translation(matrix, origin),
             unit,
             orientation: self.orientation(oriented),
+            oriented: self.is_patient(),
             warnings,
         })
+    }
+
+    fn is_patient(&self) -> bool {
+        self.name.contains("superior")
     }
 
     fn orientation(&self, oriented: bool) -> String {
@@ -188,8 +195,7 @@ impl Space {
             .zip(self.world_from_space.to_array())
             .filter_map(|(axis, sign)| (sign < 0.0).then_some(axis))
             .collect();
-        let patient = self.name.contains("superior");
-        let result = match (negated.is_empty(), patient) {
+        let result = match (negated.is_empty(), self.is_patient()) {
             (true, true) => "RAS+ as stored".to_owned(),
             (true, false) => "world as stored, not known to be RAS+".to_owned(),
             (false, true) => format!("{} negated to make RAS+", negated.join(" and ")),
