@@ -24,8 +24,12 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
         return Target::Stdout.write(text.as_bytes(), false);
     }
     let recipe = input::recipe(Some(name), &args.read, None)?;
-    let input = input::load(&recipe, args.read.strict, None, terminal)?;
-    let report = Report::new(name, &input, usize::from(args.bins));
+    let mut input = input::load(&recipe, args.read.strict, None, terminal)?;
+    let stored = input.volume.grid().clone();
+    let up = Up::of(&input);
+    // The choice of a transfer function goes by the axes in which a volume is rendered.
+    input.turn(up.axis)?;
+    let report = Report::new(name, &input, (&stored, up), usize::from(args.bins));
     let text = if args.json {
         serde_json::to_string_pretty(&report).during(Step::Output)? + "\n"
     } else {
@@ -80,9 +84,10 @@ struct TransferFunctionReport {
 }
 
 impl Report {
-    fn new(name: &str, input: &Input, bins: usize) -> Self {
+    /// Of a volume and the grid that it was stored on.
+    fn new(name: &str, input: &Input, (grid, up): (&Grid, Up), bins: usize) -> Self {
         let (volume, description) = (&input.volume, &input.description);
-        let (grid, statistics) = (volume.grid(), volume.statistics());
+        let statistics = volume.statistics();
         let direction = grid.direction();
         let (automatic, choice) = TransferFunction::automatic(volume, None);
         let (curves, reason) = match input.sample.and_then(|s| s.default_transfer_function().ok()) {
@@ -106,7 +111,7 @@ impl Report {
             directions: [direction.x_axis, direction.y_axis, direction.z_axis].map(|axis| axis.to_array()),
             orientation_code: orientation_code(grid),
             orientation: description.orientation.clone(),
-            up: Up::of(input),
+            up,
             min: statistics.min,
             max: statistics.max,
             mean: statistics.mean,

@@ -19,7 +19,7 @@ use crate::terminal::Terminal;
 /// The axis that is up, and how it is known.
 #[derive(Debug, Serialize)]
 pub(crate) struct Up {
-    axis: UpAxis,
+    pub(crate) axis: UpAxis,
     pub(crate) reason: String,
 }
 
@@ -51,7 +51,7 @@ impl Up {
 
 impl Input {
     /// Turns the volume so that this axis becomes z.
-    pub(super) fn turn(&mut self, axis: UpAxis) -> Result<(), Failure> {
+    pub(crate) fn turn(&mut self, axis: UpAxis) -> Result<(), Failure> {
         Arc::make_mut(&mut self.volume)
             .transform(rotation(axis))
             .during(Step::Input)

@@ -118,6 +118,17 @@ fn volumes_stand_on_their_feet() {
     let bonsai = data.join("volumes/bonsai.vti");
     let own = picture(&sandbox, &bonsai, "--size 64");
     assert!(own == picture(&sandbox, &bonsai, "--size 64 --up y"));
+    let said = |command: &str| sandbox.run(&format!("{command} {}", bonsai.display())).succeeds();
+    let stored = said("info").stdout();
+    assert!(stored.contains("orientation        RAS"), "{stored}");
+    let reason = stored
+        .lines()
+        .find_map(|line| line.strip_prefix("transfer function"));
+    let chosen = said("render -v -w --size 32 -o a.png").stderr();
+    assert!(
+        reason.is_some_and(|reason| chosen.contains(reason.trim())),
+        "{chosen}"
+    );
     for (name, layout) in [
         ("100_fiberform.tif", ""),
         ("LIDC2.vti", ""),
