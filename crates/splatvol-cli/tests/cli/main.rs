@@ -6,6 +6,7 @@ mod commands;
 mod data;
 mod effects;
 mod kernels;
+mod lab;
 mod motion;
 mod orientation;
 mod render;
