@@ -70,7 +70,7 @@ fn shapes(outcome: &mut Outcome) -> Result<(), LabError> {
             name.split(' ').next().unwrap_or(name),
             "Fig. 8",
             &format!("The volume is {name}: filters at one standard deviation"),
-            Axis::new("x (pixels)").range(-1.7 * reach, 1.7 * reach),
+            Axis::new("x (pixels)").range(-1.56 * reach, 1.56 * reach),
             Axis::new("y (pixels)").range(-reach, reach),
         );
         let ellipses = [
@@ -79,11 +79,18 @@ fn shapes(outcome: &mut Outcome) -> Result<(), LabError> {
             ("EWA filter", covariance(&splat, EWA)?),
             ("Swan's filter", covariance(&splat, Filter::Swan)?),
         ];
-        for (index, (label, ellipse)) in ellipses.into_iter().enumerate() {
+        for (label, ellipse) in ellipses {
             let [minor, major] = widths(ellipse);
             table.row([name.into(), label.into(), minor.into(), major.into()]);
+        }
+        // What is likely to be covered first.
+        for (label, ellipse) in ellipses.into_iter().rev() {
             let curve = Curve::new(label, outline(ellipse));
-            plot = plot.curve(if index < 2 { curve.dashed() } else { curve });
+            plot = plot.curve(match label {
+                "Swan's filter" => curve.dots(),
+                "EWA filter" => curve,
+                _ => curve.dashed(),
+            });
         }
         outcome.plots.push(plot);
         let [kernel, low_pass, ewa, swan] = ellipses.map(|(_, ellipse)| widths(ellipse));

@@ -4,13 +4,13 @@
 //! ideal filter (the unfiltered footprint's plus the low-pass's, eq. 8 and 11), and as the picture of the whole texture,
 //! compared with 16 samples per pixel weighted by the low-pass.
 
-use glam::{DVec2, DVec3};
-use splatvol::{
-    Camera, Compositing, Filter, Grid, Image, ImageSize, Kernel, Projection, RenderSettings, Renderer,
-    Rescale, Samples, Scene, Volume,
-};
-use splatvol_samples::{Sample, SampleSize};
+mod case;
+mod voxel;
 
+use splatvol::{Filter, Image, Renderer};
+
+use self::case::{Case, settings};
+use self::voxel::one_voxel;
 use super::pictures::{Inside, Plane};
 use super::splat::widths;
 use crate::measure::median_seconds;
@@ -41,16 +41,6 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
 
 /// Samples per pixel and axis of what pictures are compared with.
 const SAMPLES: usize = 4;
-/// The paper's low-pass, the engine's default, and the width of a square pixel.
-const LOW_PASSES: [f64; 3] = [1.0, 0.55, 0.3];
-
-/// A texture of one ratio, and the picture of it.
-struct Case {
-    ratio: usize,
-    side: usize,
-    size: [u32; 2],
-}
-
 /// What was measured on a case.
 struct Measured {
     /// Major over minor width of the unfiltered footprint.
@@ -104,143 +94,6 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     bench.step(2, 3, "times");
     times(bench, &mut outcome)?;
     Ok(outcome)
-}
-
-fn settings([width, height]: [u32; 2], filter: Filter, cut: f64) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
-        size: ImageSize::new(width, height)?,
-        filter,
-        kernel: Kernel::Gaussian {
-            sigma: 1.0,
-            radius: cut,
-        },
-        lighting: None,
-        termination: 0.0,
-        ..RenderSettings::ewa2001()
-    })
-}
-
-impl Case {
-    /// The camera, 60 degrees above the square.
-    fn camera(&self) -> Result<Camera, LabError> {
-        let side = self.side as f64;
-        let height = 0.55 * side;
-        let ahead = height / 60f64.to_radians().tan();
-        let eye = DVec3::new(0.0, -0.37 * side, height);
-        let target = DVec3::new(0.0, eye.y + ahead, 0.0);
-        let projection = Projection::Perspective { fov_degrees: 40.0 };
-        Ok(Camera::new(eye, target, DVec3::Y, projection)?)
-    }
-
-    fn dims(&self) -> [usize; 3] {
-        [self.side, self.side / self.ratio, 3]
-    }
-
-    fn spacing(&self) -> DVec3 {
-        DVec3::new(1.0, self.ratio as f64, 1.0)
-    }
-
-    /// The texture, square in the world.
-    fn texture(&self) -> Result<Scene, LabError> {
-        let sample = Sample::Zebra;
-        let stripes = sample.generate(Some(SampleSize::Dims(self.dims())))?;
-        let grid = Grid::centred(self.dims(), self.spacing())?;
-        let volume = Volume::new(grid, stripes.samples().clone(), stripes.rescale(), stripes.unit())?;
-        Ok(Scene::new(volume, sample.default_transfer_function()?))
-    }
-
-    /// One voxel in the middle of the picture, moved by a part of a pixel's width.
-    fn voxel(&self, shift: DVec2) -> Result<Scene, LabError> {
-        let camera = self.camera()?;
-        let pixel = (camera.target() - camera.position()).length() / self.pixels_per_radian();
-        let origin = camera.target() + (shift * pixel).extend(0.0) - self.spacing();
-        let grid = Grid::new([3; 3], origin, self.spacing(), glam::DMat3::IDENTITY)?;
-        let mut values = vec![0; 27];
-        values[13] = 1;
-        let volume = Volume::new(
-            grid,
-            Samples::U8(values),
-            Rescale::default(),
-            splatvol::LengthUnit::Unknown,
-        )?;
-        let look = splatvol::TransferFunction::new(
-            vec![splatvol::ColorPoint::new(0.0, [1.0; 3])],
-            vec![
-                splatvol::OpacityPoint::new(0.0, 0.0),
-                splatvol::OpacityPoint::new(1.0, 0.5),
-            ],
-            None,
-        )?;
-        Ok(Scene::new(volume, look))
-    }
-
-    fn pixels_per_radian(&self) -> f64 {
-        0.5 * f64::from(self.size[1]) / 20f64.to_radians().tan()
-    }
-
-    fn name(&self) -> String {
-        let [x, y, z] = self.dims();
-        format!("{x} x {y} x {z}")
-    }
-}
-
-/// Widths of one voxel's picture, minor and major, pixels: the mean of 3 x 3 places within a pixel.
-fn voxel_widths(
-    case: &Case,
-    renderer: &mut Renderer,
-    (filter, cut): (Filter, f64),
-    samples: u32,
-) -> Result<[f64; 2], LabError> {
-    let mut sum = glam::DMat2::ZERO;
-    let settings = RenderSettings {
-        compositing: Compositing::Xray,
-        absorption: splatvol::Absorption::Exp,
-        ..settings(case.size.map(|side| side * samples), filter, cut)?
-    };
-    for shift in 0..9 {
-        let shift = DVec2::new(f64::from(shift % 3), f64::from(shift / 3)) / 3.0;
-        let frame = renderer.render(&case.voxel(shift)?, &case.camera()?, &settings)?;
-        let plane = Plane {
-            width: settings.size.width() as usize,
-            values: frame.optical_depth.iter().map(|&tau| f64::from(tau)).collect(),
-        };
-        sum += plane.moments();
-    }
-    Ok(widths(sum * (1.0 / 9.0)).map(|width| width / f64::from(samples)))
-}
-
-/// Over-blur of EWA and Swan, the ratio of the axes on the screen, and Swan's width over the equation's.
-fn one_voxel(
-    case: &Case,
-    renderer: &mut Renderer,
-    table: &mut Table,
-) -> Result<([f64; 2], f64, f64), LabError> {
-    let [minor, major] = voxel_widths(case, renderer, (Filter::None, 4.0), 8)?;
-    let ideal = |low_pass: f64| major.hypot(low_pass);
-    let ewa = |pixel_sigma| Filter::Ewa { pixel_sigma };
-    let mut blur = Vec::new();
-    for (label, filter, cut) in [
-        ("EWA, low-pass 1", ewa(1.0), 4.0),
-        ("Swan", Filter::Swan, 4.0),
-        ("EWA, low-pass .55 (default)", ewa(0.55), 4.0),
-        ("EWA, low-pass .3 (square pixel)", ewa(0.3), 4.0),
-        ("EWA, low-pass 1, cut at 2", ewa(1.0), 2.0),
-        ("Swan, cut at 2", Filter::Swan, 2.0),
-    ] {
-        let [_, found] = voxel_widths(case, renderer, (filter, cut), 1)?;
-        let row: [Cell; 3] = [case.name().into(), label.into(), found.into()];
-        table.row(
-            row.into_iter()
-                .chain(LOW_PASSES.map(|low_pass| (found / ideal(low_pass)).into())),
-        );
-        blur.push((found, found / ideal(1.0)));
-    }
-    let [ewa, swan] = [blur[0], blur[1]];
-    Ok((
-        [ewa.1, swan.1],
-        major / minor,
-        swan.0 / (major / minor).max(major),
-    ))
 }
 
 /// Pictures of the texture, and what they are worth.
