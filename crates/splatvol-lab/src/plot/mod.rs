@@ -2,6 +2,8 @@
 //! apart (Okabe and Ito's; viridis for values of two variables).
 
 mod render;
+#[cfg(test)]
+mod tests;
 
 /// How an axis runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,6 +3,8 @@
 mod html;
 mod markdown;
 mod summary;
+#[cfg(test)]
+mod tests;
 
 use std::path::Path;
 
