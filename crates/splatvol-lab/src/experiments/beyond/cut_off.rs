@@ -277,7 +277,7 @@ fn ripple_by_cut(
         "ripple-by-cut",
         FIGURE,
         "A layer of equal voxels: ripple by where a Gaussian of one voxel is cut",
-        Axis::new("cut (standard deviations)"),
+        Axis::new("cut (standard deviations)").range(1.5, 4.0),
         Axis::logarithmic("ripple (% of the mean, peak to peak)"),
     );
     let [step, closed, engine] = curves;

@@ -10,7 +10,7 @@ use splatvol_reference::ReferenceSettings;
 
 use super::scenes::{SMOOTH, colors, difference, noise_ball, orthographic, rms, shown};
 use crate::{
-    Axis, Curve, Expectation, Experiment, Finding, LabError, Mark, Outcome, Plate, Plot, Published, Table,
+    Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, Published, Table,
     Workbench,
 };
 
@@ -34,7 +34,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
             particular. Colours are splatted (pre-classified), so that all methods draw the same thing. Two more curves \
             splat data, which is classified on the sheets: as planes with integrals between them, ours, and as the mean of \
             each sheet, huang2000's. These are compared with the integral of the classified field. The kernel is a \
-            Gaussian of sigma .8, cut at 4. Errors are root mean squares over all channels.",
+            Gaussian of sigma .9, cut at 4.5. Errors are root mean squares over all channels.",
     run,
 };
 
@@ -46,7 +46,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let columns = ["look", "method", "sheets (voxels)", "error (rms)"];
     let mut table = Table::new("errors", FIGURE, "Distance from the integral", &columns);
     let side = bench.choose(40, 20);
-    let base = colors(bench.choose(96, 40), SMOOTH)?;
+    let base = colors(bench.choose(120, 40), SMOOTH)?;
     let camera = orthographic(DVec3::new(0.48, -0.75, 0.4), DVec3::Z, side as f64)?;
     let mut renderer = bench.renderer()?;
     for (index, (look, opacity)) in LOOKS.into_iter().enumerate() {
@@ -247,7 +247,7 @@ fn plot(look: &str, found: &Errors) -> Plot {
         &format!("convergence-{look}"),
         FIGURE,
         &format!("The {look} ball: distance from the integral"),
-        Axis::logarithmic("thickness of the sheets (voxels)"),
+        Axis::logarithmic("thickness of the sheets (voxels)").range(0.2, 2.5),
         Axis::logarithmic("error (rms of all channels, of full light)"),
     );
     let plot = found.sheets().into_iter().fold(plot, |plot, (name, errors)| {
@@ -260,9 +260,7 @@ fn plot(look: &str, found: &Errors) -> Plot {
     let second = THICKNESSES.map(|thickness| [thickness, found.colors[VOXEL] * 0.5 * thickness * thickness]);
     let plot = plot.curve(Curve::new("second order", second).dashed());
     found.whole().into_iter().fold(plot, |plot, (name, error)| {
-        plot.mark(Mark::Horizontal {
-            at: error,
-            label: name.to_owned(),
-        })
+        let points = THICKNESSES.map(|thickness| [thickness, error]);
+        plot.curve(Curve::new(name, points).dashed())
     })
 }
