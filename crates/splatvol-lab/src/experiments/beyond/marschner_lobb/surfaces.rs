@@ -45,7 +45,7 @@ pub(super) fn surfaces(
 ) -> Result<(), LabError> {
     let mut renderer = bench.renderer()?;
     let scene = surface(volume.clone())?;
-    let pixels = bench.choose(256, 128);
+    let pixels = bench.choose(192, 96);
     let columns = ["kernel", "error of the depth (voxels, standard deviation)"];
     let mut table = Table::new(
         "surfaces",
@@ -53,22 +53,20 @@ pub(super) fn surfaces(
         "The engine's surface of the value 1/2",
         &columns,
     );
+    // As many samples as show the signal itself.
+    let samples = bench.choose(3, 2) * (SIDE - 1) + 1;
+    let exact = format!("{samples} samples per axis");
     let mut plate = Plate::new(
         "surfaces",
         FIGURE,
-        "The surface of the value 1/2, lit, by the engine; left, from 161 samples per axis, as it should be",
+        &format!("The surface of the value 1/2, lit, by the engine; left, from {exact}, as it should be"),
     );
-    let fine = sample(
-        &MarschnerLobb::default(),
-        &MarschnerLobb::grid(4 * (SIDE - 1) + 1),
-    );
-    let size = bench.choose(240, 120);
-    let exact = picture(
-        &mut renderer,
-        &surface(fine)?,
-        &settings(size, gaussian(0.74, 3.0), true)?,
-    )?;
-    plate = plate.panel("161 samples per axis", exact);
+    let fine = surface(sample(&MarschnerLobb::default(), &MarschnerLobb::grid(samples)))?;
+    let size = bench.choose(240, 96);
+    let [small, large] = [size, pixels].map(|pixels| settings(pixels, gaussian(0.74, 3.0), true));
+    let floor = depth_error(&mut renderer, &fine, &large?)?;
+    table.row([exact.as_str().into(), floor.into()]);
+    plate = plate.panel(&exact, picture(&mut renderer, &fine, &small?)?);
     let mut errors = Vec::new();
     for (name, kernel, prefilter) in DRAWN {
         let error = depth_error(&mut renderer, &scene, &settings(pixels, kernel, prefilter)?)?;
