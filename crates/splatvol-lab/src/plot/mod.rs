@@ -1,6 +1,7 @@
 //! Plots, as SVG: curves, bars, contours and surfaces, with labelled axes and colours that colour-blind readers tell
 //! apart (Okabe and Ito's; viridis for values of two variables).
 
+mod ids;
 mod render;
 #[cfg(test)]
 mod tests;
@@ -213,7 +214,7 @@ impl Plot {
 
     /// The plot as SVG, the same bytes for the same plot.
     pub fn svg(&self) -> String {
-        render::svg(self)
+        ids::stable(&render::svg(self))
     }
 
     /// File name.

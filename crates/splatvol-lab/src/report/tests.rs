@@ -99,7 +99,7 @@ fn cells(row: &str) -> usize {
 
 #[test]
 fn markdown_rows_have_as_many_cells_as_their_heads() {
-    let text = markdown(&[run()], "images/");
+    let text = markdown::page(&[run()]);
     let mut head = None;
     let mut rows = 0;
     for line in text.lines() {
@@ -117,8 +117,8 @@ fn markdown_rows_have_as_many_cells_as_their_heads() {
         "| Test (a) | a \\| b < c | x & y | 2 dB | ≥ 1 | reproduced |",
         "| Test (b) | two lines | – | 3 | ≤ 1 | differs, not explained |",
         "| Test (c) | third | – | 3 | ≤ 1 | differs because 5 > 4 (5) |",
-        "![Test: A plot](images/beyond-test/p.svg)",
-        "![right \\| 2](images/beyond-test/q-2.png)",
+        "![Test: A plot](beyond-test/p.svg)",
+        "![right \\| 2](beyond-test/q-2.png)",
     ] {
         assert!(text.contains(part), "no {part} in {text}");
     }

@@ -261,6 +261,12 @@ fn plot(look: &str, found: &Errors) -> Plot {
     let plot = plot.curve(Curve::new("second order", second).dashed());
     found.whole().into_iter().fold(plot, |plot, (name, error)| {
         let points = THICKNESSES.map(|thickness| [thickness, error]);
-        plot.curve(Curve::new(name, points).dashed())
+        let curve = Curve::new(name, points).dashed();
+        // The two may coincide.
+        plot.curve(if name == "axis sheets" {
+            curve
+        } else {
+            curve.dots()
+        })
     })
 }

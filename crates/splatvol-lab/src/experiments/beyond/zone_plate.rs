@@ -8,12 +8,14 @@
 //! - swan: the kernel is as many times as large as voxels are smaller than pixels: `H(nu)` (swan1997 section 4.3)
 //! - coverage of n x n samples: `H(nu / m) D(nu_x) D(nu_y)`, `D(f) = sin(pi f) / (n sin(pi f / n))`
 //!
-//! A zone plate is such a wave at every place, of `nu = 2 rho / P` at rho pixels from the middle of P pixels; so the closed
-//! form of a pixel is `(1 + response(nu) cos(2 pi rho^2 / P)) / 2`.
+//! Convolved with a Gaussian of variance s^2, a zone plate is one again, in closed form: with `k = 2 pi / P` for P pixels and
+//! `d = 1 - 2 i k s^2`, the wave `cos(k rho^2)` becomes `Re(exp(i k rho^2 / d) / d)`. So the closed form of every pixel is
+//! known exactly: kernel and filter are Gaussians, whose variances add up, and coverage is a mean of samples.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
+use rustfft::num_complex::Complex64;
 use splatvol::{
     Alignment, Compositing, Coverage, Filter, Grid, Kernel, LengthUnit, RenderSettings, Rescale, Samples,
     Scene, Volume,
@@ -57,21 +59,26 @@ struct Method {
     key: &'static str,
     filter: Filter,
     coverage: Coverage,
-    /// Amplitude that passes of a wave, cycles per pixel along x and y.
-    response: fn([f64; 2]) -> f64,
+    /// What is left of the wave at a place, in a picture of so many pixels.
+    wave: fn([f64; 2], f64) -> f64,
 }
 
 const METHODS: [Method; 5] = [
-    Method::filtered("none", "none", Filter::None, plain),
-    Method::filtered("swan", "swan", Filter::Swan, |[x, y]| gaussian(SIGMA, x.hypot(y))),
-    Method::filtered("ewa, sigma .55", "ewa", Filter::Ewa { pixel_sigma: 0.55 }, |nu| {
-        plain(nu) * gaussian(0.55, nu[0].hypot(nu[1]))
+    Method::filtered("none", "none", Filter::None, |at, pixels| {
+        wave(voxel_sigma(), at, pixels)
     }),
+    Method::filtered("swan", "swan", Filter::Swan, |at, pixels| wave(SIGMA, at, pixels)),
+    Method::filtered(
+        "ewa, sigma .55",
+        "ewa",
+        Filter::Ewa { pixel_sigma: 0.55 },
+        |at, pixels| wave(voxel_sigma().hypot(0.55), at, pixels),
+    ),
     Method::filtered(
         "ewa, sigma 1",
         "ewa-paper",
         Filter::Ewa { pixel_sigma: 1.0 },
-        |nu| plain(nu) * gaussian(1.0, nu[0].hypot(nu[1])),
+        |at, pixels| wave(voxel_sigma().hypot(1.0), at, pixels),
     ),
     Method {
         name: "coverage, 4 x 4",
@@ -82,7 +89,7 @@ const METHODS: [Method; 5] = [
             samples: SAMPLES,
             contrast: 0.0,
         },
-        response: sampled,
+        wave: sampled,
     },
 ];
 
@@ -91,14 +98,14 @@ impl Method {
         name: &'static str,
         key: &'static str,
         filter: Filter,
-        response: fn([f64; 2]) -> f64,
+        wave: fn([f64; 2], f64) -> f64,
     ) -> Self {
         Self {
             name,
             key,
             filter,
             coverage: Coverage::Off,
-            response,
+            wave,
         }
     }
 
@@ -117,22 +124,24 @@ impl Method {
     }
 }
 
-/// Response of a Gaussian of a standard deviation, at a frequency in cycles per the same length.
-fn gaussian(sigma: f64, frequency: f64) -> f64 {
-    (-2.0 * (PI * sigma * frequency).powi(2)).exp()
+/// Standard deviation of the kernel, pixels.
+fn voxel_sigma() -> f64 {
+    SIGMA / MINIFICATION as f64
 }
 
-fn plain([x, y]: [f64; 2]) -> f64 {
-    gaussian(SIGMA, x.hypot(y) / MINIFICATION as f64)
+/// The wave convolved with a Gaussian of a standard deviation in pixels.
+fn wave(sigma: f64, [x, y]: [f64; 2], pixels: f64) -> f64 {
+    let k = TAU / pixels;
+    let d = Complex64::new(1.0, -2.0 * k * sigma * sigma);
+    ((Complex64::i() * k * (x * x + y * y) / d).exp() / d).re
 }
 
-fn sampled(nu: [f64; 2]) -> f64 {
+/// The mean of samples at the middles of a pixel's cells.
+fn sampled([x, y]: [f64; 2], pixels: f64) -> f64 {
     let n = f64::from(SAMPLES);
-    let mean = |f: f64| match f.abs() < 1e-9 {
-        true => 1.0,
-        false => (PI * f).sin() / (n * (PI * f / n).sin()),
-    };
-    plain(nu) * mean(nu[0]) * mean(nu[1])
+    let offset = |i: u32| (f64::from(i) + 0.5) / n - 0.5;
+    let places = (0..SAMPLES * SAMPLES).map(|i| [x + offset(i % SAMPLES), y + offset(i / SAMPLES)]);
+    places.map(|at| wave(voxel_sigma(), at, pixels)).sum::<f64>() / (n * n)
 }
 
 fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
@@ -156,7 +165,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
             .iter()
             .map(|depth| f64::from(*depth) / OPTICAL_DEPTH)
             .collect();
-        let rings = Rings::of(&values, pixels as usize, method.response);
+        let rings = Rings::of(&values, pixels as usize, method.wave);
         findings(&mut outcome, method, &rings);
         shown = shown.panel(method.name, grey(values, pixels)?);
         responses.push((method, rings));
@@ -193,7 +202,7 @@ struct Rings {
 }
 
 impl Rings {
-    fn of(values: &[f64], side: usize, response: fn([f64; 2]) -> f64) -> Self {
+    fn of(values: &[f64], side: usize, wave: fn([f64; 2], f64) -> f64) -> Self {
         let mut rings = Self {
             power: [0.0; RINGS],
             theory: [0.0; RINGS],
@@ -202,10 +211,9 @@ impl Rings {
         let pixels = side as f64;
         for (index, value) in values.iter().enumerate() {
             let [x, y] = [index % side, index / side].map(|i| i as f64 + 0.5 - 0.5 * pixels);
-            let frequency = [x, y].map(|at| 2.0 * at / pixels);
-            let ring = (frequency[0].hypot(frequency[1]) * RINGS as f64) as usize;
+            let ring = (2.0 * x.hypot(y) / pixels * RINGS as f64) as usize;
             if ring < RINGS {
-                let wave = response(frequency) * (TAU * (x * x + y * y) / pixels).cos();
+                let wave = wave([x, y], pixels);
                 // The data's amplitude is 1/2: the mean of its square, 1/8.
                 rings.power[ring] += 8.0 * (value - 0.5).powi(2);
                 rings.theory[ring] += 2.0 * wave * wave;
@@ -301,11 +309,34 @@ fn plot(responses: &[(&Method, Rings)]) -> Plot {
         let points = (3..RINGS - 1).map(|ring| [Rings::frequency(ring), rings.power[ring].sqrt()]);
         plot.curve(Curve::new(method.name, points).dots())
     });
-    let ewa = |i: u32| {
-        [
-            f64::from(i) / 100.0,
-            (METHODS[2].response)([f64::from(i) / 100.0, 0.0]),
-        ]
-    };
-    plot.curve(Curve::new("ewa .55, closed form", (0..=100).map(ewa)).dashed())
+    let variance = voxel_sigma().powi(2) + 0.55 * 0.55;
+    let ewa = |nu: f64| [nu, (-2.0 * PI * PI * variance * nu * nu).exp()];
+    plot.curve(
+        Curve::new(
+            "ewa .55, closed form",
+            (0..=100).map(|i| ewa(f64::from(i) / 100.0)),
+        )
+        .dashed(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blurred_zone_plate_is_the_convolution() {
+        let (sigma, pixels, at) = (0.7, 40.0, [5.3, -8.1]);
+        let step = 0.05;
+        let offsets = || (-100..=100).map(|i| f64::from(i) * step);
+        let weight = |d: f64| (-0.5 * (d / sigma).powi(2)).exp() * step / (sigma * TAU.sqrt());
+        let sum: f64 = offsets()
+            .flat_map(|dx| offsets().map(move |dy| [dx, dy]))
+            .map(|[dx, dy]| {
+                let square = (at[0] - dx).powi(2) + (at[1] - dy).powi(2);
+                weight(dx) * weight(dy) * (TAU / pixels * square).cos()
+            })
+            .sum();
+        assert!((wave(sigma, at, pixels) - sum).abs() < 1e-9, "{sum}");
+    }
 }

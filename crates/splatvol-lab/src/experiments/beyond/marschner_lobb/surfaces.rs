@@ -134,6 +134,7 @@ fn height(r: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use splatvol_testing::Field;
 
     #[test]
     fn the_surface_lies_where_the_signal_is_one_half() {
