@@ -53,7 +53,7 @@ impl Interpolant for Trilinear {
         let t = x - cell;
         let [i, j, k] = cell.to_array().map(|c| c as usize);
         let corner = |corner: usize| {
-            let [a, b, c] = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let [a, b, c] = [corner & 1, (corner >> 1) & 1, corner >> 2];
             let weight = |far: usize, t: f64| if far == 1 { t } else { 1.0 - t };
             let weights = weight(a, t.x) * weight(b, t.y) * weight(c, t.z);
             weights * self.0[((k + c) * SIDE + j + b) * SIDE + i + a]
