@@ -8,7 +8,16 @@ const NAME: &str = "beyond-absorption";
 #[test]
 fn without_a_name_all_are_listed_with_their_figures() {
     let listed = Sandbox::new().run("lab").succeeds().stdout();
-    for part in ["swan1997:", "mueller1998:", "huang2000:", "zwicker2001:", "beyond:", NAME, "Table 1", "Fig. 10"] {
+    for part in [
+        "swan1997:",
+        "mueller1998:",
+        "huang2000:",
+        "zwicker2001:",
+        "beyond:",
+        NAME,
+        "Table 1",
+        "Fig. 10",
+    ] {
         assert!(listed.contains(part), "{part}\n{listed}");
     }
 }
@@ -16,34 +25,62 @@ fn without_a_name_all_are_listed_with_their_figures() {
 #[test]
 fn an_experiment_leaves_pictures_plots_and_numbers() {
     let sandbox = Sandbox::new();
-    let told = sandbox.run(&format!("lab {NAME} --quick -o out")).succeeds().stdout();
-    assert!(told.starts_with(NAME) && told.contains("measured") && told.contains("condition"), "{told}");
-    let findings = String::from_utf8(sandbox.bytes(&format!("out/{NAME}/findings.csv"))).expect("CSV is text");
-    assert!(findings.starts_with("figure,key,quantity,unit,published,measured"), "{findings}");
+    let told = sandbox
+        .run(&format!("lab {NAME} --quick -o out"))
+        .succeeds()
+        .stdout();
+    assert!(
+        told.starts_with(NAME) && told.contains("measured") && told.contains("condition"),
+        "{told}"
+    );
+    let findings =
+        String::from_utf8(sandbox.bytes(&format!("out/{NAME}/findings.csv"))).expect("CSV is text");
+    assert!(
+        findings.starts_with("figure,key,quantity,unit,published,measured"),
+        "{findings}"
+    );
     let files = std::fs::read_dir(sandbox.path(&format!("out/{NAME}"))).expect("the folder is there");
-    let names: Vec<String> =
-        files.map(|file| file.expect("it can be read").file_name().to_string_lossy().into_owned()).collect();
+    let names: Vec<String> = files
+        .map(|file| {
+            file.expect("it can be read")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
     assert!(names.iter().any(|name| name.ends_with(".svg")), "{names:?}");
     // What is there is not overwritten unasked.
-    sandbox.run(&format!("lab {NAME} --quick -o out")).fails(5, &["exists"]);
+    sandbox
+        .run(&format!("lab {NAME} --quick -o out"))
+        .fails(5, &["exists"]);
     sandbox.run(&format!("lab {NAME} --quick -o out -w")).succeeds();
 }
 
 #[test]
 fn a_report_is_one_page() {
     let sandbox = Sandbox::new();
-    sandbox.run(&format!("lab {NAME} --quick --report out")).succeeds();
+    sandbox
+        .run(&format!("lab {NAME} --quick --report out"))
+        .succeeds();
     let page = String::from_utf8(sandbox.bytes("out/index.html")).expect("HTML is text");
-    assert!(page.contains("<svg") && page.contains(NAME) && !page.contains("src=\"http"), "{}", page.len());
+    assert!(
+        page.contains("<svg") && page.contains(NAME) && !page.contains("src=\"http"),
+        "{}",
+        page.len()
+    );
     let text = String::from_utf8(sandbox.bytes("out/lab.md")).expect("Markdown is text");
     assert!(text.contains(&format!("### {NAME}")), "{text}");
-    sandbox.run(&format!("lab {NAME} --quick --report out")).fails(5, &["exists"]);
+    sandbox
+        .run(&format!("lab {NAME} --quick --report out"))
+        .fails(5, &["exists"]);
 }
 
 #[test]
 fn unknown_names_and_idle_flags_are_refused() {
     let sandbox = Sandbox::new();
-    sandbox.run("lab swan1997-chequer").fails(2, &["did you mean 'swan1997-checker'"]);
+    sandbox
+        .run("lab swan1997-chequer")
+        .fails(2, &["did you mean 'swan1997-checker'"]);
     sandbox.run("lab --quick").fails(2, &["NAME"]);
     assert!(sandbox.files().is_empty());
 }

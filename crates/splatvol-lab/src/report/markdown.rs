@@ -128,5 +128,5 @@ fn rows(text: &mut String, table: &Table) {
 
 /// Text within a row.
 fn cell(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
+    text.replace('|', "\\|").replace('<', "&lt;").replace('\n', " ")
 }
