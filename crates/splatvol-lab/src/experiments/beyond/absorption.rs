@@ -2,7 +2,7 @@
 //!
 //! One sheet of optical depth tau is `min(tau, 1)` opaque instead of `1 - exp(-tau)`: too much by `1/e` at tau = 1. Through
 //! a homogeneous medium of extinction kappa on sheets of thickness d the effective extinction is `-ln(1 - kappa d) / d`;
-//! splat by splat, with footprints q_k on a pixel, it is `-sum_k ln(1 - kappa q_k)` per voxel.
+//! splat by splat, with footprints `q_k` on a pixel, it is `-sum_k ln(1 - kappa q_k)` per voxel.
 
 use std::f64::consts::TAU;
 
