@@ -1,0 +1,154 @@
+//! Fig. 7 (c) and (d): terrain that recedes into the distance.
+
+use glam::DVec3;
+use splatvol::{Camera, ImageSize, Projection, Samples, Scene, Volume};
+use splatvol_samples::Sample;
+
+use super::comparison::{Claims, compare};
+use super::view::{METHODS, View};
+use super::window::Window;
+use crate::{Expectation, Experiment, Finding, LabError, Outcome, Published, Workbench};
+
+pub(super) const EXPERIMENT: Experiment = Experiment {
+    name: "swan1997-terrain",
+    paper: "swan1997",
+    title: "Terrain that recedes into the distance",
+    figures: &["Fig. 7"],
+    about: "The paper shows terrain of 512 x 512 x 103 voxels, 386 thousand of them splats, in 270 x 175 pixels: every column \
+has the colour of its pixel in a satellite photograph, and extra splats fill the holes where neighbours differ in height. A \
+black line marks the distance k; the half above it, with about 90 % of the data, aliases, and flickers when animated.\n\n\
+The data are not published. Ours are the built-in sample of that size, height and photograph drawn from noise, reduced to the \
+paper's splats: the top of each column, and what is below it down to the height of the lowest of its eight neighbours. The camera is chosen \
+as the paper describes its view: k in the middle of the picture, where the mean height is seen at k, looking down by 20 degrees, \
+with a view cone of 30 degrees to either side, and the near edge of the data below the picture's lower edge.\n\n\
+Filters, aliased energy and flicker as in swan1997-checker; the camera flies forward by half a voxel per frame.",
+    run,
+};
+
+const CLAIMS: Claims = Claims {
+    figures: ["Fig. 7 (c)", "Fig. 7 (d)"],
+    plain: "strong aliasing in the upper half",
+    least: 0.1,
+    smoothed: "smoothed out",
+    animated: Some("prominent flickering and strobing; free of it"),
+};
+
+/// The built-in terrain without the splats that fill no hole, with the mean height of its columns, voxels.
+fn thinned() -> Result<(Volume, f64), LabError> {
+    let volume = Sample::Terrain.generate(None)?;
+    let Samples::U8(values) = volume.samples() else {
+        return Err(LabError::Measurement(
+            "the terrain's samples are no bytes".to_owned(),
+        ));
+    };
+    let [nx, ny, nz] = volume.grid().dims();
+    let layer = nx * ny;
+    let tops: Vec<usize> = (0..layer)
+        .map(|column| (0..nz).rfind(|z| values[z * layer + column] > 0).unwrap_or(0))
+        .collect();
+    let mut thin = vec![0; values.len()];
+    for (column, &top) in tops.iter().enumerate() {
+        let bottom = lowest_beside(&tops, [nx, ny], column);
+        for z in bottom..=top {
+            thin[z * layer + column] = values[top * layer + column];
+        }
+    }
+    let mean = tops.iter().sum::<usize>() as f64 / layer as f64;
+    let grid = volume.grid().clone();
+    let volume = Volume::new(grid, Samples::U8(thin), volume.rescale(), volume.unit())?;
+    Ok((volume, mean))
+}
+
+/// Least of a column and its eight neighbours.
+fn lowest_beside(tops: &[usize], [nx, ny]: [usize; 2], column: usize) -> usize {
+    let [x, y] = [column % nx, column / nx];
+    let rows = y.saturating_sub(1)..=(y + 1).min(ny - 1);
+    rows.flat_map(|y| {
+        let columns = x.saturating_sub(1)..=(x + 1).min(nx - 1);
+        columns.map(move |x| tops[y * nx + x])
+    })
+    .fold(tops[column], usize::min)
+}
+
+fn view() -> Result<View, LabError> {
+    let (volume, mean) = thinned()?;
+    let bounds = volume.grid().bounds();
+    let ground = bounds.min.z + mean + 0.5;
+    let scene = Scene::new(volume, Sample::Terrain.default_transfer_function()?);
+    let size = ImageSize::new(270, 175)?;
+    let projection = Projection::Perspective { fov_degrees: 60.0 };
+    let (sin, cos) = 20_f64.to_radians().sin_cos();
+    let looking = DVec3::new(0.0, cos, -sin);
+    let at = |position: DVec3| Camera::new(position, position + looking, DVec3::Z, projection);
+    let k = at(DVec3::ZERO)?.screen_from_camera(size).scale;
+    // The middle of the picture meets the mean height at k; the lower edge meets it just inside the near edge.
+    let above = k * sin;
+    let lower = above / 50_f64.to_radians().tan();
+    let camera = at(DVec3::new(0.0, bounds.min.y + 2.0 - lower, ground + above))?;
+    Ok(View {
+        scene,
+        camera,
+        size,
+        lighting: None,
+    })
+}
+
+/// Counts of splats, and of those in the picture and beyond k in it.
+fn counts(view: &View) -> [f64; 3] {
+    let volume = &view.scene.volume;
+    let [nx, ny, _] = volume.grid().dims();
+    let screen = view.camera.screen_from_camera(view.size);
+    let camera_from_voxel = view.camera.camera_from_world() * volume.grid().world_from_voxel();
+    let [width, height] = <[u32; 2]>::from(view.size).map(f64::from);
+    let k = view.k();
+    let mut counts = [0.0; 3];
+    for index in (0..volume.grid().sample_count()).filter(|&index| volume.value(index) > 0.0) {
+        counts[0] += 1.0;
+        let voxel = [index % nx, index / nx % ny, index / (nx * ny)].map(|i| i as f64);
+        let point = camera_from_voxel.transform_point3(DVec3::from_array(voxel));
+        if point.z <= 0.0 {
+            continue;
+        }
+        let pixel = screen.project(point);
+        if (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y) {
+            counts[1] += 1.0;
+            counts[2] += f64::from(u8::from(point.z >= k));
+        }
+    }
+    counts
+}
+
+fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    let view = view()?;
+    let plain = view.frame(&mut bench.renderer()?, METHODS[0].filter)?;
+    let k = view.k();
+    let window = Window::at_depths(&plain, |depth| depth >= k)?.inside(1);
+    let mut outcome = Outcome::default();
+    let [splats, seen, beyond] = counts(&view);
+    outcome.find(
+        Finding::new(
+            "Fig. 7 (c)",
+            "splats",
+            "splats",
+            splats,
+            Expectation::relative(386_000.0, 0.1),
+        )
+        .published(Published::Number(386_000.0)),
+    );
+    outcome.find(
+        Finding::new(
+            "Fig. 7 (c)",
+            "beyond-k",
+            "share of the splats in the picture that lie beyond k",
+            beyond / seen,
+            Expectation::Near {
+                value: 0.9,
+                within: 0.05,
+            },
+        )
+        .published(Published::Number(0.9)),
+    );
+    let comparison = compare(bench, &view, &window, 0.5 * DVec3::Y)?;
+    comparison.report(&mut outcome, &view, &CLAIMS);
+    Ok(outcome)
+}
