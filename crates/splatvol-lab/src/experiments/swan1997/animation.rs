@@ -1,38 +1,35 @@
 //! Flickering and strobing of a view in motion.
 
 use glam::DVec3;
-use splatvol::{Camera, Filter, Renderer};
+use splatvol::{Camera, Image};
 
 use super::view::View;
 use super::window::Window;
 use crate::LabError;
 
-/// The camera at steps of a flight.
-///
-/// # Errors
-/// As [`Camera::new`].
-pub(super) fn flight(camera: &Camera, step: DVec3, frames: usize) -> Result<Vec<Camera>, LabError> {
-    (0..frames)
-        .map(|frame| {
-            let moved = frame as f64 * step;
-            let [position, target] = [camera.position(), camera.target()].map(|point| point + moved);
-            Ok(Camera::new(position, target, camera.up(), camera.projection())?)
-        })
-        .collect()
+/// How a camera moves, and where its pictures are looked at.
+pub(super) struct Flight<'a> {
+    /// Its way from frame to frame, world.
+    pub(super) step: DVec3,
+    pub(super) frames: u32,
+    pub(super) window: &'a Window,
 }
 
 /// How far pixels jump: the root mean square of the second difference of their luminance in time, levels of 255. What glides
 /// by in small steps has little of it, what comes and goes between two frames has much.
 pub(super) fn flicker(
-    renderer: &mut Renderer,
     view: &View,
-    filter: Filter,
-    (cameras, window): (&[Camera], &Window),
+    flight: &Flight<'_>,
+    mut render: impl FnMut(&View) -> Result<Image, LabError>,
 ) -> Result<f64, LabError> {
-    let frames = cameras
-        .iter()
-        .map(|&camera| Ok(window.luminance(&view.from(camera).frame(renderer, filter)?.image)))
-        .collect::<Result<Vec<_>, LabError>>()?;
+    let camera = &view.camera;
+    let mut frames = Vec::new();
+    for frame in 0..flight.frames {
+        let moved = f64::from(frame) * flight.step;
+        let [position, target] = [camera.position(), camera.target()].map(|point| point + moved);
+        let moved = view.from(Camera::new(position, target, camera.up(), camera.projection())?);
+        frames.push(flight.window.luminance(&render(&moved)?));
+    }
     let (mut sum, mut count) = (0.0, 0);
     for three in frames.windows(3) {
         for ((before, now), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {

@@ -79,6 +79,13 @@ impl View {
         }
     }
 
+    /// The same so faint that splats only add up: a thousandth of the extinction.
+    pub(super) fn faint(&self) -> Self {
+        let mut scene = self.scene.clone();
+        scene.transfer_function.unit_distance = Some(1000.0 * self.scene.unit_distance());
+        Self { scene, ..*self }
+    }
+
     /// The function of place that the picture samples, sampled at half pixels: pictures larger by one pixel have their axis, and
     /// with it all their samples, half a pixel aside. Splats are the very same; only the samples differ.
     pub(super) fn at_half_pixels(&self, renderer: &mut Renderer, filter: Filter) -> Result<Fine, LabError> {
@@ -170,6 +177,26 @@ impl Fine {
         }
     }
 
+    /// Samples per pixel and axis.
+    pub(super) fn per_pixel(&self) -> usize {
+        self.per_pixel
+    }
+
+    /// Means of the samples in each pixel of a window, taken `down` samples farther down.
+    pub(super) fn means(&self, window: &Window, down: isize) -> Vec<f64> {
+        let n = self.per_pixel;
+        let height = self.luminance.len() / self.width;
+        let row_mean = |row: usize, column: usize| {
+            let row = row.saturating_add_signed(down).min(height - 1);
+            let samples = &self.luminance[row * self.width + column * n..][..n];
+            samples.iter().sum::<f64>() / n as f64
+        };
+        let rows = window.rows.clone();
+        rows.flat_map(|row| window.columns.clone().map(move |column| (row, column)))
+            .map(|(row, column)| (0..n).map(|y| row_mean(row * n + y, column)).sum::<f64>() / n as f64)
+            .collect()
+    }
+
     /// Its power spectrum inside a window, frequencies in cycles per pixel.
     pub(super) fn spectrum(&self, window: &Window) -> PixelSpectrum {
         let n = self.per_pixel;
@@ -199,28 +226,24 @@ impl PixelSpectrum {
         x.abs().max(y.abs()) * self.per_pixel
     }
 
-    /// Share of the power, the mean apart, above the pixels' Nyquist frequency: on pixels it turns up as something else.
-    pub(super) fn above_nyquist(&self) -> f64 {
-        let above = self.spectrum.power(|frequency| self.along_axes(frequency) > 0.5);
-        above / self.spectrum.power(|_| true).max(f64::MIN_POSITIVE)
+    /// Power, that of the mean apart, above a frequency in cycles per pixel. Half a cycle is the pixels' Nyquist limit: what is
+    /// above turns up on pixels as something else.
+    pub(super) fn power_above(&self, limit: f64) -> f64 {
+        self.spectrum
+            .power(|frequency| self.along_axes(frequency) > limit)
     }
 
-    /// Share of the power in bands of a width, up to a frequency: middle and share of each.
+    /// Power in bands of a width, up to a frequency: middle and power of each.
     pub(super) fn bands(&self, width: f64, end: f64) -> Vec<[f64; 2]> {
         let mut bands: Vec<[f64; 2]> = (0..(end / width).round() as usize)
             .map(|band| [(band as f64 + 0.5) * width, 0.0])
             .collect();
-        let mut all = 0.0;
         for (frequency, power) in self.spectrum.iter() {
-            all += power;
             let band = (self.along_axes(frequency) / width) as usize;
             if let Some(band) = bands.get_mut(band) {
                 band[1] += power;
             }
         }
         bands
-            .iter()
-            .map(|&[frequency, power]| [frequency, power / f64::max(all, f64::MIN_POSITIVE)])
-            .collect()
     }
 }

@@ -78,9 +78,15 @@ pub(super) fn spectrum(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Amplitude of the samples' spectrum at a line: the signal's and its repetitions.
+/// Amplitude of the samples' spectrum at a line: the signal's and its repetitions, or those of the mean.
 pub(super) fn repeated(amplitudes: &[f64], line: usize) -> f64 {
     let within = line % PERIOD;
-    let wave = within.min(PERIOD - within);
-    amplitudes.get(wave).copied().unwrap_or(0.0)
+    if within == 0 && line > 0 {
+        // Both of its sides, where the mean itself has one.
+        return 2.0;
+    }
+    amplitudes
+        .get(within.min(PERIOD - within))
+        .copied()
+        .unwrap_or(0.0)
 }
