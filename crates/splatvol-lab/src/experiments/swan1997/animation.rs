@@ -27,7 +27,7 @@ pub(super) fn flicker(
     for frame in 0..flight.frames {
         let moved = f64::from(frame) * flight.step;
         let [position, target] = [camera.position(), camera.target()].map(|point| point + moved);
-        let moved = view.from(Camera::new(position, target, camera.up(), camera.projection())?);
+        let moved = view.seen_from(Camera::new(position, target, camera.up(), camera.projection())?);
         frames.push(flight.window.luminance(&render(&moved)?));
     }
     let (mut sum, mut count) = (0.0, 0);

@@ -71,7 +71,8 @@ pub(super) fn plot(comparison: &Comparison, figure: &str) -> Plot {
 /// The pictures, as the paper shows them, and what they should be.
 pub(super) fn plate(comparison: &Comparison, figure: &str, k: f64) -> Plate {
     let samples = comparison.samples * comparison.samples;
-    let caption = "Without anti-aliasing, the black line at k; with it; and what it should be";
+    let caption =
+        "Without anti-aliasing, a black line at k where it is crossed; with it; and what it should be";
     let plate = Plate::new("pictures", figure, caption);
     let plate = comparison.measured.iter().fold(plate, |plate, one| {
         let image = match one.method.key {

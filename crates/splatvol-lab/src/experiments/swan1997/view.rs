@@ -71,7 +71,7 @@ impl View {
     }
 
     /// The same from another camera.
-    pub(super) fn from(&self, camera: Camera) -> Self {
+    pub(super) fn seen_from(&self, camera: Camera) -> Self {
         Self {
             scene: self.scene.clone(),
             camera,
