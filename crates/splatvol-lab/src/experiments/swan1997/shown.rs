@@ -16,13 +16,15 @@ pub(super) fn table(comparison: &Comparison, figure: &str) -> Table {
             "filter",
             "above Nyquist, 4 samples per pixel (%)",
             &format!("above Nyquist, {samples} samples per pixel (%)"),
-            "the same voxels faint, against standard splatting (%)",
+            "above Nyquist, the same voxels faint, against standard splatting (%)",
             "flicker (levels)",
+            "flicker, the same voxels faint, against standard splatting (%)",
             "up the picture (pixels)",
             &format!("error there against means of {samples} samples (levels)"),
             "mean opacity",
         ],
     );
+    let faint_flicker = comparison.number("plain", |one| one.faint.flicker);
     let faint = comparison.number("plain", |one| one.faint.above);
     for one in &comparison.measured {
         let [plain, ewa] = comparison
@@ -40,6 +42,7 @@ pub(super) fn table(comparison: &Comparison, figure: &str) -> Table {
             finer,
             (100.0 * one.faint.above / faint).into(),
             one.flicker.into(),
+            (100.0 * one.faint.flicker / faint_flicker).into(),
             up.into(),
             error.into(),
             one.opacity.into(),

@@ -102,10 +102,14 @@ fn flickering(outcome: &mut Outcome, comparison: &Comparison, claims: &Claims) {
         levels("plain"),
         comparison.truth_flicker
     ))
-    .explained_by(ADD_UP, ratio(|one| one.faint.flicker), LEFT)
     .explained_by(
         "what glides by jumps a little, too: means of many samples, with next to no aliasing, have this share",
         (comparison.truth_flicker / levels("plain")).powi(2),
+        Expectation::AtLeast(0.1),
+    )
+    .explained_by(
+        "the filter leaves much, even of the same voxels made faint, which only add up: this share",
+        ratio(|one| one.faint.flicker),
         Expectation::AtLeast(0.1),
     );
     outcome.find(claimed(finding, claims.animated));
