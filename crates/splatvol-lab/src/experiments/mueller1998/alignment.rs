@@ -299,7 +299,10 @@ mod tests {
             let b = -(s * s * t * kernel.y + kernel.z);
             let c = (s * kernel.y).powi(2) + kernel.z.powi(2);
             let least = c - b * b / a;
-            let expected = s * t.hypot(1.0) * (std::f64::consts::PI / (STEEPNESS * a)).sqrt() * (-STEEPNESS * least).exp();
+            let expected = s
+                * t.hypot(1.0)
+                * (std::f64::consts::PI / (STEEPNESS * a)).sqrt()
+                * (-STEEPNESS * least).exp();
             let found = kernel.integral(Row::Box, y_p);
             assert!((found - expected).abs() < 1e-6, "{y_p}: {found} {expected}");
         }

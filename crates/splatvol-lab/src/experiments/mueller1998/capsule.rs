@@ -2,14 +2,17 @@
 
 use glam::DVec3;
 use splatvol::{
-    Alignment, Camera, Compositing, Filter, Kernel, Motion, MotionBlur, Projection, RenderSettings, Renderer, Scene,
+    Alignment, Camera, Compositing, Filter, Kernel, Motion, MotionBlur, Projection, RenderSettings, Renderer,
+    Scene,
 };
 use splatvol_core::radial::RadialKernel;
 use splatvol_samples::Sample;
 
 use super::alignment::{RADIUS, sigma};
 use super::scenes::{scene, settings};
-use crate::{Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench};
+use crate::{
+    Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench,
+};
 
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "mueller1998-capsule",
@@ -49,7 +52,9 @@ impl Profile {
         let disc: f64 = (0..STEPS)
             .map(|i| std::f64::consts::TAU * at(i) * (self.height)(at(i)) / STEPS as f64)
             .sum();
-        let line: f64 = (0..STEPS).map(|i| 2.0 * (self.height)(at(i)) / STEPS as f64).sum();
+        let line: f64 = (0..STEPS)
+            .map(|i| 2.0 * (self.height)(at(i)) / STEPS as f64)
+            .sum();
         let area = std::f64::consts::PI;
         (disc + l * line) / disc * area / (area + 2.0 * l)
     }
@@ -73,7 +78,9 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
         name: "constant height",
         height: Box::new(|_| 1.0),
     };
-    let mut profiles: Vec<Profile> = kernels().map(|(key, name, kernel)| Profile::of(key, name, kernel)).into();
+    let mut profiles: Vec<Profile> = kernels()
+        .map(|(key, name, kernel)| Profile::of(key, name, kernel))
+        .into();
     profiles.push(flat);
     let ways = [0.5, 1.0, 2.0, 4.0, 8.0];
     let mut measured = Vec::new();
@@ -143,16 +150,28 @@ fn plot(profiles: &[Profile], measured: &[Vec<[f64; 2]>], ways: &[f64]) -> Plot 
         Axis::new("energy (share of the still splat's)"),
     );
     for profile in profiles {
-        let points = (0..=80).map(|i| f64::from(i) * 0.1).map(|l| [l, profile.energy(l)]);
+        let points = (0..=80)
+            .map(|i| f64::from(i) * 0.1)
+            .map(|l| [l, profile.energy(l)]);
         plot = plot.curve(Curve::new(&format!("capsule, {}", profile.name), points).dashed());
     }
-    let points = |method: usize| ways.iter().zip(&measured[0]).map(move |(&way, shares)| [way, shares[method]]);
+    let points = |method: usize| {
+        ways.iter()
+            .zip(&measured[0])
+            .map(move |(&way, shares)| [way, shares[method]])
+    };
     plot.curve(Curve::new("X-ray, capsules, Crawfis-Max", points(0)).dots())
         .curve(Curve::new("X-ray, closed form, Crawfis-Max", points(1)).dots())
 }
 
 fn table(profiles: &[Profile], measured: &[Vec<[f64; 2]>], ways: &[f64]) -> Table {
-    let columns = ["kernel", "length (radii)", "capsule, computed", "capsule, X-ray", "closed form, X-ray"];
+    let columns = [
+        "kernel",
+        "length (radii)",
+        "capsule, computed",
+        "capsule, X-ray",
+        "closed form, X-ray",
+    ];
     let caption = "energy of a motion-blurred splat, share of the still one's";
     let mut table = Table::new("energy", "Fig. 11", caption, &columns);
     for (profile, measured) in profiles.iter().zip(measured) {
@@ -197,20 +216,29 @@ fn claims(outcome: &mut Outcome, profiles: &[Profile], measured: &[Vec<[f64; 2]>
             ),
         );
         let largest = |of: &dyn Fn(f64, [f64; 2]) -> f64| {
-            let each = ways.iter().zip(measured).map(|(&way, &shares)| of(way, shares).abs());
+            let each = ways
+                .iter()
+                .zip(measured)
+                .map(|(&way, &shares)| of(way, shares).abs());
             each.fold(0.0, f64::max)
         };
         outcome.find(Finding::new(
             "Fig. 11",
             &format!("engine-{}", profile.key),
-            &format!("largest difference between X-rays of capsules and the computed energy, {}", profile.name),
+            &format!(
+                "largest difference between X-rays of capsules and the computed energy, {}",
+                profile.name
+            ),
             largest(&|way, [capsule, _]| capsule / profile.energy(way) - 1.0),
             Expectation::AtMost(0.01),
         ));
         outcome.find(Finding::new(
             "Fig. 11",
             &format!("exact-{}", profile.key),
-            &format!("largest change of the energy by the closed form, {}", profile.name),
+            &format!(
+                "largest change of the energy by the closed form, {}",
+                profile.name
+            ),
             largest(&|_, [_, exact]| exact - 1.0),
             Expectation::AtMost(0.005),
         ));

@@ -1,7 +1,9 @@
 //! Figure 9: contours of three kernels in perspective space, and how far their ray integrals are off.
 
 use super::alignment::{Kernel, Row, STEEPNESS, Setting};
-use crate::{Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench};
+use crate::{
+    Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench,
+};
 
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "mueller1998-kernels",
@@ -93,14 +95,21 @@ fn contours(column: &Column) -> Plot {
     let mut plot = Plot::curves(
         &format!("contours-{}", column.key),
         "Fig. 9",
-        &format!("the kernel {}: where it is a half and a tenth of its height", column.words),
+        &format!(
+            "the kernel {}: where it is a half and a tenth of its height",
+            column.words
+        ),
         Axis::new("y_p from the centre's ray (pixels)").range(-2.5, 2.5),
         Axis::new("z from the centre (voxels)").range(-2.0, 2.0),
     );
     for (row, name) in KERNELS {
         for (level, words) in [(0.5, "1/2"), (0.1, "1/10")] {
             let curve = Curve::new(&format!("{name}, {words}"), contour(&column.kernel, row, level));
-            plot = plot.curve(if row == Row::Trapezoid { curve } else { curve.dashed() });
+            plot = plot.curve(if row == Row::Trapezoid {
+                curve
+            } else {
+                curve.dashed()
+            });
         }
     }
     plot
@@ -139,7 +148,9 @@ fn bounds(outcome: &mut Outcome, column: &Column, rays: usize) {
         _ => [("less than 8", Expectation::AtMost(8.0)); 2],
     };
     for ((name, key, measured), (claim, expected)) in
-        [("along the grid", "grid", grid), ("across the ray", "ray", ray)].into_iter().zip(claims)
+        [("along the grid", "grid", grid), ("across the ray", "ray", ray)]
+            .into_iter()
+            .zip(claims)
     {
         outcome.find(
             Finding::new(
@@ -207,7 +218,15 @@ fn as_printed(outcome: &mut Outcome, setting: &Setting, rays: usize) {
 }
 
 fn table(setting: &Setting, rays: usize) -> Table {
-    let columns_of = ["voxel", "y (voxels)", "z - z_k (voxels)", "box (levels)", "ideal ray (levels)", "ray (levels)", "grid (levels)"];
+    let columns_of = [
+        "voxel",
+        "y (voxels)",
+        "z - z_k (voxels)",
+        "box (levels)",
+        "ideal ray (levels)",
+        "ray (levels)",
+        "grid (levels)",
+    ];
     let mut table = Table::new(
         "errors",
         "Fig. 9",
@@ -216,9 +235,17 @@ fn table(setting: &Setting, rays: usize) -> Table {
     );
     for column in columns(setting) {
         let kernel = column.kernel;
-        let mut cells = vec![column.words.into(), kernel.y.into(), (kernel.z - setting.z_k).into()];
+        let mut cells = vec![
+            column.words.into(),
+            kernel.y.into(),
+            (kernel.z - setting.z_k).into(),
+        ];
         let approximate = &Row::TABLE[1..];
-        cells.extend(approximate.iter().map(|&row| kernel.errors(row, rays).levels().into()));
+        cells.extend(
+            approximate
+                .iter()
+                .map(|&row| kernel.errors(row, rays).levels().into()),
+        );
         table.row(cells);
     }
     table

@@ -41,7 +41,12 @@ pub(super) fn above_terrain(scene: &Scene, side: f64) -> Result<Camera, LabError
     let elevation = 50_f64.to_radians();
     let towards = DVec3::new(0.0, -elevation.cos(), elevation.sin());
     let projection = Projection::Perspective { fov_degrees: FOV };
-    Ok(Camera::new(target + 1.02 * side * towards, target, DVec3::Z, projection)?)
+    Ok(Camera::new(
+        target + 1.02 * side * towards,
+        target,
+        DVec3::Z,
+        projection,
+    )?)
 }
 
 /// Spins a scene about its vertical axis by so many degrees while the shutter is open.
@@ -70,12 +75,24 @@ pub(super) fn averaged(image: &Image, n: usize) -> Result<Image, LabError> {
         sum.map(|value| (value / (n * n) as f64) as f32)
     };
     let pixels = (0..width * height).map(mean).collect();
-    Ok(Image::from_pixels(ImageSize::new(width as u32, height as u32)?, pixels)?)
+    Ok(Image::from_pixels(
+        ImageSize::new(width as u32, height as u32)?,
+        pixels,
+    )?)
 }
 
 /// Each pixel as a block of `n` by `n`.
 pub(super) fn enlarged(image: &Image, n: usize) -> Result<Image, LabError> {
     let [width, height] = <[u32; 2]>::from(image.size()).map(|side| side as usize * n);
     let pixels = (0..width * height).map(|index| image.pixel(index % width / n, index / width / n));
-    Ok(Image::from_pixels(ImageSize::new(width as u32, height as u32)?, pixels.collect())?)
+    Ok(Image::from_pixels(
+        ImageSize::new(width as u32, height as u32)?,
+        pixels.collect(),
+    )?)
+}
+
+/// How much a value differs from the mean of those before and after it: the square, times 2/3, whose mean over noise is the
+/// noise's variance.
+pub(super) fn unsteadiness([before, now, after]: [f64; 3]) -> f64 {
+    (now - 0.5 * (before + after)).powi(2) / 1.5
 }

@@ -6,7 +6,9 @@ use splatvol_core::splats::{Chunk, Footprint, GaussianProfile, KernelShape, Proj
 use splatvol_testing::Random;
 
 use super::alignment::{Kernel, Row, Setting, sigma};
-use crate::{Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench};
+use crate::{
+    Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench,
+};
 
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "mueller1998-table1",
@@ -29,11 +31,41 @@ edge off. Each footprint counts relative to its own peak.",
 };
 
 const WAYS: [(Row, Alignment, Stretch, &str, &str); 5] = [
-    (Row::Trapezoid, Alignment::Exact, Stretch::Trapezoid, "trapezoid", "row 1, --alignment exact --stretch trapezoid"),
-    (Row::Box, Alignment::Exact, Stretch::Box, "box", "row 2, --alignment exact --stretch box"),
-    (Row::RayIdeal, Alignment::RayIdeal, Stretch::Box, "ray-ideal", "row 3, --alignment ray-ideal"),
-    (Row::Ray, Alignment::Ray, Stretch::Box, "ray", "row 4, --alignment ray"),
-    (Row::Grid, Alignment::Grid, Stretch::Box, "grid", "row 5, --alignment grid"),
+    (
+        Row::Trapezoid,
+        Alignment::Exact,
+        Stretch::Trapezoid,
+        "trapezoid",
+        "row 1, --alignment exact --stretch trapezoid",
+    ),
+    (
+        Row::Box,
+        Alignment::Exact,
+        Stretch::Box,
+        "box",
+        "row 2, --alignment exact --stretch box",
+    ),
+    (
+        Row::RayIdeal,
+        Alignment::RayIdeal,
+        Stretch::Box,
+        "ray-ideal",
+        "row 3, --alignment ray-ideal",
+    ),
+    (
+        Row::Ray,
+        Alignment::Ray,
+        Stretch::Box,
+        "ray",
+        "row 4, --alignment ray",
+    ),
+    (
+        Row::Grid,
+        Alignment::Grid,
+        Stretch::Box,
+        "grid",
+        "row 5, --alignment grid",
+    ),
 ];
 
 /// Where the engine's kernel and ours are cut here, standard deviations.
@@ -44,7 +76,12 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let voxels = bench.choose(400, 60);
     let mut outcome = Outcome::default();
     let columns = ["row", "engine", "largest difference (levels)"];
-    let mut table = Table::new("rows", "Table 1", "the engine's footprints against the rows", &columns);
+    let mut table = Table::new(
+        "rows",
+        "Table 1",
+        "the engine's footprints against the rows",
+        &columns,
+    );
     for (step, way) in WAYS.into_iter().enumerate() {
         bench.step(step, WAYS.len(), way.4);
         let worst = difference(&setting, way, voxels)?;
@@ -53,7 +90,10 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
             Finding::new(
                 "Table 1",
                 way.3,
-                &format!("largest difference between the engine's footprint and the row ({})", way.4),
+                &format!(
+                    "largest difference between the engine's footprint and the row ({})",
+                    way.4
+                ),
                 worst,
                 Expectation::AtMost(0.25),
             )
@@ -118,7 +158,8 @@ fn difference(
         // Where the splat lies in 32 bits.
         let [_, y, z] = cloud.positions[0].map(f64::from);
         kernel = Kernel { y, z, ..kernel };
-        let projection = Projection::new(&cloud, &view, (Filter::Swan, alignment), &profile).with_stretch(stretch);
+        let projection =
+            Projection::new(&cloud, &view, (Filter::Swan, alignment), &profile).with_stretch(stretch);
         let footprint = projection
             .project(0)
             .ok_or_else(|| LabError::Measurement(format!("{name}: no footprint at {y}, {z}")))?;
@@ -127,7 +168,12 @@ fn difference(
     Ok(worst)
 }
 
-fn apart(footprint: &Footprint, profile: &GaussianProfile, kernel: &Kernel, (row, view): (Row, &View)) -> f64 {
+fn apart(
+    footprint: &Footprint,
+    profile: &GaussianProfile,
+    kernel: &Kernel,
+    (row, view): (Row, &View),
+) -> f64 {
     let pixel = |y_p: f64| [view.screen.centre.x as f32, (view.screen.centre.y + y_p) as f32];
     let engine = |y_p: f64| f64::from(footprint.integral(profile, None, pixel(y_p)));
     let ours = |y_p: f64| kernel.integral(row, y_p - f64::from(rounding(view, y_p)));
@@ -150,7 +196,12 @@ fn printed(outcome: &mut Outcome, setting: &Setting) {
     const RAYS: usize = 401;
     let kernel = setting.kernel(setting.edge(), 0.0);
     for (key, printed, corrected, words) in [
-        ("printed-row-3", Row::PrintedRayIdeal, Row::RayIdeal, "row 3 as printed"),
+        (
+            "printed-row-3",
+            Row::PrintedRayIdeal,
+            Row::RayIdeal,
+            "row 3 as printed",
+        ),
         ("printed-row-4", Row::PrintedRay, Row::Ray, "row 4 as printed"),
     ] {
         outcome.find(
