@@ -56,7 +56,7 @@ pub(super) fn tunnel_view(bench: &Workbench<'_>) -> Result<View, LabError> {
 
 /// Figure 6: from low before the landscape's edge.
 pub(super) fn terrain_view(bench: &Workbench<'_>) -> Result<View, LabError> {
-    let (dims, size) = bench.choose(([512, 512, 103], [320, 200]), ([160, 160, 32], [100, 62]));
+    let (dims, size) = bench.choose(([512, 512, 103], [272, 170]), ([160, 160, 32], [100, 62]));
     let scene = scene(Sample::Terrain, dims)?;
     let bounds = scene.volume.grid().bounds();
     let side = dims[0] as f64;
