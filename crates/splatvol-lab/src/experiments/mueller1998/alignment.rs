@@ -2,8 +2,8 @@
 //!
 //! Coordinates are the paper's: `z` along the viewing axis from the eye, `y` across it, in voxels; a ray is named by where it
 //! meets the plane `z = z_k`, on which pixels are as far apart as voxels, so `y_p` counts pixels. The kernel is
-//! `h(a, b) = exp(-1.38 (a^2 + b^2))`, cut at 2: the paper's "standard deviation of 1.38" is this factor, as its errors
-//! come out with no other reading. `s(z) = min(1, z_k / z)` undoes the stretch, `dy = y_p z / z_k - y_v`, `dz = z - z_v`:
+//! `h(a, b) = exp(-1.38 (a^2 + b^2))`, cut at 2: the paper's "standard deviation of 1.38" is this factor, as with that
+//! deviation its bounds would not hold. `s(z) = min(1, z_k / z)` undoes the stretch, `dy = y_p z / z_k - y_v`, `dz = z - z_v`:
 //!
 //! | row | argument of `h` | factor | integral |
 //! |---|---|---|---|
@@ -15,8 +15,8 @@
 //!
 //! with `r = sqrt(y_v^2 + z_v^2)`. What is corrected: row 3 is printed with `x_v` for `z_v` and squares of both in the
 //! sums, and its two arguments change places with them; row 4 with a minus in the denominator and `x_v` under the
-//! root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper does not say: in `dz` its own bound of 8
-//! levels far from `z_k`, or that of 2 near it, would not hold.
+//! root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper does not say: in `dz` its bound of two
+//! levels off the axis near `z_k` would not hold, where row 4 would err by 40.
 
 /// Of the exponent, as the paper's 1.38 must be read.
 pub(super) const STEEPNESS: f64 = 1.38;
