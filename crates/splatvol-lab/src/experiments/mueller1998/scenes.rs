@@ -1,0 +1,98 @@
+//! Scenes, settings and pictures that several experiments share.
+
+use glam::DVec3;
+use splatvol::{Camera, Filter, Image, ImageSize, Motion, MotionBlur, Projection, RenderSettings, Scene};
+use splatvol_samples::{Sample, SampleSize};
+
+use crate::LabError;
+
+/// A sample of some size with the look it comes with.
+pub(super) fn scene(sample: Sample, dims: [usize; 3]) -> Result<Scene, LabError> {
+    let volume = sample.generate(Some(SampleSize::Dims(dims)))?;
+    Ok(Scene::new(volume, sample.default_transfer_function()?))
+}
+
+/// The paper's method, without motion blur: Crawfis-Max splats one by one, each aligned by an error budget; unlit, as its
+/// splats have the colours of the data.
+pub(super) fn settings([width, height]: [u32; 2], filter: Filter) -> Result<RenderSettings, LabError> {
+    Ok(RenderSettings {
+        size: ImageSize::new(width, height)?,
+        filter,
+        motion_blur: MotionBlur::None,
+        lighting: None,
+        ..RenderSettings::mueller1998()
+    })
+}
+
+/// The paper's four pictures: plain, anti-aliased, motion-blurred, both.
+pub(super) const FOUR: [(&str, Filter, MotionBlur); 4] = [
+    ("plain", Filter::None, MotionBlur::None),
+    ("anti-aliased", Filter::SwanAlpha, MotionBlur::None),
+    ("motion-blurred", Filter::None, MotionBlur::Capsule),
+    ("both", Filter::SwanAlpha, MotionBlur::Capsule),
+];
+
+/// Vertical field of view of the pictures of things that spin, degrees.
+const FOV: f64 = 30.0;
+
+/// Looks down on a terrain of `side` voxels, whose ground fills the picture at any turn.
+pub(super) fn above_terrain(scene: &Scene, side: f64) -> Result<Camera, LabError> {
+    let target = scene.volume.grid().bounds().centre() - DVec3::Z * 0.05 * side;
+    let elevation = 50_f64.to_radians();
+    let towards = DVec3::new(0.0, -elevation.cos(), elevation.sin());
+    let projection = Projection::Perspective { fov_degrees: FOV };
+    Ok(Camera::new(
+        target + 1.02 * side * towards,
+        target,
+        DVec3::Z,
+        projection,
+    )?)
+}
+
+/// Spins a scene about its vertical axis by so many degrees while the shutter is open.
+pub(super) fn spinning(scene: Scene, degrees: f64) -> Scene {
+    let motion = Motion::Spin {
+        axis: DVec3::Z,
+        centre: scene.volume.grid().bounds().centre(),
+        angle: degrees.to_radians(),
+    };
+    Scene {
+        motion: Some(motion),
+        ..scene
+    }
+}
+
+/// The mean of each block of `n` by `n` pixels.
+pub(super) fn averaged(image: &Image, n: usize) -> Result<Image, LabError> {
+    let [width, height] = <[u32; 2]>::from(image.size()).map(|side| side as usize / n);
+    let mean = |index: usize| {
+        let (x, y) = (index % width * n, index / width * n);
+        let mut sum = [0.0; 4];
+        for part in 0..n * n {
+            let pixel = image.pixel(x + part % n, y + part / n);
+            sum = std::array::from_fn(|c| sum[c] + f64::from(pixel[c]));
+        }
+        sum.map(|value| (value / (n * n) as f64) as f32)
+    };
+    let pixels = (0..width * height).map(mean).collect();
+    Ok(Image::from_pixels(
+        ImageSize::new(width as u32, height as u32)?,
+        pixels,
+    )?)
+}
+
+/// Each pixel as a block of `n` by `n`.
+pub(super) fn enlarged(image: &Image, n: usize) -> Result<Image, LabError> {
+    let [width, height] = <[u32; 2]>::from(image.size()).map(|side| side as usize * n);
+    let pixels = (0..width * height).map(|index| image.pixel(index % width / n, index / width / n));
+    Ok(Image::from_pixels(
+        ImageSize::new(width as u32, height as u32)?,
+        pixels.collect(),
+    )?)
+}
+
+/// How much a value differs from the mean of those before and after it: the square, times 2/3, whose mean over noise is the
+/// noise's variance.
+pub(super) fn unsteadiness([before, now, after]: [f64; 3]) -> f64 {
+    (now - 0.5 * (before + after)).powi(2) / 1.5
+}

@@ -1,0 +1,73 @@
+//! What figures 5 and 6 look at.
+
+use glam::DVec3;
+use splatvol::{Camera, Projection, RenderSettings, Scene};
+use splatvol_samples::Sample;
+
+use super::scenes::scene;
+use crate::{LabError, Workbench};
+
+/// Something to look at.
+pub(super) struct View {
+    /// The paper's.
+    pub(super) figure: &'static str,
+    /// What there is to see.
+    pub(super) scene: Scene,
+    /// From where.
+    pub(super) camera: Camera,
+    /// Pixels.
+    pub(super) size: [u32; 2],
+    /// Samples per pixel along each axis of what counts as right.
+    pub(super) samples: u32,
+}
+
+/// Where pixels are as far apart as voxels (eq. 3).
+pub(super) fn z_k(view: &View, settings: &RenderSettings) -> f64 {
+    let screen = view.camera.screen_from_camera(settings.size);
+    screen.scale * view.scene.volume.grid().mean_spacing()
+}
+
+/// The view's camera so many steps further on: a step is a hundredth of the longest side.
+pub(super) fn forward(view: &View, steps: f64) -> Result<Camera, LabError> {
+    let camera = &view.camera;
+    let bounds = view.scene.volume.grid().bounds();
+    let longest = (bounds.max - bounds.min).max_element();
+    let way = 0.01 * steps * longest * (camera.target() - camera.position()).normalize();
+    let (position, target) = (camera.position() + way, camera.target() + way);
+    Ok(Camera::new(position, target, camera.up(), camera.projection())?)
+}
+
+/// Figure 5: from the mouth of the tube.
+pub(super) fn tunnel_view(bench: &Workbench<'_>) -> Result<View, LabError> {
+    let (dims, side) = bench.choose(([160, 160, 300], 240), ([80, 80, 150], 120));
+    let scene = scene(Sample::Tunnel, dims)?;
+    let bounds = scene.volume.grid().bounds();
+    let centre = bounds.centre();
+    let mouth = DVec3::new(centre.x, centre.y, bounds.min.z);
+    let projection = Projection::Perspective { fov_degrees: 90.0 };
+    Ok(View {
+        figure: "Fig. 5",
+        scene,
+        camera: Camera::new(mouth, centre, DVec3::Y, projection)?,
+        size: [side, side],
+        samples: bench.choose(6, 4),
+    })
+}
+
+/// Figure 6: from low before the landscape's edge.
+pub(super) fn terrain_view(bench: &Workbench<'_>) -> Result<View, LabError> {
+    let (dims, size) = bench.choose(([512, 512, 103], [272, 170]), ([160, 160, 32], [100, 62]));
+    let scene = scene(Sample::Terrain, dims)?;
+    let bounds = scene.volume.grid().bounds();
+    let side = dims[0] as f64;
+    let target = bounds.centre() - DVec3::Z * 0.1 * side;
+    let position = target + side * DVec3::new(0.0, -0.62, 0.3);
+    let projection = Projection::Perspective { fov_degrees: 40.0 };
+    Ok(View {
+        figure: "Fig. 6",
+        scene,
+        camera: Camera::new(position, target, DVec3::Z, projection)?,
+        size,
+        samples: bench.choose(6, 4),
+    })
+}
