@@ -56,31 +56,44 @@ impl Cube {
     }
 }
 
-/// A picture of opacity and colour, and how it keeps its numbers.
+/// How buffers keep numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rounding {
+    /// As they are.
+    None,
+    /// Sums to the nearest of 255 levels.
+    Nearest,
+    /// What is added is cut to whole levels, as shifted integers are.
+    Down,
+}
+
+/// A picture of opacity and colour.
 struct Buffer {
     pixels: Vec<DVec2>,
-    eight_bits: bool,
+    rounding: Rounding,
 }
 
 impl Buffer {
-    fn new(count: usize, eight_bits: bool) -> Self {
+    fn new(count: usize, rounding: Rounding) -> Self {
         Self {
             pixels: vec![DVec2::ZERO; count],
-            eight_bits,
+            rounding,
         }
     }
 
     fn add(&mut self, at: usize, more: DVec2) {
-        let sum = (self.pixels[at] + more).min(DVec2::ONE);
-        self.pixels[at] = match self.eight_bits {
-            true => (255.0 * sum).round() / 255.0,
-            false => sum,
+        let before = self.pixels[at];
+        let sum = match self.rounding {
+            Rounding::None => before + more,
+            Rounding::Nearest => (255.0 * (before + more)).round() / 255.0,
+            Rounding::Down => before + (255.0 * more).floor() / 255.0,
         };
+        self.pixels[at] = sum.min(DVec2::ONE);
     }
 }
 
-/// Opacity and colour of every pixel, in buffers of 8 bits or without rounding.
-pub(super) fn render(cube: &Cube, lookup: Lookup, eight_bits: bool) -> Result<Vec<DVec2>, LabError> {
+/// Opacity and colour of every pixel, by buffers of this kind.
+pub(super) fn render(cube: &Cube, lookup: Lookup, rounding: Rounding) -> Result<Vec<DVec2>, LabError> {
     let table = FootprintTable::new(KERNEL, lookup.table)?;
     let support = RadialKernel::new(KERNEL).support();
     let edge = cube.edge();
@@ -88,12 +101,12 @@ pub(super) fn render(cube: &Cube, lookup: Lookup, eight_bits: bool) -> Result<Ve
     let depth = |index: Option<&DVec3>| index.map_or(0.0, |voxel| voxel.z);
     let first = (depth(voxels.first()) - support).floor() as i64;
     let last = (depth(voxels.last()) + support).ceil() as i64;
-    let mut picture = Buffer::new(edge * edge, eight_bits);
+    let mut picture = Buffer::new(edge * edge, rounding);
     for sheet in first..last {
         let near = sheet as f64;
         let begin = voxels.partition_point(|voxel| voxel.z <= near - support);
         let end = voxels.partition_point(|voxel| voxel.z < near + 1.0 + support);
-        let mut buffer = Buffer::new(edge * edge, eight_bits);
+        let mut buffer = Buffer::new(edge * edge, rounding);
         for voxel in &voxels[begin..end] {
             let depths = [near, near + 1.0].map(|depth| ((depth - voxel.z) / support) as f32);
             splat(cube, (&table, lookup.cells), (*voxel, depths), &mut buffer);

@@ -3,6 +3,7 @@
 mod data;
 mod differences;
 mod eight_bits;
+mod lookups;
 mod method;
 mod post;
 mod rates;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, ColorPoint, FootprintTable, Grid, ImageSize, OpacityPoint, Projection, Rasterizer,
-    RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
+    Camera, Classification, ColorPoint, FootprintTable, Grid, ImageSize, OpacityPoint, Projection,
+    Rasterizer, RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
 };
 use splatvol_cpu::kernels::{self, Footprint, Scratch, Sheet, Splats};
 use splatvol_testing::Random;
@@ -97,7 +97,11 @@ struct Kernels<const CHANNELS: usize> {
 impl<const CHANNELS: usize> Kernels<CHANNELS> {
     fn new(radius: f64, edge: f64, count: usize) -> Self {
         let mut random = Random::new(63);
-        let mut places = || (0..count).map(|_| random.range(radius, edge - radius) as f32).collect();
+        let mut places = || {
+            (0..count)
+                .map(|_| random.range(radius, edge - radius) as f32)
+                .collect()
+        };
         Self {
             x: places(),
             y: places(),
@@ -116,7 +120,13 @@ impl<const CHANNELS: usize> Kernels<CHANNELS> {
         };
         let level = kernels::levels()[0].1;
         let start = std::time::Instant::now();
-        kernels::splat(level, &mut self.sheet, &self.footprint, &splats, &mut self.scratch);
+        kernels::splat(
+            level,
+            &mut self.sheet,
+            &self.footprint,
+            &splats,
+            &mut self.scratch,
+        );
         self.x.len() as f64 * PI * radius * radius / start.elapsed().as_secs_f64()
     }
 }
@@ -260,7 +270,9 @@ fn rate_findings(outcome: &mut Outcome, (figure, key): (&str, &str), rates: &Rat
             square(24.0) / square(16.0),
             Expectation::relative(1.0, 0.15),
         )
-        .published(Published::Claim("levels off as the radius approaches 24".to_owned()))
+        .published(Published::Claim(
+            "levels off as the radius approaches 24".to_owned(),
+        ))
         .timed(),
     );
     outcome.find(
@@ -319,7 +331,11 @@ fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError
     }
     let rates: Vec<f64> = rates.into_iter().map(median).collect();
     for (key, quantity, ratio) in [
-        ("sixteen-bits", "rate of square with 16 bits over that with 8, radius 8", rates[1] / rates[0]),
+        (
+            "sixteen-bits",
+            "rate of square with 16 bits over that with 8, radius 8",
+            rates[1] / rates[0],
+        ),
         (
             "rlut-cells",
             "rate of RLUT with 100 x 100 cells over that with 10 x 10, radius 8",
@@ -354,12 +370,19 @@ fn plot(figure: &str, name: &str, rates: &Rates) -> Plot {
         Axis::new("radius (pixels)"),
         Axis::logarithmic("million pixels per second"),
     );
-    rates.methods.iter().zip(&rates.values).fold(start, |plot, (method, values)| {
-        let points = RADII.iter().zip(values).map(|(&radius, rate)| [radius, rate / 1e6]);
-        let curve = Curve::new(method, points).dots();
-        plot.curve(match FASTSPLATS.iter().any(|one| one.0 == *method) {
-            true => curve,
-            false => curve.dashed(),
+    rates
+        .methods
+        .iter()
+        .zip(&rates.values)
+        .fold(start, |plot, (method, values)| {
+            let points = RADII
+                .iter()
+                .zip(values)
+                .map(|(&radius, rate)| [radius, rate / 1e6]);
+            let curve = Curve::new(method, points).dots();
+            plot.curve(match FASTSPLATS.iter().any(|one| one.0 == *method) {
+                true => curve,
+                false => curve.dashed(),
+            })
         })
-    })
 }

@@ -115,15 +115,13 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
         .unit("KB")
         .published(Published::Number(354.0)),
     );
-    outcome.find(
-        Finding::new(
-            "Section 3.2",
-            "counted-radii",
-            "footprints of 1 to 128 pixels in radius, counted with symmetry, over those in diameter",
-            diameters as f64 / edges as f64,
-            Expectation::relative(4.0, 0.05),
-        ),
-    );
+    outcome.find(Finding::new(
+        "Section 3.2",
+        "counted-radii",
+        "footprints of 1 to 128 pixels in radius, counted with symmetry, over those in diameter",
+        diameters as f64 / edges as f64,
+        Expectation::relative(4.0, 0.05),
+    ));
     let default = table_bytes(128, Precision::U8)?;
     outcome.find(
         Finding::new(
@@ -158,12 +156,18 @@ fn numbers(counted: &[usize]) -> Result<Table, LabError> {
     );
     let sums = running_sums(counted);
     for diameter in [16, 32, 64, 128, 256] {
-        table.row([format!("2D, up to {diameter} pixels").into(), sums[diameter - 1].into()]);
+        table.row([
+            format!("2D, up to {diameter} pixels").into(),
+            sums[diameter - 1].into(),
+        ]);
     }
     for entries in [32, 64, 128, 256, 512, 1024] {
         for (bits, precision) in [(8, Precision::U8), (16, Precision::U16)] {
             let bytes = table_bytes(entries, precision)?;
-            table.row([format!("1D, {entries} entries of {bits} bits").into(), bytes.into()]);
+            table.row([
+                format!("1D, {entries} entries of {bits} bits").into(),
+                bytes.into(),
+            ]);
         }
     }
     Ok(table)
@@ -173,7 +177,10 @@ fn plot(counted: &[usize]) -> Result<Plot, LabError> {
     let sums = running_sums(counted);
     let at = |index: usize| (index + 1) as f64;
     let every = |values: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
-        (0..sums.len()).step_by(3).map(|index| [at(index), values(index)]).collect()
+        (0..sums.len())
+            .step_by(3)
+            .map(|index| [at(index), values(index)])
+            .collect()
     };
     let mut plot = Plot::curves(
         "bytes",
