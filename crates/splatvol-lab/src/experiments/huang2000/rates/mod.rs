@@ -1,5 +1,8 @@
 //! Scan-conversion rates: section 6.3, Fig. 5 and 6.
 
+mod findings;
+mod show;
+
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -11,9 +14,9 @@ use splatvol_cpu::kernels::{self, Footprint, Scratch, Sheet, Splats};
 use splatvol_testing::Random;
 
 use super::method::{FASTSPLATS, RLUT, Subject, fastsplats};
-use crate::{
-    Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plot, Published, Table, Workbench,
-};
+use crate::{Expectation, Experiment, Finding, LabError, Outcome, Published, Workbench};
+use findings::{channel_findings, rate_findings};
+use show::{numbers, plot};
 
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "huang2000-rates",
@@ -228,81 +231,6 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// The order of the four, and how rates grow with the radius.
-fn rate_findings(outcome: &mut Outcome, (figure, key): (&str, &str), rates: &Rates) {
-    let order = ["linear", "RLUT", "square", "2D"];
-    for radius in [4.0, 24.0] {
-        let measured = order.map(|method| (method, rates.at(method, radius) / 1e6));
-        outcome.find(
-            Finding::order(
-                figure,
-                &format!("{key}-order-{radius}"),
-                &format!("million pixels per second at radius {radius}: pairs in another order"),
-                &order,
-                &measured,
-                0.03,
-            )
-            .timed()
-            .explained_by(
-                "a square root costs today's processors little: rate of square over that of linear",
-                rates.at("square", radius) / rates.at("linear", radius),
-                Expectation::AtMost(1.1),
-            ),
-        );
-    }
-    let square = |radius| rates.at("square", radius);
-    outcome.find(
-        Finding::new(
-            figure,
-            &format!("{key}-grows"),
-            "rate of square at radius 24 over its rate at 2",
-            square(24.0) / square(2.0),
-            Expectation::AtLeast(1.2),
-        )
-        .published(Published::Claim("for large splats, higher rates".to_owned()))
-        .timed(),
-    );
-    outcome.find(
-        Finding::new(
-            figure,
-            &format!("{key}-levels-off"),
-            "rate of square at radius 24 over its rate at 16",
-            square(24.0) / square(16.0),
-            Expectation::relative(1.0, 0.15),
-        )
-        .published(Published::Claim(
-            "levels off as the radius approaches 24".to_owned(),
-        ))
-        .timed(),
-    );
-    outcome.find(
-        Finding::new(
-            figure,
-            &format!("{key}-simd"),
-            "rate of our SIMD kernels over that of 2D, radius 8",
-            rates.at(SIMD, 8.0) / rates.at("2D", 8.0),
-            Expectation::AtLeast(2.0),
-        )
-        .timed(),
-    );
-}
-
-fn channel_findings(outcome: &mut Outcome, [four, one]: [&Rates; 2]) {
-    for (method, _) in FASTSPLATS {
-        outcome.find(
-            Finding::new(
-                "Fig. 6",
-                &format!("one-over-four-{}", method.to_lowercase()),
-                &format!("rate of one channel over that of four, {method}, radius 16"),
-                one.at(method, 16.0) / four.at(method, 16.0),
-                Expectation::Between(1.05, 2.5),
-            )
-            .published(Published::Claim("higher, far less than 3".to_owned()))
-            .timed(),
-        );
-    }
-}
-
 /// What makes no difference to rates, as the paper says: precision, and cells of RLUT.
 fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError> {
     let radius = 8.0;
@@ -349,40 +277,4 @@ fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError
         );
     }
     Ok(())
-}
-
-fn numbers(figure: &str, name: &str, rates: &Rates) -> Table {
-    let mut columns = vec!["radius (pixels)"];
-    columns.extend(&rates.methods);
-    let mut table = Table::new(name, figure, "Million pixels per second", &columns);
-    for (index, radius) in RADII.into_iter().enumerate() {
-        let of_radius = rates.values.iter().map(|values| (values[index] / 1e6).into());
-        table.row(std::iter::once(radius.into()).chain(of_radius));
-    }
-    table
-}
-
-fn plot(figure: &str, name: &str, rates: &Rates) -> Plot {
-    let start = Plot::curves(
-        name,
-        figure,
-        "scan-conversion rates by the radius",
-        Axis::new("radius (pixels)"),
-        Axis::logarithmic("million pixels per second"),
-    );
-    rates
-        .methods
-        .iter()
-        .zip(&rates.values)
-        .fold(start, |plot, (method, values)| {
-            let points = RADII
-                .iter()
-                .zip(values)
-                .map(|(&radius, rate)| [radius, rate / 1e6]);
-            let curve = Curve::new(method, points).dots();
-            plot.curve(match FASTSPLATS.iter().any(|one| one.0 == *method) {
-                true => curve,
-                false => curve.dashed(),
-            })
-        })
 }
