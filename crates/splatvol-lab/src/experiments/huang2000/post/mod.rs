@@ -4,8 +4,8 @@ mod findings;
 mod show;
 
 use splatvol::{
-    BumpMap, Camera, Classification, Extraction, Image, ImageSize, Rasterizer, RenderSettings, Scene,
-    SolidTexture, Stuff, View,
+    Appearance, BumpMap, Camera, Classification, Extraction, Image, ImageSize, PixelOperator, Rasterizer,
+    RenderSettings, Scene, SheetSample, SolidTexture, Stuff, View,
 };
 
 use super::data;
@@ -139,7 +139,17 @@ struct Operated {
     plain: f64,
     solid: f64,
     bump: f64,
+    /// With an operator that does nothing.
+    idle: f64,
     fastsplats: f64,
+}
+
+/// An operator that does nothing: what operators take whatever they do.
+#[derive(Debug)]
+struct Idle;
+
+impl PixelOperator for Idle {
+    fn apply(&self, _: &SheetSample, _: &mut Appearance) {}
 }
 
 /// The default engine on sheets a voxel apart.
@@ -166,20 +176,23 @@ fn operators(bench: &Workbench<'_>, brain: &View8) -> Result<Operated, LabError>
     let [solid, bump] = operated(&brain.scene)?;
     let engine = default_engine(size);
     let by_table = brain.settings(size, Classification::Post);
+    let idle = brain.scene.clone().with_operator(Idle);
     let mut subjects = [
         Subject::new(&brain.scene, &brain.camera, engine)?,
         Subject::new(&solid, &brain.camera, engine)?,
         Subject::new(&bump, &brain.camera, engine)?,
+        Subject::new(&idle, &brain.camera, engine)?,
         Subject::new(&brain.scene, &brain.camera, by_table)?,
     ];
     match seconds(&mut subjects, bench.choose(5, 3))?[..] {
-        [plain, solid, bump, fastsplats] => Ok(Operated {
+        [plain, solid, bump, idle, fastsplats] => Ok(Operated {
             plain,
             solid,
             bump,
+            idle,
             fastsplats,
         }),
-        _ => Err(LabError::Measurement("not four times".to_owned())),
+        _ => Err(LabError::Measurement("not five times".to_owned())),
     }
 }
 

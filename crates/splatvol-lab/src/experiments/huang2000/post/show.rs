@@ -70,6 +70,11 @@ pub(super) fn fig9_numbers(operated: &Operated) -> Table {
     table.row(["without".into(), 7.25.into(), operated.plain.into()]);
     table.row(["marble".into(), 9.41.into(), operated.solid.into()]);
     table.row(["bump map".into(), 7.99.into(), operated.bump.into()]);
+    table.row([
+        "an operator that does nothing".into(),
+        "–".into(),
+        operated.idle.into(),
+    ]);
     table
 }
 

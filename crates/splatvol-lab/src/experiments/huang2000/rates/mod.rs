@@ -37,6 +37,9 @@ the default engine has for grids, on sheets of four channels and of one.",
 };
 
 const RADII: [f64; 6] = [2.0, 4.0, 8.0, 12.0, 16.0, 24.0];
+const ROUNDS: usize = 5;
+/// What is reported of progress: rounds and the one before them, twice, and variants.
+const STEPS: usize = 2 * (ROUNDS + 1) + 1;
 /// Voxels of the slab along depth.
 const LAYERS: usize = 4;
 /// Our kernel's name.
@@ -159,53 +162,77 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The rates of one radius, median over rounds in which every method takes its turn: FastSplats and auto, then our kernels.
-fn at_radius<const CHANNELS: usize>(
-    bench: &Workbench<'_>,
+/// The splats of one radius: FastSplats and auto, then our kernels.
+struct Station<'a, const CHANNELS: usize> {
     radius: f64,
-    rasterizers: &[Rasterizer],
-) -> Result<Vec<f64>, LabError> {
-    let edge = bench.choose(512, 192);
-    let size = ImageSize::new(edge, edge)?;
-    let (scene, camera) = slab(radius, f64::from(edge))?;
-    let classification = match CHANNELS {
-        1 => Classification::Post,
-        _ => Classification::Pre,
-    };
-    let mut subjects = rasterizers
-        .iter()
-        .map(|&rasterizer| Subject::new(&scene, &camera, settings(size, rasterizer, classification)))
-        .collect::<Result<Vec<_>, _>>()?;
-    let count = scene.volume.grid().sample_count() * LAYERS;
-    let mut kernels = Kernels::<CHANNELS>::new(radius, f64::from(edge), count);
-    let rounds = 5;
-    let mut rates = vec![Vec::new(); rasterizers.len() + 1];
-    for round in 0..=rounds {
-        for (index, subject) in subjects.iter_mut().enumerate() {
-            let one = rate(subject, radius)?;
-            rates[index].extend((round > 0).then_some(one));
-        }
-        let one = kernels.rate(radius);
-        rates[rasterizers.len()].extend((round > 0).then_some(one));
-    }
-    Ok(rates.into_iter().map(median).collect())
+    subjects: Vec<Subject<'a>>,
+    kernels: Kernels<CHANNELS>,
+    /// Per method and round.
+    rates: Vec<Vec<f64>>,
 }
 
+impl<'a, const CHANNELS: usize> Station<'a, CHANNELS> {
+    fn new(
+        size: ImageSize,
+        radius: f64,
+        (scene, camera): &'a (Scene, Camera),
+        rasterizers: &[Rasterizer],
+    ) -> Result<Self, LabError> {
+        let classification = match CHANNELS {
+            1 => Classification::Post,
+            _ => Classification::Pre,
+        };
+        let subject = |&rasterizer| Subject::new(scene, camera, settings(size, rasterizer, classification));
+        let count = scene.volume.grid().sample_count() * LAYERS;
+        Ok(Self {
+            radius,
+            subjects: rasterizers.iter().map(subject).collect::<Result<_, _>>()?,
+            kernels: Kernels::new(radius, f64::from(size.width()), count),
+            rates: vec![Vec::new(); rasterizers.len() + 1],
+        })
+    }
+
+    /// Every method once.
+    fn round(&mut self, counted: bool) -> Result<(), LabError> {
+        for index in 0..self.rates.len() {
+            let one = match self.subjects.get_mut(index) {
+                Some(subject) => rate(subject, self.radius)?,
+                None => self.kernels.rate(self.radius),
+            };
+            self.rates[index].extend(counted.then_some(one));
+        }
+        Ok(())
+    }
+}
+
+/// Medians over rounds in which every method takes its turn at every radius.
 fn all_radii<const CHANNELS: usize>(bench: &Workbench<'_>, done: usize) -> Result<Rates, LabError> {
     let mut methods: Vec<&str> = FASTSPLATS.iter().map(|one| one.0).collect();
     let mut rasterizers: Vec<Rasterizer> = FASTSPLATS.iter().map(|one| one.1).collect();
     rasterizers.push(Rasterizer::Auto);
     methods.extend(["auto", SIMD]);
-    let mut values = vec![Vec::new(); methods.len()];
-    for (index, &radius) in RADII.iter().enumerate() {
+    let edge = bench.choose(512, 192);
+    let size = ImageSize::new(edge, edge)?;
+    let slabs = RADII.map(|radius| slab(radius, f64::from(edge)));
+    let slabs = slabs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let stations = RADII.iter().zip(&slabs);
+    let mut stations = stations
+        .map(|(&radius, slab)| Station::<CHANNELS>::new(size, radius, slab, &rasterizers))
+        .collect::<Result<Vec<_>, _>>()?;
+    for round in 0..=ROUNDS {
         bench.step(
-            done + index,
-            2 * RADII.len() + 1,
-            &format!("radius {radius}, channels {CHANNELS}"),
+            done + round,
+            STEPS,
+            &format!("channels: {CHANNELS}, round {round} of {ROUNDS}"),
         );
-        let rates = at_radius::<CHANNELS>(bench, radius, &rasterizers)?;
-        for (of_method, rate) in values.iter_mut().zip(rates) {
-            of_method.push(rate);
+        for station in &mut stations {
+            station.round(round > 0)?;
+        }
+    }
+    let mut values = vec![Vec::new(); methods.len()];
+    for station in stations {
+        for (of_method, rates) in values.iter_mut().zip(station.rates) {
+            of_method.push(median(rates));
         }
     }
     Ok(Rates { methods, values })
@@ -213,13 +240,13 @@ fn all_radii<const CHANNELS: usize>(bench: &Workbench<'_>, done: usize) -> Resul
 
 fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let four = all_radii::<4>(bench, 0)?;
-    let one = all_radii::<1>(bench, RADII.len())?;
+    let one = all_radii::<1>(bench, ROUNDS + 1)?;
     let mut outcome = Outcome::default();
     for (figure, key, rates) in [("Fig. 5", "four", &four), ("Fig. 6", "one", &one)] {
         rate_findings(&mut outcome, (figure, key), rates);
     }
     channel_findings(&mut outcome, [&four, &one]);
-    bench.step(2 * RADII.len(), 2 * RADII.len() + 1, "precision and positions");
+    bench.step(STEPS - 1, STEPS, "precision and positions");
     variants(bench, &mut outcome)?;
     for (figure, name, rates) in [
         ("Fig. 5", "four-channels", &four),

@@ -146,7 +146,12 @@ pub(super) fn across_findings(outcome: &mut Outcome, cases: &[Case]) {
             .detail(format!(
                 "{:.1} % of the voxels are hidden",
                 100.0 * brain.hidden_share
-            )),
+            ))
+            .explained_by(
+                "our brain is solid below its skin and hides more: sections drawn without occlusion over those with it",
+                brain.open_slices as f64 / brain.slices as f64,
+                Expectation::AtLeast(8.0),
+            ),
         );
         outcome.find(Finding::new(
             "Table 1, brain",

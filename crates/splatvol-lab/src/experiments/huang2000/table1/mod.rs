@@ -54,6 +54,8 @@ struct Row {
     splat: f64,
     splats: u64,
     slices: u64,
+    /// The same without occlusion.
+    open_slices: u64,
     /// Pixels of the sections' boxes.
     pixels: f64,
     hidden_share: f64,
@@ -166,6 +168,7 @@ fn measure(bench: &Workbench<'_>, case: &mut Case) -> Result<(), LabError> {
                 splat: statistics.seconds.splat / statistics.seconds.total,
                 splats: statistics.voxels + statistics.hidden_voxels,
                 slices: statistics.slices,
+                open_slices: showing[index].statistics().slices,
                 pixels: statistics.slices as f64 * section,
                 hidden_share: statistics.hidden_share,
             }
