@@ -4,6 +4,6 @@ mod clock;
 mod picture;
 mod spectrum;
 
-pub(crate) use clock::median_seconds;
+pub(crate) use clock::{Timed, median_seconds};
 pub(crate) use picture::{luminance, psnr};
 pub(crate) use spectrum::Spectrum;

@@ -1,0 +1,307 @@
+//! Scan-conversion rates: section 6.3, Fig. 5 and 6.
+
+mod findings;
+mod show;
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use splatvol::{
+    Camera, Classification, ColorPoint, FootprintTable, Grid, ImageSize, OpacityPoint, Projection,
+    Rasterizer, RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
+};
+use splatvol_cpu::kernels::{self, Footprint, Scratch, Sheet, Splats};
+use splatvol_testing::Random;
+
+use super::method::{FASTSPLATS, RLUT, Subject, fastsplats};
+use crate::{Expectation, Experiment, Finding, LabError, Outcome, Published, Workbench};
+use findings::{channel_findings, rate_findings};
+use show::{numbers, plot};
+
+pub(super) const EXPERIMENT: Experiment = Experiment {
+    name: "huang2000-rates",
+    paper: "huang2000",
+    title: "pixels per second of the four FastSplats, and of ours, by the splats' radius",
+    figures: &["Fig. 5", "Fig. 6", "Section 6.3"],
+    about: "The paper splats footprints of one radius at scattered places of a 512 x 512 picture, with different sections of the \
+kernel, and counts pixels per second: of four channels (pre-classified) and of one (post-classified).
+
+We render a tilted slab of four layers of voxels that fills such a picture, so close that a kernel has the radius asked for. A \
+pixel is one of a footprint's disc, of one sheet. The time is that of opening splats and drawing their sections, without compositing; \
+medians of interleaved rounds, one thread. Pre-classified sheets hold five channels here: four, and the depth. Post-classified ones hold two: the \
+value and its weight.
+
+Two curves are ours. *auto* evaluates footprints instead of looking them up, within the same engine. *SIMD sheets* are the kernels that \
+the default engine has for grids, on sheets of four channels and of one.",
+    run,
+};
+
+const RADII: [f64; 6] = [2.0, 4.0, 8.0, 12.0, 16.0, 24.0];
+const ROUNDS: usize = 5;
+/// What is reported of progress: rounds and the one before them, twice, and variants.
+const STEPS: usize = 2 * (ROUNDS + 1) + 1;
+/// Voxels of the slab along depth.
+const LAYERS: usize = 4;
+/// Our kernel's name.
+const SIMD: &str = "SIMD sheets";
+
+/// A slab of equal voxels that fills a picture when kernels of radius 2 voxels have this radius in pixels.
+fn slab(radius: f64, edge: f64) -> Result<(Scene, Camera), LabError> {
+    let per_voxel = radius / 2.0;
+    // The slab is turned within the picture, and its footprints stay inside.
+    let voxels = ((edge - 2.0 * radius - 4.0) / (1.3 * per_voxel)) as usize;
+    let dims = [voxels.max(2), voxels.max(2), LAYERS];
+    let grid = Grid::centred(dims, DVec3::ONE)?;
+    let mut values = vec![200_u8; dims.iter().product()];
+    // One other value keeps the range of values open.
+    values[0] = 100;
+    let volume = Volume::new(grid, Samples::U8(values), Default::default(), Default::default())?;
+    let faint = TransferFunction::new(
+        vec![ColorPoint::new(0.0, [0.8, 0.7, 0.5])],
+        vec![OpacityPoint::new(0.0, 0.02)],
+        None,
+    )?;
+    let camera = Camera::new(
+        DVec3::new(17.0, 11.0, 100.0) * 10.0,
+        DVec3::ZERO,
+        DVec3::new(0.23, 1.0, 0.0),
+        Projection::Orthographic {
+            height: edge / per_voxel,
+        },
+    )?;
+    Ok((Scene::new(volume, faint), camera))
+}
+
+/// The picture as one tile, of which nothing is ever finished.
+fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classification) -> RenderSettings {
+    RenderSettings {
+        classification,
+        lighting: None,
+        termination: 0.0,
+        ..fastsplats(size, rasterizer)
+    }
+}
+
+/// Pixels of all footprints' sections in a frame, and the seconds for them.
+fn rate(subject: &mut Subject<'_>, radius: f64) -> Result<f64, LabError> {
+    subject.render()?;
+    let statistics = subject.statistics();
+    let pixels = statistics.slices as f64 * PI * radius * radius;
+    Ok(pixels / statistics.seconds.splat)
+}
+
+/// Our kernels on a sheet of their own.
+struct Kernels<const CHANNELS: usize> {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    weights: Vec<[f32; CHANNELS]>,
+    sheet: Sheet<CHANNELS>,
+    footprint: Footprint,
+    scratch: Scratch,
+}
+
+impl<const CHANNELS: usize> Kernels<CHANNELS> {
+    fn new(radius: f64, edge: f64, count: usize) -> Self {
+        let mut random = Random::new(63);
+        let mut places = || {
+            (0..count)
+                .map(|_| random.range(radius, edge - radius) as f32)
+                .collect()
+        };
+        Self {
+            x: places(),
+            y: places(),
+            weights: vec![[1e-3; CHANNELS]; count],
+            sheet: Sheet::new([edge as usize; 2]),
+            footprint: Footprint::round((0.602 / 2.0 * radius) as f32, radius as f32),
+            scratch: Scratch::default(),
+        }
+    }
+
+    fn rate(&mut self, radius: f64) -> f64 {
+        let splats = Splats {
+            x: &self.x,
+            y: &self.y,
+            weights: &self.weights,
+        };
+        let level = kernels::levels()[0].1;
+        let start = std::time::Instant::now();
+        kernels::splat(
+            level,
+            &mut self.sheet,
+            &self.footprint,
+            &splats,
+            &mut self.scratch,
+        );
+        self.x.len() as f64 * PI * radius * radius / start.elapsed().as_secs_f64()
+    }
+}
+
+/// Rates of all methods at all radii: `[method][radius]`, pixels per second.
+struct Rates {
+    methods: Vec<&'static str>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Rates {
+    fn of(&self, method: &str) -> &[f64] {
+        let index = self.methods.iter().position(|one| *one == method);
+        index.map_or(&[], |index| self.values[index].as_slice())
+    }
+
+    /// At a radius of [`RADII`].
+    fn at(&self, method: &str, radius: f64) -> f64 {
+        let index = RADII.iter().position(|one| *one == radius);
+        let rate = index.and_then(|index| self.of(method).get(index));
+        rate.copied().unwrap_or(f64::NAN)
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// The splats of one radius: FastSplats and auto, then our kernels.
+struct Station<'a, const CHANNELS: usize> {
+    radius: f64,
+    subjects: Vec<Subject<'a>>,
+    kernels: Kernels<CHANNELS>,
+    /// Per method and round.
+    rates: Vec<Vec<f64>>,
+}
+
+impl<'a, const CHANNELS: usize> Station<'a, CHANNELS> {
+    fn new(
+        size: ImageSize,
+        radius: f64,
+        (scene, camera): &'a (Scene, Camera),
+        rasterizers: &[Rasterizer],
+    ) -> Result<Self, LabError> {
+        let classification = match CHANNELS {
+            1 => Classification::Post,
+            _ => Classification::Pre,
+        };
+        let subject = |&rasterizer| Subject::new(scene, camera, settings(size, rasterizer, classification));
+        let count = scene.volume.grid().sample_count() * LAYERS;
+        Ok(Self {
+            radius,
+            subjects: rasterizers.iter().map(subject).collect::<Result<_, _>>()?,
+            kernels: Kernels::new(radius, f64::from(size.width()), count),
+            rates: vec![Vec::new(); rasterizers.len() + 1],
+        })
+    }
+
+    /// Every method once.
+    fn round(&mut self, counted: bool) -> Result<(), LabError> {
+        for index in 0..self.rates.len() {
+            let one = match self.subjects.get_mut(index) {
+                Some(subject) => rate(subject, self.radius)?,
+                None => self.kernels.rate(self.radius),
+            };
+            self.rates[index].extend(counted.then_some(one));
+        }
+        Ok(())
+    }
+}
+
+/// Medians over rounds in which every method takes its turn at every radius.
+fn all_radii<const CHANNELS: usize>(bench: &Workbench<'_>, done: usize) -> Result<Rates, LabError> {
+    let mut methods: Vec<&str> = FASTSPLATS.iter().map(|one| one.0).collect();
+    let mut rasterizers: Vec<Rasterizer> = FASTSPLATS.iter().map(|one| one.1).collect();
+    rasterizers.push(Rasterizer::Auto);
+    methods.extend(["auto", SIMD]);
+    let edge = bench.choose(512, 192);
+    let size = ImageSize::new(edge, edge)?;
+    let slabs = RADII.map(|radius| slab(radius, f64::from(edge)));
+    let slabs = slabs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let stations = RADII.iter().zip(&slabs);
+    let mut stations = stations
+        .map(|(&radius, slab)| Station::<CHANNELS>::new(size, radius, slab, &rasterizers))
+        .collect::<Result<Vec<_>, _>>()?;
+    for round in 0..=ROUNDS {
+        bench.step(
+            done + round,
+            STEPS,
+            &format!("channels: {CHANNELS}, round {round} of {ROUNDS}"),
+        );
+        for station in &mut stations {
+            station.round(round > 0)?;
+        }
+    }
+    let mut values = vec![Vec::new(); methods.len()];
+    for station in stations {
+        for (of_method, rates) in values.iter_mut().zip(station.rates) {
+            of_method.push(median(rates));
+        }
+    }
+    Ok(Rates { methods, values })
+}
+
+fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    let four = all_radii::<4>(bench, 0)?;
+    let one = all_radii::<1>(bench, ROUNDS + 1)?;
+    let mut outcome = Outcome::default();
+    for (figure, key, rates) in [("Fig. 5", "four", &four), ("Fig. 6", "one", &one)] {
+        rate_findings(&mut outcome, (figure, key), rates);
+    }
+    channel_findings(&mut outcome, [&four, &one]);
+    bench.step(STEPS - 1, STEPS, "precision and positions");
+    variants(bench, &mut outcome)?;
+    for (figure, name, rates) in [
+        ("Fig. 5", "four-channels", &four),
+        ("Fig. 6", "one-channel", &one),
+    ] {
+        outcome.tables.push(numbers(figure, name, rates));
+        outcome.plots.push(plot(figure, name, rates));
+    }
+    Ok(outcome)
+}
+
+/// What makes no difference to rates, as the paper says: precision, and cells of RLUT.
+fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError> {
+    let radius = 8.0;
+    let edge = bench.choose(512, 192);
+    let size = ImageSize::new(edge, edge)?;
+    let (scene, camera) = slab(radius, f64::from(edge))?;
+    let square = settings(size, Rasterizer::Square1d, Classification::Pre);
+    let wide = RenderSettings {
+        table: FootprintTable {
+            precision: TablePrecision::U16,
+            ..square.table
+        },
+        ..square
+    };
+    let rlut = |rasterizer| RenderSettings { rasterizer, ..square };
+    let each = [square, wide, rlut(RLUT), rlut(Rasterizer::Rlut { subpixels: 10 })];
+    let mut subjects = each
+        .into_iter()
+        .map(|settings| Subject::new(&scene, &camera, settings))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut rates = vec![Vec::new(); subjects.len()];
+    for _ in 0..7 {
+        for (subject, rates) in subjects.iter_mut().zip(&mut rates) {
+            rates.push(rate(subject, radius)?);
+        }
+    }
+    let rates: Vec<f64> = rates.into_iter().map(median).collect();
+    for (key, quantity, ratio) in [
+        (
+            "sixteen-bits",
+            "rate of square with 16 bits over that with 8, radius 8",
+            rates[1] / rates[0],
+        ),
+        (
+            "rlut-cells",
+            "rate of RLUT with 100 x 100 cells over that with 10 x 10, radius 8",
+            rates[2] / rates[3],
+        ),
+    ] {
+        outcome.find(
+            Finding::new("Fig. 5", key, quantity, ratio, Expectation::relative(1.0, 0.1))
+                .published(Published::Claim("the same rates".to_owned()))
+                .timed(),
+        );
+    }
+    Ok(())
+}

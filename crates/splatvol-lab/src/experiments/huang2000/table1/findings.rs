@@ -1,0 +1,173 @@
+//! Findings of Table 1: orders and ratios of seconds.
+
+use super::Case;
+use crate::experiments::huang2000::lookups::Lookups;
+use crate::{Expectation, Finding, Outcome, Published};
+
+/// Orders and ratios within a volume. Seconds that differ by less than a fiftieth count as equal: so do the paper's own of the
+/// brain by the square and the RLUT FastSplat.
+pub(super) fn time_findings(outcome: &mut Outcome, case: &Case, lookups: &Lookups) {
+    let figure = format!("Table 1, {}", case.name);
+    let mut order: Vec<&str> = case.methods.iter().map(|one| one.0).collect();
+    order.sort_by(|a, b| case.published(a).total_cmp(&case.published(b)));
+    let measured: Vec<(&str, f64)> = case.rows.iter().map(|row| (row.method, row.seconds)).collect();
+    let key = |what: &str| format!("{}-{what}", case.name);
+    let splat = case.row("square").map_or(f64::NAN, |row| row.splat);
+    let most = measured.iter().map(|one| one.1).fold(0.0, f64::max);
+    let least = measured.iter().map(|one| one.1).fold(f64::INFINITY, f64::min);
+    outcome.find(
+        Finding::order(
+            &figure,
+            &key("order"),
+            "seconds: pairs of methods in another order",
+            &order,
+            &measured,
+            0.02,
+        )
+        .timed()
+        .explained_by(
+            "the method is a small part of a frame today: all are within this factor of each other",
+            most / least,
+            Expectation::AtMost(1.5),
+        ),
+    );
+    // What finding entries alone takes, nanoseconds per pixel.
+    let alone = |method: &str| match method {
+        "linear" => lookups.linear,
+        "RLUT" => lookups.rlut,
+        "2D" => lookups.copied,
+        _ => lookups.square,
+    };
+    // Seconds over those of square, if methods differ in nothing else.
+    let predicted = |method: &str| {
+        case.row("square").map_or(f64::NAN, |square| {
+            let more = 1e-9 * (alone(method) - alone("square")) * square.pixels;
+            1.0 + more / square.seconds
+        })
+    };
+    for method in ["linear", "RLUT", "2D"] {
+        let Some([measured, published]) = case.ratio(method, "square") else {
+            continue;
+        };
+        let nearer = match published > 1.0 {
+            true => Expectation::AtMost(0.85 * published),
+            false => Expectation::AtLeast(1.15 * published),
+        };
+        outcome.find(
+            Finding::new(
+                &figure,
+                &key(&format!("{}-over-square", method.to_lowercase())),
+                &format!("seconds of {method} over those of square"),
+                measured,
+                Expectation::relative(published, 0.15),
+            )
+            .published(Published::Number(published))
+            .timed()
+            .explained_by(
+                "part of a frame is the same for all methods: footprints become pixels in this share of it",
+                splat,
+                Expectation::AtMost(0.75),
+            )
+            .explained_by(
+                "methods differ in how they find a pixel's entry, which timed alone on this processor makes for this ratio",
+                predicted(method),
+                nearer,
+            ),
+        );
+    }
+}
+
+/// The methods without the rest of a frame.
+pub(super) fn lookup_finding(outcome: &mut Outcome, lookups: &Lookups) {
+    let measured = [
+        ("2D", lookups.copied),
+        ("square", lookups.square),
+        ("RLUT", lookups.rlut),
+        ("linear", lookups.linear),
+    ];
+    outcome.find(
+        Finding::order(
+            "Table 1",
+            "lookups-order",
+            "nanoseconds to find a pixel's entry, alone: pairs of methods in another order",
+            &["2D", "square", "RLUT", "linear"],
+            &measured,
+            0.02,
+        )
+        .timed(),
+    );
+}
+
+/// What sets volumes apart.
+pub(super) fn across_findings(outcome: &mut Outcome, cases: &[Case]) {
+    let of = |name: &str| cases.iter().find(|case| case.name == name);
+    let square = |name: &str| of(name).and_then(|case| case.row("square"));
+    let seconds = |name: &str| square(name).map_or(f64::NAN, |row| row.seconds);
+    let names = ["brain", "nerve", "tomato"];
+    outcome.find(
+        Finding::order(
+            "Table 1",
+            "volumes-order",
+            "seconds by the square FastSplat: pairs of volumes in another order",
+            &names,
+            &names.map(|name| (name, seconds(name))),
+            0.02,
+        )
+        .timed(),
+    );
+    let drawn = |name: &str| square(name).map_or(f64::NAN, |row| row.slices as f64);
+    outcome.find(
+        Finding::new(
+            "Table 1",
+            "tomato-over-brain",
+            "seconds of the tomato over those of the brain, square",
+            seconds("tomato") / seconds("brain"),
+            Expectation::relative(25.23 / 4.33, 0.3),
+        )
+        .published(Published::Number(25.23 / 4.33))
+        .timed()
+        .explained_by(
+            "our tomato is another than theirs, and so is our brain: sections drawn, tomato over brain",
+            drawn("tomato") / drawn("brain"),
+            Expectation::AtLeast(8.0),
+        ),
+    );
+    if let Some(brain) = square("brain") {
+        outcome.find(
+            Finding::new(
+                "Section 7",
+                "occlusion",
+                "seconds of the opaque brain without occlusion over those with it, square",
+                brain.open / brain.seconds,
+                Expectation::Between(3.0, 8.0),
+            )
+            .published(Published::Number(5.0))
+            .timed()
+            .detail(format!(
+                "{:.1} % of the voxels are hidden",
+                100.0 * brain.hidden_share
+            ))
+            .explained_by(
+                "our brain is solid below its skin and hides more: sections drawn without occlusion over those with it",
+                brain.open_slices as f64 / brain.slices as f64,
+                Expectation::AtLeast(8.0),
+            ),
+        );
+        outcome.find(Finding::new(
+            "Table 1, brain",
+            "brain-hidden",
+            "share of the opaque brain's visible voxels that occlusion leaves out",
+            brain.hidden_share,
+            Expectation::AtLeast(0.5),
+        ));
+    }
+    if let Some(tomato) = square("tomato") {
+        outcome.find(Finding::new(
+            "Table 1, tomato",
+            "tomato-hidden",
+            "share of the faint tomato's voxels that occlusion leaves out",
+            tomato.hidden_share,
+            Expectation::AtMost(0.05),
+        ));
+    }
+}
