@@ -21,11 +21,17 @@
 //! voxels do; points on the border of unstructured cells have the part of it that is inside.
 
 mod adjacency;
+mod corners;
+mod gradation;
 mod gradient;
+mod lattice_regions;
 mod moments;
 mod normalise;
+mod pieces;
 mod reference_cell;
+mod resample;
 mod structured;
+mod tree;
 mod unstructured;
 
 #[cfg(test)]
@@ -34,6 +40,8 @@ mod tests;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::{Mesh, Topology};
+
+pub use resample::{MOST_PER_SAMPLE, Resampling};
 
 /// Kernels of a mesh, in its local space. All fields are of one length.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -48,16 +56,18 @@ pub struct Kernels {
     pub values: Vec<f32>,
     /// Gradients of the value per local unit.
     pub gradients: Vec<[f32; 3]>,
+    /// Where samples were too few.
+    pub resampling: Resampling,
 }
 
 /// The kernels of a mesh, of standard deviation `sigma` in units of its cells (a regular grid's voxels). Samples that
 /// are missing or blanked have none, nor have those whose cells have no volume. The same on any number of threads.
 pub fn kernels(mesh: &Mesh, sigma: f64) -> Kernels {
-    let samples = match mesh.topology() {
+    let (samples, resampling) = match mesh.topology() {
         Topology::Structured(blocks) => structured::samples(mesh, blocks, sigma),
         Topology::Unstructured(cells) => unstructured::samples(mesh, cells, sigma),
     };
-    Kernels::of(&samples, &mesh.field().values)
+    Kernels::of(&samples, resampling)
 }
 
 /// A sample with its kernel, before it is known whether it is seen.
@@ -67,29 +77,32 @@ struct Sample {
     covariance: DMat3,
     mass: f64,
     gradient: DVec3,
+    value: f32,
     /// False where the sample is blanked or its cells are flat.
     valid: bool,
 }
 
+impl Sample {
+    /// The value that the gradient leads to, within a range.
+    fn value_at(&self, place: DVec3, [low, high]: [f32; 2]) -> f64 {
+        let value = f64::from(self.value) + self.gradient.dot(place - self.position);
+        value.max(f64::from(low)).min(f64::from(high))
+    }
+}
+
 impl Kernels {
-    fn of(samples: &[Sample], values: &[f32]) -> Self {
-        let seen: Vec<(&Sample, f32)> = samples
+    fn of(samples: &[Sample], resampling: Resampling) -> Self {
+        let seen: Vec<&Sample> = samples
             .iter()
-            .zip(values.iter().copied())
-            .filter(|(sample, value)| sample.valid && value.is_finite() && sample.mass > 0.0)
+            .filter(|sample| sample.valid && sample.value.is_finite() && sample.mass > 0.0)
             .collect();
         Self {
-            positions: seen
-                .par_iter()
-                .map(|(s, _)| s.position.as_vec3().to_array())
-                .collect(),
-            covariances: seen.par_iter().map(|(s, _)| symmetric(&s.covariance)).collect(),
-            masses: seen.par_iter().map(|(s, _)| s.mass as f32).collect(),
-            values: seen.par_iter().map(|&(_, value)| value).collect(),
-            gradients: seen
-                .par_iter()
-                .map(|(s, _)| s.gradient.as_vec3().to_array())
-                .collect(),
+            positions: seen.par_iter().map(|s| s.position.as_vec3().to_array()).collect(),
+            covariances: seen.par_iter().map(|s| symmetric(&s.covariance)).collect(),
+            masses: seen.par_iter().map(|s| s.mass as f32).collect(),
+            values: seen.par_iter().map(|s| s.value).collect(),
+            gradients: seen.par_iter().map(|s| s.gradient.as_vec3().to_array()).collect(),
+            resampling,
         }
     }
 
