@@ -27,7 +27,7 @@ pub const MOST_PER_SAMPLE: usize = 16;
 /// Growth of a kernel per spacing that needs no more kernels: cells may grow by 1.6 from one to the next.
 const TRIGGER: f64 = 0.6;
 /// Growth to which covariances are cut; the later ones where too many kernels come of the first.
-const GROWTHS: [f64; 3] = [0.2, 0.4, 0.8];
+const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
 /// Steps of normalisation, Chebyshev's for eigenvalues from 0.15 to 1.
 const STEPS: [f64; 13] = [
     1.0, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65,
