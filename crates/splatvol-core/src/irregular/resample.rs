@@ -24,8 +24,6 @@ use crate::eigen::eigen;
 
 /// Kernels, by samples, at most.
 pub const MOST_PER_SAMPLE: usize = 16;
-/// Growth of a kernel per spacing that needs no more kernels: cells may grow by 1.6 from one to the next.
-const TRIGGER: f64 = 0.6;
 /// Growth to which covariances are cut; the later ones where too many kernels come of the first.
 const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
 /// Steps of normalisation, Chebyshev's for eigenvalues from 0.15 to 1.
@@ -87,10 +85,10 @@ impl Resampling {
 pub(super) fn resample(
     samples: &[Sample],
     regions: &impl Regions,
-    sigma: f64,
+    (trigger, sigma): (f64, f64),
     wanted: impl Fn(usize) -> bool + Sync,
 ) -> Option<Resampled> {
-    let mut touched = violations(samples, regions, (TRIGGER, sigma), wanted);
+    let mut touched = violations(samples, regions, (trigger, sigma), wanted);
     if !touched.iter().any(|&touched| touched) {
         return None;
     }

@@ -3,12 +3,10 @@
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::{Association, Mesh};
-use std::collections::HashMap;
-use std::ops::Range;
 
 use super::lattice_regions::LatticeRegions;
 use super::normalise::{Correction, Evaluated, sweep};
-use super::resample::{Resampled, Resampling, resample};
+use super::resample::{Resampled, resample};
 use super::{Sample, position};
 
 /// Neighbours along an axis that a kernel reaches: four of its standard deviations of 0.74 voxels.
@@ -20,58 +18,8 @@ const STEPS: [f64; 3] = [1.0; 3];
 /// of a quarter of it.
 const EVEN: f64 = 0.08;
 
-/// The samples of all blocks, in the order of the values.
-pub(super) fn samples(mesh: &Mesh, blocks: &[[usize; 3]], sigma: f64) -> (Vec<Sample>, Resampling) {
-    let of_cells = mesh.field().association == Association::Cell;
-    let values = &mesh.field().values;
-    let (mut all, mut resampled, mut first_point, mut first_value) = (Vec::new(), Vec::new(), 0, 0);
-    for &dims in blocks {
-        let points = first_point..first_point + dims.iter().product::<usize>();
-        let lattice = match of_cells {
-            true => Lattice::of_cells(mesh, dims, points.start),
-            false => Lattice::of_points(mesh, dims, points.start),
-        };
-        let own = first_value..first_value + lattice.positions.len();
-        let mut samples = lattice.samples(&values[own.clone()], sigma);
-        if let Some(found) = lattice.normalise(&mut samples, sigma) {
-            resampled.push((own.clone(), found));
-        }
-        all.extend(samples);
-        (first_point, first_value) = (points.end, own.end);
-    }
-    let shares = match of_cells {
-        true => Vec::new(),
-        false => share_coincident(&mut all),
-    };
-    replaced(all, &shares, &resampled)
-}
-
-/// The samples with those of some ranges replaced by what they were resampled to.
-fn replaced(
-    samples: Vec<Sample>,
-    shares: &[f64],
-    resampled: &[(Range<usize>, Resampled)],
-) -> (Vec<Sample>, Resampling) {
-    let mut report = Resampling::default();
-    if resampled.is_empty() {
-        return (samples, report);
-    }
-    let (mut joined, mut next) = (Vec::new(), 0);
-    for (range, found) in resampled {
-        joined.extend_from_slice(&samples[next..range.start]);
-        joined.extend(found.samples.iter().zip(&found.owners).map(|(sample, &owner)| {
-            let share = shares.get(range.start + owner as usize).copied().unwrap_or(1.0);
-            Sample {
-                mass: sample.mass * share,
-                ..*sample
-            }
-        }));
-        report.join(&found.report);
-        next = range.end;
-    }
-    joined.extend_from_slice(&samples[next..]);
-    (joined, report)
-}
+/// Growth of a kernel per spacing that needs no more kernels: cells may grow by 1.6 from one to the next.
+const TRIGGER: f64 = 0.6;
 
 /// Samples along i, j, k.
 pub(super) struct Lattice {
@@ -87,7 +35,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    fn of_points(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
+    pub(super) fn of_points(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
         let count: usize = dims.iter().product();
         let valid = |point: usize| !mesh.blanked().get(first + point).copied().unwrap_or(false);
         Self {
@@ -100,7 +48,7 @@ impl Lattice {
         }
     }
 
-    fn of_cells(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
+    pub(super) fn of_cells(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
         let points = Self::of_points(mesh, dims, first);
         let cells = dims.map(|size| size - 1);
         let count: usize = cells.iter().product();
@@ -138,7 +86,7 @@ impl Lattice {
         Some(corners_of(cell, points.dims).map(|point| points.positions[point]))
     }
 
-    fn samples(&self, values: &[f32], sigma: f64) -> Vec<Sample> {
+    pub(super) fn samples(&self, values: &[f32], sigma: f64) -> Vec<Sample> {
         (0..self.positions.len())
             .into_par_iter()
             .map(|index| self.sample(index, values, sigma))
@@ -146,7 +94,7 @@ impl Lattice {
     }
 
     /// Makes a constant constant, with other samples where that needs more.
-    fn normalise(&self, samples: &mut [Sample], sigma: f64) -> Option<Resampled> {
+    pub(super) fn normalise(&self, samples: &mut [Sample], sigma: f64) -> Option<Resampled> {
         let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
         let steps: Vec<DMat3> = (0..samples.len())
             .into_par_iter()
@@ -162,7 +110,7 @@ impl Lattice {
             kernels: &kernels,
             steps: &steps,
         };
-        let resampled = resample(samples, &regions, sigma, |index| !even[index]);
+        let resampled = resample(samples, &regions, (TRIGGER, sigma), |index| !even[index]);
         if resampled.is_some() {
             return resampled;
         }
@@ -359,22 +307,4 @@ pub(super) fn index_of(index: usize, dims: [usize; 3]) -> [usize; 3] {
         index / dims[0] % dims[1],
         index / (dims[0] * dims[1]),
     ]
-}
-
-/// Points that lie in one place - where blocks meet, where a block closes upon itself - share one mass; the share of each.
-fn share_coincident(samples: &mut [Sample]) -> Vec<f64> {
-    let key = |sample: &Sample| sample.position.as_vec3().to_array().map(|c| (c + 0.0).to_bits());
-    let mut counts: HashMap<[u32; 3], u32> = HashMap::with_capacity(samples.len());
-    for sample in samples.iter().filter(|sample| sample.valid) {
-        *counts.entry(key(sample)).or_default() += 1;
-    }
-    let share = |sample: &Sample| match counts.get(&key(sample)) {
-        Some(&count) if sample.valid => f64::from(count).recip(),
-        _ => 1.0,
-    };
-    let shares: Vec<f64> = samples.iter().map(share).collect();
-    for (sample, share) in samples.iter_mut().zip(&shares) {
-        sample.mass *= share;
-    }
-    shares
 }

@@ -106,7 +106,8 @@ fn gradients_of_linear_fields_are_exact() {
         Topology::Unstructured(hexahedra(dims)),
     ] {
         let kernels = kernels(&mesh(&points, topology, Association::Point), SIGMA);
-        assert_eq!(kernels.len(), points.len());
+        // Points of a structured grid that are moved that far are resampled.
+        assert!(kernels.len() >= points.len());
         for gradient in &kernels.gradients {
             let error = (DVec3::from_array(gradient.map(f64::from)) - SLOPE).length();
             // Values are f32 of magnitude 10.

@@ -24,6 +24,10 @@ const STEPS_OF_POINTS: [f64; 4] = [1.03, 4.34, 1.33, 2.24];
 /// The same from 0.15 on: cells differ more.
 const STEPS_OF_CELLS: [f64; 6] = [1.015, 6.08, 1.46, 2.15, 1.142, 3.65];
 
+/// Growth of a kernel per spacing that needs no more kernels.
+const TRIGGER_OF_POINTS: f64 = 0.6;
+const TRIGGER_OF_CELLS: f64 = 1.0;
+
 /// The samples of points or cells, in the order of the values.
 pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, Resampling) {
     let tables = Tables::of(cells);
@@ -50,16 +54,16 @@ pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, R
         }
     };
     add_values(&mut samples, &mesh.field().values, &neighbours);
-    let (passes, steps): (usize, &[f64]) = match mesh.field().association {
-        Association::Point => (PASSES_OF_POINTS, &STEPS_OF_POINTS),
-        Association::Cell => (PASSES_OF_CELLS, &STEPS_OF_CELLS),
+    let (passes, steps, trigger): (usize, &[f64], f64) = match mesh.field().association {
+        Association::Point => (PASSES_OF_POINTS, &STEPS_OF_POINTS, TRIGGER_OF_POINTS),
+        Association::Cell => (PASSES_OF_CELLS, &STEPS_OF_CELLS, TRIGGER_OF_CELLS),
     };
     for _ in 0..passes {
         smooth_covariances(&mut samples, &neighbours);
     }
     let inner = inner_samples(mesh, cells, &cells_of_points, &neighbours);
     let regions = CornerRegions::new(mesh, cells, &samples, (&cells_of_points, &neighbours), &inner);
-    if let Some(found) = resample(&samples, &regions, WIDENING * sigma, |_| true) {
+    if let Some(found) = resample(&samples, &regions, (trigger, WIDENING * sigma), |_| true) {
         return (found.samples, found.report);
     }
     normalise(&mut samples, &neighbours, &inner, steps);

@@ -61,11 +61,16 @@ fn measure(
 fn a_constant_stays_constant_on_skewed_structured_cells() {
     for (name, place) in places() {
         let points = block(DIMS, &place);
-        for association in [Association::Point, Association::Cell] {
+        // Cells take four times as long to measure: one case has them.
+        let associations = match name {
+            "boundary layer 1:50" => vec![Association::Point, Association::Cell],
+            _ => vec![Association::Point],
+        };
+        for association in associations {
             let (found, kernels) = measure(&points, Topology::Structured(vec![DIMS]), association, &place);
             println!("{name} {association:?}: {:?}, {found:?}", kernels.resampling);
             assert!(
-                found.largest < 0.02 && found.mean < 0.006,
+                found.largest < 0.015 && found.mean < 0.006,
                 "{name} {association:?}: {found:?}"
             );
             assert!(found.linear < 0.06, "{name} {association:?}: {found:?}");
@@ -102,21 +107,27 @@ fn split(points: &mut Vec<DVec3>, cells: &Cells) -> Cells {
 fn a_constant_stays_constant_on_skewed_unstructured_cells() {
     let identity: Place = Box::new(|u| u);
     let x: Place = Box::new(|u: DVec3| DVec3::new(jump(u.x), u.y, u.z));
-    let mut cases: Vec<(&str, &Place, Vec<DVec3>, Cells)> = vec![
-        ("tetra jump 1:8", &x, block(DIMS, &x), tetrahedra(DIMS)),
-        ("hexa jump 1:8", &x, block(DIMS, &x), hexahedra(DIMS)),
+    let mut split_points = block(DIMS, |u| u);
+    let slivers = split(&mut split_points, &tetrahedra(DIMS));
+    let cases: [(&str, &Place, Vec<DVec3>, Cells, &[Association]); 3] = [
         (
-            "tetra jitter 0.4",
-            &identity,
-            jittered(DIMS, 0.4),
+            "tetra jump 1:8",
+            &x,
+            block(DIMS, &x),
             tetrahedra(DIMS),
+            &[Association::Point, Association::Cell],
         ),
+        (
+            "hexa jump 1:8",
+            &x,
+            block(DIMS, &x),
+            hexahedra(DIMS),
+            &[Association::Point],
+        ),
+        ("slivers", &identity, split_points, slivers, &[Association::Point]),
     ];
-    let mut points = block(DIMS, |u| u);
-    let slivers = split(&mut points, &tetrahedra(DIMS));
-    cases.push(("tetra slivers", &identity, points, slivers));
-    for (name, place, points, cells) in cases {
-        for association in [Association::Point, Association::Cell] {
+    for (name, place, points, cells, associations) in cases {
+        for &association in associations {
             let (found, kernels) =
                 measure(&points, Topology::Unstructured(cells.clone()), association, place);
             println!("{name} {association:?}: {:?}, {found:?}", kernels.resampling);
