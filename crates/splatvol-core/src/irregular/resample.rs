@@ -42,7 +42,7 @@ pub(super) struct Cut {
 
 /// What samples stand for.
 pub(super) trait Regions: Neighbours {
-    /// Whether parts overlap so little with pieces that these are gathered to fewer.
+    /// Whether pieces, smaller than they need be where cells are no boxes, are gathered to fewer.
     const GATHERED: bool;
 
     /// The parts of a sample's region and how often they are cut; none where the whole is no longer than its kernel allows.
@@ -148,8 +148,13 @@ impl<R: Regions> Surroundings<'_, R> {
     fn counts(&self, is_touched: impl Fn(usize) -> bool + Sync) -> Option<Vec<usize>> {
         let limit = MOST_PER_SAMPLE * self.samples.len();
         let raw = |index: usize| {
-            let cuts = is_touched(index).then(|| self.cuts(index)).unwrap_or_default();
-            cuts.iter().map(|cut| cut.counts.iter().product::<usize>()).sum()
+            if !is_touched(index) {
+                return 0;
+            }
+            self.cuts(index)
+                .iter()
+                .map(|cut| cut.counts.iter().product::<usize>())
+                .sum()
         };
         let mut counts: Vec<usize> = (0..self.samples.len()).into_par_iter().map(raw).collect();
         let total = |counts: &[usize]| counts.iter().map(|&count| count.max(1)).sum::<usize>();

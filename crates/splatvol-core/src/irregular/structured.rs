@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use splatvol_scene::{Association, Mesh};
+use splatvol_scene::Mesh;
 
 use super::lattice_regions::LatticeRegions;
 use super::normalise::{Correction, Evaluated, sweep};

@@ -109,7 +109,8 @@ fn a_constant_stays_constant_on_skewed_unstructured_cells() {
     let x: Place = Box::new(|u: DVec3| DVec3::new(jump(u.x), u.y, u.z));
     let mut split_points = block(DIMS, |u| u);
     let slivers = split(&mut split_points, &tetrahedra(DIMS));
-    let cases: [(&str, &Place, Vec<DVec3>, Cells, &[Association]); 3] = [
+    type Case<'a> = (&'a str, &'a Place, Vec<DVec3>, Cells, &'a [Association]);
+    let cases: [Case; 3] = [
         (
             "tetra jump 1:8",
             &x,
