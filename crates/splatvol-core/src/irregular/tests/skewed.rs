@@ -116,7 +116,7 @@ fn a_constant_stays_constant_on_skewed_unstructured_cells() {
             &x,
             block(DIMS, &x),
             tetrahedra(DIMS),
-            &[Association::Point, Association::Cell],
+            &[Association::Point],
         ),
         (
             "hexa jump 1:8",
