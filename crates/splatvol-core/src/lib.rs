@@ -18,6 +18,7 @@ pub mod bin;
 pub mod brick;
 pub mod classification;
 pub mod coefficients;
+mod eigen;
 pub mod field;
 pub mod footprint;
 pub mod irregular;

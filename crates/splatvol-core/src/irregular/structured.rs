@@ -2,10 +2,11 @@
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use splatvol_scene::{Association, Mesh};
-use std::collections::HashMap;
+use splatvol_scene::Mesh;
 
+use super::lattice_regions::LatticeRegions;
 use super::normalise::{Correction, Evaluated, sweep};
+use super::resample::{Resampled, resample};
 use super::{Sample, position};
 
 /// Neighbours along an axis that a kernel reaches: four of its standard deviations of 0.74 voxels.
@@ -17,59 +18,41 @@ const STEPS: [f64; 3] = [1.0; 3];
 /// of a quarter of it.
 const EVEN: f64 = 0.08;
 
-/// The samples of all blocks, in the order of the values.
-pub(super) fn samples(mesh: &Mesh, blocks: &[[usize; 3]], sigma: f64) -> Vec<Sample> {
-    let of_cells = mesh.field().association == Association::Cell;
-    let values = &mesh.field().values;
-    let (mut all, mut first_point, mut first_value) = (Vec::new(), 0, 0);
-    for &dims in blocks {
-        let points = first_point..first_point + dims.iter().product::<usize>();
-        let lattice = match of_cells {
-            true => Lattice::of_cells(mesh, dims, points.start),
-            false => Lattice::of_points(mesh, dims, points.start),
-        };
-        let count = lattice.positions.len();
-        all.extend(lattice.samples(&values[first_value..first_value + count], sigma));
-        first_point = points.end;
-        first_value += count;
-    }
-    if !of_cells {
-        share_coincident(&mut all);
-    }
-    all
-}
+/// Growth of a kernel per spacing that needs no more kernels: cells may grow by 1.6 from one to the next.
+const TRIGGER: f64 = 0.6;
 
 /// Samples along i, j, k.
-struct Lattice {
-    dims: [usize; 3],
-    positions: Vec<DVec3>,
-    valid: Vec<bool>,
+pub(super) struct Lattice {
+    pub(super) dims: [usize; 3],
+    pub(super) positions: Vec<DVec3>,
+    pub(super) valid: Vec<bool>,
     /// Edges of the cell around each sample, where samples are cells.
     edges: Vec<DMat3>,
+    /// The points of the cells, where samples are cells.
+    points: Option<Box<Lattice>>,
+    /// True where no sample is blanked.
+    is_whole: bool,
 }
 
 impl Lattice {
-    fn of_points(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
+    pub(super) fn of_points(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
         let count: usize = dims.iter().product();
         let valid = |point: usize| !mesh.blanked().get(first + point).copied().unwrap_or(false);
         Self {
             dims,
             positions: (0..count).map(|point| position(mesh, first + point)).collect(),
             valid: (0..count).map(valid).collect(),
+            is_whole: (0..count).all(valid),
             edges: Vec::new(),
+            points: None,
         }
     }
 
-    fn of_cells(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
+    pub(super) fn of_cells(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
         let points = Self::of_points(mesh, dims, first);
         let cells = dims.map(|size| size - 1);
         let count: usize = cells.iter().product();
-        let corners = |cell: usize| {
-            let [i, j, k] = index_of(cell, cells);
-            std::array::from_fn::<usize, 8, _>(|c| {
-                (i + (c & 1)) + dims[0] * ((j + (c >> 1 & 1)) + dims[1] * (k + (c >> 2)))
-            })
-        };
+        let corners = |cell: usize| corners_of(cell, dims);
         let centre = |cell| corners(cell).iter().map(|&p| points.positions[p]).sum::<DVec3>() / 8.0;
         let edges = |cell| {
             let corners = corners(cell).map(|p| points.positions[p]);
@@ -92,14 +75,26 @@ impl Lattice {
                 .map(|cell| corners(cell).iter().all(|&p| points.valid[p]))
                 .collect(),
             edges: (0..count).into_par_iter().map(edges).collect(),
+            is_whole: points.is_whole,
+            points: Some(Box::new(points)),
         }
     }
 
-    fn samples(&self, values: &[f32], sigma: f64) -> Vec<Sample> {
-        let mut samples: Vec<Sample> = (0..self.positions.len())
+    /// The corners of a cell, x fastest, where samples are cells.
+    pub(super) fn corners_of_cell(&self, cell: usize) -> Option<[DVec3; 8]> {
+        let points = self.points.as_ref()?;
+        Some(corners_of(cell, points.dims).map(|point| points.positions[point]))
+    }
+
+    pub(super) fn samples(&self, values: &[f32], sigma: f64) -> Vec<Sample> {
+        (0..self.positions.len())
             .into_par_iter()
             .map(|index| self.sample(index, values, sigma))
-            .collect();
+            .collect()
+    }
+
+    /// Makes a constant constant, with other samples where that needs more.
+    pub(super) fn normalise(&self, samples: &mut [Sample], sigma: f64) -> Option<Resampled> {
         let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
         let steps: Vec<DMat3> = (0..samples.len())
             .into_par_iter()
@@ -109,14 +104,24 @@ impl Lattice {
             .into_par_iter()
             .map(|index| self.is_even(index, &steps))
             .collect();
-        sweep(&mut samples, &STEPS, |samples| {
+        let regions = LatticeRegions {
+            lattice: self,
+            samples,
+            kernels: &kernels,
+            steps: &steps,
+        };
+        let resampled = resample(samples, &regions, (TRIGGER, sigma), |index| !even[index]);
+        if resampled.is_some() {
+            return resampled;
+        }
+        sweep(samples, &STEPS, |samples| {
             let sum = |index: usize| match even[index] {
                 true => Correction::Full(1.0),
                 false => Correction::Full(self.sum(index, samples, &kernels, &steps)),
             };
             (0..samples.len()).into_par_iter().map(sum).collect()
         });
-        samples
+        None
     }
 
     fn sample(&self, index: usize, values: &[f32], sigma: f64) -> Sample {
@@ -128,6 +133,7 @@ impl Lattice {
             covariance,
             mass,
             gradient: self.gradient(index, values),
+            value: values[index],
             valid: self.valid[index] && mass.is_normal(),
         }
     }
@@ -234,8 +240,35 @@ impl Lattice {
         if !kernels[index].is_legal() {
             return 1.0;
         }
+        let place = (index, self.positions[index]);
+        self.sum_near::<true>(place, samples, kernels, steps)
+    }
+
+    /// The part of the sum at a place amid a sample's region that is from beyond the border and from blanked parts.
+    pub(super) fn sum_beyond(
+        &self,
+        (index, here): (usize, DVec3),
+        samples: &[Sample],
+        kernels: &[Evaluated],
+        steps: &[DMat3],
+    ) -> f64 {
+        let at = index_of(index, self.dims);
+        let reach = REACH as usize;
+        let is_amid = (0..3).all(|axis| at[axis] >= reach && at[axis] + reach < self.dims[axis]);
+        match is_amid && self.is_whole {
+            true => 0.0,
+            false => self.sum_near::<false>((index, here), samples, kernels, steps),
+        }
+    }
+
+    fn sum_near<const ALL: bool>(
+        &self,
+        (index, here): (usize, DVec3),
+        samples: &[Sample],
+        kernels: &[Evaluated],
+        steps: &[DMat3],
+    ) -> f64 {
         let at = index_of(index, self.dims).map(|i| i as i32);
-        let here = self.positions[index];
         let mut sum = 0.0;
         for dk in -REACH..=REACH {
             for dj in -REACH..=REACH {
@@ -250,8 +283,10 @@ impl Lattice {
                         near = index;
                         beyond = [di, dj, dk].map(f64::from);
                     }
-                    let offset = here - self.positions[near] - steps[near] * DVec3::from_array(beyond);
-                    sum += samples[near].mass * kernels[near].density(offset);
+                    if ALL || beyond != [0.0; 3] {
+                        let offset = here - self.positions[near] - steps[near] * DVec3::from_array(beyond);
+                        sum += samples[near].mass * kernels[near].density(offset);
+                    }
                 }
             }
         }
@@ -259,23 +294,17 @@ impl Lattice {
     }
 }
 
+/// The points of a cell of a block of points, x fastest.
+fn corners_of(cell: usize, dims: [usize; 3]) -> [usize; 8] {
+    let [i, j, k] = index_of(cell, dims.map(|size| size - 1));
+    std::array::from_fn(|c| (i + (c & 1)) + dims[0] * ((j + (c >> 1 & 1)) + dims[1] * (k + (c >> 2))))
+}
+
 /// i, j, k of a place in a list.
-fn index_of(index: usize, dims: [usize; 3]) -> [usize; 3] {
+pub(super) fn index_of(index: usize, dims: [usize; 3]) -> [usize; 3] {
     [
         index % dims[0],
         index / dims[0] % dims[1],
         index / (dims[0] * dims[1]),
     ]
-}
-
-/// Points that lie in one place - where blocks meet, where a block closes upon itself - share one mass.
-fn share_coincident(samples: &mut [Sample]) {
-    let key = |sample: &Sample| sample.position.as_vec3().to_array().map(|c| (c + 0.0).to_bits());
-    let mut counts: HashMap<[u32; 3], u32> = HashMap::with_capacity(samples.len());
-    for sample in samples.iter().filter(|sample| sample.valid) {
-        *counts.entry(key(sample)).or_default() += 1;
-    }
-    for sample in samples.iter_mut().filter(|sample| sample.valid) {
-        sample.mass /= f64::from(counts[&key(sample)]);
-    }
 }

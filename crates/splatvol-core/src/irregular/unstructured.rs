@@ -5,8 +5,10 @@ use rayon::prelude::*;
 use splatvol_scene::{Association, Cells, Mesh};
 
 use super::adjacency::{self, Lists, Walk};
+use super::corners::CornerRegions;
 use super::moments::{self, Moments, Tables};
 use super::normalise::{Correction, Evaluated, REACH_SQUARED, sweep};
+use super::resample::{Resampling, resample};
 use super::{Sample, gradient, outer, position};
 
 /// How much wider than a voxel's the kernels of irregular cells are. Their spacing varies from cell to cell, which kernels of
@@ -22,8 +24,12 @@ const STEPS_OF_POINTS: [f64; 4] = [1.03, 4.34, 1.33, 2.24];
 /// The same from 0.15 on: cells differ more.
 const STEPS_OF_CELLS: [f64; 6] = [1.015, 6.08, 1.46, 2.15, 1.142, 3.65];
 
+/// Growth of a kernel per spacing that needs no more kernels.
+const TRIGGER_OF_POINTS: f64 = 0.6;
+const TRIGGER_OF_CELLS: f64 = 1.0;
+
 /// The samples of points or cells, in the order of the values.
-pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> Vec<Sample> {
+pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, Resampling) {
     let tables = Tables::of(cells);
     let points = mesh.positions().len();
     let cells_of_points = adjacency::cells_of_points(cells, points);
@@ -47,17 +53,21 @@ pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> Vec<Sample> {
             (samples, adjacency::of_cells(cells, &cells_of_points))
         }
     };
-    add_gradients(&mut samples, &mesh.field().values, &neighbours);
-    let (passes, steps): (usize, &[f64]) = match mesh.field().association {
-        Association::Point => (PASSES_OF_POINTS, &STEPS_OF_POINTS),
-        Association::Cell => (PASSES_OF_CELLS, &STEPS_OF_CELLS),
+    add_values(&mut samples, &mesh.field().values, &neighbours);
+    let (passes, steps, trigger): (usize, &[f64], f64) = match mesh.field().association {
+        Association::Point => (PASSES_OF_POINTS, &STEPS_OF_POINTS, TRIGGER_OF_POINTS),
+        Association::Cell => (PASSES_OF_CELLS, &STEPS_OF_CELLS, TRIGGER_OF_CELLS),
     };
     for _ in 0..passes {
         smooth_covariances(&mut samples, &neighbours);
     }
     let inner = inner_samples(mesh, cells, &cells_of_points, &neighbours);
+    let regions = CornerRegions::new(mesh, cells, &samples, (&cells_of_points, &neighbours), &inner);
+    if let Some(found) = resample(&samples, &regions, (trigger, WIDENING * sigma), |_| true) {
+        return (found.samples, found.report);
+    }
     normalise(&mut samples, &neighbours, &inner, steps);
-    samples
+    (samples, Resampling::default())
 }
 
 /// A kernel at a point, of the moments about it.
@@ -67,6 +77,7 @@ fn about(moments: &Moments, position: DVec3, scale: f64, shown: bool) -> Sample 
         covariance: moments.second * (scale / moments.volume),
         mass: moments.volume,
         gradient: DVec3::ZERO,
+        value: f32::NAN,
         valid: shown && moments.volume.is_normal(),
     }
 }
@@ -81,7 +92,7 @@ fn centred(moments: &Moments, origin: DVec3, scale: f64, shown: bool) -> Sample 
     }
 }
 
-fn add_gradients(samples: &mut [Sample], values: &[f32], neighbours: &Lists) {
+fn add_values(samples: &mut [Sample], values: &[f32], neighbours: &Lists) {
     let of = |index: usize, samples: &[Sample]| {
         let ring = neighbours.of(index).iter().copied();
         // Cells have few neighbours at a border: take theirs too.
@@ -110,8 +121,9 @@ fn add_gradients(samples: &mut [Sample], values: &[f32], neighbours: &Lists) {
         .into_par_iter()
         .map(|index| of(index, shared))
         .collect();
-    for (sample, gradient) in samples.iter_mut().zip(found) {
+    for ((sample, gradient), &value) in samples.iter_mut().zip(found).zip(values) {
         sample.gradient = gradient;
+        sample.value = value;
     }
 }
 

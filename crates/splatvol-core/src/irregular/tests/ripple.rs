@@ -2,9 +2,24 @@
 
 use super::*;
 
-/// Largest deviation from 1, and the root of its mean square, of the sum of all kernels at random indices at least
-/// `margin` cells inside of a block.
-fn ripple(kernels: &Kernels, dims: [usize; 3], margin: f64, place: impl Fn(DVec3) -> DVec3) -> (f64, f64) {
+/// What kernels make of fields.
+#[derive(Debug)]
+pub(super) struct Ripple {
+    /// Largest deviation from 1 of the sum of all kernels.
+    pub(super) largest: f64,
+    /// The root of its mean square.
+    pub(super) mean: f64,
+    /// Largest error of the linear field that the kernels carry, relative to its range over the places.
+    pub(super) linear: f64,
+}
+
+/// Measures at random indices at least `margin` cells inside of a block.
+pub(super) fn ripple(
+    kernels: &Kernels,
+    dims: [usize; 3],
+    margin: f64,
+    place: impl Fn(DVec3) -> DVec3,
+) -> Ripple {
     let ready: Vec<(DVec3, DMat3, f64)> = (0..kernels.len())
         .map(|i| {
             let [xx, xy, xz, yy, yz, zz] = kernels.covariances[i].map(f64::from);
@@ -20,7 +35,8 @@ fn ripple(kernels: &Kernels, dims: [usize; 3], margin: f64, place: impl Fn(DVec3
         .collect();
     let mut random = Random::new(7);
     let mut coordinate = |size: usize| margin + random.unit() * (size as f64 - 1.0 - 2.0 * margin);
-    let (mut largest, mut squares) = (0.0f64, 0.0);
+    let (mut largest, mut squares, mut linear) = (0.0f64, 0.0, 0.0f64);
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     const PLACES: usize = 400;
     for _ in 0..PLACES {
         let at = place(DVec3::new(
@@ -28,17 +44,24 @@ fn ripple(kernels: &Kernels, dims: [usize; 3], margin: f64, place: impl Fn(DVec3
             coordinate(dims[1]),
             coordinate(dims[2]),
         ));
-        let sum: f64 = ready
-            .iter()
-            .map(|(p, inverse, peak)| {
-                let d = at - *p;
-                peak * (-0.5 * d.dot(*inverse * d)).exp()
-            })
-            .sum();
+        let (mut sum, mut field) = (0.0, 0.0);
+        for ((p, inverse, peak), value) in ready.iter().zip(&kernels.values) {
+            let d = at - *p;
+            let weight = peak * (-0.5 * d.dot(*inverse * d)).exp();
+            sum += weight;
+            field += weight * f64::from(*value);
+        }
+        let expected = SLOPE.dot(at) + 2.0;
+        range = [range[0].min(expected), range[1].max(expected)];
+        linear = linear.max((field - expected).abs());
         largest = largest.max((sum - 1.0).abs());
         squares += (sum - 1.0).powi(2);
     }
-    (largest, (squares / PLACES as f64).sqrt())
+    Ripple {
+        largest,
+        mean: (squares / PLACES as f64).sqrt(),
+        linear: linear / (range[1] - range[0]),
+    }
 }
 
 /// Geometric spacing from the index.
@@ -76,7 +99,7 @@ fn a_constant_stays_constant_on_structured_grids() {
     for (name, place, limit) in cases {
         for association in [Association::Point, Association::Cell] {
             let mesh = mesh(&block(dims, place), Topology::Structured(vec![dims]), association);
-            let (largest, mean) = ripple(&kernels(&mesh, SIGMA), dims, 3.5, place);
+            let Ripple { largest, mean, .. } = ripple(&kernels(&mesh, SIGMA), dims, 3.5, place);
             println!("{name} {association:?}: largest {largest:.5}, rms {mean:.5}");
             assert!(largest < limit, "{name} {association:?}: {largest}");
         }
@@ -91,7 +114,7 @@ fn a_constant_stays_constant_on_unstructured_cells() {
         for (name, cells) in [("tetra", tetrahedra(dims)), ("hexa", hexahedra(dims))] {
             for association in [Association::Point, Association::Cell] {
                 let mesh = mesh(&points, Topology::Unstructured(cells.clone()), association);
-                let (largest, mean) = ripple(&kernels(&mesh, SIGMA), dims, 3.5, |u| u);
+                let Ripple { largest, mean, .. } = ripple(&kernels(&mesh, SIGMA), dims, 3.5, |u| u);
                 println!("{name} jitter {jitter} {association:?}: largest {largest:.5}, rms {mean:.5}");
                 assert!(largest < limit, "{name} {jitter} {association:?}: {largest}");
             }

@@ -1,0 +1,288 @@
+//! More kernels where one per sample is too few.
+//!
+//! Kernels represent `f(x) = integral of f(y) N(x; y, V(y)) dy` by one point of quadrature per sample; a constant stays
+//! constant as long as V varies little within a kernel and points lie no further apart than the kernels are wide. Skewed,
+//! sheared and flat cells do that as well as cubes, cells beside others of another size or direction do not. There, as
+//! Mao (Splatting of non rectilinear volumes through stochastic resampling, 1996), the field is resampled: covariances are
+//! cut until they vary slowly (`gradation`), regions wider than their kernel are cut into pieces that are not (`pieces`),
+//! and each piece has a kernel with the value that the cell's shape functions have there, and the covariance of its
+//! surroundings. Mao strews points at random until spheres do; pieces follow the cells, so that there are few, the same
+//! ones each time, and none where the mesh is even.
+//!
+//! Never more than [`MOST_PER_SAMPLE`] kernels per sample are made: where more are asked for, covariances may vary faster,
+//! and where that does not do, the samples stay as they are.
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use super::Sample;
+use super::gradation::{Neighbours, graded, violations};
+use super::normalise::{Correction, Evaluated, sweep};
+use super::pieces::{Hexahedron, Piece, cut, gather};
+use super::tree::Tree;
+use crate::eigen::eigen;
+
+/// Kernels, by samples, at most.
+pub const MOST_PER_SAMPLE: usize = 16;
+/// Growth to which covariances are cut; the later ones where too many kernels come of the first.
+const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
+/// Steps of normalisation, Chebyshev's for eigenvalues from 0.15 to 1.
+const STEPS: [f64; 13] = [
+    1.0, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65,
+];
+
+/// Pieces that are gathered to one, on average, at most.
+const MOST_GATHERED: usize = 16;
+
+/// A part of a region and how many pieces it is cut into along its axes.
+pub(super) struct Cut {
+    pub(super) nodes: Hexahedron,
+    pub(super) counts: [usize; 3],
+}
+
+/// What samples stand for.
+pub(super) trait Regions: Neighbours {
+    /// Whether pieces, smaller than they need be where cells are no boxes, are gathered to fewer.
+    const GATHERED: bool;
+
+    /// The parts of a sample's region and how often they are cut; none where the whole is no longer than its kernel allows.
+    /// `spacings_from_local` measures offsets in spacings of the kernel.
+    fn cuts(&self, index: usize, spacings_from_local: &DMat3) -> Vec<Cut>;
+
+    /// What the sum of kernels at a place in a sample's region is to be held against.
+    fn correction(&self, index: usize, at: DVec3, sum: f64) -> Correction;
+}
+
+/// Samples some of which are pieces of others.
+pub(super) struct Resampled {
+    pub(super) samples: Vec<Sample>,
+    /// The sample of which each is.
+    pub(super) owners: Vec<u32>,
+    pub(super) report: Resampling,
+}
+
+/// What was done where cells change too fast for one kernel per sample.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Resampling {
+    /// Samples that were replaced by several kernels.
+    pub replaced: usize,
+    /// Kernels that there are more than samples.
+    pub added: usize,
+    /// True where the limit of [`MOST_PER_SAMPLE`] made kernels coarser than they should be.
+    pub limited: bool,
+}
+
+impl Resampling {
+    /// What was done to a further block.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.replaced += other.replaced;
+        self.added += other.added;
+        self.limited |= other.limited;
+    }
+}
+
+/// Samples with kernels for which a constant stays constant, where `samples`, not normalised yet, are not enough.
+pub(super) fn resample(
+    samples: &[Sample],
+    regions: &impl Regions,
+    (trigger, sigma): (f64, f64),
+    wanted: impl Fn(usize) -> bool + Sync,
+) -> Option<Resampled> {
+    let mut touched = violations(samples, regions, (trigger, sigma), wanted);
+    if !touched.iter().any(|&touched| touched) {
+        return None;
+    }
+    touched = beside(&touched, regions);
+    for (attempt, growth) in GROWTHS.into_iter().enumerate() {
+        let around = Surroundings {
+            samples,
+            covariances: &graded(samples, regions, (growth, sigma)),
+            regions,
+            sigma,
+        };
+        let is_touched =
+            |index: usize| touched[index] || around.covariances[index] != samples[index].covariance;
+        let Some(counts) = around.counts(is_touched) else {
+            continue;
+        };
+        let made: Vec<Vec<Sample>> = counts
+            .par_iter()
+            .enumerate()
+            .map(|(index, &count)| around.kernels(index, count > 0))
+            .collect();
+        let report = Resampling {
+            replaced: counts.iter().filter(|&&count| count > 0).count(),
+            added: made.iter().map(Vec::len).sum::<usize>() - samples.len(),
+            limited: attempt > 0,
+        };
+        return Some(joined(&made, regions, report));
+    }
+    let whole: Vec<Vec<Sample>> = samples.iter().map(|&sample| vec![sample]).collect();
+    let report = Resampling {
+        limited: true,
+        ..Resampling::default()
+    };
+    Some(joined(&whole, regions, report))
+}
+
+/// What is marked and its neighbours.
+fn beside(marked: &[bool], neighbours: &impl Neighbours) -> Vec<bool> {
+    let near = |index: usize| {
+        let mut found = marked[index];
+        neighbours.each_neighbour(index, &mut |other| found |= marked[other]);
+        found
+    };
+    (0..marked.len()).into_par_iter().map(near).collect()
+}
+
+/// Samples, and the covariances they are to have.
+struct Surroundings<'a, R> {
+    samples: &'a [Sample],
+    covariances: &'a [DMat3],
+    regions: &'a R,
+    sigma: f64,
+}
+
+impl<R: Regions> Surroundings<'_, R> {
+    /// How many pieces each sample is cut into, 0 where it stays; none where that would be too many.
+    fn counts(&self, is_touched: impl Fn(usize) -> bool + Sync) -> Option<Vec<usize>> {
+        let limit = MOST_PER_SAMPLE * self.samples.len();
+        let raw = |index: usize| {
+            if !is_touched(index) {
+                return 0;
+            }
+            self.cuts(index)
+                .iter()
+                .map(|cut| cut.counts.iter().product::<usize>())
+                .sum()
+        };
+        let mut counts: Vec<usize> = (0..self.samples.len()).into_par_iter().map(raw).collect();
+        let total = |counts: &[usize]| counts.iter().map(|&count| count.max(1)).sum::<usize>();
+        if R::GATHERED && total(&counts) <= MOST_GATHERED * limit {
+            counts.par_iter_mut().enumerate().for_each(|(index, count)| {
+                if *count > 0 {
+                    *count = self.pieces(index).len();
+                }
+            });
+        }
+        (total(&counts) <= limit).then_some(counts)
+    }
+
+    /// Offsets in spacings of a kernel: `sigma V^(-1/2)`, up to a rotation.
+    fn spacings_from_local(&self, index: usize) -> Option<DMat3> {
+        let (values, vectors) = eigen(self.covariances[index]);
+        let rows = std::array::from_fn::<_, 3, _>(|i| vectors[i] * (self.sigma / values[i].sqrt()));
+        let map = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
+        (values[0] > 0.0 && map.is_finite()).then_some(map)
+    }
+
+    fn cuts(&self, index: usize) -> Vec<Cut> {
+        match self.spacings_from_local(index) {
+            Some(map) if self.samples[index].valid => self.regions.cuts(index, &map),
+            _ => Vec::new(),
+        }
+    }
+
+    fn pieces(&self, index: usize) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        for part in self.cuts(index) {
+            cut(&part.nodes, part.counts, &mut pieces);
+        }
+        match self.spacings_from_local(index) {
+            Some(map) if R::GATHERED => gather(&pieces, self.samples[index].position, &map),
+            _ => pieces,
+        }
+    }
+
+    /// The kernels of a sample: one, or those of its pieces.
+    fn kernels(&self, index: usize, is_cut: bool) -> Vec<Sample> {
+        let whole = Sample {
+            covariance: self.covariances[index],
+            ..self.samples[index]
+        };
+        if !is_cut {
+            return vec![whole];
+        }
+        let mut near = vec![index];
+        self.regions.each_neighbour(index, &mut |other| {
+            if self.samples[other].valid {
+                near.push(other);
+            }
+        });
+        let near: Vec<(DMat3, usize)> = near
+            .into_iter()
+            .map(|other| (self.covariances[other].inverse(), other))
+            .filter(|(inverse, _)| inverse.is_finite())
+            .collect();
+        let pieces = self.pieces(index);
+        pieces
+            .iter()
+            .map(|piece| self.kernel(&whole, piece, &near))
+            .collect()
+    }
+
+    /// A piece's kernel: covariance and gradient are means of those around, weighted by their kernels there.
+    fn kernel(&self, whole: &Sample, piece: &Piece, near: &[(DMat3, usize)]) -> Sample {
+        let (mut covariance, mut gradient, mut weights) = (DMat3::ZERO, DVec3::ZERO, 0.0);
+        for (inverse, other) in near {
+            let offset = piece.position - self.samples[*other].position;
+            let weight = (-0.5 * offset.dot(*inverse * offset)).exp();
+            covariance += weight * self.covariances[*other];
+            gradient += weight * self.samples[*other].gradient;
+            weights += weight;
+        }
+        let is_near = weights > 1e-9;
+        Sample {
+            position: piece.position,
+            mass: piece.volume,
+            covariance: if is_near {
+                covariance * weights.recip()
+            } else {
+                whole.covariance
+            },
+            gradient: if is_near {
+                gradient / weights
+            } else {
+                whole.gradient
+            },
+            value: if piece.value.is_finite() && whole.value.is_finite() {
+                piece.value as f32
+            } else {
+                whole.value
+            },
+            valid: piece.volume.is_normal(),
+        }
+    }
+}
+
+/// All kernels in one list, normalised.
+fn joined(made: &[Vec<Sample>], regions: &impl Regions, report: Resampling) -> Resampled {
+    let owners: Vec<u32> = made
+        .iter()
+        .enumerate()
+        .flat_map(|(owner, kernels)| std::iter::repeat_n(owner as u32, kernels.len()))
+        .collect();
+    let mut samples: Vec<Sample> = made.iter().flatten().copied().collect();
+    let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
+    let tree = Tree::new(&samples);
+    sweep(&mut samples, &STEPS, |samples| {
+        let of = |index: usize| {
+            let at = samples[index].position;
+            let mut sum = 0.0;
+            tree.each(at, |other| {
+                let kernel = &kernels[other];
+                sum += samples[other].mass * kernel.density(at - kernel.position);
+            });
+            match kernels[index].is_legal() {
+                true => regions.correction(owners[index] as usize, at, sum),
+                false => Correction::Full(1.0),
+            }
+        };
+        (0..samples.len()).into_par_iter().map(of).collect()
+    });
+    Resampled {
+        samples,
+        owners,
+        report,
+    }
+}
