@@ -118,10 +118,10 @@ impl Regions for CornerRegions<'_> {
         parts.into_iter().zip(sides).map(cut).collect()
     }
 
-    fn correction(&self, index: usize, _: DVec3, sum: f64) -> Correction {
+    fn beyond(&self, index: usize, _: DVec3) -> Correction {
         match self.inner[index] {
-            true => Correction::Full(sum),
-            false => Correction::Excess(sum),
+            true => Correction::Full(0.0),
+            false => Correction::Excess(0.0),
         }
     }
 }

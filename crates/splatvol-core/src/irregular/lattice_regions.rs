@@ -49,11 +49,11 @@ impl Regions for LatticeRegions<'_> {
         }
     }
 
-    fn correction(&self, index: usize, at: DVec3, sum: f64) -> Correction {
+    fn beyond(&self, index: usize, at: DVec3) -> Correction {
         let beyond = self
             .lattice
             .sum_beyond((index, at), self.samples, self.kernels, self.steps);
-        Correction::Full(sum + beyond)
+        Correction::Full(beyond)
     }
 }
 

@@ -39,6 +39,7 @@ mod pieces;
 mod reference_cell;
 mod resample;
 mod structured;
+mod sums;
 mod tree;
 mod unstructured;
 

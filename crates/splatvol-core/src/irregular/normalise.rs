@@ -94,3 +94,13 @@ pub(super) enum Correction {
     /// It should not be above 1: beside a border.
     Excess(f64),
 }
+
+impl Correction {
+    /// With more added to the sum.
+    pub(super) fn plus(self, more: f64) -> Self {
+        match self {
+            Self::Full(sum) => Self::Full(sum + more),
+            Self::Excess(sum) => Self::Excess(sum + more),
+        }
+    }
+}

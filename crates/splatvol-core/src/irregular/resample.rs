@@ -17,9 +17,9 @@ use rayon::prelude::*;
 
 use super::Sample;
 use super::gradation::{Neighbours, graded, violations};
-use super::normalise::{Correction, Evaluated, sweep};
+use super::normalise::{Correction, sweep};
 use super::pieces::{Hexahedron, Piece, cut, gather};
-use super::tree::Tree;
+use super::sums::Sums;
 use crate::eigen::eigen;
 
 /// Kernels, by samples, at most.
@@ -49,8 +49,9 @@ pub(super) trait Regions: Neighbours {
     /// `spacings_from_local` measures offsets in spacings of the kernel.
     fn cuts(&self, index: usize, spacings_from_local: &DMat3) -> Vec<Cut>;
 
-    /// What the sum of kernels at a place in a sample's region is to be held against.
-    fn correction(&self, index: usize, at: DVec3, sum: f64) -> Correction;
+    /// What the sum of kernels at a place in a sample's region is held against, with that part of it which no kernel of the
+    /// mesh makes.
+    fn beyond(&self, index: usize, at: DVec3) -> Correction;
 }
 
 /// Samples some of which are pieces of others.
@@ -262,27 +263,27 @@ fn joined(made: &[Vec<Sample>], regions: &impl Regions, report: Resampling) -> R
         .enumerate()
         .flat_map(|(owner, kernels)| std::iter::repeat_n(owner as u32, kernels.len()))
         .collect();
-    let mut samples: Vec<Sample> = made.iter().flatten().copied().collect();
-    let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
-    let tree = Tree::new(&samples);
-    sweep(&mut samples, &STEPS, |samples| {
-        let of = |index: usize| {
-            let at = samples[index].position;
-            let mut sum = 0.0;
-            tree.each(at, |other| {
-                let kernel = &kernels[other];
-                sum += samples[other].mass * kernel.density(at - kernel.position);
-            });
-            match kernels[index].is_legal() {
-                true => regions.correction(owners[index] as usize, at, sum),
-                false => Correction::Full(1.0),
-            }
-        };
-        (0..samples.len()).into_par_iter().map(of).collect()
-    });
+    let samples: Vec<Sample> = made.iter().flatten().copied().collect();
     Resampled {
-        samples,
+        samples: normalised(&samples, &owners, regions),
         owners,
         report,
     }
+}
+
+/// The samples with masses for which a constant stays constant.
+fn normalised(samples: &[Sample], owners: &[u32], regions: &impl Regions) -> Vec<Sample> {
+    let sums = Sums::new(samples);
+    let beyond = |index: usize| regions.beyond(owners[index] as usize, samples[index].position);
+    let beyond: Vec<Correction> = (0..samples.len()).into_par_iter().map(beyond).collect();
+    let mut normalised = samples.to_vec();
+    sweep(&mut normalised, &STEPS, |samples| {
+        let masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
+        let of = |index: usize| match sums.is_legal(index) {
+            true => beyond[index].plus(sums.at(index, &masses)),
+            false => Correction::Full(1.0),
+        };
+        (0..masses.len()).into_par_iter().map(of).collect()
+    });
+    normalised
 }
