@@ -92,9 +92,9 @@ fn check(paper: &str) {
 }
 
 fn the_report_names_everything(runs: &[splatvol_lab::Run]) {
-    let out = tempfile::tempdir().unwrap();
-    report::write(runs, out.path()).unwrap();
-    let page = std::fs::read_to_string(out.path().join("index.html")).unwrap();
+    let out = tempfile::tempdir().expect("the system has a temporary folder");
+    report::write(runs, out.path()).expect("the folder can be written");
+    let page = std::fs::read_to_string(out.path().join("index.html")).expect("the page was written");
     for run in runs {
         let name = run.experiment.name;
         assert!(page.contains(&format!("id=\"{name}\"")), "{name}");
@@ -106,7 +106,8 @@ fn the_report_names_everything(runs: &[splatvol_lab::Run]) {
                 "{name}: {key} twice"
             );
         }
-        let findings = std::fs::read_to_string(out.path().join(name).join("findings.csv")).unwrap();
+        let findings = std::fs::read_to_string(out.path().join(name).join("findings.csv"))
+            .expect("the findings were written");
         assert_eq!(findings.lines().count(), run.outcome.findings.len() + 1, "{name}");
     }
     assert!(

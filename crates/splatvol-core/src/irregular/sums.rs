@@ -57,7 +57,7 @@ impl<'a> Sums<'a> {
                 }
             }
             None => self.each(index, |kernel, density| {
-                sum += masses[kernel] * f64::from(density)
+                sum += masses[kernel] * f64::from(density);
             }),
         }
         sum

@@ -80,13 +80,20 @@ fn experiment(run: &Run) -> Result<Markup, LabError> {
     Ok(html! {
         h3 id=(about.name) { (about.name) }
         p { strong { (about.title) } " (" (about.figures.join(", ")) ")" }
-        @for paragraph in about.about.split("\n\n") { p { (paragraph.trim()) } }
+        (prose(about.about))
         @if !outcome.findings.is_empty() { (findings(&outcome.findings)) }
         @for plate in plates { (plate) }
         @for plot in &outcome.plots { (drawing(plot)) }
         @for table in outcome.tables.iter().filter(|table| table.shown) { (rows(table)) }
         p.small { "Took " (format!("{:.1}", run.took.as_secs_f64())) " s." }
     })
+}
+
+/// Markdown without headings.
+fn prose(text: &str) -> Markup {
+    let mut page = String::new();
+    pulldown_cmark::html::push_html(&mut page, pulldown_cmark::Parser::new(text));
+    PreEscaped(page)
 }
 
 fn findings(findings: &[Finding]) -> Markup {

@@ -37,10 +37,10 @@ impl Lookups {
                 time(&offsets, |offset| linear(&table, offset, black_box(&mut weights))),
                 time(&offsets, |offset| square(&table, offset, black_box(&mut weights))),
                 time(&offsets, |offset| {
-                    rlut(&table, &squares, offset, black_box(&mut weights))
+                    rlut(&table, &squares, offset, black_box(&mut weights));
                 }),
                 time(&offsets, |_| {
-                    copied(&table, black_box(&drawn), black_box(&mut weights))
+                    copied(&table, black_box(&drawn), black_box(&mut weights));
                 }),
             ];
             for (all, one) in nanoseconds.iter_mut().zip(times) {

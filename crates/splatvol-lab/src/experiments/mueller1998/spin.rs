@@ -124,7 +124,7 @@ fn terrain(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
         )),
     );
     let [plain, filtered, blurred, both] = &pictures.four;
-    let detail = [plain, filtered, blurred, both].map(|image| roughness(image));
+    let detail = [plain, filtered, blurred, both].map(roughness);
     outcome.find(
         Finding::order(
             "Fig. 13",

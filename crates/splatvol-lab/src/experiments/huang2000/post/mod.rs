@@ -48,7 +48,7 @@ struct View8 {
 }
 
 impl View8 {
-    /// By the square FastSplat. Of data only the range of interest is splatted, as in section 1: what is visible, and voxels from a
+    /// By the square method. Of data only the range of interest is splatted, as in section 1: what is visible, and voxels from a
     /// tenth of the range of values up, which surround it.
     fn settings(&self, size: ImageSize, classification: Classification) -> RenderSettings {
         let [low, high] = self.scene.volume.value_range();

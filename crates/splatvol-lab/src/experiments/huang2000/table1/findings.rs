@@ -5,7 +5,7 @@ use crate::experiments::huang2000::lookups::Lookups;
 use crate::{Expectation, Finding, Outcome, Published};
 
 /// Orders and ratios within a volume. Seconds that differ by less than a fiftieth count as equal: so do the paper's own of the
-/// brain by the square and the RLUT FastSplat.
+/// brain by the square and the RLUT method.
 pub(super) fn time_findings(outcome: &mut Outcome, case: &Case, lookups: &Lookups) {
     let figure = format!("Table 1, {}", case.name);
     let mut order: Vec<&str> = case.methods.iter().map(|one| one.0).collect();

@@ -141,7 +141,7 @@ pub(super) fn alone(lookups: &Lookups) -> Table {
     table
 }
 
-/// Seconds relative to the square FastSplat: the paper's, and ours.
+/// Seconds relative to the square method: the paper's, and ours.
 pub(super) fn bars(cases: &[Case]) -> Vec<Plot> {
     let plot = |index: usize, name: &str, caption: &str| {
         let relative = |case: &Case| {
