@@ -96,6 +96,14 @@ pub(super) enum Correction {
 }
 
 impl Correction {
+    /// Whether the sum is as right as the sweeps make it.
+    pub(super) fn is_right(self) -> bool {
+        match self {
+            Self::Full(sum) => (sum - 1.0).abs() < 0.5 * TOLERANCE,
+            Self::Excess(sum) => sum - 1.0 < 0.5 * TOLERANCE,
+        }
+    }
+
     /// With more added to the sum.
     pub(super) fn plus(self, more: f64) -> Self {
         match self {

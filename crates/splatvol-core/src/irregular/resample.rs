@@ -17,9 +17,10 @@ use rayon::prelude::*;
 
 use super::Sample;
 use super::gradation::{Neighbours, graded, violations};
-use super::normalise::{Correction, sweep};
+use super::normalise::{Correction, Evaluated, sweep};
 use super::pieces::{Hexahedron, Piece, cut, gather};
 use super::sums::Sums;
+use super::tree::Tree;
 use crate::eigen::eigen;
 
 /// Kernels, by samples, at most.
@@ -30,6 +31,10 @@ const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
 const STEPS: [f64; 13] = [
     1.0, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65,
 ];
+
+/// Neighbours, one beside the other, that a kernel reaches along a diagonal: `sqrt(3)` times its four standard deviations of
+/// 0.74 spacings.
+const REACH: usize = 6;
 
 /// Pieces that are gathered to one, on average, at most.
 const MOST_GATHERED: usize = 16;
@@ -89,7 +94,7 @@ pub(super) fn resample(
     (trigger, sigma): (f64, f64),
     wanted: impl Fn(usize) -> bool + Sync,
 ) -> Option<Resampled> {
-    let mut touched = violations(samples, regions, (trigger, sigma), wanted);
+    let mut touched = violations(samples, regions, (trigger, sigma), &wanted);
     if !touched.iter().any(|&touched| touched) {
         return None;
     }
@@ -116,14 +121,18 @@ pub(super) fn resample(
             added: made.iter().map(Vec::len).sum::<usize>() - samples.len(),
             limited: attempt > 0,
         };
-        return Some(joined(&made, regions, report));
+        let uneven = (0..samples.len())
+            .map(|index| wanted(index) || is_touched(index))
+            .collect();
+        return Some(joined(&made, regions, uneven, report));
     }
     let whole: Vec<Vec<Sample>> = samples.iter().map(|&sample| vec![sample]).collect();
     let report = Resampling {
         limited: true,
         ..Resampling::default()
     };
-    Some(joined(&whole, regions, report))
+    let uneven = (0..samples.len()).map(wanted).collect();
+    Some(joined(&whole, regions, uneven, report))
 }
 
 /// What is marked and its neighbours.
@@ -256,8 +265,8 @@ impl<R: Regions> Surroundings<'_, R> {
     }
 }
 
-/// All kernels in one list, normalised.
-fn joined(made: &[Vec<Sample>], regions: &impl Regions, report: Resampling) -> Resampled {
+/// All kernels in one list, normalised; `uneven` marks samples whose kernels are not those of an even grid.
+fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, report: Resampling) -> Resampled {
     let owners: Vec<u32> = made
         .iter()
         .enumerate()
@@ -265,25 +274,62 @@ fn joined(made: &[Vec<Sample>], regions: &impl Regions, report: Resampling) -> R
         .collect();
     let samples: Vec<Sample> = made.iter().flatten().copied().collect();
     Resampled {
-        samples: normalised(&samples, &owners, regions),
+        samples: normalised(&samples, &owners, regions, uneven),
         owners,
         report,
     }
 }
 
-/// The samples with masses for which a constant stays constant.
-fn normalised(samples: &[Sample], owners: &[u32], regions: &impl Regions) -> Vec<Sample> {
-    let sums = Sums::new(samples);
-    let beyond = |index: usize| regions.beyond(owners[index] as usize, samples[index].position);
-    let beyond: Vec<Correction> = (0..samples.len()).into_par_iter().map(beyond).collect();
+/// The samples with masses for which a constant stays constant. Only those that an uneven one reaches, and of them those that
+/// one whose sum is wrong reaches, are looked at.
+fn normalised(samples: &[Sample], owners: &[u32], regions: &impl Regions, uneven: Vec<bool>) -> Vec<Sample> {
+    let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
+    let tree = Tree::new(samples);
+    let sums = |marked: Vec<bool>| {
+        let marked = reached(marked, regions);
+        let is_place =
+            |&index: &u32| marked[owners[index as usize] as usize] && kernels[index as usize].is_legal();
+        Sums::new(
+            samples,
+            (&kernels, &tree),
+            (0..samples.len() as u32).filter(is_place).collect(),
+        )
+    };
+    let corrections = |sums: &Sums<'_>, beyond: &[Correction], samples: &[Sample]| -> Vec<Correction> {
+        let masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
+        sums.all(&masses)
+            .into_iter()
+            .zip(beyond)
+            .map(|(sum, beyond)| beyond.plus(sum))
+            .collect()
+    };
+    let beyond = |sums: &Sums<'_>| -> Vec<Correction> {
+        let of =
+            |&place: &u32| regions.beyond(owners[place as usize] as usize, samples[place as usize].position);
+        sums.places().par_iter().map(of).collect()
+    };
+    let all = sums(uneven.clone());
+    let mut wrong = vec![false; uneven.len()];
+    for (&place, correction) in all.places().iter().zip(corrections(&all, &beyond(&all), samples)) {
+        wrong[owners[place as usize] as usize] |= !correction.is_right();
+    }
+    let some = sums(wrong).kept();
+    let beyond = beyond(&some);
     let mut normalised = samples.to_vec();
     sweep(&mut normalised, &STEPS, |samples| {
-        let masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
-        let of = |index: usize| match sums.is_legal(index) {
-            true => beyond[index].plus(sums.at(index, &masses)),
-            false => Correction::Full(1.0),
-        };
-        (0..masses.len()).into_par_iter().map(of).collect()
+        let mut found = vec![Correction::Full(1.0); samples.len()];
+        for (&place, correction) in some.places().iter().zip(corrections(&some, &beyond, samples)) {
+            found[place as usize] = correction;
+        }
+        found
     });
     normalised
+}
+
+/// What is marked and all that its kernels reach.
+fn reached(mut marked: Vec<bool>, neighbours: &impl Neighbours) -> Vec<bool> {
+    for _ in 0..REACH {
+        marked = beside(&marked, neighbours);
+    }
+    marked
 }

@@ -3,6 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use pulldown_cmark::Event;
 
 use super::summary::{group_title, groups, lead, standing};
 use crate::{Finding, LabError, Panel, Plate, Plot, Run, Table, Verdict, folder, papers};
@@ -89,10 +90,14 @@ fn experiment(run: &Run) -> Result<Markup, LabError> {
     })
 }
 
-/// Markdown without headings.
+/// Markdown without headings; marks of HTML in it are text.
 fn prose(text: &str) -> Markup {
     let mut page = String::new();
-    pulldown_cmark::html::push_html(&mut page, pulldown_cmark::Parser::new(text));
+    let events = pulldown_cmark::Parser::new(text).map(|event| match event {
+        Event::Html(marks) | Event::InlineHtml(marks) => Event::Text(marks),
+        other => other,
+    });
+    pulldown_cmark::html::push_html(&mut page, events);
     PreEscaped(page)
 }
 

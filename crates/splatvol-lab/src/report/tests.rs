@@ -114,7 +114,7 @@ fn markdown_rows_have_as_many_cells_as_their_heads() {
     // Head, rule and rows: three findings, a plate's row, a table's.
     assert_eq!(rows, (2 + 3) + (2 + 1) + (2 + 1), "{text}");
     for part in [
-        "| Test (a) | a \\| b < c | x & y | 2 dB | ≥ 1 | reproduced |",
+        "| Test (a) | a \\| b &lt; c | x & y | 2 dB | ≥ 1 | reproduced |",
         "| Test (b) | two lines | – | 3 | ≤ 1 | differs, not explained |",
         "| Test (c) | third | – | 3 | ≤ 1 | differs because 5 > 4 (5) |",
         "![Test: A plot](beyond-test/p.svg)",
