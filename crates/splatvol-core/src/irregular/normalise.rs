@@ -96,11 +96,11 @@ pub(super) enum Correction {
 }
 
 impl Correction {
-    /// Whether the sum is as right as the sweeps make it.
+    /// Whether the sum is right enough.
     pub(super) fn is_right(self) -> bool {
         match self {
-            Self::Full(sum) => (sum - 1.0).abs() < 0.5 * TOLERANCE,
-            Self::Excess(sum) => sum - 1.0 < 0.5 * TOLERANCE,
+            Self::Full(sum) => (sum - 1.0).abs() < TOLERANCE,
+            Self::Excess(sum) => sum - 1.0 < TOLERANCE,
         }
     }
 

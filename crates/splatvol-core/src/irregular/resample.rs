@@ -12,6 +12,8 @@
 //! Never more than [`MOST_PER_SAMPLE`] kernels per sample are made: where more are asked for, covariances may vary faster,
 //! and where that does not do, the samples stay as they are.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -31,6 +33,9 @@ const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
 const STEPS: [f64; 13] = [
     1.0, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65,
 ];
+
+/// Steps of each round; before it, samples whose sums are right are left out.
+const ROUNDS: [Range<usize>; 3] = [0..1, 1..7, 7..13];
 
 /// Neighbours, one beside the other, that a kernel reaches along a diagonal: `sqrt(3)` times its four standard deviations of
 /// 0.74 spacings.
@@ -280,9 +285,10 @@ fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, repor
     }
 }
 
-/// The samples with masses for which a constant stays constant. Only those that an uneven one reaches, and of them those that
-/// one whose sum is wrong reaches, are looked at.
+/// The samples with masses for which a constant stays constant. Only those that an uneven one reaches are looked at, and
+/// of them, round by round, those that one reaches whose sum is still wrong.
 fn normalised(samples: &[Sample], owners: &[u32], regions: &impl Regions, uneven: Vec<bool>) -> Vec<Sample> {
+    let owner_count = uneven.len();
     let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
     let tree = Tree::new(samples);
     let sums = |marked: Vec<bool>| {
@@ -308,21 +314,28 @@ fn normalised(samples: &[Sample], owners: &[u32], regions: &impl Regions, uneven
             |&place: &u32| regions.beyond(owners[place as usize] as usize, samples[place as usize].position);
         sums.places().par_iter().map(of).collect()
     };
-    let all = sums(uneven.clone());
-    let mut wrong = vec![false; uneven.len()];
-    for (&place, correction) in all.places().iter().zip(corrections(&all, &beyond(&all), samples)) {
-        wrong[owners[place as usize] as usize] |= !correction.is_right();
-    }
-    let some = sums(wrong).kept();
-    let beyond = beyond(&some);
     let mut normalised = samples.to_vec();
-    sweep(&mut normalised, &STEPS, |samples| {
-        let mut found = vec![Correction::Full(1.0); samples.len()];
-        for (&place, correction) in some.places().iter().zip(corrections(&some, &beyond, samples)) {
-            found[place as usize] = correction;
+    let mut marked = uneven;
+    for steps in ROUNDS.map(|steps| &STEPS[steps]) {
+        let all = sums(marked);
+        marked = vec![false; owner_count];
+        for (&place, correction) in all
+            .places()
+            .iter()
+            .zip(corrections(&all, &beyond(&all), &normalised))
+        {
+            marked[owners[place as usize] as usize] |= !correction.is_right();
         }
-        found
-    });
+        let some = sums(marked.clone()).kept(steps.len());
+        let beyond = beyond(&some);
+        sweep(&mut normalised, steps, |samples| {
+            let mut found = vec![Correction::Full(1.0); samples.len()];
+            for (&place, correction) in some.places().iter().zip(corrections(&some, &beyond, samples)) {
+                found[place as usize] = correction;
+            }
+            found
+        });
+    }
     normalised
 }
 

@@ -9,8 +9,8 @@ use super::Sample;
 use super::normalise::Evaluated;
 use super::tree::Tree;
 
-/// Densities that are kept at most: 128 MiB.
-const MOST_KEPT: usize = 1 << 24;
+/// Densities that are kept at most: 256 MiB.
+const MOST_KEPT: usize = 1 << 25;
 /// Rows that are found at once.
 const CHUNK: usize = 4096;
 
@@ -42,9 +42,9 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// Keeps rows, as many as may be.
-    pub(super) fn kept(mut self) -> Self {
-        let mut count = 0;
+    /// Keeps rows, as many as may be, where they are asked for more than once.
+    pub(super) fn kept(mut self, times: usize) -> Self {
+        let mut count = if times > 1 { 0 } else { MOST_KEPT };
         while self.kept.len() < self.places.len() && count < MOST_KEPT {
             let rows = self.kept.len()..self.places.len().min(self.kept.len() + CHUNK);
             let found: Vec<_> = rows.into_par_iter().map(|place| self.row(place)).collect();
