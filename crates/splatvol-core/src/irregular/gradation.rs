@@ -74,22 +74,41 @@ fn relative(one: &DMat3, unit: &DMat3) -> Option<([f64; 3], DMat3)> {
     Some((ratios, forward * DMat3::from_cols(axes[0], axes[1], axes[2])))
 }
 
-/// Marks samples that are wider than a neighbour allows, and those neighbours.
+/// Growths of a kernel per spacing beyond which there is need for more kernels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Trigger {
+    /// From one sample to another.
+    pub(super) alone: f64,
+    /// To a sample and on from it: where cells keep growing.
+    pub(super) through: f64,
+}
+
+/// Marks samples that are wider or narrower than a neighbour allows.
 pub(super) fn violations(
     samples: &[Sample],
     neighbours: &impl Neighbours,
-    (growth, sigma): (f64, f64),
+    (trigger, sigma): (Trigger, f64),
     wanted: impl Fn(usize) -> bool + Sync,
 ) -> Vec<bool> {
     let metrics: Vec<Metric> = samples.par_iter().map(Metric::new).collect();
     let of = |index: usize| {
         let own = &metrics[index];
-        let mut found = false;
+        let (mut found, mut narrow, mut wide) = (false, false, false);
         if own.valid && wanted(index) {
             neighbours.each_neighbour(index, &mut |other| {
                 let other = &metrics[other];
-                found |= other.valid
-                    && (exceeds(own, other, (growth, sigma)) || exceeds(other, own, (growth, sigma)));
+                let either = |growth| {
+                    [
+                        exceeds(own, other, (growth, sigma)),
+                        exceeds(other, own, (growth, sigma)),
+                    ]
+                };
+                if other.valid && !found {
+                    let through = either(trigger.through);
+                    (narrow, wide) = (narrow | through[0], wide | through[1]);
+                    found =
+                        (narrow && wide) || (through != [false; 2] && either(trigger.alone) != [false; 2]);
+                }
             });
         }
         found

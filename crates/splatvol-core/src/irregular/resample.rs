@@ -18,7 +18,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::Sample;
-use super::gradation::{Neighbours, graded, violations};
+use super::gradation::{Neighbours, Trigger, graded, violations};
 use super::normalise::{Correction, Evaluated, sweep};
 use super::pieces::{Hexahedron, Piece, cut, gather};
 use super::sums::Sums;
@@ -96,7 +96,7 @@ impl Resampling {
 pub(super) fn resample(
     samples: &[Sample],
     regions: &impl Regions,
-    (trigger, sigma): (f64, f64),
+    (trigger, sigma): (Trigger, f64),
     wanted: impl Fn(usize) -> bool + Sync,
 ) -> Option<Resampled> {
     let mut touched = violations(samples, regions, (trigger, sigma), &wanted);

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::Mesh;
 
+use super::gradation::Trigger;
 use super::lattice_regions::LatticeRegions;
 use super::normalise::{Correction, Evaluated, sweep};
 use super::resample::{Resampled, resample};
@@ -18,8 +19,12 @@ const STEPS: [f64; 3] = [1.0; 3];
 /// of a quarter of it.
 const EVEN: f64 = 0.08;
 
-/// Growth of a kernel per spacing that needs no more kernels: cells may grow by 1.6 from one to the next.
-const TRIGGER: f64 = 0.6;
+/// Growth that needs more kernels: cells may be twice as long as the one before, whose centre is one and a half of its lengths
+/// away, but not twice as long again.
+const TRIGGER: Trigger = Trigger {
+    alone: 0.7,
+    through: 0.6,
+};
 
 /// Samples along i, j, k.
 pub(super) struct Lattice {

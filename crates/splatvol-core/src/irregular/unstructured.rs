@@ -6,6 +6,7 @@ use splatvol_scene::{Association, Cells, Mesh};
 
 use super::adjacency::{self, Lists, Walk};
 use super::corners::CornerRegions;
+use super::gradation::Trigger;
 use super::moments::{self, Moments, Tables};
 use super::normalise::{Correction, Evaluated, REACH_SQUARED, sweep};
 use super::resample::{Resampling, resample};
@@ -25,8 +26,14 @@ const STEPS_OF_POINTS: [f64; 4] = [1.03, 4.34, 1.33, 2.24];
 const STEPS_OF_CELLS: [f64; 6] = [1.015, 6.08, 1.46, 2.15, 1.142, 3.65];
 
 /// Growth of a kernel per spacing that needs no more kernels.
-const TRIGGER_OF_POINTS: f64 = 0.6;
-const TRIGGER_OF_CELLS: f64 = 1.0;
+const TRIGGER_OF_POINTS: Trigger = Trigger {
+    alone: 0.6,
+    through: 0.6,
+};
+const TRIGGER_OF_CELLS: Trigger = Trigger {
+    alone: 1.0,
+    through: 1.0,
+};
 
 /// The samples of points or cells, in the order of the values.
 pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, Resampling) {
@@ -54,7 +61,7 @@ pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, R
         }
     };
     add_values(&mut samples, &mesh.field().values, &neighbours);
-    let (passes, steps, trigger): (usize, &[f64], f64) = match mesh.field().association {
+    let (passes, steps, trigger): (usize, &[f64], Trigger) = match mesh.field().association {
         Association::Point => (PASSES_OF_POINTS, &STEPS_OF_POINTS, TRIGGER_OF_POINTS),
         Association::Cell => (PASSES_OF_CELLS, &STEPS_OF_CELLS, TRIGGER_OF_CELLS),
     };
