@@ -3,6 +3,7 @@
 
 use std::time::Instant;
 
+use super::median;
 use crate::LabError;
 
 /// Something to time.
@@ -21,9 +22,4 @@ pub(crate) fn median_seconds(timed: &mut [Timed<'_>], rounds: usize) -> Result<V
         }
     }
     Ok(seconds.into_iter().map(median).collect())
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

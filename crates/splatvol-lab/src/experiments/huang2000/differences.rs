@@ -10,6 +10,7 @@ use splatvol::{
 use super::data;
 use super::eight_bits::{self, Cube, Lookup, Rounding};
 use super::method::{Subject, fastsplats};
+use crate::measure::mean;
 use crate::{
     Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, Published, Table,
     Workbench,
@@ -71,10 +72,6 @@ fn differences(a: &Image, b: &Image) -> Vec<f64> {
         .filter(|(a, b)| a.1 || b.1)
         .map(|(a, b)| (a.0 - b.0).abs())
         .collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 fn largest(values: &[f64]) -> f64 {

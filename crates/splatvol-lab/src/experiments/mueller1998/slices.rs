@@ -5,7 +5,7 @@ use splatvol_samples::Sample;
 
 use super::scenes::{FOUR, above_terrain, enlarged, scene, spinning, unsteadiness};
 use super::spin::blurred;
-use crate::measure::luminance;
+use crate::measure::{luminance, mean};
 use crate::{
     Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, Published, Table,
     Workbench,
@@ -163,10 +163,6 @@ fn plot(outcome: &mut Outcome, slices: &[Slice; 6], flicker: &[Vec<f64>]) {
     }
     outcome.plots.push(plot);
     outcome.tables.push(table);
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// Mean flicker of a slice in some rows, share of the plain one's.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use splatvol_core::radial::RadialKernel;
 
 use super::ZOOM;
+use crate::measure::mean;
 
 /// Share of a kernel's footprint beyond a radius, voxels: the integral of `2 pi rho q` by the midpoint rule.
 pub(super) fn beyond(kernel: &RadialKernel, radius: f64) -> f64 {
@@ -60,10 +61,6 @@ pub(super) fn ripple(values: &[f64]) -> f64 {
             [low.min(v), high.max(v)]
         });
     (high - low) / mean(values)
-}
-
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 #[cfg(test)]

@@ -19,12 +19,13 @@ use splatvol_core::radial::{RadialKernel, analyse};
 use splatvol_testing::transfer::constant_extinction;
 
 use super::scenes::{colors, grey, orthographic};
+use crate::measure::mean;
 use crate::{
     Axis, Curve, Expectation, Experiment, Finding, LabError, Mark, Outcome, Plate, Plot, Published, Table,
     Workbench,
 };
 
-use layer::{Edge, beyond, footprint, layer, mean, ripple};
+use layer::{Edge, beyond, footprint, layer, ripple};
 
 const FIGURE: &str = "Footprint cut-off";
 /// Pixels per voxel, and voxels across, of pictures of a constant layer.

@@ -14,6 +14,7 @@ use splatvol_cpu::kernels::{self, Footprint, Scratch, Sheet, Splats};
 use splatvol_testing::Random;
 
 use super::method::{FASTSPLATS, RLUT, Subject, fastsplats};
+use crate::measure::median;
 use crate::{Expectation, Experiment, Finding, LabError, Outcome, Published, Workbench};
 use findings::{channel_findings, rate_findings};
 use show::{numbers, plot};
@@ -155,11 +156,6 @@ impl Rates {
         let rate = index.and_then(|index| self.of(method).get(index));
         rate.copied().unwrap_or(f64::NAN)
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// The splats of one radius: FastSplats and auto, then our kernels.
