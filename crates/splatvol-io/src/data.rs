@@ -109,6 +109,8 @@ pub struct DataOptions {
     pub read: ReadOptions,
     /// Picture that is laid over terrain.
     pub drape: Option<PathBuf>,
+    /// Posts to the east and to the north that heights of terrain are interpolated to.
+    pub posts: Option<[usize; 2]>,
 }
 
 /// Data and where they came from.
@@ -190,6 +192,7 @@ pub fn read_data(path: impl AsRef<Path>, options: &DataOptions) -> Result<Loaded
                 raw: read.raw.clone(),
                 spacing: read.raw.as_ref().map(|raw| raw.spacing.truncate().to_array()),
                 color_image: options.drape.clone(),
+                posts: options.posts,
                 strict: read.strict,
                 max_bytes: read.max_bytes,
                 ..HeightFieldOptions::default()

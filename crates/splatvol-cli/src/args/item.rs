@@ -35,6 +35,9 @@ pub(crate) struct ItemArgs {
     /// Picture of the same area, north at its top, that is laid over terrain
     #[arg(long, value_name = "PICTURE", help_heading = DATA)]
     pub(crate) drape: Option<std::path::PathBuf>,
+    /// Posts to the east and to the north that heights of terrain are interpolated to, so that a finer picture keeps its detail [default: the file's]
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::posts, help_heading = DATA)]
+    pub(crate) posts: Option<[usize; 2]>,
 }
 
 /// Axes of a file.

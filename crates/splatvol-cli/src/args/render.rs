@@ -46,7 +46,7 @@ Examples:
   splatvol render sample:head --spin 20 --classification pre --motion-blur exact
   splatvol render lidar.laz --radius 0.4
   splatvol render capture.spz --gaussians volumetric --up y
-  splatvol render dem.csv --drape dem.jpg
+  splatvol render dem.csv --drape dem.jpg --posts 512x512
   splatvol render scene.toml --view front
   splatvol render --like head.png --azimuth 30 -o head-30.png
   splatvol render sample:head:128 --background none -o - > head.png"

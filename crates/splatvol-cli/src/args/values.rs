@@ -88,6 +88,13 @@ pub(crate) fn dims(text: &str) -> Result<Dims, String> {
         .ok_or_else(|| "expected three positive integers: XxYxZ".to_owned())
 }
 
+pub(crate) fn posts(text: &str) -> Result<[usize; 2], String> {
+    numbers(text, &['x', 'X', ','])
+        .and_then(|values| <[usize; 2]>::try_from(values).ok())
+        .filter(|sides| sides.iter().all(|&side| side >= 2))
+        .ok_or_else(|| "expected two integers, at least 2 each: COLUMNSxROWS".to_owned())
+}
+
 pub(crate) fn image_size(text: &str) -> Result<ImageSize, String> {
     let sides = numbers::<u32>(text, &['x', 'X', ',']);
     match sides.as_deref() {

@@ -29,6 +29,7 @@ pub(crate) fn of_flags(args: &RenderArgs, reference: &str) -> SceneItem {
             .up
             .and_then(|up| Some(up.to_possible_value()?.get_name().to_owned())),
         drape: item.drape.as_ref().map(text),
+        posts: item.posts,
         tf: look.tf.as_ref().map(text),
         cmap: look.cmap.clone(),
         clim: look.clim,
@@ -104,13 +105,14 @@ const MESHES: [&str; 7] = ["array", "tf", "cmap", "clim", "opacity", "iso", "uni
 /// Keys of points.
 const POINTS: [&str; 3] = ["color", "point-opacity", "radius"];
 /// Keys of terrain.
-const TERRAIN: [&str; 9] = [
+const TERRAIN: [&str; 10] = [
     "dims",
     "type",
     "spacing",
     "endian",
     "offset",
     "drape",
+    "posts",
     "color",
     "point-opacity",
     "radius",
@@ -131,6 +133,7 @@ pub(super) fn check(item: &SceneItem, source: Source, what: &str, known: &[&str]
         ("level", item.level.is_some()),
         ("series", item.series.is_some()),
         ("drape", item.drape.is_some()),
+        ("posts", item.posts.is_some()),
         ("tf", item.tf.is_some()),
         ("cmap", item.cmap.is_some()),
         ("clim", item.clim.is_some()),

@@ -253,6 +253,7 @@ pub(crate) fn options(item: &SceneItem, strict: bool) -> Result<DataOptions, Fai
         kind: kind.map_err(|why| usage("kind", why))?,
         read: input::options(&input_recipe(item), strict)?,
         drape: item.drape.as_ref().map(PathBuf::from),
+        posts: item.posts,
     })
 }
 

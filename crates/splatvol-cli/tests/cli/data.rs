@@ -256,6 +256,58 @@ fn a_picture_is_made_again_from_its_settings() {
         .fails(2, &["only volumes"]);
 }
 
+/// Pairs of columns in turn black and white, as PNG.
+fn stripes(side: u32) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(png::ColorType::Grayscale);
+    let codes: Vec<u8> = (0..side * side)
+        .map(|i| if i % 4 < 2 { 0 } else { 255 })
+        .collect();
+    let mut writer = encoder.write_header().expect("the header is right");
+    writer
+        .write_image_data(&codes)
+        .expect("the codes are as many as pixels");
+    drop(writer);
+    bytes
+}
+
+#[test]
+fn finer_posts_keep_a_finer_picture() {
+    let sandbox = Sandbox::new();
+    sandbox.write("flat.csv", "1,1,1,1\n".repeat(4));
+    sandbox.write("stripes.png", stripes(16));
+    let render = "render flat.csv --kind terrain --drape stripes.png --view top --size 64 --background none";
+    sandbox.run(&format!("{render} -o coarse.png")).succeeds();
+    sandbox
+        .run(&format!("{render} --posts 16x16 -o fine.png"))
+        .succeeds();
+    let spread = |name: &str| {
+        let (_, _, codes) = png(&sandbox.path(name));
+        let opaque = codes.chunks_exact(4).filter(|code| code[3] > 250);
+        let red: Vec<u8> = opaque.map(|code| code[0]).collect();
+        red.iter()
+            .max()
+            .zip(red.iter().min())
+            .map_or(0, |(max, min)| max - min)
+    };
+    // Four columns to a post are grey; each of 16 posts has its own.
+    assert!(
+        spread("coarse.png") < 10 && spread("fine.png") > 100,
+        "{} {}",
+        spread("coarse.png"),
+        spread("fine.png")
+    );
+    sandbox.run("render --like fine.png -o again.png").succeeds();
+    assert_eq!(sandbox.bytes("fine.png"), sandbox.bytes("again.png"));
+    sandbox
+        .run("render flat.csv --kind terrain --posts 1x16 -o no.png")
+        .fails(2, &["--posts", "at least 2"]);
+    sandbox
+        .run("render sample:ball --posts 16x16 -o no.png")
+        .fails(2, &["--posts", "volume"]);
+}
+
 #[test]
 fn flags_that_cannot_apply_are_refused() {
     let sandbox = Sandbox::new();

@@ -84,6 +84,9 @@ pub struct SceneItem {
     /// Picture that is laid over terrain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drape: Option<String>,
+    /// Posts to the east and to the north that heights of terrain are interpolated to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posts: Option<[usize; 2]>,
     /// Transfer function: a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tf: Option<String>,

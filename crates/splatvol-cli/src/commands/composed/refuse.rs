@@ -35,6 +35,7 @@ pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Fa
         ("--point-color", args.point_color.is_some()),
         ("--point-opacity", args.point_opacity.is_some()),
         ("--drape", args.drape.is_some()),
+        ("--posts", args.posts.is_some()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
         Some((flag, _)) => Err(Failure::usage(format!(

@@ -12,6 +12,7 @@
 mod dem;
 mod drape;
 mod geotiff;
+mod posts;
 mod surface;
 mod table;
 
@@ -40,7 +41,7 @@ pub enum RowOrder {
 pub struct HeightFieldOptions {
     /// Layout of a headerless file, of dims `[columns, rows, 1]`; its spacing is that of the posts.
     pub raw: Option<RawLayout>,
-    /// World length between columns and rows; replaces the file's.
+    /// World length between the file's columns and rows; replaces the file's.
     pub spacing: Option<[f64; 2]>,
     /// World length per unit of height; replaces the file's.
     pub height_scale: Option<f64>,
@@ -50,6 +51,9 @@ pub struct HeightFieldOptions {
     pub rows: Option<RowOrder>,
     /// Value that marks gaps, besides those that the file names and NaN.
     pub missing: Option<f64>,
+    /// Posts to the east and to the north that heights are interpolated to, at least 2 each: a picture finer than the
+    /// heights keeps its detail.
+    pub posts: Option<[usize; 2]>,
     /// Picture of the same area, north at its top: PNG, JPEG or EXR.
     pub color_image: Option<PathBuf>,
     /// Make errors of warnings.
@@ -67,6 +71,7 @@ impl Default for HeightFieldOptions {
             exaggeration: 1.0,
             rows: None,
             missing: None,
+            posts: None,
             color_image: None,
             strict: false,
             max_bytes: ReadOptions::default().max_bytes,
@@ -175,6 +180,9 @@ pub fn read_height_field(
     if let Some([x, y]) = options.spacing {
         field.origin *= DVec2::new(x, y) / field.spacing;
         field.spacing = DVec2::new(x, y);
+    }
+    if let Some(dims) = options.posts {
+        field = field.interpolated(dims, options.max_bytes, context)?;
     }
     scale_heights(&mut field, range, options, &mut description);
     let missing = field.heights.iter().filter(|h| h.is_nan()).count();
