@@ -36,12 +36,16 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
-    pub(crate) fn usage(message: impl Display) -> Self {
+    pub(crate) fn of(step: Step, error: anyhow::Error) -> Self {
         Self {
-            step: Step::Usage,
-            error: anyhow::anyhow!("{message}"),
+            step,
+            error,
             hint: None,
         }
+    }
+
+    pub(crate) fn usage(message: impl Display) -> Self {
+        Self::of(Step::Usage, anyhow::anyhow!("{message}"))
     }
 
     #[must_use]
@@ -80,11 +84,7 @@ pub(crate) trait During<T> {
 
 impl<T, E: Into<anyhow::Error>> During<T> for Result<T, E> {
     fn during(self, step: Step) -> Result<T, Failure> {
-        self.map_err(|error| Failure {
-            step,
-            error: error.into(),
-            hint: None,
-        })
+        self.map_err(|error| Failure::of(step, error.into()))
     }
 }
 

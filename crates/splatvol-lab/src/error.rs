@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use splatvol::{EngineError, SceneError};
+use splatvol_io::IoError;
 use splatvol_samples::SampleError;
 
 /// Why an experiment could not be run or written.
@@ -23,6 +24,17 @@ pub enum LabError {
     /// A sample could not be generated.
     #[error(transparent)]
     Sample(#[from] SampleError),
+    /// Data that are not part of the program are needed, and are not where they should be.
+    #[error("{file} is needed{}", folder.as_ref().map(|folder| format!(", which {} lacks", folder.display())).unwrap_or_default())]
+    NoData {
+        /// The file, below a folder of data.
+        file: &'static str,
+        /// The folder of data, if there is one.
+        folder: Option<PathBuf>,
+    },
+    /// Data could not be read.
+    #[error(transparent)]
+    Io(#[from] IoError),
     /// The engine did not start.
     #[error(transparent)]
     Engine(#[from] EngineError),

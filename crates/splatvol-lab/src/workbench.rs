@@ -1,4 +1,6 @@
-//! What an experiment works with: how thorough to be, threads, progress.
+//! What an experiment works with: how thorough to be, threads, data, progress.
+
+use std::path::{Path, PathBuf};
 
 use splatvol::{EngineConfig, Renderer};
 
@@ -20,6 +22,8 @@ pub struct Workbench<'a> {
     pub effort: Effort,
     /// Worker threads; `None` takes one per logical processor. Changes nothing but times.
     pub threads: Option<usize>,
+    /// Folder of data that are not part of the program, such as `terrain/dem.csv`.
+    pub data: Option<&'a Path>,
     /// Takes the finished share, 0..1, and what is being done.
     pub progress: &'a (dyn Fn(f64, &str) + Sync),
 }
@@ -42,6 +46,19 @@ impl Workbench<'_> {
             threads: self.threads,
             ..EngineConfig::default()
         })?)
+    }
+
+    /// A file of the folder of data.
+    ///
+    /// # Errors
+    /// [`LabError::NoData`] where there is no folder, or no such file in it.
+    pub fn data(&self, file: &'static str) -> Result<PathBuf, LabError> {
+        let path = self.data.map(|folder| folder.join(file));
+        path.filter(|path| path.is_file())
+            .ok_or_else(|| LabError::NoData {
+                file,
+                folder: self.data.map(Path::to_owned),
+            })
     }
 
     /// Says that step `done` of `of` begins.

@@ -18,18 +18,17 @@ pub(crate) fn run(args: &LabArgs, terminal: &Terminal) -> Result<(), Failure> {
         return list();
     }
     let chosen = chosen(&args.names)?;
+    let data = data(args)?;
     let output = args.report.as_deref().unwrap_or(&args.output);
     if !args.write.overwrite {
         refuse_existing(output, &chosen, args.report.is_some())?;
     }
     let mut runs = Vec::with_capacity(chosen.len());
     for (index, one) in chosen.iter().enumerate() {
-        let run = run_one(
-            one,
-            args,
-            &format!("{}/{} {}", index + 1, chosen.len(), one.name),
-            terminal,
-        )?;
+        let label = format!("{}/{} {}", index + 1, chosen.len(), one.name);
+        let Some(run) = run_one(one, (args, data), &label, terminal)? else {
+            continue;
+        };
         folder::write(&run, output).during(Step::Output)?;
         Target::Stdout.write(told(&run).as_bytes(), false)?;
         runs.push(run);
@@ -67,12 +66,25 @@ fn refuse_existing(output: &Path, chosen: &[&Experiment], report: bool) -> Resul
     }
 }
 
+/// Where data lie that are not part of splatvol, unless told: beside a checkout that was given them.
+const DATA: &str = "../shared/data";
+
+/// The folder of data, if there is one.
+fn data(args: &LabArgs) -> Result<Option<&Path>, Failure> {
+    match &args.data {
+        Some(folder) if folder.is_dir() => Ok(Some(folder)),
+        Some(folder) => Err(anyhow!("--data {}: no such folder", folder.display())).during(Step::Input),
+        None => Ok(Some(Path::new(DATA)).filter(|folder| folder.is_dir())),
+    }
+}
+
+/// Runs one; none where its data are missing and it was not asked for by its name.
 fn run_one(
     one: &'static Experiment,
-    args: &LabArgs,
+    (args, data): (&LabArgs, Option<&Path>),
     label: &str,
     terminal: &Terminal,
-) -> Result<Run, Failure> {
+) -> Result<Option<Run>, Failure> {
     let bar = terminal.progress(label.to_owned());
     let start = Instant::now();
     let bench = Workbench {
@@ -81,19 +93,38 @@ fn run_one(
             false => Effort::Full,
         },
         threads: args.threads.filter(|&threads| threads > 0),
+        data,
         progress: &|share, what| bar.show(share, format!("{label}: {what}")),
     };
-    let outcome = (one.run)(&bench)
-        .map_err(|error: LabError| anyhow!("{}: {error}", one.name))
-        .during(Step::Render)?;
+    let outcome = match (one.run)(&bench) {
+        Err(error @ LabError::NoData { .. }) if !args.names.iter().any(|name| name == one.name) => {
+            terminal.note(format!("skipped {}: {error}; --data names a folder", one.name));
+            return Ok(None);
+        }
+        Err(error) => return Err(failed(one, error)),
+        Ok(outcome) => outcome,
+    };
     let took = start.elapsed();
     terminal.detail(format!("{} took {:.1} s", one.name, took.as_secs_f64()));
-    Ok(Run {
+    Ok(Some(Run {
         experiment: one,
         effort: bench.effort,
         outcome,
         took,
-    })
+    }))
+}
+
+fn failed(one: &Experiment, error: LabError) -> Failure {
+    let (step, hint) = match error {
+        LabError::NoData { .. } => (Step::Input, Some("--data names a folder that holds it")),
+        LabError::Io(_) => (Step::Input, None),
+        _ => (Step::Render, None),
+    };
+    let failure = Failure::of(step, anyhow!("{}: {error}", one.name));
+    match hint {
+        Some(hint) => failure.hint(hint),
+        None => failure,
+    }
 }
 
 /// A run's findings for the terminal: measured against published.

@@ -76,6 +76,24 @@ fn a_report_is_one_page() {
 }
 
 #[test]
+fn data_that_are_needed_are_named() {
+    let sandbox = Sandbox::new();
+    let name = "swan1997-volcano";
+    sandbox
+        .run(&format!("lab {name} --quick"))
+        .fails(3, &[name, "terrain/dem.csv is needed", "--data"]);
+    sandbox.write("data/terrain/dem.csv", b"1 2\n3 4 5\n");
+    sandbox.write("data/terrain/dem.jpg", b"");
+    sandbox
+        .run(&format!("lab {name} --quick --data data"))
+        .fails(3, &[name, "dem.csv", "row 1"]);
+    sandbox
+        .run(&format!("lab {name} --quick --data nowhere"))
+        .fails(3, &["--data nowhere", "no such folder"]);
+    sandbox.run("lab --data data").fails(2, &["NAME"]);
+}
+
+#[test]
 fn unknown_names_and_idle_flags_are_refused() {
     let sandbox = Sandbox::new();
     sandbox

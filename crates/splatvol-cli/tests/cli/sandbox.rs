@@ -26,7 +26,11 @@ impl Sandbox {
     }
 
     pub(crate) fn write(&self, name: &str, contents: impl AsRef<[u8]>) {
-        std::fs::write(self.path(name), contents).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let path = self.path(name);
+        let folder = path.parent().expect("files lie in the sandbox");
+        std::fs::create_dir_all(folder)
+            .and_then(|()| std::fs::write(&path, contents))
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
     }
 
     /// Runs `splatvol` with arguments separated by blanks.

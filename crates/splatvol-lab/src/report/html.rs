@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pulldown_cmark::Event;
 
-use super::summary::{group_title, groups, lead, standing};
+use super::summary::{experiments, group_title, groups, lead, standing};
 use crate::{Finding, LabError, Panel, Plate, Plot, Run, Table, Verdict, folder, papers};
 
 const STYLE: &str = include_str!("report.css");
@@ -37,14 +37,14 @@ pub(super) fn page(runs: &[Run]) -> Result<String, LabError> {
 }
 
 fn section(key: &str, runs: &[Run]) -> Result<Markup, LabError> {
-    let mut experiments = Vec::new();
+    let mut sections = Vec::new();
     for run in runs.iter().filter(|run| run.experiment.paper == key) {
-        experiments.push(experiment(run)?);
+        sections.push(experiment(run)?);
     }
     Ok(html! {
         h2 id=(key) { (group_title(key)) }
         (figures(key, runs))
-        @for experiment in experiments { (experiment) }
+        @for section in sections { (section) }
     })
 }
 
@@ -61,7 +61,11 @@ fn figures(key: &str, runs: &[Run]) -> Markup {
                     tr {
                         td { (entry.number) }
                         td { (entry.shows) }
-                        td { @for name in entry.experiments { a href={"#" (name)} { (name) } " " } }
+                        td {
+                            @for (name, was_run) in experiments(entry, runs) {
+                                @if was_run { a href={"#" (name)} { (name) } " " } @else { (name) " (not run) " }
+                            }
+                        }
                         td { (standing(entry, runs)) }
                     }
                 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::summary::{group_title, groups, lead, standing};
+use super::summary::{experiments, group_title, groups, lead, standing};
 use crate::{Finding, Plate, Plot, Run, Table, papers};
 
 /// The whole page; pictures lie in a folder per experiment beside it.
@@ -24,7 +24,10 @@ fn figures(text: &mut String, key: &str, runs: &[Run]) {
     };
     text.push_str("\n| in the paper | shows | here | numbers |\n|---|---|---|---|\n");
     for entry in paper.figures {
-        let links = entry.experiments.iter().map(|name| format!("[{name}](#{name})"));
+        let links = experiments(entry, runs).map(|(name, was_run)| match was_run {
+            true => format!("[{name}](#{name})"),
+            false => format!("{name} (not run)"),
+        });
         let _ = writeln!(
             text,
             "| {} | {} | {} | {} |",

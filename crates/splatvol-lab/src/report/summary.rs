@@ -32,6 +32,15 @@ pub(super) fn lead(runs: &[Run]) -> String {
     )
 }
 
+/// Experiments of a figure, and whether they are among these runs.
+pub(super) fn experiments<'a>(
+    entry: &'a FigureEntry,
+    runs: &'a [Run],
+) -> impl Iterator<Item = (&'static str, bool)> + 'a {
+    let was_run = |name: &str| runs.iter().any(|run| run.experiment.name == name);
+    entry.experiments.iter().map(move |&name| (name, was_run(name)))
+}
+
 /// What became of a paper's figure in these runs.
 pub(super) fn standing(entry: &FigureEntry, runs: &[Run]) -> String {
     if entry.experiments.is_empty() {

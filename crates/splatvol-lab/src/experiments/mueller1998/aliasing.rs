@@ -6,6 +6,7 @@ use super::depths::{difference, line, nearer};
 use super::footprints::alignments;
 use super::scenes::{averaged, settings, unsteadiness};
 use super::views::{View, forward, terrain_view, tunnel_view, z_k};
+use crate::experiments::ground::Ground;
 use crate::measure::{luminance, psnr};
 use crate::{
     Axis, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, PlotKind, Published, Table,
@@ -42,6 +43,16 @@ Heights and photograph are not public; ours are drawn from noise with fields, wo
 before the landscape's edge, so that voxels are larger than pixels in front and several fall on a pixel behind. Methods and \
 measures are those of the tunnel.",
     run: terrain,
+};
+
+pub(super) const VOLCANO: Experiment = Experiment {
+    name: "mueller1998-volcano",
+    paper: "mueller1998",
+    title: "A real landscape, plain and anti-aliased",
+    figures: &["Fig. 6"],
+    about: "The same as mueller1998-terrain with measured heights under a photograph from a satellite: the volcano of swan1997-volcano, \
+from the same folder of data, without which the experiment is skipped.",
+    run: volcano,
 };
 
 const FILTERS: [(&str, &str, Filter); 4] = [
@@ -165,7 +176,11 @@ fn tunnel(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
 }
 
 fn terrain(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
-    Ok(compare(bench, &terrain_view(bench)?)?.0)
+    Ok(compare(bench, &terrain_view(bench, Ground::Generated)?)?.0)
+}
+
+fn volcano(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    Ok(compare(bench, &terrain_view(bench, Ground::Volcano)?)?.0)
 }
 
 /// A view as it is, and made faint.

@@ -55,7 +55,7 @@ const FIGURES: &[FigureEntry] = &[
     figure(
         "Fig. 6",
         "a landscape, plain and anti-aliased",
-        &["mueller1998-terrain"],
+        &["mueller1998-terrain", "mueller1998-volcano"],
     ),
     figure(
         "Fig. 7",
@@ -87,12 +87,12 @@ const FIGURES: &[FigureEntry] = &[
     figure(
         "Fig. 13",
         "a landscape that spins",
-        &["mueller1998-spinning-terrain"],
+        &["mueller1998-spinning-terrain", "mueller1998-spinning-volcano"],
     ),
     figure(
         "Fig. 14",
         "a column of that landscape over time",
-        &["mueller1998-space-time"],
+        &["mueller1998-space-time", "mueller1998-space-time-volcano"],
     ),
 ];
 
@@ -100,11 +100,14 @@ const FIGURES: &[FigureEntry] = &[
 pub const EXPERIMENTS: &[Experiment] = &[
     aliasing::TUNNEL,
     aliasing::TERRAIN,
+    aliasing::VOLCANO,
     table1::EXPERIMENT,
     figure9::EXPERIMENT,
     figure10::EXPERIMENT,
     capsule::EXPERIMENT,
     spin::NERVE,
     spin::TERRAIN,
-    slices::EXPERIMENT,
+    spin::VOLCANO,
+    slices::TERRAIN,
+    slices::VOLCANO,
 ];

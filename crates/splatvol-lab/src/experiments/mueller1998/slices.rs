@@ -1,17 +1,17 @@
 //! Figure 14: a column of pixels of the spinning landscape over time, and how it flickers.
 
 use splatvol::{Camera, CameraPath, Filter, Image, ImageSize, MotionBlur, Renderer, Scene};
-use splatvol_samples::Sample;
 
-use super::scenes::{FOUR, above_terrain, enlarged, scene, spinning, unsteadiness};
+use super::scenes::{FOUR, above_terrain, enlarged, spinning, unsteadiness};
 use super::spin::blurred;
+use crate::experiments::ground::Ground;
 use crate::measure::{luminance, mean};
 use crate::{
     Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, Published, Table,
     Workbench,
 };
 
-pub(super) const EXPERIMENT: Experiment = Experiment {
+pub(super) const TERRAIN: Experiment = Experiment {
     name: "mueller1998-space-time",
     paper: "mueller1998",
     title: "A column of the spinning landscape over time",
@@ -22,7 +22,17 @@ We do the same with a whole turn in steps of 3 degrees, the shutter open all the
 time of what a frame differs by from the mean of the frames before and after it, times 2/3, which for noise is its variance. Luminance is \
 linear. Beside the paper's four there are means of eight pictures while the shutter is open, plain and anti-aliased: what motion blur should come to. \
 `--quick` takes fewer frames of a smaller landscape.",
-    run,
+    run: terrain,
+};
+
+pub(super) const VOLCANO: Experiment = Experiment {
+    name: "mueller1998-space-time-volcano",
+    paper: "mueller1998",
+    title: "A column of the real landscape over time",
+    figures: &["Fig. 14"],
+    about: "The same as mueller1998-space-time with measured heights under a photograph from a satellite: the volcano of \
+swan1997-volcano, from the same folder of data, without which the experiment is skipped.",
+    run: volcano,
 };
 
 /// Turn from frame to frame, degrees.
@@ -48,9 +58,17 @@ fn variants() -> [(&'static str, Filter, MotionBlur); 6] {
     [plain, filtered, blurred, both, means[0], means[1]]
 }
 
-fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+fn terrain(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    measure(bench, Ground::Generated)
+}
+
+fn volcano(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    measure(bench, Ground::Volcano)
+}
+
+fn measure(bench: &Workbench<'_>, ground: Ground) -> Result<Outcome, LabError> {
     let mut outcome = Outcome::default();
-    let slices = slices(bench)?;
+    let slices = slices(bench, ground)?;
     show(&mut outcome, &slices, bench.choose(3, 8))?;
     let flicker: Vec<Vec<f64>> = slices.iter().map(flicker).collect();
     plot(&mut outcome, &slices, &flicker);
@@ -59,10 +77,10 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
 }
 
 /// The columns over time.
-fn slices(bench: &Workbench<'_>) -> Result<[Slice; 6], LabError> {
+fn slices(bench: &Workbench<'_>, ground: Ground) -> Result<[Slice; 6], LabError> {
     let (side, depth) = bench.choose((512, 103), (128, 26));
     let (frames, height) = bench.choose((120, 120), (32, 32));
-    let scene = scene(Sample::Terrain, [side, side, depth])?;
+    let scene = ground.scene(bench, [side, side, depth])?;
     let camera = above_terrain(&scene, side as f64)?;
     let scene = spinning(scene, STEP);
     let mut renderer = bench.renderer()?;
@@ -226,13 +244,24 @@ fn claims(outcome: &mut Outcome, flicker: &[Vec<f64>]) {
             Expectation::AtLeast(0.8),
         ),
     );
-    let four = &flicker[..4];
-    let least = |row: &usize| four.iter().all(|one| four[3][*row] <= one[*row]);
-    outcome.find(Finding::new(
-        "Fig. 14 (d)",
-        "both-least",
-        "share of the rows in which, of the four, the frames with both flicker least",
-        (0..rows).filter(least).count() as f64 / rows as f64,
-        Expectation::AtLeast(0.9),
-    ));
+    let others = &flicker[..3];
+    let least = |way: usize| {
+        let is_least = |row: &usize| others.iter().all(|one| flicker[way][*row] <= one[*row]);
+        (0..rows).filter(is_least).count() as f64 / rows as f64
+    };
+    outcome.find(
+        Finding::new(
+            "Fig. 14 (d)",
+            "both-least",
+            "share of the rows in which, of the four, the frames with both flicker least",
+            least(3),
+            Expectation::AtLeast(0.9),
+        )
+        .explained_by(
+            "capsules do not blur as motion does: anti-aliased means of pictures while the shutter is open flicker least of all \
+             in this share of the rows",
+            least(5),
+            Expectation::AtLeast(0.9),
+        ),
+    );
 }

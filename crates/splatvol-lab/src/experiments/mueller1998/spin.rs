@@ -5,6 +5,7 @@ use splatvol::{Camera, Filter, Frame, Image, MotionBlur, Projection, RenderSetti
 use splatvol_samples::Sample;
 
 use super::scenes::{FOUR, above_terrain, scene, settings, spinning};
+use crate::experiments::ground::Ground;
 use crate::measure::{luminance, psnr};
 use crate::{
     Axis, Curve, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, PlotKind, Published,
@@ -34,6 +35,16 @@ plain, anti-aliased, with motion-blurred splats, and with both.\n\n\
 Ours is generated (`sample:terrain`, 512x512x103) and turns by 3 degrees while the shutter is open. What the four do over time is \
 `mueller1998-space-time`.",
     run: terrain,
+};
+
+pub(super) const VOLCANO: Experiment = Experiment {
+    name: "mueller1998-spinning-volcano",
+    paper: "mueller1998",
+    title: "A real landscape that spins, anti-aliased and motion-blurred",
+    figures: &["Fig. 13"],
+    about: "The same as mueller1998-spinning-terrain with measured heights under a photograph from a satellite: the volcano of \
+swan1997-volcano, from the same folder of data, without which the experiment is skipped.",
+    run: volcano,
 };
 
 fn nerve(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
@@ -104,8 +115,16 @@ fn speeds(
 }
 
 fn terrain(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    landscape(bench, Ground::Generated)
+}
+
+fn volcano(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
+    landscape(bench, Ground::Volcano)
+}
+
+fn landscape(bench: &Workbench<'_>, ground: Ground) -> Result<Outcome, LabError> {
     let (side, depth, size) = bench.choose((512, 103, [200, 160]), (128, 26, [50, 40]));
-    let scene = scene(Sample::Terrain, [side, side, depth])?;
+    let scene = ground.scene(bench, [side, side, depth])?;
     let camera = above_terrain(&scene, side as f64)?;
     let nearest = nearest_voxels_per_pixel(&scene, &camera, size)?;
     let pictures = Pictures::of(bench, &spinning(scene, 3.0), &camera, size)?;

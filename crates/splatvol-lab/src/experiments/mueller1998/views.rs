@@ -5,6 +5,7 @@ use splatvol::{Camera, Projection, RenderSettings, Scene};
 use splatvol_samples::Sample;
 
 use super::scenes::scene;
+use crate::experiments::ground::Ground;
 use crate::{LabError, Workbench};
 
 /// Something to look at.
@@ -55,9 +56,9 @@ pub(super) fn tunnel_view(bench: &Workbench<'_>) -> Result<View, LabError> {
 }
 
 /// Figure 6: from low before the landscape's edge.
-pub(super) fn terrain_view(bench: &Workbench<'_>) -> Result<View, LabError> {
+pub(super) fn terrain_view(bench: &Workbench<'_>, ground: Ground) -> Result<View, LabError> {
     let (dims, size) = bench.choose(([512, 512, 103], [272, 170]), ([160, 160, 32], [100, 62]));
-    let scene = scene(Sample::Terrain, dims)?;
+    let scene = ground.scene(bench, dims)?;
     let bounds = scene.volume.grid().bounds();
     let side = dims[0] as f64;
     let target = bounds.centre() - DVec3::Z * 0.1 * side;

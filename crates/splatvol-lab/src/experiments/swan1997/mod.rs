@@ -65,7 +65,12 @@ const FIGURES: &[FigureEntry] = &[
     FigureEntry {
         number: "Fig. 7",
         shows: "checkerboard, terrain and microtubules, without and with anti-aliasing",
-        experiments: &["swan1997-checker", "swan1997-terrain", "swan1997-microtubules"],
+        experiments: &[
+            "swan1997-checker",
+            "swan1997-terrain",
+            "swan1997-volcano",
+            "swan1997-microtubules",
+        ],
     },
 ];
 
@@ -75,6 +80,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     spectra::EXPERIMENT,
     sampling_rate::EXPERIMENT,
     checker::EXPERIMENT,
-    terrain::EXPERIMENT,
+    terrain::GENERATED,
+    terrain::VOLCANO,
     microtubules::EXPERIMENT,
 ];
