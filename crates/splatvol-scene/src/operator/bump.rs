@@ -3,9 +3,10 @@
 //! The picture is wound around the volume's vertical axis once. With H the height field `height * picture(u, v)` at the
 //! place of a sample, a surface raised by H along its normal n has the normal `n - grad_s H`, `grad_s` the part of the
 //! gradient along the surface. `u = 1/2 - atan2(x, y) / 2 pi`, so that the picture's middle is in front (+y), and is read
-//! from left to right by who looks at the volume; v runs from the box's top (+z) to its bottom.
+//! from left to right by who looks at the volume; v runs from the box's top (+z) to its bottom. Slopes are differences of a
+//! pixel's two neighbours, taken once, and bilinear between pixels.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::picture::{Across, Picture};
 use super::{Appearance, PixelOperator, SheetSample};
@@ -14,7 +15,8 @@ use crate::{Bounds, Image, SceneError};
 /// A picture wound around the volume that bends its normals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpMap {
-    picture: Picture,
+    /// Slopes of the picture's brightness along u and v.
+    slopes: Picture,
     centre: Vec3,
     top: f32,
     per_length: f32,
@@ -34,17 +36,12 @@ impl BumpMap {
         }
         let extent = (bounds.max.z - bounds.min.z).max(f64::from(f32::MIN_POSITIVE));
         Ok(Self {
-            picture: Picture::new(image, Across::Wrapped),
+            slopes: Picture::new(image, Across::Wrapped).slopes(brightness),
             centre: bounds.centre().as_vec3(),
             top: bounds.max.z as f32,
             per_length: (1.0 / extent) as f32,
             height: (height * bounds.diagonal()) as f32,
         })
-    }
-
-    fn brightness(&self, at: Vec2) -> f32 {
-        let pixel = self.picture.at(at.to_array());
-        0.2126 * pixel.x + 0.7152 * pixel.y + 0.0722 * pixel.z
     }
 
     /// Gradient of the height field at a point, world axes; none on the axis and beyond the box's top and bottom.
@@ -55,16 +52,17 @@ impl BumpMap {
         if radius <= 0.0 || !(0.0..=1.0).contains(&v) {
             return Vec3::ZERO;
         }
-        let at = Vec2::new(0.5 - libm::atan2f(out.x, out.y) / std::f32::consts::TAU, v);
-        // A pixel's width, or what keeps a small picture smooth.
-        let texel = Vec2::from_array(self.picture.size().map(|n| 0.75 / n as f32));
-        let difference = |step: Vec2| self.brightness(at + step) - self.brightness(at - step);
-        let per_u = difference(Vec2::new(texel.x, 0.0)) / (2.0 * texel.x);
-        let per_v = difference(Vec2::new(0.0, texel.y)) / (2.0 * texel.y);
+        let u = 0.5 - libm::atan2f(out.x, out.y) / std::f32::consts::TAU;
+        let per = self.slopes.at([u, v]);
         // u grows against atan2(x, y), which grows towards (y, -x).
         let around = Vec2::new(-out.y, out.x) / (radius * radius * std::f32::consts::TAU);
-        self.height * (per_u * around).extend(-per_v * self.per_length)
+        self.height * (per.x * around).extend(-per.y * self.per_length)
     }
+}
+
+/// Luminance of linear Rec. 709.
+fn brightness(pixel: Vec4) -> f32 {
+    pixel.dot(Vec4::new(0.2126, 0.7152, 0.0722, 0.0))
 }
 
 impl PixelOperator for BumpMap {

@@ -43,6 +43,28 @@ impl Picture {
         self.pixels[y * self.width + x]
     }
 
+    /// Slopes of a function of the pixels, per unit of u as x and of v as y: differences of a pixel's neighbours.
+    pub(super) fn slopes(&self, value: impl Fn(Vec4) -> f32) -> Self {
+        let values: Vec<f32> = self.pixels.iter().map(|&pixel| value(pixel)).collect();
+        let [width, height] = self.size();
+        let slope = |x: usize, y: usize| {
+            let (left, right, apart) = match self.across {
+                Across::Wrapped => ((x + width - 1) % width, (x + 1) % width, 2),
+                Across::Clamped => beside(x, width),
+            };
+            let (top, bottom, down) = beside(y, height);
+            let along = values[y * width + right] - values[y * width + left];
+            let downwards = values[bottom * width + x] - values[top * width + x];
+            let per =
+                |difference: f32, apart: usize, count: usize| difference * count as f32 / apart.max(1) as f32;
+            Vec4::new(per(along, apart, width), per(downwards, down, height), 0.0, 0.0)
+        };
+        Self {
+            pixels: (0..width * height).map(|i| slope(i % width, i / width)).collect(),
+            ..*self
+        }
+    }
+
     /// Bilinear value.
     pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec4 {
         let x = u * self.width as f32 - 0.5;
@@ -61,6 +83,12 @@ impl Picture {
     }
 }
 
+/// What lies before and behind one of `count`, and how far they are apart.
+fn beside(at: usize, count: usize) -> (usize, usize, usize) {
+    let (before, behind) = (at.saturating_sub(1), (at + 1).min(count - 1));
+    (before, behind, behind - before)
+}
+
 /// Neighbours of a position among `count`, and the share of the second.
 fn clamped(at: f32, count: usize) -> (usize, usize, f32) {
     // A NaN becomes 0.
@@ -71,6 +99,8 @@ fn clamped(at: f32, count: usize) -> (usize, usize, f32) {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec2;
+
     use super::*;
     use crate::ImageSize;
 
@@ -91,5 +121,22 @@ mod tests {
         assert_eq!(wrapped.at([-1.0, -3.0]).x, 1.5);
         assert_eq!(ends.at([0.0, 0.0]).x, 0.0);
         assert_eq!(ends.at([7.0, f32::NAN]).x, 3.0);
+    }
+
+    #[test]
+    fn slopes_are_per_unit_of_the_picture() {
+        let size = ImageSize::new(4, 3).unwrap();
+        let pixels = (0..12).map(|i| [(i % 4) as f32 + 10.0 * (i / 4) as f32, 0.0, 0.0, 1.0]);
+        let image = Image::from_pixels(size, pixels.collect()).unwrap();
+        let slopes = |across| Picture::new(&image, across).slopes(|pixel| pixel.x);
+        let (wrapped, ends) = (slopes(Across::Wrapped), slopes(Across::Clamped));
+        for y in 0..3 {
+            for x in 0..4 {
+                assert_eq!(ends.pixel(x, y).truncate().truncate(), Vec2::new(4.0, 30.0));
+            }
+            // From 3 on the left, which is the other side, to 1 on the right.
+            assert_eq!(wrapped.pixel(0, y).x, -4.0);
+            assert_eq!(wrapped.pixel(1, y).x, 4.0);
+        }
     }
 }
