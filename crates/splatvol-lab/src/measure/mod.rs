@@ -5,7 +5,7 @@ mod picture;
 mod spectrum;
 mod statistics;
 
-pub(crate) use clock::{Timed, median_seconds};
+pub(crate) use clock::{Rounds, Timed, median_seconds};
 pub(crate) use picture::{luminance, psnr};
 pub(crate) use spectrum::Spectrum;
 pub(crate) use statistics::{mean, median};

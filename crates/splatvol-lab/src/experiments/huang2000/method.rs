@@ -4,7 +4,7 @@ use splatvol::{
     Camera, EngineConfig, Frame, ImageSize, Rasterizer, RenderSettings, RenderStatistics, Renderer, Scene,
 };
 
-use crate::measure::{Timed, median_seconds};
+use crate::measure::{Rounds, Timed, median_seconds};
 use crate::{LabError, Workbench};
 
 /// 2 x 2 positions within the pixel, as in section 3.2.
@@ -73,8 +73,16 @@ impl<'a> Subject<'a> {
     }
 }
 
+/// Three rounds, or what ten seconds hold.
+pub(super) fn rounds(bench: &Workbench<'_>) -> Rounds {
+    Rounds {
+        least: 3,
+        seconds: bench.choose(10.0, 0.0),
+    }
+}
+
 /// Median seconds of a frame of each.
-pub(super) fn seconds(subjects: &mut [Subject<'_>], rounds: usize) -> Result<Vec<f64>, LabError> {
+pub(super) fn seconds(subjects: &mut [Subject<'_>], rounds: Rounds) -> Result<Vec<f64>, LabError> {
     let mut timed: Vec<Timed<'_>> = Vec::with_capacity(subjects.len());
     for subject in subjects {
         timed.push(Box::new(|| subject.render().map(drop)));

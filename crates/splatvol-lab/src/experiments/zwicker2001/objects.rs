@@ -11,6 +11,7 @@ use splatvol_testing::Random;
 
 use super::pictures::Plane;
 use super::shapes;
+use crate::measure::{Rounds, median_seconds};
 use crate::{Cell, Expectation, Experiment, Finding, LabError, Outcome, Plate, Published, Table, Workbench};
 
 pub(super) const EXPERIMENT: Experiment = Experiment {
@@ -306,7 +307,7 @@ fn timed(
             .render(&object.scene, &object.camera, settings)
             .map(drop)?)
     });
-    let seconds = crate::measure::median_seconds(&mut [frame], bench.choose(3, 1))?;
+    let seconds = median_seconds(&mut [frame], Rounds::exactly(bench.choose(3, 1)))?;
     outcome.find(
         Finding::new(
             "Fig. 10",

@@ -9,7 +9,7 @@ use splatvol::{
 };
 
 use super::data;
-use super::method::{Subject, fastsplats, picture_size, seconds};
+use super::method::{Subject, fastsplats, picture_size, rounds, seconds};
 use crate::{Experiment, LabError, Outcome, Workbench};
 use findings::{fig8_findings, fig9_findings};
 use show::{bars, fig8_numbers, fig9_numbers, plates};
@@ -121,7 +121,7 @@ fn measure(bench: &Workbench<'_>, views: &mut [View8]) -> Result<(), LabError> {
             subjects.push(Subject::new(&view.scene, &view.camera, settings)?);
         }
     }
-    let seconds = seconds(&mut subjects, 3)?;
+    let seconds = seconds(&mut subjects, rounds(bench))?;
     let slices: Vec<f64> = subjects
         .iter()
         .map(|one| one.statistics().slices as f64)
@@ -184,7 +184,7 @@ fn operators(bench: &Workbench<'_>, brain: &View8) -> Result<Operated, LabError>
         Subject::new(&idle, &brain.camera, engine)?,
         Subject::new(&brain.scene, &brain.camera, by_table)?,
     ];
-    match seconds(&mut subjects, bench.choose(5, 3))?[..] {
+    match seconds(&mut subjects, rounds(bench))?[..] {
         [plain, solid, bump, idle, fastsplats] => Ok(Operated {
             plain,
             solid,

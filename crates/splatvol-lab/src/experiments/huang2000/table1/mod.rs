@@ -7,7 +7,8 @@ use splatvol::{Camera, Occlusion, Rasterizer, RenderSettings, Scene, View};
 
 use super::data;
 use super::lookups::Lookups;
-use super::method::{FASTSPLATS, RLUT, Subject, fastsplats, picture_size, seconds};
+use super::method::{FASTSPLATS, RLUT, Subject, fastsplats, picture_size, rounds, seconds};
+use crate::measure::Rounds;
 use crate::{Experiment, LabError, Outcome, Workbench};
 use findings::{across_findings, lookup_finding, time_findings};
 use show::{alone, bars, numbers, pictures};
@@ -152,9 +153,9 @@ fn measure(bench: &Workbench<'_>, case: &mut Case) -> Result<(), LabError> {
             .collect()
     };
     let mut hiding = subjects(Occlusion::Sat)?;
-    let hidden = seconds(&mut hiding, 3)?;
+    let hidden = seconds(&mut hiding, rounds(bench))?;
     let mut showing = subjects(Occlusion::None)?;
-    let open = seconds(&mut showing, 1)?;
+    let open = seconds(&mut showing, Rounds::exactly(1))?;
     let rows: Vec<Row> = case
         .methods
         .iter()

@@ -13,7 +13,7 @@ use self::case::{Case, settings};
 use self::voxel::one_voxel;
 use super::pictures::{Inside, Plane};
 use super::splat::widths;
-use crate::measure::median_seconds;
+use crate::measure::{Rounds, median_seconds};
 use crate::{
     Axis, Cell, Expectation, Experiment, Finding, LabError, Outcome, Plate, Plot, PlotKind, Published, Table,
     Workbench,
@@ -280,7 +280,7 @@ fn times(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError> {
     let mut renderer = one.renderer()?;
     let settings = settings(size, Filter::Ewa { pixel_sigma: 1.0 }, 2.0)?;
     let frame = Box::new(|| Ok(renderer.render(&scene, &camera, &settings).map(drop)?));
-    let seconds = median_seconds(&mut [frame], bench.choose(3, 1))?;
+    let seconds = median_seconds(&mut [frame], Rounds::exactly(bench.choose(3, 1)))?;
     outcome.find(
         Finding::new(
             "Fig. 8 (plate)",
