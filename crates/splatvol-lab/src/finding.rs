@@ -162,13 +162,10 @@ impl Finding {
                 swapped += usize::from(!right);
             }
         }
-        let words = sorted
-            .iter()
-            .map(|(name, number)| format!("{name} {}", short(*number)));
         Self::new(figure, key, quantity, swapped as f64, Expectation::AtMost(0.0))
             .unit("pairs")
             .published(Published::Claim(published.join(" < ")))
-            .detail(words.collect::<Vec<_>>().join(" < "))
+            .detail(in_order(&sorted, tie))
     }
 
     /// Sets the unit.
@@ -246,6 +243,30 @@ impl Finding {
     }
 }
 
+/// Names and numbers, smallest first; those closer than `tie` count as equal.
+fn in_order(sorted: &[(&str, f64)], tie: f64) -> String {
+    let mut text = String::new();
+    let mut before = f64::NEG_INFINITY;
+    for (name, number) in sorted {
+        let sign = match *number <= before * (1.0 + tie) {
+            true => " ≈ ",
+            false => " < ",
+        };
+        if before.is_finite() {
+            text.push_str(sign);
+        }
+        text.push_str(&format!("{name} {}", short(*number)));
+        before = *number;
+    }
+    if text.contains('≈') {
+        text.push_str(&format!(
+            "; ≈ is less than {} % apart and counts as equal",
+            short(100.0 * tie)
+        ));
+    }
+    text
+}
+
 /// A number in as few digits as tell it: four that count.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -312,6 +333,12 @@ mod tests {
         assert_eq!(order(&["middle", "fast", "slow"], 0.0), 1.0);
         assert_eq!(order(&["middle", "fast", "slow"], 0.03), 0.0);
         assert_eq!(order(&["fast", "absent"], 0.0), 1.0);
+        let words = |tie| Finding::order("T", "o", "time", &[], &measured, tie).detail;
+        assert_eq!(words(0.0), "fast 1 < middle 1.02 < slow 3");
+        assert_eq!(
+            words(0.03),
+            "fast 1 ≈ middle 1.02 < slow 3; ≈ is less than 3 % apart and counts as equal"
+        );
     }
 
     #[test]

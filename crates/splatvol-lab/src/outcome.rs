@@ -31,6 +31,8 @@ pub struct Run {
     pub experiment: &'static Experiment,
     /// How thoroughly.
     pub effort: Effort,
+    /// By how many worker threads; `None`: one per logical processor.
+    pub threads: Option<usize>,
     /// What it brought out.
     pub outcome: Outcome,
     /// How long it took.

@@ -1,5 +1,6 @@
 //! Every experiment with `--quick`: its numbers lie in stored ranges, `ranges/PAPER.toml`, whose keys are experiment and
-//! finding. What a clock measured must only be a number. Experiments whose data are not there are skipped. A finding without a range, and a range without a finding, fail.
+//! finding. What a clock measured must only be a number. Experiments whose data are not there are skipped. A finding
+//! without a range, and a range without a finding, fail.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -86,6 +87,7 @@ fn check(paper: &str) {
         runs.push(splatvol_lab::Run {
             experiment,
             effort: Effort::Quick,
+            threads: None,
             outcome,
             took: start.elapsed(),
         });
@@ -107,11 +109,25 @@ fn the_report_names_everything(runs: &[splatvol_lab::Run]) {
     let out = tempfile::tempdir().expect("the system has a temporary folder");
     report::write(runs, out.path()).expect("the folder can be written");
     let page = std::fs::read_to_string(out.path().join("index.html")).expect("the page was written");
+    let text = std::fs::read_to_string(out.path().join("lab.md")).expect("the text was written");
     for run in runs {
         let name = run.experiment.name;
         assert!(page.contains(&format!("id=\"{name}\"")), "{name}");
+        assert!(
+            page.contains(&format!("href=\"#{name}\"")),
+            "{name} is in no index"
+        );
+        assert!(
+            text.contains(&format!("[{name}](#{name})")),
+            "{name} is in no index"
+        );
         for finding in &run.outcome.findings {
             let key = &finding.key;
+            let named = |place: &&str| finding.figure.starts_with(place);
+            assert!(
+                run.experiment.figures.iter().any(named),
+                "{name}: {key} is in no index"
+            );
             assert_eq!(
                 run.outcome.findings.iter().filter(|one| one.key == *key).count(),
                 1,

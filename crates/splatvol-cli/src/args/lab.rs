@@ -21,7 +21,7 @@ pub(crate) struct LabArgs {
     /// Smaller pictures, fewer samples: the same numbers, roughly, in a tenth of the time
     #[arg(long, requires = "names")]
     pub(crate) quick: bool,
-    /// Folder for pictures, plots and CSV, one folder in it per experiment
+    /// Folder for pictures, plots and CSV, one folder in it per experiment; not together with --report
     #[arg(
         short,
         long,
@@ -30,7 +30,8 @@ pub(crate) struct LabArgs {
         conflicts_with = "report"
     )]
     pub(crate) output: PathBuf,
-    /// Write one report of all that was run, index.html and lab.md, with pictures, plots and CSV beside them
+    /// In place of -o: a folder for one report of all that was run, index.html and lab.md, with pictures, plots and CSV
+    /// beside them
     #[arg(long, value_name = "FOLDER", requires = "names")]
     pub(crate) report: Option<PathBuf>,
     /// Folder of data that are not part of splatvol; what is missing is skipped [default: ../shared/data, where it is there]

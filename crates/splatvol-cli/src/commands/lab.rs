@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use splatvol_lab::{
-    Effort, Experiment, LabError, Run, Workbench, experiment, experiments, folder, papers, report,
+    Effort, Experiment, LabError, Published, Run, Workbench, experiment, experiments, folder, papers, report,
 };
 
 use crate::args::LabArgs;
@@ -57,11 +57,12 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Experiment>, Failure> {
 
 fn refuse_existing(output: &Path, chosen: &[&Experiment], report: bool) -> Result<(), Failure> {
     let page = report.then(|| output.join("index.html"));
+    let option = if report { "--report" } else { "-o" };
     let folders = chosen.iter().map(|one| output.join(one.name));
     match page.into_iter().chain(folders).find(|path| path.exists()) {
         Some(path) => Err(anyhow!("{} exists", path.display()))
             .during(Step::Output)
-            .map_err(|failure| failure.hint("-w overwrites it, -o names another folder")),
+            .map_err(|failure| failure.hint(format!("-w overwrites it, {option} names another folder"))),
         None => Ok(()),
     }
 }
@@ -109,6 +110,7 @@ fn run_one(
     Ok(Some(Run {
         experiment: one,
         effort: bench.effort,
+        threads: bench.threads,
         outcome,
         took,
     }))
@@ -131,12 +133,15 @@ fn failed(one: &Experiment, error: LabError) -> Failure {
 fn told(run: &Run) -> String {
     let mut text = format!("{}: {}\n", run.experiment.name, run.experiment.title);
     for one in &run.outcome.findings {
+        let paper = match &one.published {
+            Published::Nothing => String::new(),
+            published => format!("paper {published}; "),
+        };
         text.push_str(&format!(
-            "  {:<12} {}\n               measured {}; paper {}; condition {}: {}\n",
+            "  {:<12} {}\n               measured {}; {paper}condition {}: {}\n",
             one.figure,
             one.quantity,
             one.measured_text(),
-            one.published,
             one.expected,
             one.verdict_text()
         ));
@@ -151,7 +156,7 @@ fn list() -> Result<(), Failure> {
         if one.paper != group {
             group = one.paper;
             let paper = papers().into_iter().find(|paper| paper.key == group);
-            let title = paper.map_or("our own".to_owned(), |paper| paper.citation.to_owned());
+            let title = paper.map_or("Beyond the papers", |paper| paper.citation);
             text.push_str(&format!("{group}: {title}\n"));
         }
         text.push_str(&format!(

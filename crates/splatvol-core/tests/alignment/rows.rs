@@ -1,6 +1,6 @@
-//! Table 1 of mueller1998, corrected: row 3 reads `z_v` for `x_v`, and no squares in the sums; row 4 has
-//! `z_v z_k + y_p y_v` in its denominator and `y_v^2 + z_v^2` under its root; integrals are taken in arc length. Rows are written for the plane of the axis and
-//! the splat, with the direction across it added.
+//! Table 1 of mueller1998, corrected: row 3 has `y_v`, `z_v` where `x_v`, `y_v` are printed outside of dy, and no squares in
+//! the sums; row 4 has `z_v z_k + y_p y_v` in its denominator and `y_v^2 + z_v^2` under its root; integrals are taken in arc
+//! length. Rows are written for the plane of the axis and the splat, with the direction across it added.
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol_core::splats::View;

@@ -169,6 +169,8 @@ pub struct Plot {
     pub y: Axis,
     /// What is drawn.
     pub kind: PlotKind,
+    /// Whether a unit is as long on both axes, so that circles are circles; both need a range, and no logarithm.
+    pub equal: bool,
 }
 
 impl Plot {
@@ -191,7 +193,15 @@ impl Plot {
             x,
             y,
             kind,
+            equal: false,
         }
+    }
+
+    /// Makes a unit as long on both axes: the plot becomes as high as that takes.
+    #[must_use]
+    pub fn equal(mut self) -> Self {
+        self.equal = true;
+        self
     }
 
     /// Adds a curve; other kinds of plots stay as they are.

@@ -176,3 +176,52 @@ fn curves_and_marks_are_for_plots_of_curves_alone() {
     let [before, after] = [bars(), bars().curve(Curve::new("x", [[0.0, 0.0]]))];
     assert_eq!(before.svg(), after.svg());
 }
+
+#[test]
+fn circles_are_circles_where_units_are_as_long_on_both_axes() {
+    let circle = (0..=64).map(|i| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 64.0).sin_cos();
+        [cos, sin]
+    });
+    let [x, y] = [
+        Axis::new("x (voxels)").range(-2.0, 2.0),
+        Axis::new("y (voxels)").range(-1.5, 1.5),
+    ];
+    let plot = Plot::curves("e", "F", "C", x, y).curve(Curve::new("circle", circle).dots());
+    let extent = |svg: &str, name: &str| {
+        let values = svg.split("<circle").skip(1).filter_map(|rest| {
+            let (_, value) = rest.split_once(&format!(" {name}=\""))?;
+            value.split('"').next()?.parse::<f64>().ok()
+        });
+        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        });
+        high - low
+    };
+    let ratio = |svg: &str| extent(svg, "cx") / extent(svg, "cy");
+    assert!((ratio(&plot.svg()) - 1.0).abs() > 0.05);
+    assert!((ratio(&plot.equal().svg()) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn numbers_on_a_logarithmic_axis_are_written_alike() {
+    let words = |range: [f64; 2]| {
+        let [x, y] = [Axis::logarithmic("x").range(range[0], range[1]), Axis::new("y")];
+        let line = Curve::new("line", range.map(|at| [at, 1.0]));
+        text(&Plot::curves("l", "F", "C", x, y).curve(line).svg())
+    };
+    let plain = words([0.1, 10.0]);
+    assert!(plain.contains("0.1 0.2 0.5 1 2 5 10"), "{plain}");
+    let wide = words([1e-6, 1.0]);
+    assert!(wide.contains("1e-6 1e-5 1e-4 1e-3 1e-2 1e-1 1e0"), "{wide}");
+}
+
+#[test]
+fn bars_of_a_single_series_have_no_legend() {
+    let kind = PlotKind::Bars {
+        bars: vec!["roughness".to_owned()],
+        groups: vec![("plain".to_owned(), vec![1.0]), ("both".to_owned(), vec![2.0])],
+    };
+    let text = text(&Plot::new("b", "F", "C", axes(), kind).svg());
+    assert!(text.contains("both") && !text.contains("roughness"), "{text}");
+}

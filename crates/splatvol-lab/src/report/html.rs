@@ -5,8 +5,9 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pulldown_cmark::Event;
 
-use super::summary::{experiments, group_title, groups, lead, standing};
-use crate::{Finding, LabError, Panel, Plate, Plot, Run, Table, Verdict, folder, papers};
+use super::index::Index;
+use super::summary::{group_title, groups, lead, shown_in, took};
+use crate::{Finding, LabError, Panel, Plate, Plot, Run, Table, Verdict, folder};
 
 const STYLE: &str = include_str!("report.css");
 
@@ -43,31 +44,25 @@ fn section(key: &str, runs: &[Run]) -> Result<Markup, LabError> {
     }
     Ok(html! {
         h2 id=(key) { (group_title(key)) }
-        (figures(key, runs))
+        (index(&Index::of(key, runs)))
         @for section in sections { (section) }
     })
 }
 
-fn figures(key: &str, runs: &[Run]) -> Markup {
-    let entries = papers()
-        .into_iter()
-        .find(|paper| paper.key == key)
-        .map_or(&[][..], |paper| paper.figures);
+/// Figures, sections or titles, with links to their experiments.
+fn index(index: &Index) -> Markup {
     html! {
-        @if !entries.is_empty() {
-            table {
-                tr { th { "in the paper" } th { "shows" } th { "here" } th { "numbers" } }
-                @for entry in entries {
-                    tr {
-                        td { (entry.number) }
-                        td { (entry.shows) }
-                        td {
-                            @for (name, was_run) in experiments(entry, runs) {
-                                @if was_run { a href={"#" (name)} { (name) } " " } @else { (name) " (not run) " }
-                            }
+        table {
+            tr { @for head in index.heads { th { (head) } } }
+            @for entry in &index.entries {
+                tr {
+                    @for words in &entry.about { td { (words) } }
+                    td {
+                        @for (name, was_run) in &entry.experiments {
+                            @if *was_run { a href={"#" (name)} { (name) } " " } @else { (name) " (not run) " }
                         }
-                        td { (standing(entry, runs)) }
                     }
+                    td { (entry.standing) }
                 }
             }
         }
@@ -84,13 +79,13 @@ fn experiment(run: &Run) -> Result<Markup, LabError> {
         .collect::<Result<Vec<_>, _>>()?;
     Ok(html! {
         h3 id=(about.name) { (about.name) }
-        p { strong { (about.title) } " (" (about.figures.join(", ")) ")" }
+        p { strong { (about.title) "." } " " (shown_in(run)) }
         (prose(about.about))
         @if !outcome.findings.is_empty() { (findings(&outcome.findings)) }
         @for plate in plates { (plate) }
         @for plot in &outcome.plots { (drawing(plot)) }
         @for table in outcome.tables.iter().filter(|table| table.shown) { (rows(table)) }
-        p.small { "Took " (format!("{:.1}", run.took.as_secs_f64())) " s." }
+        p.small { (took(run)) }
     })
 }
 

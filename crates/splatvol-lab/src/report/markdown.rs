@@ -2,15 +2,16 @@
 
 use std::fmt::Write;
 
-use super::summary::{experiments, group_title, groups, lead, standing};
-use crate::{Finding, Plate, Plot, Run, Table, papers};
+use super::index::Index;
+use super::summary::{group_title, groups, lead, shown_in, took};
+use crate::{Finding, Plate, Plot, Run, Table};
 
 /// The whole page; pictures lie in a folder per experiment beside it.
 pub(super) fn page(runs: &[Run]) -> String {
     let mut text = format!("# The papers' experiments\n\n{}\n", lead(runs));
     for key in groups(runs) {
         let _ = write!(text, "\n## {}\n", group_title(key));
-        figures(&mut text, key, runs);
+        index(&mut text, &Index::of(key, runs));
         for run in runs.iter().filter(|run| run.experiment.paper == key) {
             experiment(&mut text, run);
         }
@@ -18,23 +19,26 @@ pub(super) fn page(runs: &[Run]) -> String {
     text
 }
 
-fn figures(text: &mut String, key: &str, runs: &[Run]) {
-    let Some(paper) = papers().into_iter().find(|paper| paper.key == key) else {
-        return;
-    };
-    text.push_str("\n| in the paper | shows | here | numbers |\n|---|---|---|---|\n");
-    for entry in paper.figures {
-        let links = experiments(entry, runs).map(|(name, was_run)| match was_run {
+/// Figures, sections or titles, with links to their experiments.
+fn index(text: &mut String, index: &Index) {
+    let _ = write!(
+        text,
+        "\n| {} |\n|{}\n",
+        index.heads.join(" | "),
+        "---|".repeat(index.heads.len())
+    );
+    for entry in &index.entries {
+        let about: Vec<String> = entry.about.iter().map(|words| cell(words)).collect();
+        let links = entry.experiments.iter().map(|(name, was_run)| match was_run {
             true => format!("[{name}](#{name})"),
             false => format!("{name} (not run)"),
         });
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} |",
-            entry.number,
-            cell(entry.shows),
+            "| {} | {} | {} |",
+            about.join(" | "),
             links.collect::<Vec<_>>().join(", "),
-            standing(entry, runs)
+            entry.standing
         );
     }
 }
@@ -44,10 +48,10 @@ fn experiment(text: &mut String, run: &Run) {
     let folder = about.name;
     let _ = write!(
         text,
-        "\n### {}\n\n**{}** ({})\n\n{}\n",
+        "\n### {}\n\n**{}.** {}\n\n{}\n",
         about.name,
         about.title,
-        about.figures.join(", "),
+        shown_in(run),
         about.about.trim()
     );
     findings(text, &run.outcome.findings);
@@ -60,6 +64,7 @@ fn experiment(text: &mut String, run: &Run) {
     for table in run.outcome.tables.iter().filter(|table| table.shown) {
         rows(text, table);
     }
+    let _ = write!(text, "\n{}\n", took(run));
 }
 
 fn findings(text: &mut String, findings: &[Finding]) {

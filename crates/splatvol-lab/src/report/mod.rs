@@ -1,6 +1,8 @@
 //! One report of many experiments: a self-contained HTML page, and the same as Markdown beside files.
 
 mod html;
+mod index;
+mod machine;
 mod markdown;
 mod summary;
 #[cfg(test)]

@@ -59,6 +59,7 @@ fn run() -> Run {
     Run {
         experiment: &EXPERIMENT,
         effort: Effort::Quick,
+        threads: Some(3),
         outcome,
         took: Duration::from_millis(1500),
     }
@@ -111,14 +112,16 @@ fn markdown_rows_have_as_many_cells_as_their_heads() {
         assert_eq!(cells(line), count, "{line}");
         rows += 1;
     }
-    // Head, rule and rows: three findings, a plate's row, a table's.
-    assert_eq!(rows, (2 + 3) + (2 + 1) + (2 + 1), "{text}");
+    // Head, rule and rows: the index's row, three findings, a plate's row, a table's.
+    assert_eq!(rows, (2 + 1) + (2 + 3) + (2 + 1) + (2 + 1), "{text}");
     for part in [
         "| Test (a) | a \\| b &lt; c | x & y | 2 dB | ≥ 1 | reproduced |",
         "| Test (b) | two lines | – | 3 | ≤ 1 | differs, not explained |",
         "| Test (c) | third | – | 3 | ≤ 1 | differs because 5 > 4 (5) |",
         "![Test: A plot](beyond-test/p.svg)",
         "![right \\| 2](beyond-test/q-2.png)",
+        "| Less &lt; more & \"quoted\" | [beyond-test](#beyond-test) | 1 of 3 |",
+        "\nTook 1.5 s.\n",
     ] {
         assert!(text.contains(part), "no {part} in {text}");
     }
@@ -128,9 +131,34 @@ fn markdown_rows_have_as_many_cells_as_their_heads() {
 #[test]
 fn the_first_paragraph_counts_verdicts() {
     let lead = summary::lead(&[run()]);
-    assert!(lead.starts_with("1 experiments were run with --quick"), "{lead}");
+    assert!(lead.starts_with("1 experiment was run with --quick"), "{lead}");
     assert!(
         lead.contains("Of 3 numbers, 1 come out as published or expected, 2 differ, 1 of them without"),
+        "{lead}"
+    );
+}
+
+#[test]
+fn the_first_paragraph_names_the_machine_of_times() {
+    let mut run = run();
+    assert!(!summary::lead(&[run.clone()]).contains("Times"));
+    run.outcome.findings[0].timed = true;
+    let lead = summary::lead(&[run]);
+    assert!(
+        lead.contains("Times are of this processor: ")
+            && lead.contains(", with 3 threads unless an experiment says otherwise."),
+        "{lead}"
+    );
+}
+
+#[test]
+fn what_holds_everywhere_differs_nowhere() {
+    let mut run = run();
+    run.outcome.findings.truncate(1);
+    let lead = summary::lead(&[run.clone(), run]);
+    assert!(
+        lead.contains("2 experiments were")
+            && lead.contains("2 come out as published or expected, none differs."),
         "{lead}"
     );
 }

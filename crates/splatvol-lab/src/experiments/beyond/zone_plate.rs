@@ -299,7 +299,7 @@ fn plot(responses: &[(&Method, Rings)]) -> Plot {
         FIGURE,
         "Amplitude in the picture by frequency in the data",
         Axis::new("frequency of the data (cycles per pixel)").range(0.0, 1.0),
-        Axis::new("amplitude (of the data's)").range(0.0, 1.1),
+        Axis::new("amplitude (of the data's)").range(0.0, 1.2),
     )
     .mark(Mark::Vertical {
         at: 0.5,

@@ -19,7 +19,7 @@ use crate::{
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "huang2000-differences",
     paper: "huang2000",
-    title: "pixel-to-pixel differences on the phantom cube",
+    title: "Pixel-to-pixel differences on the phantom cube",
     figures: &["Section 5.1", "Fig. 9"],
     about: "The paper renders a phantom cube in 8-bit grey. The reference is the linear FastSplat with tables of 256 entries of 16 bits. \
 Square and RLUT with 10 x 10 positions take 128 entries of 8 bits. It reports the mean and the largest absolute difference over all pixels that the cube touches.
@@ -28,7 +28,8 @@ Of the cube nothing more is told. Ours is 40 voxels along an edge, grey, opaque,
 512 x 512. Grey is rounded to 8 bits at the end.
 
 The paper's buffers had 8 bits per channel for pre-classified splatting. Ours hold floating-point numbers, so that only the tables err. \
-To see what the buffers did, a second, small splatter renders a cube into buffers of 8 bits, which round after every splat and every sheet: to the nearest level, or down.",
+To see what the buffers did, a second, small splatter renders a cube into buffers of 8 bits, which round after every splat and every sheet: to the nearest level, or down. Its cube has 24 voxels along an edge, 4.3 pixels each, of grey .8 and \
+opacity .95, seen obliquely. These are ours too; what cubes of other sizes make of it stands beside the numbers.",
     run,
 };
 
@@ -106,15 +107,14 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     outcome.tables.push(numbers(&compared, &buffers));
     outcome.plots.push(histogram(&compared));
     bench.step(2, 3, "picture");
-    let small = RenderSettings {
-        size: ImageSize::new(256, 256)?,
+    let square = RenderSettings {
         rasterizer: Rasterizer::Square1d,
         ..base
     };
     let plate = Plate::new("cube", "Fig. 9 (c)", "the phantom cube, by the square FastSplat");
     outcome
         .plates
-        .push(plate.panel("(c) phantom cube", image(&scene, &camera, small)?));
+        .push(plate.panel("(c) phantom cube", image(&scene, &camera, square)?));
     Ok(outcome)
 }
 
@@ -127,7 +127,12 @@ struct Buffers {
     nearest: [[f64; 2]; 2],
     down: [[f64; 2]; 2],
     unrounded: [[f64; 2]; 2],
+    /// The same, rounded down, of cubes of other sizes: least and greatest.
+    others: [[[f64; 2]; 2]; 2],
 }
+
+/// Voxels along an edge and pixels per voxel of the other cubes.
+const OTHER_CUBES: [(usize, f64); 6] = [(12, 4.3), (16, 6.0), (20, 5.0), (24, 3.0), (24, 6.0), (32, 4.3)];
 
 fn buffers(bench: &Workbench<'_>) -> Result<Buffers, LabError> {
     let table = |entries, precision, spacing| TableSettings {
@@ -155,18 +160,33 @@ fn buffers(bench: &Workbench<'_>) -> Result<Buffers, LabError> {
         cells: Some(10.0),
         ..square
     };
-    let compare = |rounding: Rounding| -> Result<[[f64; 2]; 2], LabError> {
-        let reference: Vec<DVec2> = eight_bits::render(&cube, reference, rounding)?;
-        let against = |lookup| eight_bits::render(&cube, lookup, rounding);
+    let compare = |cube: &Cube, rounding: Rounding| -> Result<[[f64; 2]; 2], LabError> {
+        let reference: Vec<DVec2> = eight_bits::render(cube, reference, rounding)?;
+        let against = |lookup| eight_bits::render(cube, lookup, rounding);
         Ok([
             eight_bits::difference(&against(square)?, &reference),
             eight_bits::difference(&against(rlut)?, &reference),
         ])
     };
+    let mut others = [[[f64::INFINITY, f64::NEG_INFINITY]; 2]; 2];
+    for &(voxels, scale) in OTHER_CUBES.iter().take(bench.choose(6, 2)) {
+        let other = compare(
+            &Cube {
+                voxels,
+                scale,
+                ..cube
+            },
+            Rounding::Down,
+        )?;
+        for (range, value) in others.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
+            *range = [range[0].min(*value), range[1].max(*value)];
+        }
+    }
     Ok(Buffers {
-        nearest: compare(Rounding::Nearest)?,
-        down: compare(Rounding::Down)?,
-        unrounded: compare(Rounding::None)?,
+        nearest: compare(&cube, Rounding::Nearest)?,
+        down: compare(&cube, Rounding::Down)?,
+        unrounded: compare(&cube, Rounding::None)?,
+        others,
     })
 }
 
@@ -230,7 +250,10 @@ fn buffer_findings(outcome: &mut Outcome, buffers: &Buffers) {
                 )
                 .unit("levels")
                 .published(Published::Number(published[which]))
-                .detail(format!("to the nearest: {:.2}", buffers.nearest[index][which])),
+                .detail(format!(
+                    "to the nearest {:.2}; down, cubes of other sizes, {:.2} to {:.2}",
+                    buffers.nearest[index][which], buffers.others[index][which][0], buffers.others[index][which][1]
+                )),
             );
         }
     }

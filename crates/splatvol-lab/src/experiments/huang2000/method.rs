@@ -73,10 +73,10 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Three rounds, or what ten seconds hold.
+/// Five rounds, or what ten seconds hold; with `--quick` three.
 pub(super) fn rounds(bench: &Workbench<'_>) -> Rounds {
     Rounds {
-        least: 3,
+        least: bench.choose(5, 3),
         seconds: bench.choose(10.0, 0.0),
     }
 }

@@ -27,6 +27,11 @@ const FIGURES: &[FigureEntry] = &[
         experiments: &[],
     },
     FigureEntry {
+        number: "Fig. 1 (plate)",
+        shows: "brain and nerve with 1D FastSplats of 128 entries of 8 bits, brain with the 2D FastSplat",
+        experiments: &["huang2000-preshaded"],
+    },
+    FigureEntry {
         number: "Fig. 2",
         shows: "brain and nerve with the 1D linear FastSplat, brain with the 2D FastSplat",
         experiments: &["huang2000-preshaded"],

@@ -12,7 +12,7 @@ use crate::{
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "huang2000-storage",
     paper: "huang2000",
-    title: "memory of footprint tables",
+    title: "Memory of footprint tables",
     figures: &["Section 3", "Section 3.2", "Section 5.1"],
     about: "The paper compares what footprints take: two-dimensional tables of real numbers for texture hardware, footprints drawn beforehand \
 for every radius and position within the pixel (eq. 5), and its one-dimensional tables of 128 sections.

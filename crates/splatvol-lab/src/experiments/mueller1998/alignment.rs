@@ -13,8 +13,8 @@
 //! | 4, practical ray-perpendicular | `s(z_v) r (z_v y_p - y_v z_k) / (z_v z_k + y_p y_v), dz` | `s(z_v)` | parallel |
 //! | 5, grid-aligned | `s(z_v) (y_p z_v / z_k - y_v), dz` | `s(z_v)` | parallel |
 //!
-//! with `r = sqrt(y_v^2 + z_v^2)`. What is corrected: row 3 is printed with `x_v` for `z_v` and squares of both in the
-//! sums, and its two arguments change places with them; row 4 with a minus in the denominator and `x_v` under the
+//! with `r = sqrt(y_v^2 + z_v^2)`. What is corrected: row 3 is printed with `(x_v, y_v)` for `(y_v, z_v)` everywhere outside `dy`
+//! and with squares of both in the sums; row 4 with a minus in the denominator and `x_v^2 + y_v^2` for `y_v^2 + z_v^2` under the
 //! root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper does not say: in `dz` its bound of two
 //! levels off the axis near `z_k` would not hold, where row 4 would err by 40.
 
@@ -42,9 +42,11 @@ pub(super) enum Row {
     Ray,
     /// Row 5.
     Grid,
-    /// Row 3 as printed, with `z_v` for `x_v`, which the plane of the axis and the voxel does not have.
-    PrintedRayIdeal,
-    /// Row 4 as printed, likewise.
+    /// Row 3 with the squares that are printed, all else corrected.
+    SquaredRayIdeal,
+    /// Row 3 without the squares, with `z_v` for `x_v` alone, which the plane of the axis and the voxel does not have.
+    SwappedRayIdeal,
+    /// Row 4 with the minus that is printed.
     PrintedRay,
 }
 
@@ -110,10 +112,11 @@ impl Kernel {
         let [across, along] = match row {
             Row::Trapezoid | Row::Box => [dy, dz],
             Row::RayIdeal => [(dy * z_v - dz * y_v) / r, (dz * z_v + dy * y_v) / r],
-            Row::PrintedRayIdeal => [
-                (-dz * z_v * z_v + dy * y_v * y_v) / r,
-                (dz * y_v * y_v + dy * z_v * z_v) / r,
+            Row::SquaredRayIdeal => [
+                (dy * z_v * z_v - dz * y_v * y_v) / r,
+                (dz * z_v * z_v + dy * y_v * y_v) / r,
             ],
+            Row::SwappedRayIdeal => [(dy * y_v - dz * z_v) / r, (dz * y_v + dy * z_v) / r],
             Row::Ray => [r * (z_v * y_p - y_v * z_k) / (z_v * z_k + y_p * y_v), dz],
             Row::PrintedRay => [r * (z_v * y_p - y_v * z_k) / (z_v * z_k - y_p * y_v), dz],
             Row::Grid => [y_p * z_v / z_k - y_v, dz],

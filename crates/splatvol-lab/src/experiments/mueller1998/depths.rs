@@ -6,9 +6,17 @@ use crate::measure::luminance;
 
 /// RMS difference of two pictures, both low-passed by a pixel, where a mask says.
 pub(super) fn difference(one: &Image, other: &Image, mask: &[bool]) -> f64 {
-    let width = one.size().width() as usize;
-    let [a, b] = [one, other].map(|image| low_passed(&luminance(image), width));
-    let squares = a.iter().zip(&b).zip(mask).filter(|(_, here)| **here);
+    rms(&smooth(one), &smooth(other), mask)
+}
+
+/// Luminance, low-passed by a pixel.
+pub(super) fn smooth(image: &Image) -> Vec<f64> {
+    low_passed(&luminance(image), image.size().width() as usize)
+}
+
+/// RMS difference where a mask says.
+pub(super) fn rms(a: &[f64], b: &[f64], mask: &[bool]) -> f64 {
+    let squares = a.iter().zip(b).zip(mask).filter(|(_, here)| **here);
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), ((a, b), _)| {
         (sum + (a - b).powi(2), count + 1.0)
     });

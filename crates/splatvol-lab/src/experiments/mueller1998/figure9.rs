@@ -100,8 +100,9 @@ fn contours(column: &Column) -> Plot {
             column.words
         ),
         Axis::new("y_p from the centre's ray (pixels)").range(-2.5, 2.5),
-        Axis::new("z from the centre (voxels)").range(-2.0, 2.0),
-    );
+        Axis::new("z from the centre (voxels)").range(-1.5, 1.5),
+    )
+    .equal();
     for (row, name) in KERNELS {
         for (level, words) in [(0.5, "1/2"), (0.1, "1/10")] {
             let curve = Curve::new(&format!("{name}, {words}"), contour(&column.kernel, row, level));

@@ -62,14 +62,15 @@ pub(super) fn spinning(scene: Scene, degrees: f64) -> Scene {
     }
 }
 
-/// The mean of each block of `n` by `n` pixels.
-pub(super) fn averaged(image: &Image, n: usize) -> Result<Image, LabError> {
+/// The mean of each block of `n` by `n` pixels, taken `down` pixels farther down; the border repeats.
+pub(super) fn averaged(image: &Image, n: usize, down: isize) -> Result<Image, LabError> {
     let [width, height] = <[u32; 2]>::from(image.size()).map(|side| side as usize / n);
+    let row = |y: usize| y.saturating_add_signed(down).min(n * height - 1);
     let mean = |index: usize| {
         let (x, y) = (index % width * n, index / width * n);
         let mut sum = [0.0; 4];
         for part in 0..n * n {
-            let pixel = image.pixel(x + part % n, y + part / n);
+            let pixel = image.pixel(x + part % n, row(y + part / n));
             sum = std::array::from_fn(|c| sum[c] + f64::from(pixel[c]));
         }
         sum.map(|value| (value / (n * n) as f64) as f32)

@@ -27,7 +27,7 @@ a pixel in voxels: 1/2 for (a), 2 for (b) and (c). Pictures shifted by eighths o
 line by line over exactly one period.\n\n\
 *Prealiasing* is the power of the signal's own spectrum above phi / 2, *postaliasing* that of its repetitions, wherever the kernel \
 lets them pass. The paper draws the repetitions at multiples of phi; in splatting they lie at multiples of the voxels' rate, \
-and multiples of phi are where the pixels fold them.",
+and multiples of phi are where the pixels fold them. The plots leave out the mean and its repetitions.",
     run,
 };
 
@@ -283,6 +283,8 @@ fn plot(panel: &Panel, amplitudes: &[f64]) -> Plot {
     let frequency = |line: usize| line as f64 / PERIOD as f64;
     let strongest = amplitudes.iter().copied().fold(0.0, f64::max);
     let lines = || (1..panel.measured.len()).filter(|&line| frequency(line) <= END);
+    // Without the mean and its repetitions, lines much stronger than their neighbours.
+    let waves = || lines().filter(|line| line % PERIOD > 0);
     let nyquist = 0.5 / panel.distance;
     let ideal = [[0.0, 1.0], [nyquist, 1.0], [nyquist, 0.0], [END, 0.0]];
     Plot::curves(
@@ -294,14 +296,12 @@ fn plot(panel: &Panel, amplitudes: &[f64]) -> Plot {
     )
     .curve(Curve::new(
         "picture",
-        lines().map(|line| [frequency(line), panel.measured[line] / strongest]),
+        waves().map(|line| [frequency(line), panel.measured[line] / strongest]),
     ))
     .curve(
         Curve::new(
             "samples: primary and alias spectra",
-            lines()
-                .filter(|line| line % PERIOD > 0)
-                .map(|line| [frequency(line), repeated(amplitudes, line) / strongest]),
+            waves().map(|line| [frequency(line), repeated(amplitudes, line) / strongest]),
         )
         .dashed(),
     )

@@ -17,6 +17,7 @@ mod pictures;
 mod shapes;
 mod splat;
 mod surface;
+mod times;
 mod zebra;
 
 use crate::{Experiment, FigureEntry, Paper};

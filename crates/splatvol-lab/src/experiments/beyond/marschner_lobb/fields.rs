@@ -98,7 +98,7 @@ pub(super) fn world(x: DVec3) -> DVec3 {
 
 /// Errors of a field; values relative to the signal's range, which is 1.
 pub(super) struct Errors {
-    /// Decibels of the root mean square.
+    /// Signal-to-error ratio: the range over the root mean square error, decibels.
     pub(super) psnr: f64,
     pub(super) largest: f64,
     /// Mean angle between gradients, degrees.

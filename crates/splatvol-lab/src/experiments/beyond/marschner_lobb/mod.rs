@@ -29,8 +29,9 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     figures: &[FIGURE],
     about: "The signal of Marschner and Lobb (1994) is sampled on 41 x 41 x 41 voxels, where its rings are close to the \
             Nyquist frequency. The field that each kernel makes of the samples is compared, in f64 and at seeded random \
-            points of the whole box, with the signal itself: value, and direction of the gradient. Trilinear \
-            interpolation is what a ray caster would do.\n\n\
+            points of the whole box, with the signal itself: value, and direction of the gradient. The signal-to-error ratio \
+            is the signal's range over the root mean square error, in decibels. Trilinear interpolation is what a ray \
+            caster would do.\n\n\
             The papers splat samples as they are, which blurs. With the interpolating prefilter the kernels' weights are \
             solved once so that the field passes through the samples. Gaussians are the product kernels of the engine, \
             evaluated by the reference; the others are functions of the distance.\n\n\
@@ -101,14 +102,14 @@ fn field_findings(outcome: &mut Outcome, errors: &[(String, Errors)]) {
     outcome.find(decibels(
         "best",
         best,
-        "error of the default kernel with the prefilter (documented: 36 dB or better)",
+        "signal-to-error ratio of the default kernel with the prefilter (documented: 36 dB or better)",
         Expectation::AtLeast(36.0),
     ));
     outcome.find(
         decibels(
             "plain-papers",
             "gaussian .602/2",
-            "error of the papers' exp(-1.38 r^2) without prefilter, to be below trilinear interpolation",
+            "signal-to-error ratio of the papers' exp(-1.38 r^2) without prefilter, to be below that of trilinear interpolation",
             Expectation::AtMost(psnr("trilinear")),
         )
         .detail(format!("trilinear {:.1} dB", psnr("trilinear"))),
@@ -116,7 +117,7 @@ fn field_findings(outcome: &mut Outcome, errors: &[(String, Errors)]) {
     outcome.find(decibels(
         "trilinear",
         "trilinear",
-        "error of trilinear interpolation (known: 29.0 dB)",
+        "signal-to-error ratio of trilinear interpolation (known: 29.0 dB)",
         Expectation::Near {
             value: 29.0,
             within: 0.5,
@@ -129,7 +130,7 @@ fn field_findings(outcome: &mut Outcome, errors: &[(String, Errors)]) {
         Finding::new(
             FIGURE,
             "least-gain",
-            "what the prefilter gains, the kernel that gains least",
+            "signal-to-error ratio with the prefilter less that without, the kernel that gains least",
             gains[least].1,
             Expectation::AtLeast(3.0),
         )
@@ -163,7 +164,7 @@ fn sharpness(index: usize) -> f64 {
 fn table(errors: &[(String, Errors)]) -> Table {
     let columns = [
         "kernel",
-        "error (dB)",
+        "signal-to-error ratio (dB)",
         "largest error (of the range)",
         "gradient off by (degrees)",
     ];
@@ -205,7 +206,7 @@ fn bars(errors: &[(String, Errors)]) -> Plot {
     };
     let axes = [
         Axis::new("kernel (G: Gaussian, sigma/radius in voxels)"),
-        Axis::new("error of the field (dB)"),
+        Axis::new("signal-to-error ratio of the field (dB)"),
     ];
     Plot::new("kernels", FIGURE, "Higher is closer to the signal", axes, kind)
 }

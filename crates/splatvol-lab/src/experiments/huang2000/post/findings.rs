@@ -38,6 +38,7 @@ pub(super) fn fig8_findings(outcome: &mut Outcome, views: &[View8]) {
             Expectation::AtLeast(1.2),
         ),
     );
+    ratio_findings(outcome, views);
     // Table 1 has the pre-classified times of two.
     for (name, figure, pre) in [("brain", "Fig. 8 (a)", 4.33), ("nerve", "Fig. 8 (b)", 6.36)] {
         let Some(view) = views.iter().find(|view| view.name == name) else {
@@ -58,6 +59,46 @@ pub(super) fn fig8_findings(outcome: &mut Outcome, views: &[View8]) {
                 "data have no opacity until their sheet is finished, so less is hidden: sections drawn, post-classified over pre-classified",
                 view.slices[0] / view.slices[1],
                 Expectation::AtLeast(1.5),
+            ),
+        );
+    }
+}
+
+/// Each volume over the brain.
+fn ratio_findings(outcome: &mut Outcome, views: &[View8]) {
+    let Some((brain, others)) = views.split_first() else {
+        return;
+    };
+    for (letter, view) in ['b', 'c', 'd'].into_iter().zip(others) {
+        let published = view.published / brain.published;
+        let measured = view.post / brain.post;
+        let sections = view.slices[0] / brain.slices[0];
+        let off = |ratio: f64| match measured > published {
+            true => Expectation::AtLeast(1.25 * ratio),
+            false => Expectation::AtMost(0.8 * ratio),
+        };
+        outcome.find(
+            Finding::new(
+                &format!("Fig. 8 ({letter})"),
+                &format!("{}-over-brain", view.name),
+                &format!(
+                    "seconds of the {} over those of the brain, post-classified",
+                    view.name
+                ),
+                measured,
+                Expectation::relative(published, 0.25),
+            )
+            .published(Published::Number(published))
+            .timed()
+            .explained_by(
+                "our look-alikes are other data: sections drawn, over the brain's",
+                sections,
+                off(published),
+            )
+            .explained_by(
+                "its sections are not of the brain's size and shape: seconds per section, over the brain's",
+                measured / sections,
+                off(1.0),
             ),
         );
     }

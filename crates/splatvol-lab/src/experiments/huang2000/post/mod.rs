@@ -17,7 +17,7 @@ use show::{bars, fig8_numbers, fig9_numbers, plates};
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "huang2000-post",
     paper: "huang2000",
-    title: "post-classified rendering times, solid texture and bump map",
+    title: "Post-classified rendering times, solid texture and bump map",
     figures: &["Section 6.2", "Fig. 8", "Fig. 9"],
     about: "Post-classified sheets hold data, which is classified and lit pixel by pixel. The paper times four volumes by the square \
 FastSplat, then the brain with a marble texture computed per pixel and with a bump map of the word *splat*.
@@ -196,7 +196,7 @@ fn operators(bench: &Workbench<'_>, brain: &View8) -> Result<Operated, LabError>
     }
 }
 
-/// A picture of the word: white on black, letters of 5 x 7 squares, twice around the volume.
+/// A picture of the word: white on black, letters of 5 x 7 squares, three times around the volume.
 fn word() -> Result<Image, LabError> {
     const LETTERS: [[u8; 7]; 5] = [
         [0b01111, 0b10000, 0b10000, 0b01110, 0b00001, 0b00001, 0b11110],
@@ -207,9 +207,13 @@ fn word() -> Result<Image, LabError> {
     ];
     const SQUARE: usize = 6;
     const PERIOD: usize = 32;
-    let (width, height) = (2 * PERIOD * SQUARE, 21 * SQUARE);
+    let (width, height) = (3 * PERIOD * SQUARE, 21 * SQUARE);
     let lit = |index: usize| {
-        let (column, row) = (index % width / SQUARE % PERIOD, index / width / SQUARE);
+        // Half a period on, so that one of the words faces the viewer.
+        let (column, row) = (
+            (index % width / SQUARE + PERIOD / 2) % PERIOD,
+            index / width / SQUARE,
+        );
         let letter = LETTERS.get(column / 6);
         let line = row.checked_sub(7).and_then(|line| letter?.get(line));
         let bit = 4_usize.checked_sub(column % 6);

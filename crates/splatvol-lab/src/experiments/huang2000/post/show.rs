@@ -1,14 +1,13 @@
 //! Pictures, rows and bars of Fig. 8 and 9.
 
-use splatvol::{Classification, ImageSize};
+use splatvol::Classification;
 
 use super::{Operated, View8, default_engine, operated};
-use crate::experiments::huang2000::method::Subject;
+use crate::experiments::huang2000::method::{Subject, picture_size};
 use crate::{Axis, LabError, Plate, Plot, PlotKind, Table, Workbench};
 
 pub(super) fn plates(bench: &Workbench<'_>, views: &[View8]) -> Result<Vec<Plate>, LabError> {
-    let edge = bench.choose(256, 128);
-    let size = ImageSize::new(edge, edge)?;
+    let size = picture_size(bench)?;
     let mut fig8 = Plate::new("volumes", "Fig. 8", "post-classified, by the square FastSplat");
     for (letter, view) in ['a', 'b', 'c', 'd'].into_iter().zip(views) {
         let settings = view.settings(size, Classification::Post);
@@ -20,7 +19,7 @@ pub(super) fn plates(bench: &Workbench<'_>, views: &[View8]) -> Result<Vec<Plate
     let mut fig9 = Plate::new(
         "operators",
         "Fig. 9",
-        "operators on sheet pixels, by the default engine",
+        "operators on sheet pixels, by the default engine; our brain is the upper part of a head with its skin",
     );
     for (label, scene) in [
         ("(a) marble", &solid),

@@ -16,8 +16,8 @@ use show::{alone, bars, numbers, pictures};
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "huang2000-preshaded",
     paper: "huang2000",
-    title: "pre-classified rendering times of the four FastSplats, with and without occlusion",
-    figures: &["Table 1", "Fig. 2", "Fig. 7", "Section 7"],
+    title: "Pre-classified rendering times of the four FastSplats, with and without occlusion",
+    figures: &["Table 1", "Fig. 1 (plate)", "Fig. 2", "Fig. 7", "Section 7"],
     about: "The paper renders three volumes at 512 x 512 with four rasterisers on a 300 MHz R12000: a Gaussian of radius 2, 128 \
 sections, tables of 128 entries of 8 bits, sheets a voxel apart, hidden bricks and voxels left out. Its data are not public.
 

@@ -18,7 +18,7 @@ use show::{numbers, plots};
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "huang2000-tables",
     paper: "huang2000",
-    title: "errors of footprint tables by their size and precision",
+    title: "Errors of footprint tables by their size and precision",
     figures: &["Fig. 3", "Fig. 4", "Section 5.1"],
     about: "The paper fills tables of a Gaussian of radius 2 in 128 sections, and looks for the largest difference of \
 neighbouring entries: half of it bounds the error of point sampling. Half a level of 8 or 16 bits comes on top.

@@ -7,7 +7,7 @@ use splatvol::{
 };
 use splatvol_samples::{Sample, SampleSize};
 
-use crate::LabError;
+use crate::{LabError, Workbench};
 
 /// A texture of one ratio, and the picture of it.
 pub(super) struct Case {
@@ -39,6 +39,12 @@ pub(super) fn settings(
 }
 
 impl Case {
+    /// The case of a ratio, of the bench's size.
+    pub(super) fn of(bench: &Workbench<'_>, ratio: usize) -> Self {
+        let (side, size) = bench.choose((1024, [400, 150]), (256, [100, 38]));
+        Self { ratio, side, size }
+    }
+
     /// The camera, 60 degrees above the square.
     pub(super) fn camera(&self) -> Result<Camera, LabError> {
         let side = self.side as f64;
