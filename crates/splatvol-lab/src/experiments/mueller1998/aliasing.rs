@@ -4,7 +4,7 @@ use splatvol::{Coverage, Filter, Frame, Image, RenderSettings, Renderer};
 
 use super::depths::{difference, line, nearer, rms, smooth};
 use super::footprints::alignments;
-use super::scenes::{averaged, settings, unsteadiness};
+use super::scenes::{averaged, made_faint, settings, unsteadiness};
 use super::views::{View, forward, terrain_view, tunnel_view, z_k};
 use crate::experiments::ground::Ground;
 use crate::measure::{luminance, psnr};
@@ -218,8 +218,7 @@ fn compare(bench: &Workbench<'_>, view: &View) -> Result<(Outcome, Renderer), La
     bench.step(0, 3, "plain and filtered");
     let compared = Compared::of(&mut renderer, view)?;
     bench.step(1, 3, "made faint");
-    let mut scene = view.scene.clone();
-    scene.transfer_function.unit_distance = Some(300.0 * scene.unit_distance());
+    let scene = made_faint(&view.scene, 300.0);
     let faint = Compared::of(&mut renderer, &View { scene, ..*view })?;
     bench.step(2, 3, "findings");
     show(&mut outcome, view, &compared)?;

@@ -32,6 +32,13 @@ pub(super) const FOUR: [(&str, Filter, MotionBlur); 4] = [
     ("both", Filter::SwanAlpha, MotionBlur::Capsule),
 ];
 
+/// The same scene, so many times fainter that splats only add up.
+pub(super) fn made_faint(scene: &Scene, factor: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.transfer_function.unit_distance = Some(factor * scene.unit_distance());
+    scene
+}
+
 /// Vertical field of view of the pictures of things that spin, degrees.
 const FOV: f64 = 30.0;
 

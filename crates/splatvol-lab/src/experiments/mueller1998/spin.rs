@@ -4,7 +4,7 @@ use glam::DVec3;
 use splatvol::{Camera, Filter, Frame, Image, MotionBlur, Projection, RenderSettings, Renderer, Scene, View};
 use splatvol_samples::Sample;
 
-use super::scenes::{FOUR, above_terrain, scene, settings, spinning};
+use super::scenes::{FOUR, above_terrain, made_faint, scene, settings, spinning};
 use crate::experiments::ground::Ground;
 use crate::measure::{luminance, psnr};
 use crate::{
@@ -59,7 +59,7 @@ fn nerve(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let projection = Projection::Perspective { fov_degrees: 30.0 };
     let camera = Camera::framing(&bounds, View::Top, projection, 1.0)?;
     let pictures = Pictures::of(bench, &spinning(scene.clone(), 12.0), &camera, size)?;
-    let faint = Pictures::of(bench, &spinning(made_faint(&scene), 12.0), &camera, size)?;
+    let faint = Pictures::of(bench, &spinning(made_faint(&scene, 1000.0), 12.0), &camera, size)?;
     let mut outcome = Outcome::default();
     pictures.show(&mut outcome, "Fig. 12", Some(&faint));
     brightness(&mut outcome, &pictures, &faint);
@@ -95,13 +95,6 @@ fn nerve(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
         ),
     );
     Ok(outcome)
-}
-
-/// The same scene, so faint that splats only add up.
-fn made_faint(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    scene.transfer_function.unit_distance = Some(1000.0 * scene.unit_distance());
-    scene
 }
 
 /// How bright motion-blurred pictures are, and that it is opacity that makes them so.

@@ -96,7 +96,7 @@ fn ratio_findings(outcome: &mut Outcome, views: &[View8]) {
                 off(published),
             )
             .explained_by(
-                "its sections are not of the brain's size and shape: seconds per section, over the brain's",
+                "a section of it takes another time: seconds per section, over the brain's",
                 measured / sections,
                 off(1.0),
             ),
