@@ -1,7 +1,7 @@
 //! `ARCHITECTURE.md` against the workspace.
 //!
 //! The first table below "## Crates" has a row per crate: its name, what it holds, which crates of the workspace it
-//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `stage::NAME` `` and `` `data::NAME` ``.
+//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `stage::NAME` `` and `` `sheets::NAME` ``.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -23,7 +23,11 @@ pub(crate) fn check(root: &Path) -> Result<String> {
             "pub(crate) mod ",
             "crates/splatvol-cpu/src/stage/mod.rs",
         ),
-        ("data::", "pub(crate) mod ", "crates/splatvol-cpu/src/data/mod.rs"),
+        (
+            "sheets::",
+            "pub(crate) mod ",
+            "crates/splatvol-cpu/src/sheets/mod.rs",
+        ),
     ] {
         let source = read(file)?;
         let modules = modules(&source, declaration);

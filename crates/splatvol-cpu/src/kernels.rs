@@ -2,9 +2,9 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
-use crate::data::ring::{Block, PITCH, Row};
-use crate::data::sheet::{GroupShape, Lanes16};
-use crate::data::splat::{self, Coefficient, Powers, Records, SplatConstants, Stencil};
+use crate::sheets::ring::{Block, PITCH, Row};
+use crate::sheets::sheet::{GroupShape, Lanes16};
+use crate::sheets::splat::{self, Coefficient, Powers, Records, SplatConstants, Stencil};
 
 pub use crate::rasterize::lattice::Lattice;
 pub use crate::rasterize::{Footprint, Scratch, Sheet, Splats, splat};
@@ -31,7 +31,7 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     levels
 }
 
-/// The engine's splatting of voxels into four interleaved sheets (`data::splat`), on its own.
+/// The engine's splatting of voxels into four interleaved sheets (`sheets::splat`), on its own.
 #[derive(Debug)]
 pub struct FourSheets {
     records: Box<Records>,

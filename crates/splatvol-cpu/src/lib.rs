@@ -18,15 +18,17 @@
 mod compositions;
 mod config;
 mod coverage;
-mod data;
 mod footprints;
 #[doc(hidden)]
 pub mod kernels;
 mod operations;
+mod phong;
 mod plan;
 mod progressive;
 mod rasterize;
 mod renderer;
+mod sheets;
+mod simd;
 mod stage;
 mod statistics;
 mod tile;

@@ -18,10 +18,10 @@ use splatvol_scene::{
 use crate::compositions;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::coverage::Edges;
-use crate::data::engine::{DataEngine, Run};
 use crate::footprints::{self, FootprintEngine};
 use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
+use crate::sheets::engine::{Run, SheetEngine};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -52,7 +52,7 @@ pub struct Renderer {
     tile_edge: Option<usize>,
     level: Level,
     prepared: Option<Prepared>,
-    data: DataEngine,
+    data: SheetEngine,
     footprints: FootprintEngine,
     gaussians: splatvol_gaussians::Engine,
     /// The larger picture that edges are sampled from.
@@ -90,7 +90,7 @@ impl Renderer {
             tile_edge: config.tile_edge,
             level,
             prepared: None,
-            data: DataEngine::default(),
+            data: SheetEngine::default(),
             footprints: FootprintEngine::default(),
             gaussians: splatvol_gaussians::Engine::default(),
             fine: None,

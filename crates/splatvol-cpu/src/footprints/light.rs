@@ -4,7 +4,7 @@ use glam::{DMat3, Mat3, Vec3};
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Lighting};
 
-use crate::stage::shade::Phong;
+use crate::phong::Phong;
 
 /// Lights splats by the gradients of their cloud.
 #[derive(Debug, Clone, Copy)]

@@ -43,7 +43,7 @@ use self::items::ItemStore;
 use self::kernels::{Footprints, KernelStore};
 use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
-use crate::data::engine::Run;
+use crate::sheets::engine::Run;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Whether settings ask for something that the engines for grids do not have.

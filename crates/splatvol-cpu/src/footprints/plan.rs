@@ -14,7 +14,7 @@ use super::cloud::splats_data;
 use super::light::SplatLight;
 use super::order::{Order, extent};
 use super::raster::Tables;
-use crate::stage::shade::Phong;
+use crate::phong::Phong;
 
 /// Edge of a tile, pixels, where the whole picture is not one.
 const TILE_EDGE: usize = 64;

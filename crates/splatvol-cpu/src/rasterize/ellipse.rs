@@ -12,7 +12,7 @@ use super::place::{BATCH, Footprint, Places, Splats, Window, pixel_of_lane, weig
 use super::separable::half_vectors;
 use super::sheet::{LINE, Sheet};
 use super::{Scratch, small};
-use crate::stage::simd_exp::{exp2, exp2_quick};
+use crate::simd::math::{exp2, exp2_quick};
 
 /// Rows from one start of the recurrence to the next.
 pub(crate) const BAND: usize = 32;

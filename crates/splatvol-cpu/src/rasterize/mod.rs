@@ -15,7 +15,7 @@
 //! lie an odd number of cache lines apart, and what a splat's rows and columns need is computed for sixteen splats before
 //! any pixel is touched, since one splat's chain of dependent instructions is longer than a processor looks ahead.
 //!
-//! `data::splat` interleaves sheets instead of pixels and is faster for the footprints of volume views; these kernels have
+//! `sheets::splat` interleaves sheets instead of pixels and is faster for the footprints of volume views; these kernels have
 //! no bound on the radius.
 
 pub(crate) mod ellipse;

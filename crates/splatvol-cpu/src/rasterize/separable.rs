@@ -8,7 +8,7 @@ use fearless_simd::{f32x8, f32x16, prelude::*};
 use super::place::{BATCH, Footprint, LANE, Places, Splats, Window, pixel_of_lane, weight_of_lane};
 use super::sheet::{LINE, Sheet};
 use super::{Scratch, small};
-use crate::stage::simd_exp::exp2_quick;
+use crate::simd::math::exp2_quick;
 
 /// Adds splats to a sheet; the conic's mixed term is ignored.
 #[inline(always)]

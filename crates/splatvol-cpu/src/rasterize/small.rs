@@ -9,7 +9,7 @@ use fearless_simd::{f32x8, f32x16, prelude::*};
 
 use super::place::{BATCH, Footprint, LANE, Places, Splats, Window, points};
 use super::sheet::{LINE, Sheet};
-use crate::stage::simd_exp::exp2_quick;
+use crate::simd::math::exp2_quick;
 
 /// Pixels along an edge.
 const EDGE: usize = 8;

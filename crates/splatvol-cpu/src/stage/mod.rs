@@ -3,9 +3,7 @@
 pub(crate) mod activate;
 pub(crate) mod composite;
 pub(crate) mod cover;
-pub(crate) mod extremum;
 pub(crate) mod resolve;
 pub(crate) mod shade;
 pub(crate) mod sheet_buffer;
-pub(crate) mod simd_exp;
 pub(crate) mod splat;

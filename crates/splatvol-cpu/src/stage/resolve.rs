@@ -5,7 +5,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_scene::{Compositing, Frame};
 
 use super::composite::Pixel;
-use super::extremum::{Extremum, Largest, Smallest};
+use crate::sheets::extremum::{Extremum, Largest, Smallest};
 
 /// One finished pixel: premultiplied linear colour, depth, optical depth.
 #[derive(Debug, Clone, Copy)]

@@ -11,7 +11,7 @@ use splatvol_core::bin::TileRect;
 use splatvol_core::footprint::Slice;
 
 use super::sheet_buffer::{CHANNELS, MAX_EDGE, PITCH, Row, SheetBuffer, Touched};
-use super::simd_exp::exp;
+use crate::simd::math::exp;
 
 /// What a slice adds to each channel of a vector of pixels.
 pub(crate) trait Payload: Copy {

@@ -6,9 +6,9 @@ use splatvol_core::footprint::{SlabSlicer, Slice};
 use splatvol_scene::Compositing;
 
 use super::{Canvas, Fate, Mode};
+use crate::phong::Phong;
 use crate::plan::FramePlan;
 use crate::stage::activate::OpenVoxel;
-use crate::stage::shade::Phong;
 use crate::stage::sheet_buffer::SheetBuffer;
 use crate::stage::splat::ColorPayload;
 

@@ -6,10 +6,11 @@ use splatvol_core::footprint::{PlaneSlicer, Slice};
 use splatvol_scene::Compositing;
 
 use super::{Canvas, Fate, Mode};
+use crate::phong::Phong;
 use crate::plan::FramePlan;
+use crate::sheets::extremum::{Largest, Smallest};
 use crate::stage::activate::OpenVoxel;
-use crate::stage::extremum::{Largest, Smallest};
-use crate::stage::shade::{End, Interval, NO_COVERAGE, Phong, Shader};
+use crate::stage::shade::{End, Interval, NO_COVERAGE, Shader};
 use crate::stage::sheet_buffer::{SheetBuffer, Touched};
 use crate::stage::splat::DataPayload;
 

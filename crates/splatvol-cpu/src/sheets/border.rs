@@ -8,7 +8,7 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Vec3, Vec3A};
 use splatvol_core::bin::TileRect;
 
-use crate::stage::simd_exp::{exp2, exp2_of};
+use crate::simd::math::{exp2, exp2_of};
 
 /// The volume's box as camera space sees it.
 #[derive(Debug, Clone)]

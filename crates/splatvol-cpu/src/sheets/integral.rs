@@ -24,7 +24,7 @@ use super::ring::LANES;
 use super::shade::Canvas;
 use super::sheet::{GroupShape, Raster, SheetShape};
 use super::splat::Payload;
-use super::tile::{DataFrame, DataScratch, Place, take};
+use super::tile::{Place, SheetFrame, SheetScratch, take};
 
 /// Projected footprints of all rays of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -141,7 +141,7 @@ impl Mode<1> for Integral<'_> {
         self.bricks.open(simd, brick_and_slot, values, classified);
     }
 
-    fn ring_groups(&self, _: &DataFrame<'_>) -> usize {
+    fn ring_groups(&self, _: &SheetFrame<'_>) -> usize {
         DEPTHS + 1
     }
 
@@ -149,18 +149,18 @@ impl Mode<1> for Integral<'_> {
         LANES
     }
 
-    fn shape(&self, frame: &DataFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
+    fn shape(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
         self.shapes.at(&self.raster, place, slab_depth(frame, sheet))
     }
 
-    fn depths(&self, frame: &DataFrame<'_>, sheet: usize) -> [f32; 2] {
+    fn depths(&self, frame: &SheetFrame<'_>, sheet: usize) -> [f32; 2] {
         let last = frame.stack.plane(sheet);
         // What rounding puts in front of the first slab belongs to it.
         let first = if sheet == 0 { 2.0 } else { 1.001 } * frame.stack.spacing;
         [(last - first) as f32, last as f32]
     }
 
-    fn group(&self, frame: &DataFrame<'_>, place: &Place, sheet: usize, _: usize) -> GroupShape {
+    fn group(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize, _: usize) -> GroupShape {
         GroupShape::same(&self.shape(frame, place, sheet))
     }
 
@@ -168,10 +168,10 @@ impl Mode<1> for Integral<'_> {
     fn prepare<S: Simd>(
         &self,
         simd: S,
-        (frame, sheet, first): (&DataFrame<'_>, usize, bool),
-        scratch: &mut DataScratch,
+        (frame, sheet, first): (&SheetFrame<'_>, usize, bool),
+        scratch: &mut SheetScratch,
     ) {
-        let DataScratch { ring, records, .. } = scratch;
+        let SheetScratch { ring, records, .. } = scratch;
         let gap = sheet as f32 - ring.last_sheet;
         if first && gap != 0.0 {
             let area = ring.touched[0];
@@ -201,16 +201,16 @@ impl Mode<1> for Integral<'_> {
     }
 
     #[inline(always)]
-    fn take<S: Simd>(&self, _: S, _: &DataFrame<'_>, _: &Place, _: usize, _: &mut DataScratch) {}
+    fn take<S: Simd>(&self, _: S, _: &SheetFrame<'_>, _: &Place, _: usize, _: &mut SheetScratch) {}
 
     #[inline(always)]
     fn shade<S: Simd>(
         &self,
         _: S,
-        _: &DataFrame<'_>,
+        _: &SheetFrame<'_>,
         _: usize,
         _: &Place,
-        _: (&mut Canvas, &mut DataScratch),
+        _: (&mut Canvas, &mut SheetScratch),
     ) {
     }
 
@@ -218,11 +218,11 @@ impl Mode<1> for Integral<'_> {
     fn finish<S: Simd>(
         &self,
         simd: S,
-        frame: &DataFrame<'_>,
+        frame: &SheetFrame<'_>,
         place: &Place,
-        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        let DataScratch {
+        let SheetScratch {
             ring,
             raster,
             upsampler,
@@ -300,7 +300,7 @@ fn spread<S: Simd>(simd: S, plane: &Plane, at: usize, [xx, xy, yy]: [f32x16<S>; 
 
 /// A tile's pixels.
 struct Pixels<'a> {
-    frame: &'a DataFrame<'a>,
+    frame: &'a SheetFrame<'a>,
     place: &'a Place,
     canvas: &'a mut Canvas,
     /// Drift of footprints as the tile's middle sees it, and as a camera does that looks along the axis.
@@ -386,6 +386,6 @@ const NUMBERS: [f32; 16] = [
 ];
 
 /// Depth of the middle of the slab that ends at a sheet's plane.
-fn slab_depth(frame: &DataFrame<'_>, sheet: usize) -> f64 {
+fn slab_depth(frame: &SheetFrame<'_>, sheet: usize) -> f64 {
     frame.stack.plane(sheet) - 0.5 * frame.stack.spacing
 }

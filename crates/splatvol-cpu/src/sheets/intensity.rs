@@ -16,9 +16,9 @@ use super::plane::HALO;
 use super::shade::{Canvas, Interval, PlaneShader};
 use super::shaded::interval;
 use super::splat::Coefficient;
-use super::tile::{DataFrame, DataScratch, Place};
-use crate::stage::extremum::Extremum;
-use crate::stage::simd_exp::exp2;
+use super::tile::{Place, SheetFrame, SheetScratch};
+use crate::sheets::extremum::Extremum;
+use crate::simd::math::exp2;
 
 /// One value per ray.
 #[derive(Debug)]
@@ -252,10 +252,10 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
     fn shade<S: Simd>(
         &self,
         simd: S,
-        frame: &DataFrame<'_>,
+        frame: &SheetFrame<'_>,
         near: usize,
         place: &Place,
-        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
         let planes = scratch.planes.each_ref().map(|plane| &plane[0]);
         let Some((interval, span)) = interval(&self.shader, frame, (near, place), planes) else {
@@ -282,9 +282,9 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
     fn finish<S: Simd>(
         &self,
         simd: S,
-        _: &DataFrame<'_>,
+        _: &SheetFrame<'_>,
         _: &Place,
-        (canvas, _): (&mut Canvas, &mut DataScratch),
+        (canvas, _): (&mut Canvas, &mut SheetScratch),
     ) {
         for pixel in (0..canvas.depth_sum.len()).step_by(16) {
             K::settle(simd, canvas, pixel);

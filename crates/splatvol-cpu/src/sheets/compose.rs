@@ -13,8 +13,8 @@ use super::plane::{HALO, Plane};
 use super::shade::Canvas;
 use super::shaded::filled;
 use super::splat::Payload;
-use super::tile::{DataFrame, DataScratch, MAX_CHANNELS, Place};
-use crate::stage::simd_exp::exp2_quick;
+use super::tile::{MAX_CHANNELS, Place, SheetFrame, SheetScratch};
+use crate::simd::math::exp2_quick;
 
 /// Pre-classification.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ const LANES: [f32; 16] = [
 
 /// Length of the rays of sixteen pixels per depth, from image x, y on.
 #[inline(always)]
-pub(crate) fn ray_length<S: Simd>(simd: S, frame: &DataFrame<'_>, [x, y]: [usize; 2]) -> f32x16<S> {
+pub(crate) fn ray_length<S: Simd>(simd: S, frame: &SheetFrame<'_>, [x, y]: [usize; 2]) -> f32x16<S> {
     let [cx, cy] = frame.rays.principal;
     let per_pixel = frame.rays.per_pixel;
     let across = (f32x16::from_slice(simd, &LANES) + (x as f32 + 0.5 - cx)) * per_pixel;
@@ -78,7 +78,7 @@ pub(crate) fn through_and_opacity<S: Simd>(simd: S, optical_depth: f32x16<S>) ->
 #[inline(always)]
 fn composite<S: Simd>(
     simd: S,
-    (frame, near): (&DataFrame<'_>, usize),
+    (frame, near): (&SheetFrame<'_>, usize),
     place: &Place,
     planes: &[[Plane; MAX_CHANNELS]; 4],
     canvas: &mut Canvas,
@@ -144,12 +144,12 @@ impl Mode<4> for Compose<'_> {
     fn shade<S: Simd>(
         &self,
         simd: S,
-        frame: &DataFrame<'_>,
+        frame: &SheetFrame<'_>,
         near: usize,
         place: &Place,
-        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        let DataScratch { planes, mask, .. } = scratch;
+        let SheetScratch { planes, mask, .. } = scratch;
         let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
             return;
         };

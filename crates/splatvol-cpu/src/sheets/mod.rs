@@ -29,6 +29,7 @@ pub(crate) mod crossing;
 pub(crate) mod cubic;
 pub(crate) mod cut;
 pub(crate) mod engine;
+pub(crate) mod extremum;
 pub(crate) mod frame;
 pub(crate) mod integral;
 pub(crate) mod intensity;

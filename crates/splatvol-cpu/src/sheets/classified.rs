@@ -13,7 +13,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 use super::cut::Cut;
 use super::mode::Bricks;
 use super::sheet::Lanes16;
-use crate::stage::shade::Phong;
+use crate::phong::Phong;
 
 /// What the voxels of open bricks splat.
 #[derive(Debug, Default)]

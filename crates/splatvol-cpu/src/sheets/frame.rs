@@ -20,8 +20,8 @@ use super::shade::PlaneShader;
 use super::sheet::{Raster, SheetShape};
 use super::splat::SplatConstants;
 use super::table::ShadeTable;
-use super::tile::{DataFrame, Rays, blocks_of, pixel_reach};
-use crate::stage::shade::Phong;
+use super::tile::{Rays, SheetFrame, blocks_of, pixel_reach};
+use crate::phong::Phong;
 
 /// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
 const CUT: f64 = 3.4;
@@ -333,7 +333,7 @@ impl Plan {
         bricks: &'a dyn Bricks,
         settings: &RenderSettings,
         tile_edge: usize,
-    ) -> DataFrame<'a> {
+    ) -> SheetFrame<'a> {
         let View {
             camera_from_lattice,
             screen,
@@ -374,7 +374,7 @@ impl Plan {
         projected.for_each(|(i, brick)| *brick = projection.project(bricks.first(i), i));
         self.lists.fill(self.projected.iter().flatten().copied(), &tiles);
         self.order.update(camera_from_lattice.matrix3);
-        DataFrame {
+        SheetFrame {
             bricks,
             order: &self.order,
             camera_from_lattice,

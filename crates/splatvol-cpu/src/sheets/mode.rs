@@ -16,7 +16,7 @@ use super::ring::LANES;
 use super::shade::Canvas;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::Payload;
-use super::tile::{DataFrame, DataScratch, Place, take};
+use super::tile::{Place, SheetFrame, SheetScratch, take};
 
 /// Bricks with voxels to splat.
 pub(crate) trait Bricks: std::fmt::Debug + Sync {
@@ -60,7 +60,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
     fn touch(&self, _brick: usize) {}
 
     /// Groups of sheets in the ring.
-    fn ring_groups(&self, frame: &DataFrame<'_>) -> usize {
+    fn ring_groups(&self, frame: &SheetFrame<'_>) -> usize {
         frame.groups * N
     }
 
@@ -70,19 +70,19 @@ pub(crate) trait Mode<const N: usize>: Sync {
     }
 
     /// The footprint that stands for those of all voxels that enter a sheet.
-    fn shape(&self, frame: &DataFrame<'_>, _: &Place, sheet: usize) -> SheetShape {
+    fn shape(&self, frame: &SheetFrame<'_>, _: &Place, sheet: usize) -> SheetShape {
         let middle = sheet + frame.groups * LANES / 2;
         frame.sheets[middle.min(frame.sheets.len() - 1)]
     }
 
     /// Depths between which voxels enter a sheet.
-    fn depths(&self, frame: &DataFrame<'_>, sheet: usize) -> [f32; 2] {
+    fn depths(&self, frame: &SheetFrame<'_>, sheet: usize) -> [f32; 2] {
         let plane = frame.stack.plane(sheet) as f32;
         [plane - frame.depth_reach, plane + frame.depth_reach]
     }
 
     /// The sheets of a group while the voxels that enter a sheet are splatted.
-    fn group(&self, frame: &DataFrame<'_>, _: &Place, sheet: usize, group: usize) -> GroupShape {
+    fn group(&self, frame: &SheetFrame<'_>, _: &Place, sheet: usize, group: usize) -> GroupShape {
         GroupShape::new(frame.sheets, sheet as isize, group, frame.groups)
     }
 
@@ -91,8 +91,8 @@ pub(crate) trait Mode<const N: usize>: Sync {
     fn prepare<S: Simd>(
         &self,
         _: S,
-        (_frame, _sheet, _first): (&DataFrame<'_>, usize, bool),
-        _: &mut DataScratch,
+        (_frame, _sheet, _first): (&SheetFrame<'_>, usize, bool),
+        _: &mut SheetScratch,
     ) {
     }
 
@@ -101,13 +101,13 @@ pub(crate) trait Mode<const N: usize>: Sync {
     fn take<S: Simd>(
         &self,
         simd: S,
-        frame: &DataFrame<'_>,
+        frame: &SheetFrame<'_>,
         place: &Place,
         sheet: usize,
-        scratch: &mut DataScratch,
+        scratch: &mut SheetScratch,
     ) {
         let open = frame.groups * LANES;
-        let DataScratch {
+        let SheetScratch {
             ring,
             raster,
             upsampler,
@@ -131,10 +131,10 @@ pub(crate) trait Mode<const N: usize>: Sync {
     fn shade<S: Simd>(
         &self,
         simd: S,
-        frame: &DataFrame<'_>,
+        frame: &SheetFrame<'_>,
         near: usize,
         place: &Place,
-        canvas_and_scratch: (&mut Canvas, &mut DataScratch),
+        canvas_and_scratch: (&mut Canvas, &mut SheetScratch),
     );
 
     /// Makes pixels of what the canvas has in the end.
@@ -142,9 +142,9 @@ pub(crate) trait Mode<const N: usize>: Sync {
     fn finish<S: Simd>(
         &self,
         _: S,
-        _: &DataFrame<'_>,
+        _: &SheetFrame<'_>,
         _: &Place,
-        (_canvas, _scratch): (&mut Canvas, &mut DataScratch),
+        (_canvas, _scratch): (&mut Canvas, &mut SheetScratch),
     ) {
     }
 }

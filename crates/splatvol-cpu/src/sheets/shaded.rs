@@ -10,7 +10,7 @@ use super::operated::Operated;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Canvas, Interval, PlaneShader, ShadeTarget};
 use super::splat::Coefficient;
-use super::tile::{DataFrame, DataScratch, Place};
+use super::tile::{Place, SheetFrame, SheetScratch};
 
 /// Post-classification.
 #[derive(Debug)]
@@ -48,12 +48,12 @@ impl Mode<1> for Shaded<'_> {
     fn shade<S: Simd>(
         &self,
         simd: S,
-        frame: &DataFrame<'_>,
+        frame: &SheetFrame<'_>,
         near: usize,
         place: &Place,
-        (canvas, scratch): (&mut Canvas, &mut DataScratch),
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        let DataScratch {
+        let SheetScratch {
             planes,
             mask,
             batch,
@@ -97,7 +97,7 @@ pub(crate) fn filled(planes: [&Plane; 4], place: &Place) -> Option<Span> {
 /// The interval behind a sheet, and the pixels where it holds something.
 pub(crate) fn interval<'a>(
     shader: &PlaneShader<'_>,
-    frame: &DataFrame<'_>,
+    frame: &SheetFrame<'_>,
     (near, place): (usize, &Place),
     planes: [&'a Plane; 4],
 ) -> Option<(Interval<'a>, Span)> {

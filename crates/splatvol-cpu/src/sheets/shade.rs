@@ -14,8 +14,8 @@ use super::mask::OpenMask;
 use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
 use super::table::{Segment, ShadeTable};
-use crate::stage::shade::Phong;
-use crate::stage::simd_exp::exp2_quick;
+use crate::phong::Phong;
+use crate::simd::math::exp2_quick;
 
 /// What the pixels of a tile have so far, channel by channel.
 #[derive(Debug, Default)]

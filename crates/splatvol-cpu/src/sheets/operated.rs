@@ -19,8 +19,8 @@ use super::pixel::{Pixel, Pixels, Units};
 use super::shade::Interval;
 use super::shade::{Canvas, PlaneShader, ShadeTarget};
 use super::table::Piece;
-use crate::stage::shade::Lit;
-use crate::stage::simd_exp::exp2_of;
+use crate::phong::Lit;
+use crate::simd::math::exp2_of;
 
 /// What is done to pixels.
 #[derive(Debug)]

@@ -18,7 +18,7 @@ use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 
 use super::ring::{Area, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
-use crate::stage::simd_exp::{exp2, exp2_quick};
+use crate::simd::math::{exp2, exp2_quick};
 
 /// Voxels that wait to be splatted.
 pub(crate) const CAPACITY: usize = 1024;

@@ -25,25 +25,25 @@ use super::pixel::Units;
 use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
-use super::tile::{DataFrame, DataScratch, DataWork, render};
+use super::tile::{SheetFrame, SheetScratch, SheetWork, render};
 use crate::coverage::Edges;
-use crate::stage::extremum::{Largest, Smallest};
-use crate::stage::shade::Phong;
+use crate::phong::Phong;
+use crate::sheets::extremum::{Largest, Smallest};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Edge of a tile unless asked otherwise, pixels: few voxels lie in two tiles.
 const TILE_EDGE: usize = 128;
 
 /// A tile's pixels and what they took.
-pub(crate) type Tile = Mutex<(Canvas, DataWork)>;
+pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
 
 /// State between frames.
 #[derive(Debug, Default)]
-pub(crate) struct DataEngine {
+pub(crate) struct SheetEngine {
     pyramid: Option<Pyramid>,
     plan: Plan,
     /// One per thread.
-    scratch: Vec<Mutex<DataScratch>>,
+    scratch: Vec<Mutex<SheetScratch>>,
     tiles: Vec<Tile>,
     /// The coarser level's frame, where two are blended.
     coarser: Option<Frame>,
@@ -67,7 +67,7 @@ impl Run<'_> {
     }
 }
 
-impl DataEngine {
+impl SheetEngine {
     /// Renders into a frame of the settings' size; `None` where footprints of one frame would differ too much in size.
     pub(crate) fn render(
         &mut self,
@@ -249,7 +249,7 @@ struct Job<'a> {
     view: &'a View,
     settings: &'a RenderSettings,
     plan: &'a mut Plan,
-    scratch: &'a mut Vec<Mutex<DataScratch>>,
+    scratch: &'a mut Vec<Mutex<SheetScratch>>,
     tiles: &'a mut Vec<Tile>,
 }
 
@@ -287,7 +287,7 @@ impl Job<'_> {
     }
 }
 
-fn count_work(work: &DataWork, sheets_per_voxel: u64, statistics: &mut RenderStatistics) {
+fn count_work(work: &SheetWork, sheets_per_voxel: u64, statistics: &mut RenderStatistics) {
     let seconds: &mut StageSeconds = &mut statistics.seconds;
     seconds.activate += work.activate.as_secs_f64();
     seconds.splat += work.splat.as_secs_f64();
@@ -305,8 +305,8 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Renders all tiles; threads take the next one as they come free.
 fn render_tiles<M: Mode<N>, const N: usize>(
     run: Run<'_>,
-    plan: (&DataFrame<'_>, &M),
-    scratch: &[Mutex<DataScratch>],
+    plan: (&SheetFrame<'_>, &M),
+    scratch: &[Mutex<SheetScratch>],
     tiles: &[Tile],
 ) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -324,7 +324,7 @@ fn render_tiles<M: Mode<N>, const N: usize>(
                 *work = dispatch!(run.level, simd => render(simd, plan, index, canvas, scratch));
             } else {
                 canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
-                *work = DataWork::default();
+                *work = SheetWork::default();
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             (run.progress)(done as f64 / tiles.len() as f64);

@@ -28,7 +28,7 @@ const AHEAD: usize = 3;
 
 /// What the tiles of a frame share.
 #[derive(Debug)]
-pub(crate) struct DataFrame<'a> {
+pub(crate) struct SheetFrame<'a> {
     pub bricks: &'a dyn Bricks,
     pub order: &'a DepthOrder,
     pub camera_from_lattice: DAffine3,
@@ -63,7 +63,7 @@ pub(crate) struct Rays {
     pub plane_per_pixel: f32,
 }
 
-impl DataFrame<'_> {
+impl SheetFrame<'_> {
     /// How far footprints reach on a sheet, raster points.
     pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
         shape
@@ -112,7 +112,7 @@ pub(crate) const MAX_CHANNELS: usize = 4;
 
 /// A thread's memory.
 #[derive(Debug, Default)]
-pub(crate) struct DataScratch {
+pub(crate) struct SheetScratch {
     pub ring: SheetRing,
     pub records: Records,
     powers: Powers,
@@ -137,7 +137,7 @@ pub(crate) struct DataScratch {
 
 /// Work done by a tile.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct DataWork {
+pub(crate) struct SheetWork {
     pub voxels: u64,
     pub activate: Duration,
     pub splat: Duration,
@@ -160,7 +160,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    fn new(frame: &DataFrame<'_>, tile: usize) -> Self {
+    fn new(frame: &SheetFrame<'_>, tile: usize) -> Self {
         let rect = frame.tiles.rect(tile);
         let size = [rect.x1 - rect.x0, rect.y1 - rect.y0];
         let halo = halo(frame.step);
@@ -184,8 +184,8 @@ impl Place {
     }
 }
 
-impl DataScratch {
-    fn reset(&mut self, frame: &DataFrame<'_>, place: &Place, ring_groups: usize, channels: usize) {
+impl SheetScratch {
+    fn reset(&mut self, frame: &SheetFrame<'_>, place: &Place, ring_groups: usize, channels: usize) {
         let height = place.raster[1].next_multiple_of(BLOCK_EDGE) + 2 * BLOCK_EDGE * MAX_BLOCKS;
         self.ring.reset(height, ring_groups);
         for planes in &mut self.planes {
@@ -208,7 +208,7 @@ impl DataScratch {
     fn open<S: Simd, M: Mode<N>, const N: usize>(
         &mut self,
         simd: S,
-        (frame, mode): (&DataFrame<'_>, &M),
+        (frame, mode): (&SheetFrame<'_>, &M),
         brick: &ProjectedBrick,
         blocks: [u8; 4],
     ) {
@@ -236,15 +236,15 @@ impl DataScratch {
 #[inline(always)]
 pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
-    (frame, mode): (&DataFrame<'_>, &M),
+    (frame, mode): (&SheetFrame<'_>, &M),
     tile: usize,
     canvas: &mut Canvas,
-    scratch: &mut DataScratch,
-) -> DataWork {
+    scratch: &mut SheetScratch,
+) -> SheetWork {
     let place = Place::new(frame, tile);
     scratch.reset(frame, &place, mode.ring_groups(frame), mode.planes());
     canvas.reset(place.size);
-    let mut work = DataWork::default();
+    let mut work = SheetWork::default();
     let mut bricks = frame.lists.of(tile).peekable();
     let mut ahead = frame.lists.of(tile).peekable();
     let mut sheet = 0usize;
@@ -302,7 +302,7 @@ pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
 }
 
 /// Which voxels enter a sheet.
-fn window(frame: &DataFrame<'_>, place: &Place, (shape, depths): (&SheetShape, [f32; 2])) -> Window {
+fn window(frame: &SheetFrame<'_>, place: &Place, (shape, depths): (&SheetShape, [f32; 2])) -> Window {
     let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
@@ -327,10 +327,10 @@ fn window(frame: &DataFrame<'_>, place: &Place, (shape, depths): (&SheetShape, [
 #[inline(always)]
 fn enter<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
-    (frame, mode): (&DataFrame<'_>, &M),
+    (frame, mode): (&SheetFrame<'_>, &M),
     (place, window, sheet): (&Place, &Window, usize),
-    scratch: &mut DataScratch,
-    work: &mut DataWork,
+    scratch: &mut SheetScratch,
+    work: &mut SheetWork,
 ) {
     let mut prepared = false;
     let mut kept = 0;
@@ -346,7 +346,7 @@ fn enter<S: Simd, M: Mode<N>, const N: usize>(
             scratch.free.push(brick.voxels);
             continue;
         }
-        let DataScratch {
+        let SheetScratch {
             voxels,
             mask,
             records,
@@ -395,11 +395,11 @@ fn enter<S: Simd, M: Mode<N>, const N: usize>(
 #[inline(always)]
 fn flush<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
-    (frame, mode): (&DataFrame<'_>, &M),
+    (frame, mode): (&SheetFrame<'_>, &M),
     (place, size, sheet): (&Place, usize, usize),
     prepared: &mut bool,
-    scratch: &mut DataScratch,
-    work: &mut DataWork,
+    scratch: &mut SheetScratch,
+    work: &mut SheetWork,
 ) {
     if scratch.records.len == 0 {
         return;
@@ -412,7 +412,7 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
             stencil.prepare(simd, shape, size, frame.ellipses);
         }
     }
-    let DataScratch {
+    let SheetScratch {
         ring,
         records,
         powers,

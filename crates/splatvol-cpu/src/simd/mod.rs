@@ -1,0 +1,3 @@
+//! Vector functions that several stages share.
+
+pub(crate) mod math;
