@@ -1,13 +1,11 @@
-//! What micro-benchmarks and tests need of the kernels. No part of the public interface.
+//! The engine's splatting kernel on its own, for micro-benchmarks. No part of the public interface.
 
 use fearless_simd::{Level, Simd, dispatch};
 
 use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
 use crate::sheets::splat::{self, Coefficient, Powers, Records, SplatConstants, Stencil};
-
-pub use crate::rasterize::lattice::Lattice;
-pub use crate::rasterize::{Footprint, Scratch, Sheet, Splats, splat};
+use crate::sheets::tile::blocks_of;
 
 /// Every SIMD level of this machine, the best first, with its name. Scalar code exists in builds with the feature
 /// `scalar` only, or where the processor has no SIMD.
@@ -45,9 +43,10 @@ pub struct FourSheets {
 }
 
 impl FourSheets {
-    /// Voxels at `x`, `y` pixels of a tile, as many as the engine collects; round footprints of `sigma` pixels and `blocks`
-    /// blocks of 2 x 2 pixels along an edge; `ellipses`: by the kernel for any conic.
-    pub fn new(sigma: f32, (blocks, ellipses): (usize, bool), x: &[f32], y: &[f32]) -> Self {
+    /// Voxels at `x`, `y` pixels of a tile, as many as the engine collects; round footprints of `sigma` pixels that reach
+    /// `radius` pixels far; `ellipses`: by the kernel for any conic.
+    pub fn new([x, y]: [&[f32]; 2], sigma: f32, radius: f32, ellipses: bool) -> Self {
+        let blocks = blocks_of([radius; 2]);
         let exponent = -0.5 * std::f32::consts::LOG2_E / (sigma * sigma);
         let lanes = |value: f32| Lanes16([value; 16]);
         let shape = GroupShape {
@@ -94,22 +93,6 @@ impl FourSheets {
 
     #[inline(always)]
     fn splat_with<S: Simd>(&mut self, simd: S) {
-        self.stencil
-            .prepare(simd, &self.shape, self.blocks, self.ellipses);
-        macro_rules! by_size {
-            ($($size:literal)*) => {
-                match (self.blocks, self.ellipses) {
-                    $(($size, false) => self.add::<S, $size, false>(simd),
-                    ($size, true) => self.add::<S, $size, true>(simd),)*
-                    _ => {}
-                }
-            };
-        }
-        by_size!(2 3 4 5 6 7 8);
-    }
-
-    #[inline(always)]
-    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(&mut self, simd: S) {
         let Self {
             records,
             shape,
@@ -117,21 +100,20 @@ impl FourSheets {
             powers,
             rows,
             constants,
-            ..
+            blocks,
+            ellipses,
         } = self;
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let records = (&**records, Coefficient);
-                let rings = &mut [rows.as_mut_slice()];
-                splat::splat::<S, _, 1, SIZE, ELLIPSES>(
-                    simd,
-                    (constants, shape, stencil),
-                    records,
-                    powers,
-                    rings,
-                );
-            },
+        let footprint = (*blocks, *ellipses);
+        stencil.prepare(simd, shape, *blocks, *ellipses);
+        let records = (&**records, Coefficient);
+        let rings = &mut [rows.as_mut_slice()];
+        splat::splat_sized(
+            simd,
+            footprint,
+            (constants, shape, stencil),
+            records,
+            powers,
+            rings,
         );
     }
 }

@@ -25,7 +25,6 @@ mod operations;
 mod phong;
 mod plan;
 mod progressive;
-mod rasterize;
 mod renderer;
 mod sheets;
 mod simd;

@@ -10,8 +10,6 @@ use splatvol::{
     Camera, Classification, ColorPoint, FootprintTable, Grid, ImageSize, OpacityPoint, Projection,
     Rasterizer, RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
 };
-use splatvol_cpu::kernels::{self, Footprint, Scratch, Sheet, Splats};
-use splatvol_testing::Random;
 
 use super::method::{FASTSPLATS, RLUT, Subject, fastsplats};
 use crate::measure::median;
@@ -33,8 +31,10 @@ pixel is one of a footprint's disc, of one sheet. The time is that of opening sp
 medians of interleaved rounds, one thread. Pre-classified sheets hold five channels here: four, and the depth. Post-classified ones hold two: the \
 value and its weight.
 
-Two curves are ours. *auto* evaluates footprints instead of looking them up, within the same engine. *SIMD sheets* are the kernels that \
-the default engine has for grids, on sheets of four channels and of one.",
+Two curves are ours. *auto* evaluates footprints instead of looking them up, within the same engine. *default engine* is what renders \
+grids unless FastSplats are asked for, with the preset `fast`: every voxel at once into the four sheets that it meets, four channels \
+pre-classified and one post-classified. Its time holds bringing voxels to the screen, splatting, and taking finished sheets. Footprints \
+wider than its kernels it splats on a coarser raster, which is interpolated; their pixels are counted as if it did not.",
     run,
 };
 
@@ -44,8 +44,8 @@ const ROUNDS: usize = 9;
 const STEPS: usize = 2 * (ROUNDS + 1) + 1;
 /// Voxels of the slab along depth.
 const LAYERS: usize = 4;
-/// Our kernel's name.
-const SIMD: &str = "SIMD sheets";
+/// The name of the engine that renders grids by default.
+const ENGINE: &str = "default engine";
 
 /// A slab of equal voxels that fills a picture when kernels of radius 2 voxels have this radius in pixels.
 fn slab(radius: f64, edge: f64) -> Result<(Scene, Camera), LabError> {
@@ -84,59 +84,25 @@ fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classificat
     }
 }
 
-/// Pixels of all footprints' sections in a frame, and the seconds for them.
+/// The same by the engine that grids are rendered with.
+fn engine_settings(size: ImageSize, classification: Classification) -> RenderSettings {
+    RenderSettings {
+        size,
+        classification,
+        lighting: None,
+        termination: 0.0,
+        ..RenderSettings::fast()
+    }
+}
+
+/// Pixels of all footprints' sections in a frame, and the seconds for them. The footprint engine counts opening among
+/// splatting, and takes no sheets out of a ring.
 fn rate(subject: &mut Subject<'_>, radius: f64) -> Result<f64, LabError> {
     subject.render()?;
     let statistics = subject.statistics();
     let pixels = statistics.slices as f64 * PI * radius * radius;
-    Ok(pixels / statistics.seconds.splat)
-}
-
-/// Our kernels on a sheet of their own.
-struct Kernels<const CHANNELS: usize> {
-    x: Vec<f32>,
-    y: Vec<f32>,
-    weights: Vec<[f32; CHANNELS]>,
-    sheet: Sheet<CHANNELS>,
-    footprint: Footprint,
-    scratch: Scratch,
-}
-
-impl<const CHANNELS: usize> Kernels<CHANNELS> {
-    fn new(radius: f64, edge: f64, count: usize) -> Self {
-        let mut random = Random::new(63);
-        let mut places = || {
-            (0..count)
-                .map(|_| random.range(radius, edge - radius) as f32)
-                .collect()
-        };
-        Self {
-            x: places(),
-            y: places(),
-            weights: vec![[1e-3; CHANNELS]; count],
-            sheet: Sheet::new([edge as usize; 2]),
-            footprint: Footprint::round((0.602 / 2.0 * radius) as f32, radius as f32),
-            scratch: Scratch::default(),
-        }
-    }
-
-    fn rate(&mut self, radius: f64) -> f64 {
-        let splats = Splats {
-            x: &self.x,
-            y: &self.y,
-            weights: &self.weights,
-        };
-        let level = kernels::levels()[0].1;
-        let start = std::time::Instant::now();
-        kernels::splat(
-            level,
-            &mut self.sheet,
-            &self.footprint,
-            &splats,
-            &mut self.scratch,
-        );
-        self.x.len() as f64 * PI * radius * radius / start.elapsed().as_secs_f64()
-    }
+    let seconds = &statistics.seconds;
+    Ok(pixels / (seconds.activate + seconds.splat + seconds.take))
 }
 
 /// Rates of all methods at all radii: `[method][radius]`, pixels per second.
@@ -159,68 +125,66 @@ impl Rates {
     }
 }
 
-/// The splats of one radius: FastSplats and auto, then our kernels.
-struct Station<'a, const CHANNELS: usize> {
+/// The splats of one radius, by all methods.
+struct Station<'a> {
     radius: f64,
     subjects: Vec<Subject<'a>>,
-    kernels: Kernels<CHANNELS>,
     /// Per method and round.
     rates: Vec<Vec<f64>>,
 }
 
-impl<'a, const CHANNELS: usize> Station<'a, CHANNELS> {
+impl<'a> Station<'a> {
     fn new(
-        size: ImageSize,
-        radius: f64,
-        (scene, camera): &'a (Scene, Camera),
-        rasterizers: &[Rasterizer],
+        (radius, slab): (f64, &'a (Scene, Camera)),
+        methods: &[(&str, RenderSettings)],
     ) -> Result<Self, LabError> {
-        let classification = match CHANNELS {
-            1 => Classification::Post,
-            _ => Classification::Pre,
-        };
-        let subject = |&rasterizer| Subject::new(scene, camera, settings(size, rasterizer, classification));
-        let count = scene.volume.grid().sample_count() * LAYERS;
+        let (scene, camera) = slab;
+        let subject = |(_, settings): &(&str, RenderSettings)| Subject::new(scene, camera, *settings);
         Ok(Self {
             radius,
-            subjects: rasterizers.iter().map(subject).collect::<Result<_, _>>()?,
-            kernels: Kernels::new(radius, f64::from(size.width()), count),
-            rates: vec![Vec::new(); rasterizers.len() + 1],
+            subjects: methods.iter().map(subject).collect::<Result<_, _>>()?,
+            rates: vec![Vec::new(); methods.len()],
         })
     }
 
     /// Every method once.
     fn round(&mut self, counted: bool) -> Result<(), LabError> {
-        for index in 0..self.rates.len() {
-            let one = match self.subjects.get_mut(index) {
-                Some(subject) => rate(subject, self.radius)?,
-                None => self.kernels.rate(self.radius),
-            };
-            self.rates[index].extend(counted.then_some(one));
+        for (subject, rates) in self.subjects.iter_mut().zip(&mut self.rates) {
+            let one = rate(subject, self.radius)?;
+            rates.extend(counted.then_some(one));
         }
         Ok(())
     }
 }
 
+/// FastSplats, footprints that are evaluated, and the default engine, with four channels or one.
+fn methods(size: ImageSize, channels: usize) -> Vec<(&'static str, RenderSettings)> {
+    let classification = match channels {
+        1 => Classification::Post,
+        _ => Classification::Pre,
+    };
+    let auto = ("auto", Rasterizer::Auto);
+    let of_footprints = |(name, rasterizer)| (name, settings(size, rasterizer, classification));
+    let mut methods: Vec<_> = FASTSPLATS.into_iter().chain([auto]).map(of_footprints).collect();
+    methods.push((ENGINE, engine_settings(size, classification)));
+    methods
+}
+
 /// Medians over rounds in which every method takes its turn at every radius.
-fn all_radii<const CHANNELS: usize>(bench: &Workbench<'_>, done: usize) -> Result<Rates, LabError> {
-    let mut methods: Vec<&str> = FASTSPLATS.iter().map(|one| one.0).collect();
-    let mut rasterizers: Vec<Rasterizer> = FASTSPLATS.iter().map(|one| one.1).collect();
-    rasterizers.push(Rasterizer::Auto);
-    methods.extend(["auto", SIMD]);
+fn all_radii(bench: &Workbench<'_>, channels: usize, done: usize) -> Result<Rates, LabError> {
     let edge = bench.choose(512, 192);
-    let size = ImageSize::new(edge, edge)?;
+    let methods = methods(ImageSize::new(edge, edge)?, channels);
     let slabs = RADII.map(|radius| slab(radius, f64::from(edge)));
     let slabs = slabs.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let stations = RADII.iter().zip(&slabs);
+    let stations = RADII.into_iter().zip(&slabs);
     let mut stations = stations
-        .map(|(&radius, slab)| Station::<CHANNELS>::new(size, radius, slab, &rasterizers))
+        .map(|slab| Station::new(slab, &methods))
         .collect::<Result<Vec<_>, _>>()?;
     for round in 0..=ROUNDS {
         bench.step(
             done + round,
             STEPS,
-            &format!("channels: {CHANNELS}, round {round} of {ROUNDS}"),
+            &format!("channels: {channels}, round {round} of {ROUNDS}"),
         );
         for station in &mut stations {
             station.round(round > 0)?;
@@ -232,12 +196,13 @@ fn all_radii<const CHANNELS: usize>(bench: &Workbench<'_>, done: usize) -> Resul
             of_method.push(median(rates));
         }
     }
+    let methods = methods.into_iter().map(|(name, _)| name).collect();
     Ok(Rates { methods, values })
 }
 
 fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
-    let four = all_radii::<4>(bench, 0)?;
-    let one = all_radii::<1>(bench, ROUNDS + 1)?;
+    let four = all_radii(bench, 4, 0)?;
+    let one = all_radii(bench, 1, ROUNDS + 1)?;
     let mut outcome = Outcome::default();
     for (figure, key, rates) in [("Fig. 5", "four", &four), ("Fig. 6", "one", &one)] {
         rate_findings(&mut outcome, (figure, key), rates);

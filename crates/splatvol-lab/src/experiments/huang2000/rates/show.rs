@@ -1,6 +1,6 @@
 //! Rows and plots of Fig. 5 and 6.
 
-use super::{RADII, Rates, SIMD};
+use super::{ENGINE, RADII, Rates};
 use crate::experiments::huang2000::method::FASTSPLATS;
 use crate::{Axis, Curve, Plot, Table};
 
@@ -15,7 +15,7 @@ pub(super) fn numbers(figure: &str, name: &str, rates: &Rates) -> Table {
     table
 }
 
-/// The paper's curves and ours of the same engine on a linear scale; and all, with our SIMD sheets, on a logarithmic one.
+/// The paper's curves and ours of the same engine on a linear scale; and all, with the default engine's, on a logarithmic one.
 pub(super) fn plots(figure: &str, name: &str, rates: &Rates) -> [Plot; 2] {
     let plot = |name: &str, caption: &str, axis: Axis| {
         Plot::curves(name, figure, caption, Axis::new("radius (pixels)"), axis)
@@ -25,15 +25,19 @@ pub(super) fn plots(figure: &str, name: &str, rates: &Rates) -> [Plot; 2] {
         .methods
         .iter()
         .zip(&rates.values)
-        .filter(|one| *one.0 != SIMD);
+        .filter(|one| *one.0 != ENGINE);
     let most = by_engine.flat_map(|one| one.1).copied().fold(0.0, f64::max);
     let axis = Axis::new(unit).range(0.0, 1.1e-6 * most);
     let looked_up = plot(name, "scan-conversion rates by the radius", axis);
-    let caption = "the same, and the default engine's sheets";
-    let with_simd = plot(&format!("{name}-simd"), caption, Axis::logarithmic(unit));
+    let caption = "the same, and the default engine";
+    let with_engine = plot(
+        &format!("{name}-default-engine"),
+        caption,
+        Axis::logarithmic(unit),
+    );
     [
-        curves(looked_up, rates, |method| method != SIMD),
-        curves(with_simd, rates, |_| true),
+        curves(looked_up, rates, |method| method != ENGINE),
+        curves(with_engine, rates, |_| true),
     ]
 }
 
