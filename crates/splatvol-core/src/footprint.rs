@@ -182,7 +182,7 @@ impl PlaneSlicer {
             centre: self.centre(centre, offset),
             conic: self.conic,
             half_extent: self.half_extent,
-            weight: self.peak * (-0.5 * self.inverse_variance * offset * offset).exp(),
+            weight: self.peak * libm::expf(-0.5 * self.inverse_variance * offset * offset),
             depth: self.depth,
         }
     }

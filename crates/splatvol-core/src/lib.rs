@@ -13,6 +13,7 @@
 //! [`kernel`], [`radial`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
 //! knows nothing of where they came from.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bin;
 pub mod brick;

@@ -124,7 +124,7 @@ impl Mean {
         let color = fine.image.pixels[at].map(f64::from);
         self.count += 1.0;
         self.color = std::array::from_fn(|c| self.color[c] + color[c]);
-        self.transmittance += (-f64::from(fine.optical_depth[at])).exp();
+        self.transmittance += libm::exp(-f64::from(fine.optical_depth[at]));
         if color[3] > 0.0 {
             self.depth += color[3] * f64::from(fine.depth[at]);
         }
@@ -132,7 +132,7 @@ impl Mean {
 
     fn store(&self, frame: &mut Frame, pixel: usize) {
         frame.image.pixels[pixel] = self.color.map(|sum| (sum / self.count) as f32);
-        frame.optical_depth[pixel] = -(self.transmittance / self.count).ln() as f32;
+        frame.optical_depth[pixel] = -libm::log(self.transmittance / self.count) as f32;
         frame.depth[pixel] = if self.color[3] > 0.0 {
             (self.depth / self.color[3]) as f32
         } else {

@@ -14,6 +14,7 @@
 //! Every pixel receives its contributions in one order (sheets by depth, then bricks and voxels by index) whatever
 //! the number of threads and the tile it lies in, so frames are the same to the bit.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod compositions;
 mod config;

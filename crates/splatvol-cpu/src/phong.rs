@@ -49,7 +49,7 @@ impl Phong {
             diffuse: lighting.diffuse as f32,
             specular: lighting.specular as f32,
             power: lighting.specular_power as f32,
-            least_shining: (-100.0 / lighting.specular_power).exp2() as f32,
+            least_shining: libm::exp2(-100.0 / lighting.specular_power) as f32,
             floor_squared: lighting.gradient_floor.powi(2) as f32,
             towards_light: light.as_vec3().to_array(),
             half_way: half_way.as_vec3().to_array(),
@@ -115,7 +115,7 @@ impl Phong {
         let shining = dot(self.half_way).max(self.least_shining);
         Lit {
             diffuse: (surfaceness * (facing - 1.0) + 1.0) * self.diffuse + self.ambient,
-            specular: shining.powf(self.power) * surfaceness * self.specular,
+            specular: libm::powf(shining, self.power) * surfaceness * self.specular,
         }
     }
 
@@ -140,7 +140,7 @@ impl Phong {
             specular: if self.specular == 0.0 {
                 0.0
             } else {
-                self.specular * surface * shining.powf(self.power)
+                self.specular * surface * libm::powf(shining, self.power)
             },
         }
     }

@@ -36,6 +36,7 @@
 //!
 //! Pictures are the same bytes for any number of threads and for any SIMD level.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod bin;
 mod cover;

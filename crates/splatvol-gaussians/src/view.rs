@@ -49,7 +49,7 @@ impl View {
         let eye = local_from_world.transform_point3(camera.position());
         let high = eye.as_vec3();
         let screen = camera.screen_from_camera(settings.size);
-        let unit = world_from_local.matrix3.determinant().abs().cbrt();
+        let unit = libm::cbrt(world_from_local.matrix3.determinant().abs());
         let limit = |pixels: u32| {
             if screen.perspective {
                 (TANGENT_LIMIT * 0.5 * f64::from(pixels) / screen.scale) as f32

@@ -22,12 +22,14 @@
 //! # Ok::<(), splatvol_samples::SampleError>(())
 //! ```
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod error;
 mod fill;
 mod head;
 mod noise;
 mod registry;
+mod rotation;
 mod signals;
 mod terrain;
 mod textures;

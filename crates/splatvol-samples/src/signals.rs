@@ -21,8 +21,8 @@ fn marschner_lobb_value(p: DVec3) -> f64 {
     use std::f64::consts::{FRAC_PI_2, TAU};
     const ALPHA: f64 = 0.25;
     const FREQUENCY: f64 = 6.0;
-    let rings = (TAU * FREQUENCY * (FRAC_PI_2 * p.truncate().length()).cos()).cos();
-    (1.0 - (FRAC_PI_2 * p.z).sin() + ALPHA * (1.0 + rings)) / (2.0 * (1.0 + ALPHA))
+    let rings = libm::cos(TAU * FREQUENCY * libm::cos(FRAC_PI_2 * p.truncate().length()));
+    (1.0 - libm::sin(FRAC_PI_2 * p.z) + ALPHA * (1.0 + rings)) / (2.0 * (1.0 + ALPHA))
 }
 
 /// Ball `1 - (r/R)^2`, below 0 outside, with R nine tenths of the half side. Second differences are constant, so

@@ -203,7 +203,7 @@ fn ground(p: Vec2, bed: f32, slope: f32, grain: f32) -> (usize, f32) {
         return (SNOW, 0.08 * grain);
     }
     if slope > 1.05 + 0.25 * fine || bed > 0.52 + 0.05 * moisture {
-        let layer = (bed * 90.0 + 2.0 * fine).sin();
+        let layer = libm::sinf(bed * 90.0 + 2.0 * fine);
         return (ROCK + usize::from(layer > 0.2), 0.12 * grain + 0.08 * layer);
     }
     if moisture > 0.12 + 0.25 * fine {

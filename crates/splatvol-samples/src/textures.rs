@@ -24,10 +24,10 @@ pub(crate) fn tunnel(dims: [usize; 3]) -> Vec<u8> {
     voxels(dims, |[x, y, z]| {
         let dx = x as f32 + 0.5 - dims[0] as f32 / 2.0;
         let dy = y as f32 + 0.5 - dims[1] as f32 / 2.0;
-        if !(inner..=outer).contains(&dx.hypot(dy)) {
+        if !(inner..=outer).contains(&libm::hypotf(dx, dy)) {
             return 0;
         }
-        let turn = dy.atan2(dx) / std::f32::consts::TAU + 0.5;
+        let turn = libm::atan2f(dy, dx) / std::f32::consts::TAU + 0.5;
         shade((turn * AROUND) as usize % AROUND as usize + z / 10)
     })
 }
@@ -43,7 +43,7 @@ pub(crate) fn zebra(dims: [usize; 3]) -> Vec<u8> {
         let width = 48.0 - 36.0 * v;
         let phase = std::f32::consts::PI * (x as f32 / scale + 60.0 * bend) / width;
         // A soft edge of about one voxel: the texture is band-limited, as a scanned one would be.
-        let edge = (phase.sin() * width / std::f32::consts::PI * scale).clamp(-1.0, 1.0);
+        let edge = (libm::sinf(phase) * width / std::f32::consts::PI * scale).clamp(-1.0, 1.0);
         let (dark, light) = (f32::from(DARK), f32::from(LIGHT));
         (0.5 * (dark + light) + 0.5 * (light - dark) * edge) as u8
     })

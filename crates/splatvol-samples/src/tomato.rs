@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use crate::fill::{unit_position, voxels};
 use crate::noise;
+use crate::rotation::direction;
 
 /// Chambers around the core.
 const CHAMBERS: usize = 6;
@@ -37,7 +38,7 @@ impl Seed {
         let radius = 0.42 + 0.11 * random(1);
         // From below to above, so that they keep apart.
         let height = -0.36 + 0.72 * (index as f32 + 0.5 + 0.3 * random(2)) / SEEDS as f32;
-        let outwards = Vec2::from_angle(angle);
+        let outwards = direction(angle);
         let along =
             (outwards.extend(0.5 * random(3)) + 0.3 * Vec3::new(random(4), random(5), 0.0)).normalize();
         let across = along.cross(Vec3::Z).normalize();
@@ -86,11 +87,12 @@ pub(crate) fn tomato(dims: [usize; 3]) -> Vec<u8> {
 /// Value at a point of [-1, 1]^3; edges are `voxel` wide and more.
 fn value(p: Vec3, voxel: f32, seeds: &[[Seed; SEEDS]; CHAMBERS]) -> f32 {
     let around = p.truncate().length();
-    let turn = p.y.atan2(p.x) / std::f32::consts::TAU + 0.5;
+    let turn = libm::atan2f(p.y, p.x) / std::f32::consts::TAU + 0.5;
     // Flattened, ribbed, with a dent at the stem and a smaller one opposite.
-    let ribs = 0.018 * (std::f32::consts::TAU * CHAMBERS as f32 * turn).cos() * smoothstep(0.1, 0.6, around);
-    let dent = 0.20 * (-(around / 0.22).powi(2)).exp() * f32::from(u8::from(p.z > 0.0))
-        + 0.05 * (-(around / 0.15).powi(2)).exp() * f32::from(u8::from(p.z < 0.0));
+    let ribs =
+        0.018 * libm::cosf(std::f32::consts::TAU * CHAMBERS as f32 * turn) * smoothstep(0.1, 0.6, around);
+    let dent = 0.20 * libm::expf(-(around / 0.22).powi(2)) * f32::from(u8::from(p.z > 0.0))
+        + 0.05 * libm::expf(-(around / 0.15).powi(2)) * f32::from(u8::from(p.z < 0.0));
     let smooth_shape = Vec2::new(around / (0.90 - ribs), (p.z.abs() + dent) / 0.74).length();
     let edge = (1.5 * voxel).max(0.012);
     if smooth_shape > 1.02 + 2.0 * edge {
@@ -118,10 +120,10 @@ fn interior(
 ) -> f32 {
     let chambers = turn * CHAMBERS as f32;
     let from_wall = (chambers - chambers.round()).abs() * std::f32::consts::TAU / CHAMBERS as f32 * around;
-    let core = 0.24 + 0.04 * (9.0 * p.z).sin();
+    let core = 0.24 + 0.04 * libm::sinf(9.0 * p.z);
     // Distance into a chamber through its nearest side, smoothly where two meet.
     let sides = [depth - 0.13, from_wall - 0.035, around - core];
-    let into = -0.03 * sides.iter().map(|side| (-side / 0.03).exp()).sum::<f32>().ln();
+    let into = -0.03 * libm::logf(sides.iter().map(|side| libm::expf(-side / 0.03)).sum::<f32>());
     let gel = smoothstep(-edge, edge, into);
     // The core is paler and has a string of vessels.
     let pale = 25.0 * (1.0 - smoothstep(0.08, 0.16, around)) * smoothstep(0.1, 0.2, depth);

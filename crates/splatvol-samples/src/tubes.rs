@@ -5,10 +5,11 @@
 //! A tube is a chain of tapered pieces; a voxel's value depends on its distance from the axis and surface of the piece that is
 //! brightest there.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use crate::fill::slices;
 use crate::noise;
+use crate::rotation::direction;
 
 /// Voxel spacing of the nerve cell.
 pub(crate) const NERVE_SPACING: [f64; 3] = [1.0, 1.0, 5.0];
@@ -154,7 +155,7 @@ fn microtubule(tube: usize, full: Vec3, radius: f32) -> Vec<Piece> {
     } else {
         let angle = std::f32::consts::PI * random.signed();
         let away = 8.0 + 26.0 * random.unit();
-        let start = centre + away * Vec2::from_angle(angle).extend(0.4 * random.signed());
+        let start = centre + away * direction(angle).extend(0.4 * random.signed());
         (start, angle)
     };
     let mut climb = 0.12 * random.signed();
@@ -167,7 +168,7 @@ fn microtubule(tube: usize, full: Vec3, radius: f32) -> Vec<Piece> {
         // Turned back before floor and ceiling.
         let level = at.z / full.z - 0.5;
         climb = (climb + 0.04 * random.signed() - 0.06 * level).clamp(-0.3, 0.3);
-        let next = at + STEP * Vec2::from_angle(angle).extend(climb);
+        let next = at + STEP * direction(angle).extend(climb);
         let inside = next.cmpgt(Vec3::ZERO).all() && next.cmplt(full).all();
         pieces.push(Piece {
             ends: [at, next],
@@ -197,7 +198,7 @@ pub(crate) fn nerve(dims: [usize; 3]) -> Vec<u8> {
     for arm in 0..8 {
         let mut random = Stream::new(arm, 311);
         let angle = (arm as f32 + 0.5 * random.signed()) * std::f32::consts::TAU / 8.0;
-        let heading = Vec2::from_angle(angle).extend(0.55 * random.signed()).normalize();
+        let heading = direction(angle).extend(0.55 * random.signed()).normalize();
         // One of them is the axon: thin, long, without branches.
         let (radius, branches) = if arm == 5 {
             (6.0, 0)

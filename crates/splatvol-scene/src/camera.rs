@@ -172,7 +172,7 @@ impl Camera {
                 Self::new(axes.position, target, up, Projection::Orthographic { height })
             }
             Projection::Perspective { fov_degrees } => {
-                let slope = (0.5 * fov_degrees).to_radians().tan() / MARGIN;
+                let slope = libm::tan((0.5 * fov_degrees).to_radians()) / MARGIN;
                 let needed = |corner: &DVec3| corner.y.abs().max(corner.x.abs() / aspect) / slope - corner.z;
                 let distance = corners.iter().map(needed).fold(0.0, f64::max);
                 Self::new(target + towards_camera * distance, target, up, projection)
@@ -212,7 +212,7 @@ impl Camera {
         match self.projection {
             Projection::Perspective { fov_degrees } => ScreenFromCamera {
                 perspective: true,
-                scale: 0.5 * height / (0.5 * fov_degrees).to_radians().tan(),
+                scale: 0.5 * height / libm::tan((0.5 * fov_degrees).to_radians()),
                 centre,
             },
             Projection::Orthographic { height: world_height } => ScreenFromCamera {

@@ -8,9 +8,9 @@
 //! `m_0 = d_0 + (d_0 - d_1) h_0 / (h_0 + h_1)`. So velocities are continuous, straight and parabolic motion is
 //! reproduced exactly, and a path whose last key is its first is closed: it passes that key without a jolt.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
-use crate::{Camera, Projection, SceneError};
+use crate::{Camera, Projection, SceneError, rotation};
 
 /// A camera and when it is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +110,7 @@ impl CameraPath {
 
 /// A camera turned around the axis through its target along its up vector.
 fn turned(camera: &Camera, degrees: f64) -> Result<Camera, SceneError> {
-    let turn = DQuat::from_axis_angle(camera.up().normalize(), degrees.to_radians());
+    let turn = rotation::about(camera.up().normalize(), degrees.to_radians());
     let position = camera.target() + turn * (camera.position() - camera.target());
     Camera::new(position, camera.target(), camera.up(), camera.projection())
 }
@@ -133,22 +133,22 @@ struct Spline {
 /// so that zooming by equal factors takes equal times.
 fn point(camera: &Camera) -> (Point, bool) {
     let (shown, perspective) = match camera.projection() {
-        Projection::Perspective { fov_degrees } => ((0.5 * fov_degrees).to_radians().tan(), true),
+        Projection::Perspective { fov_degrees } => (libm::tan((0.5 * fov_degrees).to_radians()), true),
         Projection::Orthographic { height } => (0.5 * height, false),
     };
     let [p, t, u] = [camera.position(), camera.target(), camera.up().normalize()];
     (
-        [p.x, p.y, p.z, t.x, t.y, t.z, u.x, u.y, u.z, shown.ln()],
+        [p.x, p.y, p.z, t.x, t.y, t.z, u.x, u.y, u.z, libm::log(shown)],
         perspective,
     )
 }
 
 fn camera(point: &Point, perspective: bool) -> Result<Camera, SceneError> {
     let [px, py, pz, tx, ty, tz, ux, uy, uz, shown] = *point;
-    let shown = shown.exp();
+    let shown = libm::exp(shown);
     let projection = if perspective {
         Projection::Perspective {
-            fov_degrees: 2.0 * shown.atan().to_degrees(),
+            fov_degrees: 2.0 * libm::atan(shown).to_degrees(),
         }
     } else {
         Projection::Orthographic { height: 2.0 * shown }

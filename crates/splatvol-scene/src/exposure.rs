@@ -39,12 +39,12 @@ impl Sum {
         }
         let optical_depth = f64::from(optical_depth);
         if optical_depth < self.least {
-            self.transmittance = self.transmittance * (optical_depth - self.least).exp() + 1.0;
+            self.transmittance = self.transmittance * libm::exp(optical_depth - self.least) + 1.0;
             self.least = optical_depth;
         } else if optical_depth == self.least {
             self.transmittance += 1.0;
         } else {
-            self.transmittance += (self.least - optical_depth).exp();
+            self.transmittance += libm::exp(self.least - optical_depth);
         }
     }
 }
@@ -110,7 +110,7 @@ impl Exposure {
             } else {
                 f32::INFINITY
             };
-            *optical_depth = (sum.least - (sum.transmittance / count).ln()) as f32;
+            *optical_depth = (sum.least - libm::log(sum.transmittance / count)) as f32;
             *sum = Sum::EMPTY;
         }
         self.frames = 0;

@@ -186,7 +186,7 @@ impl Grid {
 
     /// Geometric mean of the spacing: the side of the cube of one cell's volume, world.
     pub fn mean_spacing(&self) -> f64 {
-        self.cell_volume().cbrt()
+        libm::cbrt(self.cell_volume())
     }
 
     /// World volume of one cell.

@@ -31,6 +31,7 @@
 //!
 //! Constructors are fallible; what they return can be rendered without further errors.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod camera;
 pub mod camera_path;
@@ -47,6 +48,7 @@ pub mod mesh;
 pub mod motion;
 pub mod operator;
 pub mod points;
+mod rotation;
 pub mod scene;
 pub mod settings;
 pub mod transfer_function;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use crate::{Camera, CameraKey, CameraPath, SceneError, Volume};
+use crate::{Camera, CameraKey, CameraPath, SceneError, Volume, rotation};
 
 /// What moves while the shutter is open, world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +114,7 @@ impl Motion {
                 .collect(),
             Self::Spin { axis, centre, angle } => times
                 .map(|t| {
-                    let turn = DQuat::from_axis_angle(axis.normalize_or(DVec3::Z), -t * angle);
+                    let turn = rotation::about(axis.normalize_or(DVec3::Z), -t * angle);
                     moved(camera, |point| *centre + turn * (point - *centre), turn)
                 })
                 .collect(),

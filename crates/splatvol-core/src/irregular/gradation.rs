@@ -66,7 +66,7 @@ fn relative(one: &DMat3, unit: &DMat3) -> Option<([f64; 3], DMat3)> {
         return None;
     }
     let root = |exponent: f64| {
-        let scaled = std::array::from_fn::<_, 3, _>(|i| vectors[i] * values[i].powf(exponent));
+        let scaled = std::array::from_fn::<_, 3, _>(|i| vectors[i] * libm::pow(values[i], exponent));
         DMat3::from_cols(scaled[0], scaled[1], scaled[2])
     };
     let (forward, back) = (root(0.5), root(-0.5));

@@ -55,7 +55,7 @@ impl Evaluated {
         if distance_squared > REACH_SQUARED {
             return 0.0;
         }
-        self.peak * (-0.5 * distance_squared).exp()
+        self.peak * libm::exp(-0.5 * distance_squared)
     }
 
     pub(super) fn is_legal(&self) -> bool {
@@ -77,7 +77,7 @@ pub(super) fn sweep(samples: &mut [Sample], steps: &[f64], sums: impl Fn(&[Sampl
                 Correction::Excess(sum) => (sum.max(1.0), step.min(1.0)),
                 Correction::Full(_) => (1.0, 1.0),
             };
-            sample.mass *= sum.powf(-step);
+            sample.mass *= libm::pow(sum, -step);
             largest = largest.max((sum - 1.0).abs());
         }
         if largest < TOLERANCE {

@@ -241,7 +241,7 @@ impl<R: Regions> Surroundings<'_, R> {
         let (mut covariance, mut gradient, mut weights) = (DMat3::ZERO, DVec3::ZERO, 0.0);
         for (inverse, other) in near {
             let offset = piece.position - self.samples[*other].position;
-            let weight = (-0.5 * offset.dot(*inverse * offset)).exp();
+            let weight = libm::exp(-0.5 * offset.dot(*inverse * offset));
             covariance += weight * self.covariances[*other];
             gradient += weight * self.samples[*other].gradient;
             weights += weight;

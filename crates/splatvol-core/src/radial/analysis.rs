@@ -69,7 +69,7 @@ fn cut_off_mass(kernel: &RadialKernel) -> f64 {
     match kernel.profile {
         Profile::Gaussian { sigma } => {
             let u = kernel.support / (std::f64::consts::SQRT_2 * sigma);
-            libm::erfc(u) + 2.0 * u * (-u * u).exp() / std::f64::consts::PI.sqrt()
+            libm::erfc(u) + 2.0 * u * libm::exp(-u * u) / std::f64::consts::PI.sqrt()
         }
         Profile::Piecewise(_) | Profile::Blob(_) => 0.0,
     }

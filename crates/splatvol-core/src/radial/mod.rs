@@ -83,7 +83,7 @@ impl RadialKernel {
     fn uncut(&self, r: f64) -> f64 {
         self.scale
             * match self.profile {
-                Profile::Gaussian { sigma } => (-0.5 * (r / sigma).powi(2)).exp(),
+                Profile::Gaussian { sigma } => libm::exp(-0.5 * (r / sigma).powi(2)),
                 Profile::Piecewise(cubic) => cubic.value(r),
                 Profile::Blob(blob) => blob.value(r),
             }
@@ -110,7 +110,7 @@ impl RadialKernel {
         self.scale
             * match self.profile {
                 Profile::Gaussian { sigma } => {
-                    let across = (-0.5 * rho2 / (sigma * sigma)).exp();
+                    let across = libm::exp(-0.5 * rho2 / (sigma * sigma));
                     across * sigma * FRAC_PI_2.sqrt() * libm::erf(z / (SQRT_2 * sigma))
                 }
                 Profile::Piecewise(cubic) => cubic.half_line(rho2, z),
@@ -130,7 +130,7 @@ impl RadialKernel {
             return 1.0;
         }
         let wave = 2.0 * PI * frequency;
-        2.0 / frequency * self.over_distance(|r| r * self.value(r) * (wave * r).sin())
+        2.0 / frequency * self.over_distance(|r| r * self.value(r) * libm::sin(wave * r))
     }
 
     /// `int r^power h dV`.

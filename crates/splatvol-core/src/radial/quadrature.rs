@@ -19,7 +19,7 @@ pub(super) fn integral(from: f64, to: f64, mut f: impl FnMut(f64) -> f64) -> f64
 
 /// A zero of the Legendre polynomial by Newton's method, and `2 / ((1 - x^2) P'(x)^2)`.
 fn node(index: usize) -> [f64; 2] {
-    let mut x = (PI * (index as f64 + 0.75) / (COUNT as f64 + 0.5)).cos();
+    let mut x = libm::cos(PI * (index as f64 + 0.75) / (COUNT as f64 + 0.5));
     let mut slope = 1.0;
     for _ in 0..8 {
         let value;

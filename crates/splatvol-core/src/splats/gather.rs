@@ -155,7 +155,7 @@ impl Gather {
         let attributes = points.attributes();
         let frame = &(*world_from_item * *points.world_from_local());
         let linear = frame.matrix3;
-        let scale = linear.determinant().abs().cbrt();
+        let scale = libm::cbrt(linear.determinant().abs());
         let gradient = SURFACE_GRADIENT / self.spacing;
         self.add(points.len(), |index| {
             let radius = attributes.radii.get(index).map_or(0.0, |r| f64::from(*r));
@@ -237,7 +237,7 @@ impl Gather {
         let width = (high - low).max_element().max(f32::MIN_POSITIVE);
         let key = |index: usize| {
             let cell = (Vec3::from_array(self.positions[index]) - low) * (511.0 / width);
-            let size = (largest_variance(&self.covariances[index]).max(1e-30).log2() * 0.5).floor();
+            let size = (libm::log2f(largest_variance(&self.covariances[index]).max(1e-30)) * 0.5).floor();
             let class = (size + 40.0).clamp(0.0, 31.0) as u64;
             let place = spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2;
             (class << 27 | place) << 32 | index as u64
@@ -261,12 +261,12 @@ fn permuted<T: Copy + Send + Sync>(sources: &[u32], values: Vec<T>) -> Vec<T> {
 /// What a Gaussian of this opacity and colour (sRGB) carries.
 pub fn gaussian_payload(opacity: f32, color: [f32; 3]) -> [f32; 4] {
     let clear = (1.0 - f64::from(opacity)).max(CLEAREST);
-    payload(-clear.ln(), color.map(f64::from))
+    payload(-libm::log(clear), color.map(f64::from))
 }
 
 /// Optical depth of a surface.
 fn surface_depth(opacity: f64) -> f64 {
-    -(1.0 - opacity.min(1.0 - (-OPAQUE).exp())).ln()
+    -libm::log(1.0 - opacity.min(1.0 - libm::exp(-OPAQUE)))
 }
 
 fn payload(depth: f64, color: [f64; 3]) -> [f32; 4] {
@@ -279,7 +279,7 @@ fn linear_light(level: f64) -> f64 {
     if level <= 0.040_45 {
         level.max(0.0) / 12.92
     } else {
-        ((level + 0.055) / 1.055).powf(2.4)
+        libm::pow((level + 0.055) / 1.055, 2.4)
     }
 }
 

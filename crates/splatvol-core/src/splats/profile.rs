@@ -115,7 +115,7 @@ const RESOLUTION: f32 = 256.0;
 impl GaussianProfile {
     /// The Gaussian cut at `cut` standard deviations.
     pub fn new(cut: f64) -> Self {
-        let edge = (-0.5 * cut * cut).exp();
+        let edge = libm::exp(-0.5 * cut * cut);
         // The integral of exp(-r^2 / 2) - edge over the disc.
         let integral = 2.0 * std::f64::consts::PI * ((1.0 - edge) - 0.5 * edge * cut * cut);
         let cells = (2.0 * cut * f64::from(RESOLUTION)).ceil() as usize;
@@ -158,7 +158,7 @@ impl Profile for GaussianProfile {
 
     #[inline(always)]
     fn whole(&self, squared: f32) -> f32 {
-        (((-0.5 * squared).exp() - self.edge) * self.scale).max(0.0)
+        ((libm::expf(-0.5 * squared) - self.edge) * self.scale).max(0.0)
     }
 
     #[inline(always)]
@@ -180,11 +180,11 @@ impl Profile for GaussianProfile {
         if length < SHORT {
             return self.whole(across_squared + along * along);
         }
-        let across = (-0.5 * across_squared).exp();
+        let across = libm::expf(-0.5 * across_squared);
         let passed = if length < 0.5 {
             // Differences of the distribution would be as small as its table's errors. Three points of Gauss.
             let (middle, step) = (0.5 * (from + to), 0.387_298_33 * (to - from));
-            let at = |x: f32| (-0.5 * x * x).exp();
+            let at = |x: f32| libm::expf(-0.5 * x * x);
             (to - from) / 18.0 * (8.0 * at(middle) + 5.0 * (at(middle - step) + at(middle + step)))
         } else {
             self.line * (self.below(to) - self.below(from))

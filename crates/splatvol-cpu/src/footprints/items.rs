@@ -171,14 +171,14 @@ fn completed(item: &Item, lit: bool) -> Item {
 
 /// How far apart an item's samples are, world length; zero for what does not say.
 fn spacing(item: &Item) -> f64 {
-    let scale = |frame: &DAffine3| frame.matrix3.determinant().abs().cbrt();
+    let scale = |frame: &DAffine3| libm::cbrt(frame.matrix3.determinant().abs());
     let placed = scale(&item.world_from_item);
     match &item.content {
         Content::Volume { volume, .. } => volume.grid().mean_spacing() * placed,
         Content::Mesh { mesh, .. } => {
             let size = mesh.bounds().max - mesh.bounds().min;
             let count = mesh.positions().len().max(1) as f64;
-            (size.x * size.y * size.z / count).cbrt() * placed
+            libm::cbrt(size.x * size.y * size.z / count) * placed
         }
         Content::Points { points, .. } => {
             let radius = median(points.attributes().radii.clone());
@@ -213,9 +213,9 @@ fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
             let scale = item.world_from_item.matrix3.determinant().abs();
             cloud.world_from_local = item.world_from_item * cloud.world_from_local;
             cloud.mass *= scale;
-            cloud.spacing *= scale.cbrt();
+            cloud.spacing *= libm::cbrt(scale);
             // Opacities refer to lengths of the volume's own world.
-            let thinner = scale.cbrt().recip() as f32;
+            let thinner = libm::cbrt(scale).recip() as f32;
             for payload in &mut cloud.payloads {
                 *payload = payload.map(|value| value * thinner);
             }
@@ -244,7 +244,7 @@ fn add_mesh(
     let [low, high] = mesh.value_range().map(f64::from);
     let width = if high > low { high - low } else { 1.0 };
     // As with volumes, opacities refer to lengths of the item's own world.
-    let placed = item.world_from_item.matrix3.determinant().abs().cbrt();
+    let placed = libm::cbrt(item.world_from_item.matrix3.determinant().abs());
     let unit_distance = transfer_function
         .unit_distance
         .unwrap_or_else(|| spacing(item) / placed);
@@ -268,7 +268,7 @@ fn add_mesh(
             covariance: frame.matrix3 * covariance * frame.matrix3.transpose(),
             payload: lit(kernels.values[index]).map(|value| (f64::from(value) * mass / placed) as f32),
             // Gradients are compared with the sample's own size.
-            gradient: world_from_gradient * gradient * (mass.cbrt() / compared),
+            gradient: world_from_gradient * gradient * (libm::cbrt(mass) / compared),
         }
     });
 }

@@ -428,7 +428,7 @@ impl Over<'_> {
     #[inline(always)]
     fn opacity(&self, optical_depth: f32) -> f32 {
         let opacity = match self.absorption {
-            Absorption::Exp => -(-optical_depth).exp_m1(),
+            Absorption::Exp => -libm::expm1f(-optical_depth),
             Absorption::Linear => optical_depth.min(1.0),
         };
         opacity * self.footprint.opacity

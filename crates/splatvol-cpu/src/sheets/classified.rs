@@ -198,7 +198,7 @@ impl<'a> ClassifiedBricks<'a> {
                 let shine = f32x4::splat(simd, specular * extinction);
                 let voxel = 16 * i + lane;
                 let lit = &mut voxels[voxel];
-                (b - a).mul_add(t, a).mul_add(diffuse, shine).store_slice(lit);
+                (((b - a) * t + a) * diffuse + shine).store_slice(lit);
                 lit[0] = extinction;
                 values[voxel] = f32::from_bits(handle + voxel as u32);
             }

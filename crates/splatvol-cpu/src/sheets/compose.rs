@@ -104,9 +104,7 @@ fn composite<S: Simd>(
     for c in 0..3 {
         let plane = &mut canvas.color[c][pixel..pixel + 16];
         let emission = mean(simd, planes, c + 1, at);
-        emission
-            .mul_add(per_extinction, load(simd, plane, 0))
-            .store_slice(plane);
+        (emission * per_extinction + load(simd, plane, 0)).store_slice(plane);
     }
     let (front, back) = (
         load(simd, &planes[1][0].values, at),
@@ -116,7 +114,7 @@ fn composite<S: Simd>(
     let share_of_far = total.simd_gt(zero).select(back / total, f32x16::splat(simd, 0.5));
     let depth = (share_of_far * 0.5 + 0.25) * spacing + frame.sheets[near].depth;
     let plane = &mut canvas.depth_sum[pixel..pixel + 16];
-    depth.mul_add(share, load(simd, plane, 0)).store_slice(plane);
+    (depth * share + load(simd, plane, 0)).store_slice(plane);
     let left = transmittance - share;
     left.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
     (open & left.simd_lt(termination)).to_bitmask() as u16

@@ -244,7 +244,7 @@ impl View {
 /// ones on a fine raster may not be. `drift`: how far centres move within a voxel's sheets, world length.
 fn powers_fit([near, far]: &[SheetShape; 2], drift: f32) -> bool {
     let [xx, xy, yy] = far.exponent;
-    let steepest = 0.5 * (xx + yy + (xx - yy).hypot(xy));
+    let steepest = 0.5 * (xx + yy + libm::hypotf(xx - yy, xy));
     // Centres lie up to a point and a half off the middle of their blocks along both axes.
     let offset = 1.5 * std::f32::consts::SQRT_2 + drift * near.scale;
     let points = blocks_of(near.half_extent(CUT as f32)) as f32;
@@ -295,15 +295,15 @@ fn raster(
     let narrowest = filtered(least * scales[1] * scales[1]).sqrt();
     // As coarse as the far end allows, but not coarser than the near end wants: then footprints are small.
     let (finest, wanted) = (
-        (widest / WIDEST).log2().ceil(),
-        (widest / COMFORTABLE).log2().ceil(),
+        libm::log2(widest / WIDEST).ceil(),
+        libm::log2(widest / COMFORTABLE).ceil(),
     );
-    let coarsest = (narrowest / NARROWEST).log2().floor();
+    let coarsest = libm::log2(narrowest / NARROWEST).floor();
     let step = wanted.min(coarsest).clamp(0.0, 6.0);
     if step < finest {
         return None;
     }
-    let step = step.exp2();
+    let step = libm::exp2(step);
     // Without low-pass a footprint narrower than this would fall between the pixels.
     if low_pass == 0.0 && narrowest / step < 0.4 {
         return None;

@@ -180,8 +180,7 @@ impl Mode<1> for Integral<'_> {
                 for x in area.x0..area.x1 {
                     let sum = f32x16::from_slice(simd, &sums[y].0[x].0);
                     let depth = &mut depths[y].0[x].0;
-                    sum.mul_add(gap, f32x16::from_slice(simd, depth))
-                        .store_slice(depth);
+                    (sum * gap + f32x16::from_slice(simd, depth)).store_slice(depth);
                 }
             }
             ring.last_sheet = sheet as f32;

@@ -166,7 +166,7 @@ impl Detail {
         let centre = grid.bounds().centre();
         let depth = camera.camera_from_world().transform_point3(centre).z;
         let scale = camera.screen_from_camera(size).scale_at(depth);
-        let octaves = (FINEST / (scale * grid.mean_spacing())).log2();
+        let octaves = libm::log2(FINEST / (scale * grid.mean_spacing()));
         let most = grid
             .dims()
             .iter()

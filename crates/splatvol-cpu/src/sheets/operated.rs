@@ -128,7 +128,7 @@ impl<'a> Operated<'a> {
         let surfaces = scene.isosurfaces.iter().map(|surface| Surface {
             value: (surface.value as f32 - units.lowest) / units.range,
             color: Vec3::from_array(surface.rgb.map(|c| linear_from_srgb(c) as f32)),
-            extinction: (-(-surface.opacity).ln_1p() / mean_spacing) as f32,
+            extinction: (-libm::log1p(-surface.opacity) / mean_spacing) as f32,
         });
         Some(Self {
             operators: &scene.operators,
@@ -270,7 +270,7 @@ impl<'a> Operated<'a> {
             orient(shader, (&sample, slope), &Face::NONE, &mut appearance);
             if self.operate(&sample, &mut appearance) {
                 let depth = appearance.extinction * self.mean_spacing;
-                let through = if depth < 100.0 { (-depth).exp() } else { 0.0 };
+                let through = if depth < 100.0 { libm::expf(-depth) } else { 0.0 };
                 ink.add(self.light(shader, &appearance), through, sample.depth);
             }
         }
@@ -302,7 +302,7 @@ fn mean_place(depth: f32) -> f32 {
         // To second order; the difference below would lose its digits.
         0.5 - depth / 12.0
     } else {
-        1.0 / depth - 1.0 / depth.min(80.0).exp_m1()
+        1.0 / depth - 1.0 / libm::expm1f(depth.min(80.0))
     }
 }
 

@@ -51,7 +51,10 @@ fn row_of(
         let alpha = 1.0 - through[x];
         pixels[x] = [r[x], g[x], b[x], alpha];
         (depths[x], optical_depths[x]) = if alpha > 0.0 {
-            (depth_sum[x] / alpha, -through[x].max(f32::MIN_POSITIVE).ln())
+            (
+                depth_sum[x] / alpha,
+                -libm::logf(through[x].max(f32::MIN_POSITIVE)),
+            )
         } else {
             (f32::INFINITY, 0.0)
         };

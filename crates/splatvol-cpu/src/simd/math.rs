@@ -14,12 +14,12 @@ pub(crate) fn exp<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let splat = |value: f32| S::f32s::simd_from(simd, value);
     let x = x.max(splat(-87.0));
     let n = (x * std::f32::consts::LOG2_E).round_ties_even();
-    let r = n.mul_add(splat(-LN2_LOW), n.mul_add(splat(-LN2_HIGH), x));
+    let r = x - n * LN2_HIGH - n * LN2_LOW;
     let mut p = splat(1.987_569_1e-4);
     for coefficient in [1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5] {
-        p = p.mul_add(r, splat(coefficient));
+        p = p * r + coefficient;
     }
-    let series = p.mul_add(r * r, r + 1.0);
+    let series = p * (r * r) + (r + 1.0);
     let power: S::u32s = (n + 127.0).to_int::<S::u32s>();
     series * (power << 23).bitcast::<S::f32s>()
 }

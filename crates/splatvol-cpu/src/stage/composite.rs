@@ -47,7 +47,7 @@ impl Pixel {
         let advantage = if tau < 0.3 {
             tau * tau / 6.0 * (1.0 - tau * (0.5 - 0.15 * tau))
         } else {
-            let through = (-tau).exp();
+            let through = libm::expf(-tau);
             1.0 + through - 2.0 * (1.0 - through) / tau
         };
         for (sum, step) in self.color.iter_mut().zip(half_step) {
@@ -68,10 +68,10 @@ impl Pixel {
     /// Puts material of an optical depth and a (lit) colour at a depth behind what is there.
     #[inline(always)]
     pub(crate) fn add(&mut self, optical_depth: f32, color: [f32; 3], depth: f32) {
-        let through = (-optical_depth).exp();
+        let through = libm::expf(-optical_depth);
         // Thin material would lose its last digits in 1 - exp(-tau).
         let alpha = if optical_depth < 0.1 {
-            -(-optical_depth).exp_m1()
+            -libm::expm1f(-optical_depth)
         } else {
             1.0 - through
         };

@@ -60,7 +60,7 @@ fn shown(pixel: &Pixel) -> Resolved {
         } else {
             f32::INFINITY
         },
-        optical_depth: -pixel.transmittance.max(f32::MIN_POSITIVE).ln(),
+        optical_depth: -libm::logf(pixel.transmittance.max(f32::MIN_POSITIVE)),
     }
 }
 

@@ -251,9 +251,7 @@ impl<P: Payload> Stamp<P> {
                     let is_slope = P::HAS_GRADIENT && channel == SLOPE_Y;
                     let factor = S::f32s::simd_from(simd, if is_slope { *slope } else { *factor });
                     let pixels = &mut row.0[channel][column..column + S::f32s::LEN];
-                    value
-                        .mul_add(factor, S::f32s::from_slice(simd, pixels))
-                        .store_slice(pixels);
+                    (value * factor + S::f32s::from_slice(simd, pixels)).store_slice(pixels);
                 }
             }
         }
@@ -267,7 +265,7 @@ impl<P: Payload> Stamp<P> {
             for (i, row) in rows.iter_mut().enumerate() {
                 let dy = self.row_offset(i);
                 let along_x = dx * dx * (-0.5 * xx);
-                let exponent = dx.mul_add(S::f32s::simd_from(simd, -xy * dy), along_x) - 0.5 * yy * dy * dy;
+                let exponent = dx * (-xy * dy) + along_x - 0.5 * yy * dy * dy;
                 let weights = self.weights(simd, dx, exponent);
                 for (channel, value) in self
                     .payload

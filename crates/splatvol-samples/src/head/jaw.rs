@@ -102,7 +102,7 @@ fn row(places: &[Place; 7], edge: f32, up: f32) -> Vec<Part> {
     let mut parts = Vec::new();
     for (i, &[x, y, breadth, depth, height]) in places.iter().enumerate() {
         let (before, after) = (places[i.saturating_sub(1)], places[(i + 1).min(6)]);
-        let along = (after[1] - before[1]).atan2(after[0] - before[0]).to_degrees();
+        let along = libm::atan2f(after[1] - before[1], after[0] - before[0]).to_degrees();
         // Molars stop where they meet; incisors overlap.
         let edge = if i < 3 { edge } else { -43.0 + 0.3 * up };
         let middle = edge + up * 0.5 * height;

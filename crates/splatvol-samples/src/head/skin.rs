@@ -189,8 +189,8 @@ fn ear() -> Vec<Part> {
     const FLARE: f32 = 22.0;
     // The plate's own frame: u outwards, v along the ear's breadth, w along its height.
     let place = |u: f32, v: f32, w: f32| -> [f32; 3] {
-        let (sin_flare, cos_flare) = FLARE.to_radians().sin_cos();
-        let (sin_lean, cos_lean) = (-LEAN).to_radians().sin_cos();
+        let (sin_flare, cos_flare) = libm::sincosf(FLARE.to_radians());
+        let (sin_lean, cos_lean) = libm::sincosf((-LEAN).to_radians());
         let (y, z) = (v * cos_lean - w * sin_lean, v * sin_lean + w * cos_lean);
         [
             77.0 + u * cos_flare - y * sin_flare,
@@ -206,7 +206,11 @@ fn ear() -> Vec<Part> {
                 let angle = (degrees[0] + t * (degrees[1] - degrees[0])).to_radians();
                 let taper = radius * (0.7 + 0.6 * t * (1.0 - t));
                 (
-                    place(out, half_breadth * angle.cos(), half_height * angle.sin()),
+                    place(
+                        out,
+                        half_breadth * libm::cosf(angle),
+                        half_height * libm::sinf(angle),
+                    ),
                     taper,
                 )
             })

@@ -7,6 +7,8 @@
 
 use glam::{Mat3, Vec3};
 
+use crate::rotation;
+
 /// Side of a brick, voxels.
 pub(crate) const SIDE: usize = 8;
 /// Voxels of a brick.
@@ -122,8 +124,7 @@ impl Part {
 
     /// Turned by degrees about the x, y and z axes of its centre, in this order.
     pub(crate) fn turned(mut self, degrees: [f32; 3]) -> Self {
-        let [x, y, z] = degrees.map(f32::to_radians);
-        let world_from_local = Mat3::from_rotation_z(z) * Mat3::from_rotation_y(y) * Mat3::from_rotation_x(x);
+        let world_from_local = rotation::about_axes(degrees.map(f32::to_radians));
         self.local_from_world = world_from_local.transpose() * self.local_from_world;
         self
     }

@@ -62,7 +62,7 @@ impl BumpMap {
 
 /// Luminance of linear Rec. 709.
 fn brightness(pixel: Vec4) -> f32 {
-    pixel.dot(Vec4::new(0.2126, 0.7152, 0.0722, 0.0))
+    0.2126 * pixel.x + 0.7152 * pixel.y + 0.0722 * pixel.z
 }
 
 impl PixelOperator for BumpMap {

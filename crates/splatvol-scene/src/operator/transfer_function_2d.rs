@@ -86,7 +86,7 @@ impl Side {
 }
 
 fn extinction(opacity: f64, unit_distance: f64) -> f32 {
-    (-(-opacity.min(TransferFunction::MAX_OPACITY)).ln_1p() / unit_distance) as f32
+    (-libm::log1p(-opacity.min(TransferFunction::MAX_OPACITY)) / unit_distance) as f32
 }
 
 fn is_range([low, high]: [f64; 2]) -> bool {

@@ -215,7 +215,7 @@ impl TransferFunction {
 
     /// Extinction of a value per world length: `-ln(1 - opacity) / unit_distance`.
     pub fn extinction(&self, value: f64, unit_distance: f64) -> f64 {
-        -(-self.opacity(value).min(Self::MAX_OPACITY)).ln_1p() / unit_distance
+        -libm::log1p(-self.opacity(value).min(Self::MAX_OPACITY)) / unit_distance
     }
 }
 
@@ -259,9 +259,9 @@ fn ease(t: f64, midpoint: f64, sharpness: f64) -> f64 {
     // A Hermite curve whose ends flatten with the sharpness.
     let exponent = 1.0 + 10.0 * sharpness;
     let t = if t < 0.5 {
-        0.5 * (2.0 * t).powf(exponent)
+        0.5 * libm::pow(2.0 * t, exponent)
     } else {
-        1.0 - 0.5 * (2.0 * (1.0 - t)).powf(exponent)
+        1.0 - 0.5 * libm::pow(2.0 * (1.0 - t), exponent)
     };
     let (t2, t3) = (t * t, t * t * t);
     let slope = 1.0 - sharpness;
@@ -273,7 +273,7 @@ pub fn linear_from_srgb(encoded: f64) -> f64 {
     if encoded <= 0.040_45 {
         encoded / 12.92
     } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
+        libm::pow((encoded + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -282,7 +282,7 @@ pub fn srgb_from_linear(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         linear * 12.92
     } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
+        1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055
     }
 }
 

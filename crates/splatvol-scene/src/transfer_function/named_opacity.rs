@@ -78,8 +78,8 @@ impl OpacityCurve {
         let t = if self.reversed { 1.0 - t } else { t };
         let opacity = match self.shape {
             Shape::Linear => return t,
-            Shape::Geometric => (1e-6f64 / 255.0).powf(1.0 - t),
-            Shape::Sigmoid { steepness } => 1.0 / (1.0 + (f64::from(steepness) * (1.0 - 2.0 * t)).exp()),
+            Shape::Geometric => libm::pow(1e-6f64 / 255.0, 1.0 - t),
+            Shape::Sigmoid { steepness } => 1.0 / (1.0 + libm::exp(f64::from(steepness) * (1.0 - 2.0 * t))),
             Shape::Foreground => return f64::from(u8::from(t >= 1.0 / 255.0)),
         };
         if opacity < 1.0 / 255.0 { 0.0 } else { opacity }

@@ -94,7 +94,7 @@ fn width_difference(kappa: f64) -> f64 {
     if kappa > 1.0 - 1e-9 {
         0.0
     } else {
-        (1.0 - kappa) * kappa.max(1e-300).powf(kappa / (1.0 - kappa))
+        (1.0 - kappa) * libm::pow(kappa.max(1e-300), kappa / (1.0 - kappa))
     }
 }
 

@@ -122,8 +122,8 @@ pub(super) fn singular_values(m: DMat3) -> [f64; 2] {
         return [mean.sqrt(); 2];
     }
     let p = norm.sqrt();
-    let angle = (b.determinant() / (2.0 * p * p * p)).clamp(-1.0, 1.0).acos() / 3.0;
-    let most = mean + 2.0 * p * angle.cos();
-    let least = mean + 2.0 * p * (angle + 2.0 * std::f64::consts::FRAC_PI_3).cos();
+    let angle = libm::acos((b.determinant() / (2.0 * p * p * p)).clamp(-1.0, 1.0)) / 3.0;
+    let most = mean + 2.0 * p * libm::cos(angle);
+    let least = mean + 2.0 * p * libm::cos(angle + 2.0 * std::f64::consts::FRAC_PI_3);
     [least.max(1e-12 * most).sqrt(), most.sqrt()]
 }

@@ -71,7 +71,7 @@ pub(super) fn proposal(labels: &Labels, survey: &Survey) -> Proposal {
         let opacity = if value == labels.background {
             0.0
         } else {
-            -(-OPTICAL_DEPTH / path).exp_m1()
+            -libm::expm1(-OPTICAL_DEPTH / path)
         };
         let low = index
             .checked_sub(1)

@@ -33,7 +33,7 @@ const LEAST_SHARE: f64 = 2e-4;
 
 /// Opacity per voxel that gives optical depth `tau` along `path` voxels.
 fn opacity(tau: f64, path: Option<f64>) -> f64 {
-    path.map_or(0.5, |path| -(-tau / path).exp_m1())
+    path.map_or(0.5, |path| -libm::expm1(-tau / path))
 }
 
 /// One value everywhere: a translucent box.
@@ -203,7 +203,7 @@ impl Classes {
             std::array::from_fn(|i| survey.mean([thresholds[i], ends[i]]).unwrap_or(thresholds[i]));
         let mut opacities: [f64; 3] = std::array::from_fn(|i| {
             let relative = (means[i] - background.level) / (means[2] - background.level);
-            let tau = DENSE_OPTICAL_DEPTH * relative.clamp(0.0, 1.0).powf(2.5);
+            let tau = DENSE_OPTICAL_DEPTH * libm::pow(relative.clamp(0.0, 1.0), 2.5);
             if tau < LEAST_OPTICAL_DEPTH {
                 return 0.0;
             }

@@ -1,13 +1,16 @@
-//! The same bytes for any number of threads and any size of tiles, frame after frame.
+//! The same bytes for any number of threads, any size of tiles and any instructions, frame after frame.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod cases;
+#[path = "../common/mod.rs"]
 mod common;
 
+use cases::{Case, cases};
 use common::settings;
 use splatvol::{
     Camera, Classification, Compositing, EngineConfig, Frame, ImageSize, Projection, RenderSettings,
-    Renderer, Scene, View,
+    Renderer, Scene, SimdLevel, View,
 };
 use splatvol_samples::{Sample, SampleSize};
 
@@ -55,36 +58,56 @@ fn bits(frame: &Frame) -> Vec<u32> {
         .collect()
 }
 
-fn frames(config: EngineConfig) -> Vec<Vec<u32>> {
-    let scene = head();
+/// Every case's picture by an engine of its own configuration.
+fn demand(cases: &[Case], expected: &[Vec<u32>], config: EngineConfig) {
     let mut renderer = Renderer::new(config).unwrap();
-    let projection = Projection::Perspective { fov_degrees: 25.0 };
-    let camera = Camera::framing(&scene.volume.grid().bounds(), View::Iso, projection, 1.47).unwrap();
-    variants()
-        .iter()
-        .map(|settings| bits(&renderer.render(&scene, &camera, settings).unwrap()))
-        .collect()
+    for (case, expected) in cases.iter().zip(expected) {
+        let found = bits(&case.frame(&mut renderer));
+        let apart = found.iter().zip(expected).filter(|(a, b)| a != b).count();
+        assert!(
+            found == *expected,
+            "{config:?}, {}: {apart} of {} numbers differ",
+            case.name,
+            expected.len()
+        );
+    }
 }
 
+/// Threads, tiles and instructions: the same bytes of every kind of scene.
 #[test]
-fn threads_and_tiles_do_not_change_a_bit() {
-    let expected = frames(EngineConfig {
+fn no_configuration_changes_a_bit_of_any_kind_of_picture() {
+    let cases = cases();
+    let one = EngineConfig {
         threads: Some(1),
         ..EngineConfig::default()
-    });
-    for threads in [2, 7] {
+    };
+    let mut renderer = Renderer::new(one).unwrap();
+    let expected: Vec<_> = cases
+        .iter()
+        .map(|case| bits(&case.frame(&mut renderer)))
+        .collect();
+    for (case, bits) in cases.iter().zip(&expected) {
+        assert!(
+            bits.iter().any(|bits| *bits != 0),
+            "{}: nothing is seen",
+            case.name
+        );
+    }
+    let [baseline, avx2, avx512] = [SimdLevel::Baseline, SimdLevel::Avx2, SimdLevel::Avx512]
+        .map(|simd| simd.is_available().then_some(simd));
+    println!("instructions: {baseline:?}, {avx2:?}, {avx512:?}");
+    for (threads, edge, simd) in [
+        (1, 16, baseline),
+        (2, 48, avx2),
+        (7, 32, avx512),
+        (2, 64, baseline),
+    ] {
         let config = EngineConfig {
             threads: Some(threads),
-            ..EngineConfig::default()
-        };
-        assert!(frames(config) == expected, "{threads} threads");
-    }
-    for edge in [16, 32, 48] {
-        let config = EngineConfig {
             tile_edge: Some(edge),
-            ..EngineConfig::default()
+            simd,
         };
-        assert!(frames(config) == expected, "tiles of {edge} pixels");
+        demand(&cases, &expected, config);
     }
 }
 
