@@ -1,6 +1,6 @@
 //! What samples of unstructured cells stand for: the parts of cells around a point, or a cell.
 
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use splatvol_scene::{Association, CellKind, Cells, Mesh};
 
 use super::adjacency::Lists;
@@ -118,10 +118,7 @@ impl Regions for CornerRegions<'_> {
         parts.into_iter().zip(sides).map(cut).collect()
     }
 
-    fn beyond(&self, index: usize, _: DVec3) -> Correction {
-        match self.inner[index] {
-            true => Correction::Full(0.0),
-            false => Correction::Excess(0.0),
-        }
+    fn beyond(&self, index: usize, places: &[Sample]) -> Vec<Correction> {
+        vec![Correction::beside(!self.inner[index]); places.len()]
     }
 }

@@ -10,6 +10,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::Sample;
+use super::whitening::whitening;
 use crate::eigen::eigen;
 
 /// Passes of cutting at most: each takes a change of size one neighbour further.
@@ -28,50 +29,40 @@ pub(super) trait Neighbours: Sync {
 struct Metric {
     position: DVec3,
     covariance: DMat3,
-    inverse: DMat3,
+    /// Offsets in standard deviations; zero where the covariance is none.
+    whitening: DMat3,
     valid: bool,
 }
 
 impl Metric {
     fn new(sample: &Sample) -> Self {
-        let inverse = sample.covariance.inverse();
+        let whitening = whitening(&sample.covariance);
         Self {
             position: sample.position,
             covariance: sample.covariance,
-            inverse,
-            valid: sample.valid && inverse.is_finite() && sample.covariance.determinant() > 0.0,
+            whitening: whitening.unwrap_or(DMat3::ZERO),
+            valid: sample.valid && whitening.is_some(),
         }
     }
 
     /// The square of how much wider than this one a neighbour may be.
     fn limit(&self, other: &Self, growth: f64, sigma: f64) -> f64 {
-        let offset = other.position - self.position;
-        let spacings = sigma * offset.dot(self.inverse * offset).max(0.0).sqrt();
+        let spacings = sigma * (self.whitening * (other.position - self.position)).length();
         (1.0 + growth * spacings).powi(2)
     }
 
-    /// False where no direction of another is wider than `limit` allows, by `lambda <= 1 + |lambda - 1|` of all eigenvalues.
-    fn may_exceed(&self, other: &Self, limit: f64) -> bool {
-        let quotient = self.inverse * other.covariance - DMat3::IDENTITY;
-        let squared = quotient * quotient;
-        let trace = squared.x_axis.x + squared.y_axis.y + squared.z_axis.z;
-        1.0 + trace.max(0.0).sqrt() > limit
+    /// A covariance in the frame in which this one is the unit matrix.
+    fn seen(&self, covariance: &DMat3) -> DMat3 {
+        self.whitening * *covariance * self.whitening.transpose()
     }
 }
 
-/// Eigenvalues of a covariance in the frame in which another is the unit matrix, and that frame's columns: `L Q`.
-fn relative(one: &DMat3, unit: &DMat3) -> Option<([f64; 3], DMat3)> {
-    let (values, vectors) = eigen(*unit);
-    if values[0] <= 0.0 {
-        return None;
-    }
-    let root = |exponent: f64| {
-        let scaled = std::array::from_fn::<_, 3, _>(|i| vectors[i] * libm::pow(values[i], exponent));
-        DMat3::from_cols(scaled[0], scaled[1], scaled[2])
-    };
-    let (forward, back) = (root(0.5), root(-0.5));
-    let (ratios, axes) = eigen(back.transpose() * *one * back);
-    Some((ratios, forward * DMat3::from_cols(axes[0], axes[1], axes[2])))
+/// True where an eigenvalue of a symmetric matrix is above a limit: `limit I - matrix` is not positive definite, by its
+/// leading minors.
+fn exceeds(matrix: &DMat3, limit: f64) -> bool {
+    let rest = DMat3::from_diagonal(DVec3::splat(limit)) - *matrix;
+    let (x, y) = (rest.x_axis, rest.y_axis);
+    x.x <= 0.0 || x.x * y.y - x.y * y.x <= 0.0 || rest.determinant() <= 0.0
 }
 
 /// Growths of a kernel per spacing beyond which there is need for more kernels.
@@ -99,8 +90,8 @@ pub(super) fn violations(
                 let other = &metrics[other];
                 let either = |growth| {
                     [
-                        exceeds(own, other, (growth, sigma)),
-                        exceeds(other, own, (growth, sigma)),
+                        exceeds(&own.seen(&other.covariance), own.limit(other, growth, sigma)),
+                        exceeds(&other.seen(&own.covariance), other.limit(own, growth, sigma)),
                     ]
                 };
                 if other.valid && !found {
@@ -116,60 +107,65 @@ pub(super) fn violations(
     (0..samples.len()).into_par_iter().map(of).collect()
 }
 
-fn exceeds(own: &Metric, other: &Metric, (growth, sigma): (f64, f64)) -> bool {
-    let limit = own.limit(other, growth, sigma);
-    own.may_exceed(other, limit)
-        && relative(&other.covariance, &own.covariance).is_some_and(|(ratios, _)| ratios[2] > limit)
-}
-
-/// Covariances cut until none is wider than its neighbours allow.
+/// Covariances cut until none is wider than its neighbours allow. After the first pass only those beside what was cut are
+/// looked at.
 pub(super) fn graded(
     samples: &[Sample],
     neighbours: &impl Neighbours,
     (growth, sigma): (f64, f64),
 ) -> Vec<DMat3> {
     let mut metrics: Vec<Metric> = samples.par_iter().map(Metric::new).collect();
+    let mut looked_at: Vec<u32> = (0..samples.len() as u32).collect();
     for _ in 0..PASSES {
-        let of = |index: usize| {
-            let mut own = metrics[index];
-            let mut cut = false;
+        let of = |&index: &u32| {
+            let mut own = metrics[index as usize];
+            let mut is_cut = false;
             if own.valid {
-                neighbours.each_neighbour(index, &mut |other| {
+                neighbours.each_neighbour(index as usize, &mut |other| {
                     let other = &metrics[other];
                     if other.valid {
                         let limit = other.limit(&own, growth, sigma) * (1.0 + SLACK);
-                        cut |= other.may_exceed(&own, limit) && narrow(&mut own.covariance, other, limit);
+                        is_cut |= narrow(&mut own, other, limit);
                     }
                 });
             }
-            cut.then(|| Metric {
-                inverse: own.covariance.inverse(),
-                ..own
-            })
+            is_cut.then_some((index, own))
         };
-        let cut: Vec<Option<Metric>> = (0..samples.len()).into_par_iter().map(of).collect();
-        if cut.iter().all(Option::is_none) {
+        let cut: Vec<(u32, Metric)> = looked_at.par_iter().filter_map(of).collect();
+        if cut.is_empty() {
             break;
         }
-        for (metric, cut) in metrics.iter_mut().zip(cut) {
-            *metric = cut.unwrap_or(*metric);
+        let mut is_beside = vec![false; samples.len()];
+        for (index, metric) in cut {
+            let index = index as usize;
+            metrics[index] = metric;
+            is_beside[index] = true;
+            neighbours.each_neighbour(index, &mut |other| is_beside[other] = true);
         }
+        looked_at = (0..samples.len() as u32)
+            .filter(|&index| is_beside[index as usize])
+            .collect();
     }
     metrics.into_iter().map(|metric| metric.covariance).collect()
 }
 
-/// Brings a covariance down to `limit` times that of a neighbour in every direction; whether that changed it.
-fn narrow(covariance: &mut DMat3, neighbour: &Metric, limit: f64) -> bool {
-    match relative(covariance, &neighbour.covariance) {
-        Some((ratios, frame)) if ratios[2] > limit => {
-            let cut = DMat3::from_diagonal(DVec3::from_array(ratios.map(|ratio| ratio.clamp(0.0, limit))));
-            let narrowed = frame * cut * frame.transpose();
-            let legal = narrowed.determinant() > 0.0;
-            if legal {
-                *covariance = narrowed;
-            }
-            legal
+/// Brings a metric down to `limit` times that of a neighbour in every direction; whether that changed it.
+fn narrow(own: &mut Metric, neighbour: &Metric, limit: f64) -> bool {
+    let seen = neighbour.seen(&own.covariance);
+    if !exceeds(&seen, limit) {
+        return false;
+    }
+    let (ratios, axes) = eigen(seen);
+    // C of the neighbour's covariance C C^T.
+    let root = neighbour.covariance * neighbour.whitening.transpose();
+    let frame = root * DMat3::from_cols(axes[0], axes[1], axes[2]);
+    let cut = DMat3::from_diagonal(DVec3::from_array(ratios.map(|ratio| ratio.clamp(0.0, limit))));
+    let narrowed = frame * cut * frame.transpose();
+    match whitening(&narrowed) {
+        Some(whitening) => {
+            (own.covariance, own.whitening) = (narrowed, whitening);
+            true
         }
-        _ => false,
+        None => false,
     }
 }

@@ -4,7 +4,8 @@ use glam::{DMat3, DVec3};
 
 use super::Sample;
 use super::gradation::Neighbours;
-use super::normalise::{Correction, Evaluated};
+use super::lattice_kernels::LatticeKernels;
+use super::normalise::Correction;
 use super::pieces::{Hexahedron, LONGEST, Node, UNCUT, count, lengths};
 use super::resample::{Cut, Regions};
 use super::structured::{Lattice, index_of};
@@ -18,9 +19,11 @@ const HALF: f64 = 0.75;
 pub(super) struct LatticeRegions<'a> {
     pub(super) lattice: &'a Lattice,
     pub(super) samples: &'a [Sample],
-    pub(super) kernels: &'a [Evaluated],
+    pub(super) kernels: &'a LatticeKernels<'a>,
     /// Derivative of space by the index.
     pub(super) steps: &'a [DMat3],
+    /// The samples' masses.
+    pub(super) masses: &'a [f64],
 }
 
 impl Neighbours for LatticeRegions<'_> {
@@ -49,11 +52,9 @@ impl Regions for LatticeRegions<'_> {
         }
     }
 
-    fn beyond(&self, index: usize, at: DVec3) -> Correction {
-        let beyond = self
-            .lattice
-            .sum_beyond((index, at), self.samples, self.kernels, self.steps);
-        Correction::Full(beyond)
+    fn beyond(&self, index: usize, places: &[Sample]) -> Vec<Correction> {
+        let sums = self.kernels.sums_beyond(index, places, self.masses);
+        sums.into_iter().map(Correction::Full).collect()
     }
 }
 

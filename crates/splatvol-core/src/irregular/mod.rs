@@ -32,16 +32,19 @@ mod blocks;
 mod corners;
 mod gradation;
 mod gradient;
+mod lattice_kernels;
 mod lattice_regions;
 mod moments;
 mod normalise;
+mod packets;
 mod pieces;
 mod reference_cell;
 mod resample;
 mod structured;
-mod sums;
+
 mod tree;
 mod unstructured;
+mod whitening;
 
 #[cfg(test)]
 mod tests;

@@ -19,10 +19,10 @@ use rayon::prelude::*;
 
 use super::Sample;
 use super::gradation::{Neighbours, Trigger, graded, violations};
-use super::normalise::{Correction, Evaluated, sweep};
+use super::normalise::{Correction, sweep};
 use super::pieces::{Hexahedron, Piece, cut, gather};
-use super::sums::Sums;
 use super::tree::Tree;
+use super::whitening::whitening;
 use crate::eigen::eigen;
 
 /// Kernels, by samples, at most.
@@ -59,9 +59,9 @@ pub(super) trait Regions: Neighbours {
     /// `spacings_from_local` measures offsets in spacings of the kernel.
     fn cuts(&self, index: usize, spacings_from_local: &DMat3) -> Vec<Cut>;
 
-    /// What the sum of kernels at a place in a sample's region is held against, with that part of it which no kernel of the
-    /// mesh makes.
-    fn beyond(&self, index: usize, at: DVec3) -> Correction;
+    /// What the sums of kernels at places in a sample's region are held against, with those parts of them which no kernel of
+    /// the mesh makes.
+    fn beyond(&self, index: usize, places: &[Sample]) -> Vec<Correction>;
 }
 
 /// Samples some of which are pieces of others.
@@ -185,6 +185,11 @@ impl<R: Regions> Surroundings<'_, R> {
 
     /// Offsets in spacings of a kernel: `sigma V^(-1/2)`, up to a rotation.
     fn spacings_from_local(&self, index: usize) -> Option<DMat3> {
+        whitening(&self.covariances[index]).map(|whitening| whitening * self.sigma)
+    }
+
+    /// The same along the kernel's axes.
+    fn axes_from_local(&self, index: usize) -> Option<DMat3> {
         let (values, vectors) = eigen(self.covariances[index]);
         let rows = std::array::from_fn::<_, 3, _>(|i| vectors[i] * (self.sigma / values[i].sqrt()));
         let map = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
@@ -203,8 +208,11 @@ impl<R: Regions> Surroundings<'_, R> {
         for part in self.cuts(index) {
             cut(&part.nodes, part.counts, &mut pieces);
         }
-        match self.spacings_from_local(index) {
-            Some(map) if R::GATHERED => gather(&pieces, self.samples[index].position, &map),
+        if !R::GATHERED {
+            return pieces;
+        }
+        match self.axes_from_local(index) {
+            Some(map) => gather(&pieces, self.samples[index].position, &map),
             _ => pieces,
         }
     }
@@ -279,7 +287,7 @@ fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, repor
         .collect();
     let samples: Vec<Sample> = made.iter().flatten().copied().collect();
     Resampled {
-        samples: normalised(&samples, &owners, regions, uneven),
+        samples: normalised(samples, &owners, regions, uneven),
         owners,
         report,
     }
@@ -287,56 +295,78 @@ fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, repor
 
 /// The samples with masses for which a constant stays constant. Only those that an uneven one reaches are looked at, and
 /// of them, round by round, those that one reaches whose sum is still wrong.
-fn normalised(samples: &[Sample], owners: &[u32], regions: &impl Regions, uneven: Vec<bool>) -> Vec<Sample> {
-    let owner_count = uneven.len();
-    let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
-    let tree = Tree::new(samples);
-    let sums = |marked: Vec<bool>| {
-        let marked = reached(marked, regions);
-        let is_place =
-            |&index: &u32| marked[owners[index as usize] as usize] && kernels[index as usize].is_legal();
-        Sums::new(
-            samples,
-            (&kernels, &tree),
-            (0..samples.len() as u32).filter(is_place).collect(),
-        )
-    };
-    let corrections = |sums: &Sums<'_>, beyond: &[Correction], samples: &[Sample]| -> Vec<Correction> {
-        let masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
-        sums.all(&masses)
-            .into_iter()
-            .zip(beyond)
-            .map(|(sum, beyond)| beyond.plus(sum))
+fn normalised(
+    samples: Vec<Sample>,
+    owners: &[u32],
+    regions: &impl Regions,
+    uneven: Vec<bool>,
+) -> Vec<Sample> {
+    let tree = Tree::new(&samples);
+    let mut beyond = Beyond::new(&samples, owners, regions, uneven.len());
+    let mut masses: Vec<f64> = samples.par_iter().map(|sample| sample.mass).collect();
+    let corrections = |beyond: &Beyond<'_, _>, places: &[u32], masses: &[f64]| -> Vec<Correction> {
+        let sums = tree.sums(places, masses);
+        sums.into_par_iter()
+            .zip(places)
+            .map(|(sum, &place)| beyond.found[place as usize].plus(sum))
             .collect()
     };
-    let beyond = |sums: &Sums<'_>| -> Vec<Correction> {
-        let of =
-            |&place: &u32| regions.beyond(owners[place as usize] as usize, samples[place as usize].position);
-        sums.places().par_iter().map(of).collect()
-    };
-    let mut normalised = samples.to_vec();
     let mut marked = uneven;
     for steps in ROUNDS.map(|steps| &STEPS[steps]) {
-        let all = sums(marked);
-        marked = vec![false; owner_count];
-        for (&place, correction) in all
-            .places()
-            .iter()
-            .zip(corrections(&all, &beyond(&all), &normalised))
-        {
+        let near = reached(marked, regions);
+        beyond.find(&near);
+        let places = tree.places(|index| near[owners[index] as usize]);
+        marked = vec![false; near.len()];
+        for (&place, correction) in places.iter().zip(corrections(&beyond, &places, &masses)) {
             marked[owners[place as usize] as usize] |= !correction.is_right();
         }
-        let some = sums(marked.clone()).kept(steps.len());
-        let beyond = beyond(&some);
-        sweep(&mut normalised, steps, |samples| {
-            let mut found = vec![Correction::Full(1.0); samples.len()];
-            for (&place, correction) in some.places().iter().zip(corrections(&some, &beyond, samples)) {
-                found[place as usize] = correction;
-            }
-            found
+        let near = reached(marked.clone(), regions);
+        beyond.find(&near);
+        let places = tree.places(|index| near[owners[index] as usize]);
+        sweep(&mut masses, &places, steps, |masses| {
+            corrections(&beyond, &places, masses)
         });
     }
-    normalised
+    let own = samples.into_par_iter().zip(masses);
+    own.map(|(sample, mass)| Sample { mass, ..sample }).collect()
+}
+
+/// What sums are held against, found once for each sample that is asked for.
+struct Beyond<'a, R> {
+    samples: &'a [Sample],
+    regions: &'a R,
+    /// Where the kernels of each sample begin, and their number at the end.
+    first: Vec<usize>,
+    is_known: Vec<bool>,
+    found: Vec<Correction>,
+}
+
+impl<'a, R: Regions> Beyond<'a, R> {
+    fn new(samples: &'a [Sample], owners: &[u32], regions: &'a R, count: usize) -> Self {
+        let first = |owner: usize| owners.partition_point(|&other| (other as usize) < owner);
+        Self {
+            samples,
+            regions,
+            first: (0..=count).into_par_iter().map(first).collect(),
+            is_known: vec![false; count],
+            found: vec![Correction::Full(0.0); samples.len()],
+        }
+    }
+
+    /// Finds it for the marked samples.
+    fn find(&mut self, marked: &[bool]) {
+        let is_wanted = |&owner: &usize| marked[owner] && !self.is_known[owner];
+        let wanted: Vec<usize> = (0..marked.len()).filter(is_wanted).collect();
+        let of = |&owner: &usize| {
+            let own = &self.samples[self.first[owner]..self.first[owner + 1]];
+            self.regions.beyond(owner, own)
+        };
+        let found: Vec<Vec<Correction>> = wanted.par_iter().map(of).collect();
+        for (owner, found) in wanted.into_iter().zip(found) {
+            self.is_known[owner] = true;
+            self.found[self.first[owner]..][..found.len()].copy_from_slice(&found);
+        }
+    }
 }
 
 /// What is marked and all that its kernels reach.

@@ -5,13 +5,11 @@ use rayon::prelude::*;
 use splatvol_scene::Mesh;
 
 use super::gradation::Trigger;
+use super::lattice_kernels::{Around, LatticeKernels, REACH};
 use super::lattice_regions::LatticeRegions;
-use super::normalise::{Correction, Evaluated, sweep};
+use super::normalise::{Correction, sweep};
 use super::resample::{Resampled, resample};
 use super::{Sample, position};
-
-/// Neighbours along an axis that a kernel reaches: four of its standard deviations of 0.74 voxels.
-const REACH: i32 = 3;
 
 /// Steps of normalisation: what is wrong varies slowly, and the first takes most of it.
 const STEPS: [f64; 3] = [1.0; 3];
@@ -36,7 +34,7 @@ pub(super) struct Lattice {
     /// The points of the cells, where samples are cells.
     points: Option<Box<Lattice>>,
     /// True where no sample is blanked.
-    is_whole: bool,
+    pub(super) is_whole: bool,
 }
 
 impl Lattice {
@@ -100,7 +98,6 @@ impl Lattice {
 
     /// Makes a constant constant, with other samples where that needs more.
     pub(super) fn normalise(&self, samples: &mut [Sample], sigma: f64) -> Option<Resampled> {
-        let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
         let steps: Vec<DMat3> = (0..samples.len())
             .into_par_iter()
             .map(|index| self.jacobian(index))
@@ -109,23 +106,34 @@ impl Lattice {
             .into_par_iter()
             .map(|index| self.is_even(index, &steps))
             .collect();
+        if even.iter().all(|&even| even) {
+            return None;
+        }
+        let kernels = LatticeKernels::new(self, samples, &steps);
+        let mut masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
         let regions = LatticeRegions {
             lattice: self,
             samples,
             kernels: &kernels,
             steps: &steps,
+            masses: &masses,
         };
         let resampled = resample(samples, &regions, (TRIGGER, sigma), |index| !even[index]);
         if resampled.is_some() {
             return resampled;
         }
-        sweep(samples, &STEPS, |samples| {
-            let sum = |index: usize| match even[index] {
-                true => Correction::Full(1.0),
-                false => Correction::Full(self.sum(index, samples, &kernels, &steps)),
+        let places: Vec<u32> = (0..samples.len() as u32)
+            .filter(|&index| !even[index as usize])
+            .collect();
+        sweep(&mut masses, &places, &STEPS, |masses| {
+            let sum = |around: &mut Around, &index: &u32| {
+                Correction::Full(kernels.sum(around, index as usize, masses))
             };
-            (0..samples.len()).into_par_iter().map(sum).collect()
+            places.par_iter().map_init(Around::default, sum).collect()
         });
+        for (sample, mass) in samples.iter_mut().zip(masses) {
+            sample.mass = mass;
+        }
         None
     }
 
@@ -155,9 +163,8 @@ impl Lattice {
         };
         (0..3).all(|axis| {
             let stride: usize = self.dims[..axis].iter().product();
-            let reach = REACH as usize;
-            let low = index - stride * at[axis].min(reach);
-            let high = index + stride * (self.dims[axis] - 1 - at[axis]).min(reach);
+            let low = index - stride * at[axis].min(REACH);
+            let high = index + stride * (self.dims[axis] - 1 - at[axis]).min(REACH);
             alike(low) && alike(high)
         })
     }
@@ -238,64 +245,6 @@ impl Lattice {
     fn span(&self, low: usize, high: usize, axis: usize) -> f64 {
         let stride: usize = self.dims[..axis].iter().product();
         ((high - low) / stride.max(1)) as f64
-    }
-
-    /// The sum of all kernels at a sample; beyond the border and in blanked parts the grid goes on as it ends there.
-    fn sum(&self, index: usize, samples: &[Sample], kernels: &[Evaluated], steps: &[DMat3]) -> f64 {
-        if !kernels[index].is_legal() {
-            return 1.0;
-        }
-        let place = (index, self.positions[index]);
-        self.sum_near::<true>(place, samples, kernels, steps)
-    }
-
-    /// The part of the sum at a place amid a sample's region that is from beyond the border and from blanked parts.
-    pub(super) fn sum_beyond(
-        &self,
-        (index, here): (usize, DVec3),
-        samples: &[Sample],
-        kernels: &[Evaluated],
-        steps: &[DMat3],
-    ) -> f64 {
-        let at = index_of(index, self.dims);
-        let reach = REACH as usize;
-        let is_amid = (0..3).all(|axis| at[axis] >= reach && at[axis] + reach < self.dims[axis]);
-        match is_amid && self.is_whole {
-            true => 0.0,
-            false => self.sum_near::<false>((index, here), samples, kernels, steps),
-        }
-    }
-
-    fn sum_near<const ALL: bool>(
-        &self,
-        (index, here): (usize, DVec3),
-        samples: &[Sample],
-        kernels: &[Evaluated],
-        steps: &[DMat3],
-    ) -> f64 {
-        let at = index_of(index, self.dims).map(|i| i as i32);
-        let mut sum = 0.0;
-        for dk in -REACH..=REACH {
-            for dj in -REACH..=REACH {
-                for di in -REACH..=REACH {
-                    let wanted = [at[0] + di, at[1] + dj, at[2] + dk];
-                    let inside: [i32; 3] =
-                        std::array::from_fn(|axis| wanted[axis].clamp(0, self.dims[axis] as i32 - 1));
-                    let (i, j, k) = (inside[0] as usize, inside[1] as usize, inside[2] as usize);
-                    let mut near = i + self.dims[0] * (j + self.dims[1] * k);
-                    let mut beyond = [0, 1, 2].map(|axis| f64::from(wanted[axis] - inside[axis]));
-                    if !kernels[near].is_legal() {
-                        near = index;
-                        beyond = [di, dj, dk].map(f64::from);
-                    }
-                    if ALL || beyond != [0.0; 3] {
-                        let offset = here - self.positions[near] - steps[near] * DVec3::from_array(beyond);
-                        sum += samples[near].mass * kernels[near].density(offset);
-                    }
-                }
-            }
-        }
-        sum
     }
 }
 

@@ -6,6 +6,7 @@ use splatvol_testing::Random;
 
 use super::*;
 
+mod degenerate;
 mod ripple;
 mod skewed;
 

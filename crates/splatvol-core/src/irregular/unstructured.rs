@@ -4,12 +4,13 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::{Association, Cells, Mesh};
 
-use super::adjacency::{self, Lists, Walk};
+use super::adjacency::{self, Lists};
 use super::corners::CornerRegions;
 use super::gradation::Trigger;
 use super::moments::{self, Moments, Tables};
-use super::normalise::{Correction, Evaluated, REACH_SQUARED, sweep};
+use super::normalise::{Correction, sweep};
 use super::resample::{Resampling, resample};
+use super::tree::Tree;
 use super::{Sample, gradient, outer, position};
 
 /// How much wider than a voxel's the kernels of irregular cells are. Their spacing varies from cell to cell, which kernels of
@@ -73,7 +74,7 @@ pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, R
     if let Some(found) = resample(&samples, &regions, (trigger, WIDENING * sigma), |_| true) {
         return (found.samples, found.report);
     }
-    normalise(&mut samples, &neighbours, &inner, steps);
+    normalise(&mut samples, &inner, steps);
     (samples, Resampling::default())
 }
 
@@ -165,13 +166,8 @@ fn smooth_covariances(samples: &mut [Sample], neighbours: &Lists) {
 /// True for samples that are two rings of cells or more from the border.
 fn inner_samples(mesh: &Mesh, cells: &Cells, cells_of_points: &Lists, neighbours: &Lists) -> Vec<bool> {
     let faces = adjacency::of_cells(cells, cells_of_points);
-    let sides = |cell: usize| match cells.kind(cell).linear().point_count() {
-        4 => 4,
-        8 => 6,
-        _ => 5,
-    };
     let open: Vec<bool> = (0..cells.len())
-        .map(|cell| faces.of(cell).len() < sides(cell))
+        .map(|cell| faces.of(cell).len() < adjacency::face_count(cells, cell))
         .collect();
     let mut outer: Vec<bool> = match mesh.field().association {
         Association::Cell => open,
@@ -193,37 +189,17 @@ fn inner_samples(mesh: &Mesh, cells: &Cells, cells_of_points: &Lists, neighbours
     outer.into_iter().map(|outer| !outer).collect()
 }
 
-fn normalise(samples: &mut [Sample], neighbours: &Lists, inner: &[bool], steps: &[f64]) {
-    let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
-    let count = samples.len();
-    sweep(samples, steps, |samples| {
-        let of = |walk: &mut Walk, index: usize| {
-            let here = kernels[index].position;
-            let reaches = |other: usize| {
-                let offset = here - kernels[other].position;
-                let own = kernels[index].distance_squared(offset);
-                kernels[other].distance_squared(offset).min(own) <= REACH_SQUARED
-            };
-            walk.run(index, neighbours, reaches);
-            let term = |&other: &u32| {
-                let other = other as usize;
-                samples[other].mass * kernels[other].density(here - kernels[other].position)
-            };
-            let sum: f64 = walk
-                .found
-                .iter()
-                .filter(|&&other| kernels[other as usize].is_legal())
-                .map(term)
-                .sum();
-            if inner[index] {
-                Correction::Full(sum)
-            } else {
-                Correction::Excess(sum)
-            }
-        };
-        (0..count)
-            .into_par_iter()
-            .map_init(|| Walk::new(count), of)
+/// Makes a constant constant.
+fn normalise(samples: &mut [Sample], inner: &[bool], steps: &[f64]) {
+    let mut masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
+    let tree = Tree::new(samples);
+    let places = tree.places(|_| true);
+    sweep(&mut masses, &places, steps, |masses| {
+        let sums = tree.sums(&places, masses).into_iter().zip(&places);
+        sums.map(|(sum, &place)| Correction::beside(!inner[place as usize]).plus(sum))
             .collect()
     });
+    for (sample, mass) in samples.iter_mut().zip(masses) {
+        sample.mass = mass;
+    }
 }
