@@ -1,4 +1,8 @@
 //! Sheets: planes and slabs of constant camera depth that cut the volume.
+//!
+//! [`Planes`] stand still: plane i lies at `i * spacing` of camera depth, whatever is rendered. What is in the picture says
+//! only which of them exist. So a transfer function that hides half of the volume, or a worker that has a part of it, moves
+//! no plane of the other half. [`SheetStack`] begins where its content begins.
 
 use glam::DVec3;
 use splatvol_scene::ScreenFromCamera;
@@ -62,10 +66,54 @@ impl SheetStack {
     }
 }
 
+/// Planes at whole multiples of their spacing. Those that exist are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Planes {
+    /// Multiple of the spacing at which plane 0 lies.
+    pub first: i64,
+    /// Distance between planes, world length.
+    pub spacing: f64,
+    /// Number of intervals between planes: there is one plane more.
+    pub count: usize,
+}
+
+impl Planes {
+    /// Planes before, within and behind camera-space points grown by `reach` in depth, as far as they lie in front of the
+    /// camera: from depth 0 on where rays are parallel, else from one spacing on. Farther apart than `spacing` where these
+    /// were too many.
+    pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
+        let [low, high] = extent(corners, reach);
+        let spacing = spacing.max((high - low) / MOST);
+        let first = ((low / spacing).floor() as i64).max(i64::from(screen.perspective));
+        let last = (high / spacing).ceil() as i64;
+        Self {
+            first,
+            spacing,
+            count: (last - first).max(0) as usize,
+        }
+    }
+
+    /// Camera depth of a plane.
+    pub fn plane(&self, index: usize) -> f64 {
+        (self.first + index as i64) as f64 * self.spacing
+    }
+
+    /// The last plane that something starting at `depth` does not begin behind; the first plane where all do.
+    pub fn first_touched(&self, depth: f64) -> usize {
+        let index = (depth / self.spacing).floor() as i64 - self.first;
+        (index.max(0) as usize).min(self.count)
+    }
+}
+
 /// First and last depth of points grown by `reach`, as far as a camera sees them from `near` on.
 fn depths(corners: &[DVec3], reach: f64, near: f64, screen: &ScreenFromCamera) -> [f64; 2] {
-    let z = |pick: fn(f64, f64) -> f64| corners.iter().map(|p| p.z).reduce(pick).unwrap_or(0.0);
-    let (first, last) = (z(f64::min) - reach, z(f64::max) + reach);
+    let [first, last] = extent(corners, reach);
     let nearest = if screen.perspective { near } else { 0.0 };
     [first.max(nearest), last]
+}
+
+/// First and last depth of points grown by `reach`.
+fn extent(corners: &[DVec3], reach: f64) -> [f64; 2] {
+    let z = |pick: fn(f64, f64) -> f64| corners.iter().map(|p| p.z).reduce(pick).unwrap_or(0.0);
+    [z(f64::min) - reach, z(f64::max) + reach]
 }

@@ -153,7 +153,7 @@ impl SheetEngine {
             _ => Sampling::Field,
         };
         let grid = level.field.volume().grid();
-        let view = View::new((grid, level.bounds), camera, settings, sampling)?;
+        let view = View::new(grid, camera, settings, sampling)?;
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let mut job = Job {

@@ -8,7 +8,7 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::normal::mass_within;
-use splatvol_core::sheets::SheetStack;
+use splatvol_core::sheets::Planes;
 use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
 
 use super::border::Border;
@@ -52,7 +52,7 @@ pub(crate) struct View {
     screen: ScreenFromCamera,
     shape: FootprintShape,
     kernel: GaussianKernel,
-    stack: SheetStack,
+    stack: Planes,
     raster: Raster,
     reach: f64,
     spread: f64,
@@ -69,7 +69,7 @@ impl View {
     /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
     /// too wide an angle.
     pub(crate) fn new(
-        (grid, bounds): (&Grid, [DVec3; 2]),
+        grid: &Grid,
         camera: &Camera,
         settings: &RenderSettings,
         sampling: Sampling,
@@ -87,12 +87,12 @@ impl View {
         );
         let per_voxel = shape.depth_sigma / kernel.sigma;
         let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
-        let corners = corners(bounds, camera_from_lattice);
+        let corners = corners(grid, margin, camera_from_lattice);
         let reach = kernel.radius * per_voxel;
         let stack = match sampling {
             // A slab per voxel tells enough of depth.
-            Sampling::Rays => SheetStack::covering(&corners, 0.0, per_voxel, &screen),
-            _ => SheetStack::covering(&corners, reach, settings.sheet_thickness * per_voxel, &screen),
+            Sampling::Rays => Planes::covering(&corners, 0.0, per_voxel, &screen),
+            _ => Planes::covering(&corners, reach, settings.sheet_thickness * per_voxel, &screen),
         };
         let groups = match sampling {
             Sampling::Rays => {
@@ -400,9 +400,12 @@ impl Plan {
     }
 }
 
-fn corners(bounds: [DVec3; 2], camera_from_lattice: DAffine3) -> [DVec3; 8] {
+/// Corners of a grid's lattice, camera space: not those of what is needed of it, which a transfer function changes.
+fn corners(grid: &Grid, margin: [usize; 3], camera_from_lattice: DAffine3) -> [DVec3; 8] {
+    let dims = grid.dims();
     std::array::from_fn(|i| {
-        let point = DVec3::from_array(std::array::from_fn(|a| bounds[i >> a & 1][a]));
+        let last = |a: usize| (dims[a] + 2 * margin[a] - 1) as f64;
+        let point = DVec3::from_array(std::array::from_fn(|a| (i >> a & 1) as f64 * last(a)));
         camera_from_lattice.transform_point3(point)
     })
 }
@@ -412,7 +415,7 @@ struct BrickProjection<'a> {
     camera_from_lattice: DAffine3,
     screen: ScreenFromCamera,
     shape: &'a FootprintShape,
-    stack: SheetStack,
+    stack: Planes,
     reach: f64,
     /// Reach of a voxel around the centre of its nearest footprint, pixels.
     margin: f64,
@@ -430,10 +433,11 @@ impl BrickProjection<'_> {
         }
         let drift = (self.shape.lateral_slope.abs() * self.reach).extend(self.reach);
         let (low, high) = (low - drift, high + drift);
-        if high.z < self.stack.first {
+        let first = self.stack.plane(0);
+        if high.z < first {
             return None;
         }
-        let near = low.z.max(self.stack.first);
+        let near = low.z.max(first);
         let scales = [self.screen.scale_at(near), self.screen.scale_at(high.z.max(near))];
         let bound = |value: DVec2, pick: fn(f64, f64) -> f64| {
             let [a, b] = scales.map(|scale| value * scale);

@@ -6,8 +6,6 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-use splatvol_core::brick::BRICK;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::kernel::GaussianKernel;
@@ -63,8 +61,6 @@ pub(crate) struct Level {
     pub hull: [f32; 2],
     /// What all this was made for.
     made_for: (TransferFunction, f64, Wanted),
-    /// First and last lattice point of the bricks that are needed.
-    pub bounds: [DVec3; 2],
 }
 
 impl Level {
@@ -82,7 +78,6 @@ impl Level {
             visible: Vec::new(),
             hull: [f32::INFINITY; 2],
             made_for: (transfer_function.clone(), unit_distance, wanted),
-            bounds: [DVec3::ZERO; 2],
         };
         level.find();
         level
@@ -108,17 +103,9 @@ impl Level {
     fn find(&mut self) {
         let visible = VisibleLevels::new(&self.classification);
         self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let mut cover = |first: [u32; 3]| {
-            let first = DVec3::from_array(first.map(f64::from));
-            (low, high) = (low.min(first), high.max(first + (BRICK as f64 - 1.0)));
-        };
         let (_, _, wanted) = self.made_for;
         if wanted == Wanted::Classified {
             self.field.visible_bricks(&visible, &mut self.visible);
-            self.visible
-                .iter()
-                .for_each(|&brick| cover(self.field.brick_first(brick)));
         } else {
             match wanted {
                 Wanted::Largest => self.field.update(&visible.and_larger()),
@@ -128,13 +115,7 @@ impl Level {
             }
             self.table
                 .update(&self.classification, &visible, self.field.background());
-            (0..self.field.len()).for_each(|i| cover(self.field.first(i)));
         }
-        self.bounds = if low.cmpgt(high).any() {
-            [DVec3::ZERO; 2]
-        } else {
-            [low, high]
-        };
     }
 }
 

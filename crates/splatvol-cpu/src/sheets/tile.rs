@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use fearless_simd::prelude::*;
 use glam::DAffine3;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
-use splatvol_core::sheets::SheetStack;
+use splatvol_core::sheets::Planes;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, OpenVoxels, Window, activate};
@@ -32,7 +32,7 @@ pub(crate) struct SheetFrame<'a> {
     pub bricks: &'a dyn Bricks,
     pub order: &'a DepthOrder,
     pub camera_from_lattice: DAffine3,
-    pub stack: SheetStack,
+    pub stack: Planes,
     pub sheets: &'a [SheetShape],
     pub tiles: TileGrid,
     pub lists: &'a TileLists,
@@ -249,7 +249,7 @@ pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
     let mut ahead = frame.lists.of(tile).peekable();
     let mut sheet = 0usize;
     // Sheets since the last voxel: when the ring and the planes are empty, sheets are skipped.
-    let mut idle = 0;
+    let mut idle = usize::MAX;
     while sheet <= frame.stack.count + 1 && !scratch.mask.none_left() {
         if scratch.open.is_empty() && idle > frame.groups * LANES + scratch.planes.len() {
             let Some(next) = bricks.peek() else { break };
@@ -283,7 +283,11 @@ pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
         let voxels = work.voxels;
         enter(simd, (frame, mode), (&place, &window, sheet), scratch, &mut work);
         let entered = Instant::now();
-        idle = if work.voxels > voxels { 0 } else { idle + 1 };
+        idle = if work.voxels > voxels {
+            0
+        } else {
+            idle.saturating_add(1)
+        };
         scratch.planes.rotate_left(1);
         mode.take(simd, frame, &place, sheet, scratch);
         let taken = Instant::now();

@@ -14,5 +14,6 @@ mod detail;
 mod determinism;
 mod laws;
 mod modes;
+mod standing;
 mod state;
 mod support;
