@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, Composition, Frame, ImageSize, RenderSettings, RenderStatistics};
+use splatvol::{Camera, Frame, ImageSize, RenderSettings, RenderStatistics, Scene};
 use splatvol_io::{DataKind, ImageFormat, SceneFile, is_scene, read_scene};
 
 use super::outputs::Outputs;
@@ -132,10 +132,10 @@ impl Composed {
                 .num_threads(threads)
                 .build_global();
         }
-        let (composition, camera, recipe) = self.prepare(args, outputs.format(), terminal)?;
+        let (scene, camera, recipe) = self.prepare(args, outputs.format(), terminal)?;
         terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
         terminal.detail(format!("camera: {}", describe(&camera)));
-        let (frame, statistics) = render(&composition, (&camera, &recipe.settings), threads, terminal)?;
+        let (frame, statistics) = render(&scene, (&camera, &recipe.settings), threads, terminal)?;
         terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
         outputs.write(
             &frame,
@@ -156,33 +156,46 @@ impl Composed {
         args: &RenderArgs,
         format: ImageFormat,
         terminal: &Terminal,
-    ) -> Result<(Composition, Camera, SceneRecipe), Failure> {
+    ) -> Result<(Scene, Camera, SceneRecipe), Failure> {
         let like = self.like.as_ref();
         let base = like.map(|like| like.settings).or(self.scene.settings);
-        let mut settings = method::resolve(&args.method, self.size(args)?, base.as_ref(), Wishes::default())?;
-        if let Some(mode) = args.item.gaussians {
-            settings.gaussians = mode.into();
-        }
         let reading = Reading {
             strict: args.read.strict,
             beside: self.beside.as_deref(),
-            compositing: settings.compositing,
+            compositing: method::compositing(&args.method, base.as_ref()),
+            alone: self
+                .scene
+                .items
+                .iter()
+                .filter(|item| item.visible != Some(false))
+                .count()
+                == 1,
             terminal,
         };
-        let items = items::load_all(&self.scene.items, self.source, reading)?;
-        if items.is_empty() {
-            return Err(Failure::usage(format!(
-                "no item of {} is visible",
-                self.reference
-            )));
+        let loaded = items::load_all(&self.scene.items, self.source, reading)?;
+        // What a single item wants is what its file alone would get; several share one method.
+        let (wishes, preferred) = match &loaded[..] {
+            [] => {
+                return Err(Failure::usage(format!(
+                    "no item of {} is visible",
+                    self.reference
+                )));
+            }
+            [single] => (single.wishes, single.preferred),
+            _ => (Wishes::default(), None),
+        };
+        let mut settings = method::resolve(&args.method, self.size(args)?, base.as_ref(), wishes)?;
+        if let Some(mode) = args.item.gaussians {
+            settings.gaussians = mode.into();
         }
-        let mut composition = Composition::new(items).during(Step::Usage)?;
-        refuse::gaussians(args, &composition, settings.gaussians)?;
+        let items = loaded.into_iter().map(|loaded| loaded.item).collect();
+        let mut scene = Scene::of_items(items).during(Step::Usage)?;
+        refuse::gaussians(args, &scene, settings.gaussians)?;
         let background = self.background(args)?;
         // An EXR keeps its alpha.
         if let Some([r, g, b, a]) = background.filter(|_| format != ImageFormat::Exr) {
             let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
-            composition.background = [r, g, b, a as f32];
+            scene.background = [r, g, b, a as f32];
         }
         let own = self.scene.camera.as_ref().filter(|_| like.is_none());
         let flags = match own {
@@ -190,7 +203,7 @@ impl Composed {
             None => args.camera.clone(),
         };
         let outlines = || {
-            let items = &composition.items;
+            let items = &scene.items;
             items
                 .iter()
                 .flat_map(|item| outline(item, flags.fit.unwrap_or_default()))
@@ -198,7 +211,7 @@ impl Composed {
         };
         let camera = camera::resolve(
             &flags,
-            &Surroundings::of_outline(outlines, settings.size.aspect()),
+            &Surroundings::of_outline(outlines, settings.size.aspect()).preferring(preferred),
             like.map(|like| &like.camera),
         )?;
         let recipe = SceneRecipe {
@@ -218,7 +231,7 @@ impl Composed {
             Some(like) if like.is_same_picture(&recipe) => like.clone(),
             _ => recipe,
         };
-        Ok((composition, camera, recipe))
+        Ok((scene, camera, recipe))
     }
 
     /// The flag's size, or the scene's; an earlier picture's, or that of the scene's settings, is in the settings.
@@ -246,7 +259,7 @@ impl Composed {
 }
 
 fn render(
-    composition: &Composition,
+    scene: &Scene,
     (camera, settings): (&Camera, &RenderSettings),
     threads: Option<usize>,
     terminal: &Terminal,
@@ -254,7 +267,7 @@ fn render(
     let mut renderer = engine(threads)?;
     let bar = terminal.progress("Rendering");
     let frame = renderer
-        .render_composition(composition, camera, settings, &|share| bar.set(share))
+        .render_with_progress(scene, camera, settings, &|share| bar.set(share))
         .during(Step::Render)?;
     Ok((frame, renderer.statistics().clone()))
 }

@@ -109,8 +109,9 @@ pub(super) fn prepare(
     let mut scene = resolved
         .applied
         .scene(loaded.volume, resolved.look.transfer_function)?;
-    let motion = resolved.motion.as_ref().map(MotionRecipe::motion);
-    scene.motion = motion.transpose().during(Step::Usage)?;
+    if let Some(motion) = &resolved.motion {
+        scene = scene.with_motion(&motion.motion().during(Step::Usage)?);
+    }
     Ok(Prepared {
         recipe,
         camera: resolved.camera,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use splatvol::{
-    Bounds, BumpMap, Clip, EnvironmentMap, GradientOpacity, Image, Isosurface, Keep, PixelOperator, Scene,
-    SolidTexture, Stuff, TransferFunction, TransferFunction2d, Volume,
+    Bounds, BumpMap, Clip, EnvironmentMap, GradientOpacity, Image, Isosurface, Item, Keep, PixelOperator,
+    Scene, SolidTexture, Stuff, TransferFunction, TransferFunction2d, Volume,
 };
 
 use super::input::locate;
@@ -145,28 +145,28 @@ impl Effects {
         self.operators.push(Arc::new(operator));
     }
 
-    /// The scene that is rendered.
     /// Whether nothing is done.
     pub(crate) fn is_empty(&self) -> bool {
         self.operators.is_empty() && self.clips.is_empty() && self.isosurface.is_none()
     }
 
+    /// The scene that is rendered.
     pub(crate) fn scene(self, volume: Arc<Volume>, look: TransferFunction) -> Result<Scene, Failure> {
-        let scene = match self.isosurface {
+        let mut item = match self.isosurface {
             Some(value) => {
                 let surface = Isosurface {
                     value,
                     rgb: look.color(value),
                     opacity: 1.0,
                 };
-                Scene::of_isosurfaces(volume, &[surface]).during(Step::Usage)?
+                Item::isosurfaces(volume, &[surface]).during(Step::Usage)?
             }
-            None => Scene::new(volume, look),
+            None => Item::volume(volume, look),
         };
+        item.operators = self.operators;
         Ok(Scene {
-            operators: self.operators,
             clips: self.clips,
-            ..scene
+            ..Scene::from(item)
         })
     }
 }

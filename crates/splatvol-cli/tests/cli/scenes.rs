@@ -124,6 +124,34 @@ fn volumes_points_and_gaussians_share_a_picture() {
     }
 }
 
+/// A scene of one item is the picture that its file gives alone: the same look, method, camera and bytes.
+#[test]
+fn a_scene_of_one_item_is_the_item() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample head -o head.npy --size 24").succeeds();
+    sandbox.write("points.txt", sphere(500, [0.0; 3], Some([255, 0, 0])));
+    for (file, flags, keys) in [
+        ("head.npy", "", ""),
+        ("head.npy", "--up=-x --iso 300", "up = '-x'\niso = 300"),
+        ("sample:zebra:24", "", ""),
+        ("points.txt", "", ""),
+    ] {
+        sandbox.write("one.toml", format!("[[item]]\nfile = '{file}'\n{keys}\n"));
+        sandbox
+            .run(&format!(
+                "render {file} {flags} --size 64x48 --background none --bits 16 -w -o alone.exr"
+            ))
+            .succeeds();
+        sandbox
+            .run("render one.toml --size 64x48 --background none --bits 16 -w -o item.exr")
+            .succeeds();
+        assert!(
+            sandbox.bytes("alone.exr") == sandbox.bytes("item.exr"),
+            "{file} {flags}"
+        );
+    }
+}
+
 #[test]
 fn scenes_that_make_no_sense_say_why() {
     let sandbox = Sandbox::new();

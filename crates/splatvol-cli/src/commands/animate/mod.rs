@@ -169,7 +169,7 @@ impl Job<'_> {
     fn expose<'s>(&self, studio: &'s mut Studio, frame: u32) -> Result<&'s Frame, Failure> {
         let sub_frames = self.plan.sub_frames(frame)?;
         if let Some(motion) = self.plan.motion(frame)? {
-            studio.set_motion(motion.motion().during(Step::Usage)?);
+            studio.set_motion(&motion.motion().during(Step::Usage)?);
         }
         if sub_frames.is_empty() {
             studio.expose(&[self.plan.camera(frame)?])

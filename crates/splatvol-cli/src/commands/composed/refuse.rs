@@ -1,6 +1,6 @@
 //! What has no meaning for what is rendered is refused, and named.
 
-use splatvol::{Composition, Content, GaussianMode, Item};
+use splatvol::{Content, GaussianMode, Item, Scene};
 
 use crate::args::{EffectArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, RenderArgs};
 use crate::failure::Failure;
@@ -60,16 +60,12 @@ pub(super) fn effects(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// Flags about Gaussians need Gaussians; flags about sheets need sheets.
-pub(super) fn gaussians(
-    args: &RenderArgs,
-    composition: &Composition,
-    mode: GaussianMode,
-) -> Result<(), Failure> {
+pub(super) fn gaussians(args: &RenderArgs, scene: &Scene, mode: GaussianMode) -> Result<(), Failure> {
     let has = |item: &Item| matches!(item.content, Content::Gaussians(_));
-    if args.item.gaussians.is_some() && !composition.items.iter().any(has) {
+    if args.item.gaussians.is_some() && !scene.items.iter().any(has) {
         return Err(Failure::usage("--gaussians: there are none"));
     }
-    let sorted = composition.is_gaussians() && mode != GaussianMode::Volumetric;
+    let sorted = scene.is_gaussians() && mode != GaussianMode::Volumetric;
     if sorted && args.method != MethodArgs::default() {
         return Err(Failure::usage(
             "Gaussians are composited as published, where methods and lighting of sheets have no meaning",
