@@ -27,6 +27,8 @@ pub(crate) struct Loaded {
     pub(crate) wishes: Wishes,
     /// Where to look from unless asked otherwise.
     pub(crate) preferred: Option<View>,
+    /// Files that it was read from.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// Where and how items are read.
@@ -61,6 +63,7 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
     // Which way is up is a question of each file, unless something else stands beside it or it was given a place.
     let stands = reading.alone && up.is_none() && !item.is_placed();
     let (mut wishes, mut preferred) = (Wishes::default(), None);
+    let files;
     let (content, frame) = if kind == DataKind::Volume {
         let input = input::load(
             &input_recipe(item),
@@ -71,6 +74,7 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
         if stands {
             up = Up::of(&input).said(&item.file, reading.terminal);
         }
+        files = input.description.files.clone();
         preferred = input.sample.and_then(|sample| sample.preferred_view());
         let look = look_of(item, &input, reading)?;
         wishes = look.wishes;
@@ -86,6 +90,7 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
         for warning in &loaded.description.warnings {
             reading.terminal.warn(format!("{}: {warning}", item.file));
         }
+        files = loaded.description.files.clone();
         let frameless = kind == DataKind::Points && loaded.description.format.starts_with("PLY");
         let (content, frame) = content(item, source, loaded, reading)?;
         if frameless && stands && is_y_up(&content) {
@@ -103,6 +108,7 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
         item: Item::new(content).at(world_from_item),
         wishes,
         preferred,
+        files,
     })
 }
 

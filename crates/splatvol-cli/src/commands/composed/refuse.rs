@@ -2,7 +2,7 @@
 
 use splatvol::{Content, GaussianMode, Item, Scene};
 
-use crate::args::{EffectArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, RenderArgs};
+use crate::args::{ItemArgs, LookArgs, MethodArgs, RenderArgs};
 use crate::failure::Failure;
 
 /// Flags that belong to one of several items are refused.
@@ -43,20 +43,6 @@ pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Fa
         ))),
         None => Ok(()),
     }
-}
-
-/// Effects, clips and motion are of one volume.
-pub(super) fn effects(args: &RenderArgs) -> Result<(), Failure> {
-    let what = if args.effects != EffectArgs::default() {
-        "effects and clips"
-    } else if args.motion != MotionArgs::default() {
-        "motion blur"
-    } else {
-        return Ok(());
-    };
-    Err(Failure::usage(format!(
-        "{what} are of one volume; points, Gaussians, meshes and scenes are rendered without"
-    )))
 }
 
 /// Flags about Gaussians need Gaussians; flags about sheets need sheets.
