@@ -175,6 +175,6 @@ impl Effects {
 /// Why effects are refused.
 pub(crate) fn of_volumes() -> Failure {
     Failure::usage(
-        "effects (textures, bumps, mirrors, gradient opacity, --tf2d, --iso-exact) are of one volume alone; clips are of everything",
+        "effects (textures, bumps, mirrors, gradient opacity, --tf2d, --iso-exact) are of one volume alone",
     )
 }
