@@ -20,8 +20,9 @@ pub(crate) struct Recipe {
     pub(crate) version: String,
     /// The command line, quoted for a shell.
     pub(crate) command: String,
-    /// The volume and how it was read.
-    pub(crate) input: InputRecipe,
+    /// What it shows.
+    #[serde(flatten)]
+    pub(crate) subject: Subject,
     /// Camera, world.
     pub(crate) camera: CameraRecipe,
     /// Cameras of the pictures of which this is the mean, where it is one.
@@ -30,10 +31,6 @@ pub(crate) struct Recipe {
     /// What moves while the shutter is open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) motion: Option<MotionRecipe>,
-    /// What was asked about colour and opacity.
-    pub(crate) look: LookArgs,
-    /// What came of it.
-    pub(crate) transfer_function: TransferFunction,
     /// Operators and clips.
     #[serde(default)]
     pub(crate) effects: EffectArgs,
@@ -43,6 +40,33 @@ pub(crate) struct Recipe {
     pub(crate) background: Option<[f64; 4]>,
     /// Bits per channel.
     pub(crate) bits: u8,
+}
+
+/// What a picture shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, rename_all_fields = "kebab-case")]
+pub(crate) enum Subject {
+    /// Items of a scene. Their looks come of the data again.
+    Scene {
+        /// The input as typed, after which pictures are named.
+        reference: String,
+        /// What is in it; camera, settings and background are the picture's.
+        scene: SceneFile,
+    },
+    /// One volume by its flags.
+    Volume(VolumeRecipe),
+}
+
+/// A volume and its look.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) struct VolumeRecipe {
+    /// The volume and how it was read.
+    pub(crate) input: InputRecipe,
+    /// What was asked about colour and opacity.
+    pub(crate) look: LookArgs,
+    /// What came of it.
+    pub(crate) transfer_function: TransferFunction,
 }
 
 /// A volume by reference.
@@ -180,9 +204,6 @@ impl Recipe {
 
     fn read(path: &Path) -> anyhow::Result<Self> {
         let text = settings_of(path)?;
-        if serde_json::from_str::<SceneRecipe>(&text).is_ok() {
-            bail!("it shows a scene, not one volume: only render can make it again");
-        }
         serde_json::from_str(&text).context("its settings are malformed, or from a later version")
     }
 
@@ -196,56 +217,33 @@ impl Recipe {
             }
     }
 
-    /// Keywords and texts for a picture's file.
-    pub(crate) fn metadata(&self) -> Result<Vec<(String, String)>, Failure> {
-        texts(self, &self.version, &self.command)
-    }
-}
-
-/// Everything about a picture of a scene but its pixels.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) struct SceneRecipe {
-    /// Version of splatvol that made it.
-    pub(crate) version: String,
-    /// The command line, quoted for a shell.
-    pub(crate) command: String,
-    /// The input as typed, after which pictures are named.
-    pub(crate) reference: String,
-    /// What is in it; camera, settings and background are what came of the scene's and the flags'.
-    pub(crate) scene: SceneFile,
-    /// Camera, world.
-    pub(crate) camera: CameraRecipe,
-    /// The method.
-    pub(crate) settings: RenderSettings,
-    /// sRGB with straight alpha; absent where the picture keeps its alpha.
-    pub(crate) background: Option<[f64; 4]>,
-    /// Bits per channel.
-    pub(crate) bits: u8,
-}
-
-impl SceneRecipe {
-    /// The recipe that a picture carries; `None` where it carries another, or none.
-    pub(crate) fn of_picture(path: &Path) -> Result<Option<Self>, Failure> {
-        let text = settings_of(path)
-            .with_context(|| format!("cannot take settings from {}", path.display()))
-            .during(Step::Input)?;
-        Ok(serde_json::from_str(&text).ok())
-    }
-
-    /// Whether pictures of both recipes are the same; the command may say it in other words.
-    pub(crate) fn is_same_picture(&self, other: &Self) -> bool {
-        let command = other.command.clone();
-        *other
-            == Self {
-                command,
-                ..self.clone()
-            }
+    /// The earlier picture's recipe where it makes the same picture: one made by `--like` alone says the same.
+    pub(crate) fn or_same(self, earlier: Option<&Self>) -> Self {
+        match earlier {
+            Some(earlier) if earlier.is_same_picture(&self) => earlier.clone(),
+            _ => self,
+        }
     }
 
     /// Keywords and texts for a picture's file.
     pub(crate) fn metadata(&self) -> Result<Vec<(String, String)>, Failure> {
-        texts(self, &self.version, &self.command)
+        let settings = serde_json::to_string(self).during(Step::Output)?;
+        Ok(vec![
+            (
+                metadata::SOFTWARE.to_owned(),
+                format!("splatvol {}", self.version),
+            ),
+            ("Comment".to_owned(), self.command.clone()),
+            (metadata::SETTINGS.to_owned(), settings),
+        ])
+    }
+
+    /// The volume, where it is one by its flags.
+    pub(crate) fn volume(&self) -> Option<&VolumeRecipe> {
+        match &self.subject {
+            Subject::Volume(volume) => Some(volume),
+            Subject::Scene { .. } => None,
+        }
     }
 }
 
@@ -258,15 +256,6 @@ fn settings_of(path: &Path) -> anyhow::Result<String> {
             "the picture does not say how it was made (splatvol did not write it, or another program saved it again)"
         ),
     }
-}
-
-fn texts(recipe: &impl Serialize, version: &str, command: &str) -> Result<Vec<(String, String)>, Failure> {
-    let settings = serde_json::to_string(recipe).during(Step::Output)?;
-    Ok(vec![
-        (metadata::SOFTWARE.to_owned(), format!("splatvol {version}")),
-        ("Comment".to_owned(), command.to_owned()),
-        (metadata::SETTINGS.to_owned(), settings),
-    ])
 }
 
 /// This process's command line, quoted so that a POSIX shell gives it back.

@@ -16,7 +16,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod compositions;
+mod clouds;
 mod config;
 mod coverage;
 mod footprints;
@@ -27,7 +27,9 @@ mod phong;
 mod plan;
 mod progressive;
 mod renderer;
+mod route;
 mod sheets;
+mod shutter;
 mod simd;
 mod stage;
 mod statistics;

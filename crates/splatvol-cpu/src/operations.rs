@@ -1,9 +1,11 @@
 //! Which operators, clips and isosurfaces go with which settings.
 
-use splatvol_scene::{Classification, Compositing, Gradient, RenderSettings, Scene, SceneError};
+use splatvol_scene::{Classification, Compositing, Gradient, RenderSettings, SceneError};
+
+use crate::route::VolumeScene;
 
 /// Refuses what the scene asks for where the settings cannot show it.
-pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
+pub(crate) fn check(scene: &VolumeScene<'_>, settings: &RenderSettings) -> Result<(), SceneError> {
     let refuse = |what, why| Err(SceneError::Combination { what, why });
     let operated = !scene.operators.is_empty() || !scene.isosurfaces.is_empty();
     if !operated && scene.clips.is_empty() {
@@ -66,7 +68,7 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Scen
 }
 
 /// The error where the camera sees footprints of too different size for all sheets at once.
-pub(crate) fn too_close(scene: &Scene) -> Result<(), SceneError> {
+pub(crate) fn too_close(scene: &VolumeScene<'_>) -> Result<(), SceneError> {
     if scene.operators.is_empty() && scene.isosurfaces.is_empty() && scene.clips.is_empty() {
         return Ok(());
     }

@@ -10,18 +10,18 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{
-    Camera, Composition, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError,
-    Volume,
-};
+use splatvol_gaussians::Placed;
+use splatvol_scene::{Camera, Exposure, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume};
 
-use crate::compositions;
+use crate::clouds;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
 use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
+use crate::route::{PlacedVolume, Route, VolumeScene};
 use crate::sheets::engine::{Run, SheetEngine};
+use crate::shutter::{self, Exposed};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -45,12 +45,13 @@ struct Prepared {
     bricks: BrickGrid,
 }
 
-/// Renders scenes; keeps what it derives from a volume between frames.
+/// Renders scenes; keeps what it derives from their items between frames.
 #[derive(Debug)]
 pub struct Renderer {
     pool: rayon::ThreadPool,
     tile_edge: Option<usize>,
     level: Level,
+    placed: PlacedVolume,
     prepared: Option<Prepared>,
     data: SheetEngine,
     footprints: FootprintEngine,
@@ -89,6 +90,7 @@ impl Renderer {
             pool,
             tile_edge: config.tile_edge,
             level,
+            placed: PlacedVolume::default(),
             prepared: None,
             data: SheetEngine::default(),
             footprints: FootprintEngine::default(),
@@ -100,8 +102,13 @@ impl Renderer {
 
     /// Renders one frame.
     ///
+    /// A volume alone is rendered by the engines for grids. Several things are classified, lit, and composited sheet by
+    /// sheet, or one by one ([`splatvol_scene::Compositing::PerSplat`]). Nothing but Gaussians is rendered as published,
+    /// unless the settings say otherwise ([`splatvol_scene::GaussianMode`]).
+    ///
     /// # Errors
-    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
+    /// Settings outside their domain, methods that a kind of item does not have, or a rasteriser that cannot draw the
+    /// footprints of this view.
     pub fn render(
         &mut self,
         scene: &Scene,
@@ -130,7 +137,7 @@ impl Renderer {
     /// Renders slice by slice, with analytic gradients, slabs, or maxima.
     fn render_slices(
         &mut self,
-        scene: &Scene,
+        scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         (progress, only): (&(dyn Fn(f64) + Sync), Option<&Edges>),
     ) -> Frame {
@@ -233,18 +240,21 @@ impl Renderer {
         frame: &mut Frame,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
-        settings.validate()?;
-        operations::check(scene, settings)?;
-        if let Some(motion) = &scene.motion {
-            motion.validate(&scene.volume)?;
-            if let MotionBlur::Subframes { count } = settings.motion_blur {
-                let cameras = motion.cameras(camera, count)?;
-                return self.render_mean(scene, &cameras, settings, frame, progress);
-            }
+        scene.validate()?;
+        if let Some(exposed) = shutter::sub_frames(scene, camera, settings)? {
+            return self.render_mean(&exposed, settings, frame, progress);
         }
-        self.render_once(scene, (camera, settings), frame, (progress, None))?;
+        let route = Route::of(scene, settings, &mut self.placed)?;
+        let settings = &route.settings(settings)?;
+        route.check(scene, settings)?;
+        let shot = Shot {
+            scene,
+            route: &route,
+            camera,
+        };
+        self.render_once(&shot, settings, frame, (progress, None))?;
         if let Some(edges) = Edges::of(frame, settings.coverage) {
-            self.refine(scene, (camera, settings), frame, (progress, &edges))?;
+            self.refine(&shot, settings, frame, (progress, &edges))?;
         }
         Ok(())
     }
@@ -252,15 +262,15 @@ impl Renderer {
     /// Replaces the edges of a frame by the means of several samples.
     fn refine(
         &mut self,
-        scene: &Scene,
-        (camera, settings): (&Camera, &RenderSettings),
+        shot: &Shot<'_>,
+        settings: &RenderSettings,
         frame: &mut Frame,
         (progress, edges): (&(dyn Fn(f64) + Sync), &Edges),
     ) -> Result<(), SceneError> {
         let first = self.statistics.clone();
         let settings = edges.settings(settings)?;
         let mut fine = self.fine.take().unwrap_or_else(|| Frame::empty(settings.size));
-        self.render_once(scene, (camera, &settings), &mut fine, (progress, Some(edges)))?;
+        self.render_once(shot, &settings, &mut fine, (progress, Some(edges)))?;
         edges.refine(frame, &fine);
         self.fine = Some(fine);
         let seconds = first.seconds.plus(&self.statistics.seconds);
@@ -275,12 +285,12 @@ impl Renderer {
     /// One picture, or the tiles of it that edges need.
     fn render_once(
         &mut self,
-        scene: &Scene,
-        (camera, settings): (&Camera, &RenderSettings),
+        shot: &Shot<'_>,
+        settings: &RenderSettings,
         frame: &mut Frame,
         (progress, only): (&(dyn Fn(f64) + Sync), Option<&Edges>),
     ) -> Result<(), SceneError> {
-        if frame.image.size() != settings.size {
+        if !frame.fits(settings.size) {
             *frame = Frame::empty(settings.size);
         }
         let run = Run {
@@ -290,82 +300,62 @@ impl Renderer {
             progress,
             only,
         };
-        if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
-            self.statistics = self.footprints.render(run, scene, (camera, settings), frame)?;
-        } else if splats_at_once(scene, settings)
-            && let Some(statistics) = self.data.render(run, scene, (camera, settings), frame)
-        {
-            self.statistics = statistics;
-        } else {
-            operations::too_close(scene)?;
-            *frame = self.render_slices(scene, (camera, settings), (progress, only));
+        let view = (shot.camera, settings);
+        match shot.route {
+            Route::Volume(scene) => {
+                if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
+                    self.statistics = self.footprints.render(run, scene, view, frame)?;
+                } else if splats_at_once(scene, settings)
+                    && let Some(statistics) = self.data.render(run, scene, view, frame)
+                {
+                    self.statistics = statistics;
+                } else {
+                    operations::too_close(scene)?;
+                    *frame = self.render_slices(scene, view, (progress, only));
+                }
+            }
+            Route::Published(clouds) => self.render_published(shot, clouds, settings, frame),
+            Route::Cloud => {
+                self.statistics = self.footprints.render_items(run, shot.scene, view, frame)?;
+            }
         }
         Ok(())
     }
 
-    /// Renders a frame of several things, reporting the finished share (0..1) from any thread.
-    ///
-    /// They are classified, lit, and composited sheet by sheet, or one by one ([`splatvol_scene::Compositing::PerSplat`]).
-    /// Nothing but Gaussians is rendered as published, unless the settings say otherwise
-    /// ([`splatvol_scene::GaussianMode`]).
-    ///
-    /// # Errors
-    /// Settings outside their domain, or methods that need the samples of one grid.
-    pub fn render_composition(
+    /// Renders Gaussians as published.
+    fn render_published(
         &mut self,
-        composition: &Composition,
-        camera: &Camera,
+        shot: &Shot<'_>,
+        clouds: &[Placed<'_>],
         settings: &RenderSettings,
-        progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<Frame, SceneError> {
-        let mut frame = Frame::empty(settings.size);
-        if let Some(clouds) = compositions::published(composition, settings)? {
-            let start = Instant::now();
-            let settings = compositions::published_settings(composition, settings.size);
-            let (threads, view) = ((&self.pool, self.level), (camera, &settings));
-            self.gaussians.render_into(threads, &clouds, view, &mut frame);
-            self.statistics = RenderStatistics {
-                threads: self.pool.current_num_threads(),
-                simd: level_name(self.level),
-                voxels: clouds.iter().map(|cloud| cloud.gaussians.len() as u64).sum(),
-                ..RenderStatistics::default()
-            };
-            self.statistics.seconds.total = start.elapsed().as_secs_f64();
-            return Ok(frame);
-        }
-        let settings = compositions::in_sheets(settings)?;
-        settings.validate()?;
-        let run = Run {
-            pool: &self.pool,
-            level: self.level,
-            tile_edge: self.tile_edge,
-            progress,
-            only: None,
+        frame: &mut Frame,
+    ) {
+        let start = Instant::now();
+        let settings = clouds::published_settings(shot.scene, settings.size);
+        let (threads, view) = ((&self.pool, self.level), (shot.camera, &settings));
+        self.gaussians.render_into(threads, clouds, view, frame);
+        self.statistics = RenderStatistics {
+            threads: self.pool.current_num_threads(),
+            simd: level_name(self.level),
+            voxels: clouds.iter().map(|cloud| cloud.gaussians.len() as u64).sum(),
+            ..RenderStatistics::default()
         };
-        self.statistics = self
-            .footprints
-            .render_items(run, composition, (camera, &settings), &mut frame)?;
-        Ok(frame)
+        self.statistics.seconds.total = start.elapsed().as_secs_f64();
     }
 
-    /// The mean of the pictures of a scene at rest, from several cameras: what a shutter sees while it is open.
+    /// The mean of the pictures of a scene at rest: what a shutter sees while it is open.
     fn render_mean(
         &mut self,
-        scene: &Scene,
-        cameras: &[Camera],
+        exposed: &[Exposed<'_>],
         settings: &RenderSettings,
         frame: &mut Frame,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
-        let settings = RenderSettings {
-            motion_blur: MotionBlur::None,
-            ..*settings
-        };
         let mut exposure = Exposure::new(settings.size);
         let mut total = StageSeconds::default();
-        for (index, camera) in cameras.iter().enumerate() {
-            let share = |done: f64| progress((index as f64 + done) / cameras.len() as f64);
-            self.render_into_with_progress(scene, camera, &settings, frame, &share)?;
+        for (index, Exposed { scene, camera }) in exposed.iter().enumerate() {
+            let share = |done: f64| progress((index as f64 + done) / exposed.len() as f64);
+            self.render_into_with_progress(scene, camera, &shutter::still(settings), frame, &share)?;
             exposure.add(frame)?;
             total = total.plus(&self.statistics.seconds);
         }
@@ -437,8 +427,15 @@ impl TileRun<'_> {
     }
 }
 
+/// What is rendered, which way, and from where.
+struct Shot<'a> {
+    scene: &'a Scene,
+    route: &'a Route<'a>,
+    camera: &'a Camera,
+}
+
 /// Whether the engine that splats into all sheets at once renders this.
-fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
+fn splats_at_once(scene: &VolumeScene<'_>, settings: &RenderSettings) -> bool {
     settings.gradient == Gradient::Differences
         && (settings.prefilter || splats_color(settings))
         && scene.volume.statistics().non_finite == 0

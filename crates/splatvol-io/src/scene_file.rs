@@ -95,6 +95,11 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
 }
 
 impl SceneItem {
+    /// Whether the scene says where it lies.
+    pub fn is_placed(&self) -> bool {
+        self.scale.is_some() || self.rotate.is_some() || self.translate.is_some()
+    }
+
     /// Where the item lies: its scale, rotation and shift. `up` is not among them.
     ///
     /// # Errors

@@ -93,32 +93,38 @@ pub(crate) struct PostClassified {
 impl Medium {
     /// The data of a scene, classified at each point.
     pub(crate) fn post(scene: &Scene, settings: &RenderSettings) -> Result<Self, ReferenceError> {
+        let single = scene.single_volume()?;
         Ok(Self::Post(Box::new(PostClassified {
-            reconstruction: Reconstruction::new(&scene.volume, &settings.kernel, settings.prefilter)?,
-            transfer_function: scene.transfer_function.clone(),
-            unit_distance: scene.unit_distance(),
+            reconstruction: Reconstruction::new(single.volume, &settings.kernel, settings.prefilter)?,
+            transfer_function: single.transfer_function.clone(),
+            unit_distance: single.unit_distance(),
             shading: settings.lighting.map(Shading::new),
         })))
     }
 
     /// The voxels of a scene, classified and, with `shading`, lit by central differences.
-    pub(crate) fn pre(scene: &Scene, geometry: &ViewGeometry, shading: Option<Shading>) -> Self {
-        let volume = &scene.volume;
+    pub(crate) fn pre(
+        scene: &Scene,
+        geometry: &ViewGeometry,
+        shading: Option<Shading>,
+    ) -> Result<Self, ReferenceError> {
+        let single = scene.single_volume()?;
+        let (volume, unit_distance) = (single.volume, single.unit_distance());
         let classify = |index: usize| {
             let value = volume.value(index);
             if !value.is_finite() {
                 return [0.0; 4];
             }
-            let extinction = scene.transfer_function.extinction(value, scene.unit_distance());
-            let color = scene.transfer_function.linear_color(value);
+            let extinction = single.transfer_function.extinction(value, unit_distance);
+            let color = single.transfer_function.linear_color(value);
             let gradient = geometry.camera_from_voxel_gradient * voxel_gradient(volume, index);
             let [r, g, b] = shading.map_or(color, |shading| shading.lit(color, gradient));
             [extinction, extinction * r, extinction * g, extinction * b]
         };
-        Self::Pre(Lattice {
+        Ok(Self::Pre(Lattice {
             dims: volume.grid().dims(),
             payload: (0..volume.grid().sample_count()).map(classify).collect(),
-        })
+        }))
     }
 
     /// Extinction and emission at a camera-space point.

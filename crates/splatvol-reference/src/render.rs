@@ -120,11 +120,13 @@ impl Reference {
         options: &ReferenceSettings,
     ) -> Result<Self, ReferenceError> {
         settings.validate()?;
-        let geometry = ViewGeometry::new(&scene.volume, camera, settings)?;
+        let single = scene.single_volume()?;
+        let volume = single.placed()?;
+        let geometry = ViewGeometry::new(&volume, camera, settings)?;
         let value = |of| Mode::Value {
             of,
-            transfer_function: scene.transfer_function.clone(),
-            unit_distance: scene.unit_distance(),
+            transfer_function: single.transfer_function.clone(),
+            unit_distance: single.unit_distance(),
         };
         let mode = match settings.compositing {
             // Whole footprints, however they are composited, approximate the integral.
@@ -144,14 +146,14 @@ impl Reference {
             _ => None,
         };
         let (medium, features) = match pre_shading {
-            Some(shading) => (Medium::pre(scene, &geometry, shading), Features::none()),
+            Some(shading) => (Medium::pre(scene, &geometry, shading)?, Features::none()),
             None => (
                 Medium::post(scene, settings)?,
-                Features::new(&scene.transfer_function, scene.unit_distance()),
+                Features::new(single.transfer_function, single.unit_distance()),
             ),
         };
         Ok(Self {
-            support: support(&geometry, scene.volume.grid().dims()),
+            support: support(&geometry, volume.grid().dims()),
             geometry,
             medium,
             features,

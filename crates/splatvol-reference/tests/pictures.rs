@@ -233,7 +233,9 @@ fn gaussian_line_integral(
     origin: DVec3,
     direction: DVec3,
 ) -> f64 {
-    let linear = (camera.camera_from_world() * scene.volume.grid().world_from_voxel()).matrix3;
+    let linear = (camera.camera_from_world()
+        * scene.single_volume().unwrap().volume.grid().world_from_voxel())
+    .matrix3;
     let covariance = SIGMA * SIGMA * linear * linear.transpose()
         + DMat3::from_diagonal(DVec3::new(low_pass * low_pass, low_pass * low_pass, 0.0));
     let centre = camera.camera_from_world().transform_point3(DVec3::ZERO);
@@ -436,7 +438,7 @@ fn mip_is_the_largest_value_on_the_ray() {
     let range = volume.value_range();
     let scene = Scene::new(volume, linear_extinction(range, 2.0, ORANGE));
     let settings = settings(Compositing::Mip, Classification::Post);
-    let field = Reconstruction::new(&scene.volume, &settings.kernel, true).unwrap();
+    let field = Reconstruction::new(scene.single_volume().unwrap().volume, &settings.kernel, true).unwrap();
     let mut random = Random::new(12);
     for _ in 0..8 {
         let direction = random.direction();
@@ -448,7 +450,11 @@ fn mip_is_the_largest_value_on_the_ray() {
             .filter(|(_, sums)| sums.coverage() >= 0.5)
             .map(|(_, sums)| field.data_value(&sums))
             .fold(f64::NEG_INFINITY, f64::max);
-        let extinction = scene.transfer_function.extinction(largest, 1.0);
+        let extinction = scene
+            .single_volume()
+            .unwrap()
+            .transfer_function
+            .extinction(largest, 1.0);
         assert_near("optical depth", pixel.optical_depth, extinction, 1e-3);
         assert!(pixel.optical_depth > extinction - 1e-6, "misses the maximum");
         let red = -(-extinction).exp_m1() * linear_orange()[0];
@@ -464,7 +470,7 @@ fn minimum_and_mean_are_those_of_the_ray() {
     let scene = Scene::new(volume, linear_extinction(range, 2.0, ORANGE));
     let smallest = settings(Compositing::MinimumIntensity, Classification::Post);
     let mean = settings(Compositing::Mean, Classification::Post);
-    let field = Reconstruction::new(&scene.volume, &smallest.kernel, true).unwrap();
+    let field = Reconstruction::new(scene.single_volume().unwrap().volume, &smallest.kernel, true).unwrap();
     let mut random = Random::new(13);
     for _ in 0..8 {
         let direction = random.direction();
@@ -486,11 +492,19 @@ fn minimum_and_mean_are_those_of_the_ray() {
             }
         }
         let pixel = centre_pixel(&scene, &camera, &smallest);
-        let extinction = scene.transfer_function.extinction(least, 1.0);
+        let extinction = scene
+            .single_volume()
+            .unwrap()
+            .transfer_function
+            .extinction(least, 1.0);
         assert_near("smallest", pixel.optical_depth, extinction, 1e-3);
         assert!(pixel.optical_depth < extinction + 1e-6, "misses the minimum");
         let pixel = centre_pixel(&scene, &camera, &mean);
-        let extinction = scene.transfer_function.extinction(sums[1] / sums[0], 1.0);
+        let extinction = scene
+            .single_volume()
+            .unwrap()
+            .transfer_function
+            .extinction(sums[1] / sums[0], 1.0);
         assert_near("mean", pixel.optical_depth, extinction, 1e-4);
         assert_near("its depth", pixel.depth, sums[2] / sums[0], 1e-3);
     }

@@ -3,7 +3,7 @@
 //! A clip is a convex body, the intersection of half-spaces, of which either the inside or the outside is kept. A ray's
 //! part within a convex body is one interval, so engines cut rays exactly, whatever the sheets' distance.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::{Bounds, SceneError};
@@ -127,6 +127,20 @@ impl Clip {
         })
     }
 
+    /// The same body in another space, to which `other_from_own` takes it.
+    #[must_use]
+    pub fn transformed(&self, other_from_own: &DAffine3) -> Self {
+        let normals = other_from_own.matrix3.inverse().transpose();
+        let planes = self.planes.iter().map(|plane| ClipPlane {
+            point: other_from_own.transform_point3(plane.point),
+            normal: (normals * plane.normal).normalize_or(plane.normal),
+        });
+        Self {
+            planes: planes.collect(),
+            keep: self.keep,
+        }
+    }
+
     /// Whether a point is kept.
     pub fn keeps(&self, point: DVec3) -> bool {
         let inside = self.planes.iter().all(|plane| plane.distance(point) >= 0.0);
@@ -151,6 +165,34 @@ mod tests {
             let clip = Clip::of_box(&bounds, keep).unwrap();
             assert_eq!(clip.keeps(inner), wanted);
             assert_eq!(clip.keeps(outer), !wanted);
+        }
+    }
+
+    #[test]
+    fn a_body_goes_where_its_points_go() {
+        let bounds = Bounds {
+            min: DVec3::ZERO,
+            max: DVec3::new(1.0, 2.0, 3.0),
+        };
+        let place = DAffine3::from_scale_rotation_translation(
+            DVec3::new(2.0, -1.0, 0.5),
+            glam::DQuat::from_rotation_x(0.7),
+            DVec3::new(3.0, -4.0, 5.0),
+        );
+        for keep in [Keep::Inside, Keep::Outside] {
+            let own = Clip::of_box(&bounds, keep).unwrap();
+            let placed = own.transformed(&place);
+            for point in [
+                DVec3::new(0.5, 1.5, 2.5),
+                DVec3::new(0.5, 2.1, 2.5),
+                DVec3::splat(-0.1),
+            ] {
+                assert_eq!(
+                    placed.keeps(place.transform_point3(point)),
+                    own.keeps(point),
+                    "{point}"
+                );
+            }
         }
     }
 

@@ -41,7 +41,8 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    pub(crate) fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Self {
+    /// A value of a field that is not allowed.
+    pub fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Self {
         Self::InvalidField {
             field,
             value: format!("{value:?}"),

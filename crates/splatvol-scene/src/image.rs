@@ -149,4 +149,15 @@ impl Frame {
             optical_depth: vec![0.0; size.pixel_count()],
         }
     }
+
+    /// Whether all its planes are of this size.
+    pub fn fits(&self, size: ImageSize) -> bool {
+        let count = size.pixel_count();
+        self.image.size() == size
+            && [
+                self.image.pixels.len(),
+                self.depth.len(),
+                self.optical_depth.len(),
+            ] == [count; 3]
+    }
 }

@@ -15,8 +15,8 @@
 //! | [`mesh`] | a scalar on irregular grids: structured blocks, unstructured cells |
 //! | [`gaussians`] | 3-D Gaussians with opacity and spherical harmonics |
 //! | [`harmonics`] | colours of Gaussians by direction |
-//! | [`composition`] | several of all these in one picture |
-//! | [`scene`] | volume + transfer function |
+//! | [`item`] | one of these with its look, its place, and what is done to it |
+//! | [`scene`] | items that are rendered together |
 //! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
 //! | [`clip`] | what is cut away |
 //! | [`image`] | linear premultiplied float images, frames with depth |
@@ -36,13 +36,13 @@
 pub mod camera;
 pub mod camera_path;
 pub mod clip;
-pub mod composition;
 mod error;
 pub mod exposure;
 pub mod gaussians;
 pub mod grid;
 pub mod harmonics;
 pub mod image;
+pub mod item;
 pub mod lighting;
 pub mod mesh;
 pub mod motion;
@@ -57,12 +57,12 @@ pub mod volume;
 pub use camera::{Camera, Projection, ScreenFromCamera, View};
 pub use camera_path::{CameraKey, CameraPath};
 pub use clip::{Clip, ClipPlane, Keep};
-pub use composition::{Composition, Content, Item, PointLook};
 pub use error::SceneError;
 pub use exposure::Exposure;
 pub use gaussians::{GaussianAttributes, Gaussians};
 pub use grid::{Bounds, Grid, LengthUnit};
 pub use image::{Frame, Image, ImageSize};
+pub use item::{Content, Isosurface, Item, PointLook};
 pub use lighting::Lighting;
 pub use mesh::{Association, CellKind, Cells, Mesh, MeshField, Topology};
 pub use motion::Motion;
@@ -71,7 +71,7 @@ pub use operator::{
     SheetSample, SolidTexture, Stuff, TransferFunction2d,
 };
 pub use points::{PointAttributes, Points};
-pub use scene::{Isosurface, Scene};
+pub use scene::{Scene, SingleVolume};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FootprintTable,
     GaussianMode, Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings,

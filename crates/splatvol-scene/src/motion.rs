@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use crate::{Camera, CameraKey, CameraPath, SceneError, Volume, rotation};
+use crate::{Camera, CameraKey, CameraPath, Content, SceneError, Volume, rotation};
 
 /// What moves while the shutter is open, world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,12 +39,12 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// Checks the motion, and that it fits a volume.
+    /// Checks the motion, and that it fits what moves.
     ///
     /// # Errors
-    /// Numbers that are not finite, an axis of no length, cameras of different projections, or a field of another size
-    /// than the volume.
-    pub fn validate(&self, volume: &Volume) -> Result<(), SceneError> {
+    /// Numbers that are not finite, an axis of no length, cameras of different projections, or a field that is not one
+    /// vector for each sample of a volume.
+    pub fn validate(&self, content: &Content) -> Result<(), SceneError> {
         match self {
             Self::Linear(displacement) if !displacement.is_finite() => Err(SceneError::invalid(
                 "velocity",
@@ -71,7 +71,14 @@ impl Motion {
                     "the opening camera's: zooming has no motion in space",
                 ))
             }
-            Self::Field(vectors) => field_is_valid(vectors, volume),
+            Self::Field(vectors) => match content {
+                Content::Volume { volume, .. } => field_is_valid(vectors, volume),
+                _ => Err(SceneError::invalid(
+                    "motion",
+                    "a field",
+                    "a displacement, a spin or a camera: only the voxels of a volume move by vectors of their own",
+                )),
+            },
             _ => Ok(()),
         }
     }
@@ -101,6 +108,26 @@ impl Motion {
         }
     }
 
+    /// The map that brings an item to its place at a time from -1/2 to 1/2, world.
+    ///
+    /// # Errors
+    /// Motions of the camera, and of single voxels.
+    pub fn world_at(&self, time: f64) -> Result<DAffine3, SceneError> {
+        match self {
+            Self::Linear(displacement) => Ok(DAffine3::from_translation(time * *displacement)),
+            Self::Spin { axis, centre, angle } => {
+                let turn = DAffine3::from_quat(rotation::about(axis.normalize_or(DVec3::Z), time * angle));
+                Ok(DAffine3::from_translation(*centre) * turn * DAffine3::from_translation(-*centre))
+            }
+            Self::Camera { .. } => Err(SceneError::invalid(
+                "motion",
+                "the camera's, of some items",
+                "of all items: what a moving camera sees moves as a whole",
+            )),
+            Self::Field(_) => Err(only_whole_volumes()),
+        }
+    }
+
     /// The cameras that see the volume at rest as `camera` sees it move: `count` of them, each in the middle of its share
     /// of the time. The path of a camera in motion is the parabola through its opening, its middle and its closing.
     ///
@@ -126,13 +153,17 @@ impl Motion {
                 let path = CameraPath::through(&[key(0.0, opening), key(0.5, camera), key(1.0, closing)])?;
                 times.map(|t| path.camera(t + 0.5)).collect()
             }
-            Self::Field(_) => Err(SceneError::invalid(
-                "motion blur",
-                "subframes",
-                "exact or capsule: sub-frames move volumes and cameras, not single voxels",
-            )),
+            Self::Field(_) => Err(only_whole_volumes()),
         }
     }
+}
+
+fn only_whole_volumes() -> SceneError {
+    SceneError::invalid(
+        "motion blur",
+        "subframes",
+        "exact or capsule: sub-frames move volumes and cameras, not single voxels",
+    )
 }
 
 fn moved(camera: &Camera, place: impl Fn(DVec3) -> DVec3, turn: DQuat) -> Result<Camera, SceneError> {
@@ -206,17 +237,40 @@ mod tests {
         }
     }
 
+    /// A volume that moves is seen as the volume at rest from the cameras of the sub-frames.
+    #[test]
+    fn items_move_against_the_cameras() {
+        let point = DVec3::new(2.0, 1.0, -0.7);
+        for motion in [Motion::Linear(DVec3::new(0.3, -0.2, 0.9)), spin(0.8)] {
+            let cameras = motion.cameras(&camera(), 5).unwrap();
+            for (k, seen_from) in cameras.iter().enumerate() {
+                let place = motion.world_at((k as f64 + 0.5) / 5.0 - 0.5).unwrap();
+                let moved = camera().camera_from_world() * place;
+                let expected = moved.transform_point3(point);
+                let found = seen_from.camera_from_world().transform_point3(point);
+                assert!(
+                    (found - expected).length() < 1e-12,
+                    "{motion:?}: {found} {expected}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn nonsense_is_refused_by_name() {
         let grid = Grid::new([2; 3], DVec3::ZERO, DVec3::ONE, DMat3::IDENTITY).unwrap();
         let samples = Samples::F32((0..8).map(|i| i as f32).collect());
         let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
-        let error = |motion: Motion| motion.validate(&volume).unwrap_err().to_string();
+        let color = vec![crate::ColorPoint::new(0.0, [1.0; 3])];
+        let opacity = vec![crate::OpacityPoint::new(0.0, 1.0)];
+        let look = crate::TransferFunction::new(color, opacity, None).unwrap();
+        let content = crate::Item::volume(volume, look).content;
+        let error = |motion: Motion| motion.validate(&content).unwrap_err().to_string();
         assert!(error(Motion::Linear(DVec3::NAN)).starts_with("velocity"));
         assert!(error(spin(f64::INFINITY)).starts_with("spin angle"));
         assert!(error(Motion::Field(vec![[0.0; 3]; 7].into())).contains("found 7"));
         assert!(error(Motion::Field(vec![[f32::NAN; 3]; 8].into())).starts_with("motion field"));
         let still = Motion::Field(vec![[0.0; 3]; 8].into());
-        assert!(still.validate(&volume).is_ok() && still.cameras(&camera(), 4).is_err());
+        assert!(still.validate(&content).is_ok() && still.cameras(&camera(), 4).is_err());
     }
 }

@@ -1,52 +1,33 @@
-//! A scene: what is rendered, apart from the camera and the settings.
+//! A scene: what is rendered, apart from the camera and the settings. Things of all kinds, each where it belongs.
+//!
+//! They are composited sheet by sheet, so that translucent things interpenetrate as they do in space.
 
 use std::sync::Arc;
 
+use glam::DAffine3;
+
 use crate::operator::PixelOperator;
-use crate::{Clip, Motion, SceneError, TransferFunction, Volume};
+use crate::{Bounds, Clip, Content, Isosurface, Item, Motion, SceneError, TransferFunction, Volume};
 
-/// A volume and how its values look.
-#[derive(Debug, Clone)]
+/// Things that are rendered together.
+#[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// The data. Shared, so that renderers can keep what they derive from it between frames.
-    pub volume: Arc<Volume>,
-    /// Colour and opacity of its values.
-    pub transfer_function: TransferFunction,
-    /// What changes the appearance of material, in this order (post-classified pictures only).
-    pub operators: Vec<Arc<dyn PixelOperator>>,
-    /// What is cut away: a point is seen where every clip keeps it.
+    /// The things.
+    pub items: Vec<Item>,
+    /// What is cut away of all of them, world: a point is seen where every clip keeps it.
     pub clips: Vec<Clip>,
-    /// Surfaces to show instead of material, where there are any: see [`Scene::of_isosurfaces`].
-    pub isosurfaces: Vec<Isosurface>,
-    /// What moves while the shutter is open.
-    pub motion: Option<Motion>,
-}
-
-/// The surface of one value, infinitely thin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Isosurface {
-    /// Data value.
-    pub value: f64,
-    /// sRGB, 0..1.
-    pub rgb: [f64; 3],
-    /// Opacity, 0..1.
-    pub opacity: f64,
+    /// Linear light, straight alpha: what Gaussians in the published renderer's way are composited over, in display space
+    /// as there. Nothing else takes notice of it.
+    pub background: [f32; 4],
 }
 
 impl Scene {
     /// Scene of one volume.
     pub fn new(volume: impl Into<Arc<Volume>>, transfer_function: TransferFunction) -> Self {
-        Self {
-            volume: volume.into(),
-            transfer_function,
-            operators: Vec::new(),
-            clips: Vec::new(),
-            isosurfaces: Vec::new(),
-            motion: None,
-        }
+        Item::volume(volume, transfer_function).into()
     }
 
-    /// Scene of surfaces: the points where the value between two sheets crosses theirs, exactly, lit by the gradient there.
+    /// Scene of surfaces of one volume: see [`Item::isosurfaces`].
     ///
     /// # Errors
     /// No surfaces, values that are not finite, or colours or opacities outside 0..1.
@@ -54,35 +35,29 @@ impl Scene {
         volume: impl Into<Arc<Volume>>,
         isosurfaces: &[Isosurface],
     ) -> Result<Self, SceneError> {
-        let volume = volume.into();
-        let unit = |value: f64| (0.0..=1.0).contains(&value);
-        for surface in isosurfaces {
-            if !(surface.value.is_finite() && unit(surface.opacity) && surface.rgb.into_iter().all(unit)) {
-                return Err(SceneError::invalid(
-                    "isosurface",
-                    surface,
-                    "a finite value; rgb and opacity from 0 to 1",
-                ));
-            }
-        }
-        let lowest = isosurfaces.iter().map(|surface| surface.value).reduce(f64::min);
-        let (Some(lowest), Some(first)) = (lowest, isosurfaces.first()) else {
-            return Err(SceneError::invalid("isosurfaces", isosurfaces, "at least one"));
-        };
-        // What may lie behind a crossing has to be there; how dense it is does not matter.
-        let [low, high] = volume.value_range();
-        let width = ((high - low) / 200.0).max(f64::MIN_POSITIVE);
-        let transfer_function = TransferFunction::isosurface(lowest, width, first.rgb)?;
-        Ok(Self {
-            isosurfaces: isosurfaces.to_vec(),
-            ..Self::new(volume, transfer_function)
-        })
+        Item::isosurfaces(volume, isosurfaces).map(Self::from)
     }
 
-    /// This scene with one more operator, which runs after those it has.
+    /// Scene of several things.
+    ///
+    /// # Errors
+    /// No items, a place that cannot be inverted, or a look outside its domain.
+    pub fn of_items(items: Vec<Item>) -> Result<Self, SceneError> {
+        let scene = Self {
+            items,
+            ..Self::default()
+        };
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// This scene with one more operator on everything, which runs after those that there are.
     #[must_use]
     pub fn with_operator(mut self, operator: impl PixelOperator + 'static) -> Self {
-        self.operators.push(Arc::new(operator));
+        let operator: Arc<dyn PixelOperator> = Arc::new(operator);
+        for item in &mut self.items {
+            item.operators.push(Arc::clone(&operator));
+        }
         self
     }
 
@@ -93,10 +68,191 @@ impl Scene {
         self
     }
 
+    /// This scene, all of which moves while the shutter is open.
+    #[must_use]
+    pub fn with_motion(mut self, motion: &Motion) -> Self {
+        for item in &mut self.items {
+            item.motion = Some(motion.clone());
+        }
+        self
+    }
+
+    /// Checks the items.
+    ///
+    /// # Errors
+    /// No items, a place that cannot be inverted, or a look outside its domain.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        if self.items.is_empty() {
+            return Err(no_items());
+        }
+        self.items.iter().try_for_each(Item::validate)
+    }
+
+    /// Box of all items, world.
+    ///
+    /// # Errors
+    /// No items.
+    pub fn bounds(&self) -> Result<Bounds, SceneError> {
+        let both = |a: Bounds, b: Bounds| Bounds {
+            min: a.min.min(b.min),
+            max: a.max.max(b.max),
+        };
+        self.items
+            .iter()
+            .map(Item::bounds)
+            .reduce(both)
+            .ok_or_else(no_items)
+    }
+
+    /// Whether all of it is Gaussians.
+    pub fn is_gaussians(&self) -> bool {
+        let is = |item: &Item| matches!(item.content, Content::Gaussians(_));
+        self.items.iter().all(is)
+    }
+
+    /// The volume of a scene of nothing else.
+    ///
+    /// # Errors
+    /// Several items, or one of another kind.
+    pub fn single_volume(&self) -> Result<SingleVolume<'_>, SceneError> {
+        let refuse = |found: &dyn std::fmt::Debug| Err(SceneError::invalid("items", found, "one volume"));
+        let [item] = &self.items[..] else {
+            return refuse(&self.items.len());
+        };
+        match &item.content {
+            Content::Volume {
+                volume,
+                transfer_function,
+                isosurfaces,
+            } => Ok(SingleVolume {
+                item,
+                volume,
+                transfer_function,
+                isosurfaces,
+            }),
+            Content::Mesh { .. } => refuse(&"a mesh"),
+            Content::Points { .. } => refuse(&"points"),
+            Content::Gaussians(_) => refuse(&"Gaussians"),
+        }
+    }
+
+    /// The transfer function of a scene of one volume, to change it.
+    ///
+    /// # Errors
+    /// As [`Scene::single_volume`].
+    pub fn transfer_function_mut(&mut self) -> Result<&mut TransferFunction, SceneError> {
+        self.single_volume()?;
+        match self.items.first_mut().map(|item| &mut item.content) {
+            Some(Content::Volume {
+                transfer_function, ..
+            }) => Ok(transfer_function),
+            _ => Err(no_items()),
+        }
+    }
+}
+
+impl From<Item> for Scene {
+    fn from(item: Item) -> Self {
+        Self {
+            items: vec![item],
+            ..Self::default()
+        }
+    }
+}
+
+fn no_items() -> SceneError {
+    SceneError::invalid("items", 0, "at least one")
+}
+
+/// The only item of a scene, where it is a volume.
+#[derive(Debug, Clone, Copy)]
+pub struct SingleVolume<'a> {
+    /// The item itself.
+    pub item: &'a Item,
+    /// Its data, item space.
+    pub volume: &'a Arc<Volume>,
+    /// Colour and opacity of its values.
+    pub transfer_function: &'a TransferFunction,
+    /// Surfaces to show instead of material, where there are any.
+    pub isosurfaces: &'a [Isosurface],
+}
+
+impl SingleVolume<'_> {
     /// World length to which the transfer function's opacities refer.
     pub fn unit_distance(&self) -> f64 {
-        self.transfer_function
-            .unit_distance
-            .unwrap_or_else(|| self.volume.grid().mean_spacing())
+        let own = self.transfer_function.unit_distance;
+        let own = own.unwrap_or_else(|| self.volume.grid().mean_spacing());
+        own * self.item.scale()
+    }
+
+    /// The volume where it lies: itself where it was not moved.
+    ///
+    /// # Errors
+    /// A place that cannot be inverted.
+    pub fn placed(&self) -> Result<Arc<Volume>, SceneError> {
+        if self.item.world_from_item == DAffine3::IDENTITY {
+            return Ok(Arc::clone(self.volume));
+        }
+        let mut placed = Volume::clone(self.volume);
+        placed.transform(self.item.world_from_item)?;
+        Ok(Arc::new(placed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PointAttributes, PointLook, Points};
+    use glam::DVec3;
+
+    fn item(look: PointLook) -> Item {
+        let positions = vec![[0.0; 3], [1.0, 2.0, 3.0]];
+        Item::points(
+            Points::new(positions, PointAttributes::default(), DAffine3::IDENTITY).unwrap(),
+            look,
+        )
+    }
+
+    #[test]
+    fn items_lie_where_they_are_placed() {
+        let placed = item(PointLook::default()).at(DAffine3::from_scale(DVec3::new(-2.0, 1.0, 1.0)));
+        let scene = Scene::of_items(vec![item(PointLook::default()), placed]).unwrap();
+        let bounds = scene.bounds().unwrap();
+        assert_eq!(bounds.min, DVec3::new(-2.0, 0.0, 0.0));
+        assert_eq!(bounds.max, DVec3::new(1.0, 2.0, 3.0));
+        assert!(!scene.is_gaussians());
+        let error = scene.single_volume().unwrap_err().to_string();
+        assert!(error.starts_with("items: 2"), "{error}");
+    }
+
+    #[test]
+    fn what_cannot_be_rendered_is_refused() {
+        assert!(Scene::of_items(Vec::new()).is_err());
+        let flat = item(PointLook::default()).at(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0)));
+        let looks = [
+            PointLook {
+                radius: Some(0.0),
+                ..PointLook::default()
+            },
+            PointLook {
+                opacity: 1.5,
+                ..PointLook::default()
+            },
+            PointLook {
+                color: [f64::NAN; 3],
+                ..PointLook::default()
+            },
+        ];
+        for item in looks.map(item).into_iter().chain([flat]) {
+            assert!(Scene::of_items(vec![item]).is_err());
+        }
+    }
+
+    #[test]
+    fn the_same_data_looking_alike_is_the_same() {
+        let a = item(PointLook::default());
+        assert!(a.is_same(&a.clone()));
+        assert!(!a.is_same(&item(PointLook::default())));
+        assert!(!a.is_same(&a.clone().at(DAffine3::from_translation(DVec3::X))));
     }
 }

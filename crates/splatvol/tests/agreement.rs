@@ -101,7 +101,7 @@ fn compare(scene: &Scene, camera: &Camera, settings: &RenderSettings, stride: u3
 }
 
 fn camera(scene: &Scene, projection: Projection) -> Camera {
-    Camera::framing(&scene.volume.grid().bounds(), View::Iso, projection, 1.0).unwrap()
+    Camera::framing(&scene.bounds().unwrap(), View::Iso, projection, 1.0).unwrap()
 }
 
 fn name_of(projection: Projection) -> &'static str {

@@ -62,7 +62,7 @@ static ALLOCATOR: Counting = Counting;
 
 /// A camera on a circle around the volume.
 fn camera(scene: &Scene, frame: usize) -> Camera {
-    let framing = Camera::framing(&scene.volume.grid().bounds(), View::Iso, PROJECTIONS[0], 1.0).unwrap();
+    let framing = Camera::framing(&scene.bounds().unwrap(), View::Iso, PROJECTIONS[0], 1.0).unwrap();
     let turn = glam::DQuat::from_axis_angle(DVec3::Z, 0.05 * frame as f64);
     let target = framing.target();
     let position = target + turn * (framing.position() - target);

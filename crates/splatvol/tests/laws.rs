@@ -144,10 +144,17 @@ fn x_ray_energy_is_kept_under_rotation_and_zoom() {
         let volume = sample(&Cloud::new(&grid), &grid);
         let [low, high] = volume.value_range();
         let scene = Scene::new(volume, linear_extinction([low, high], 0.05, [1.0; 3]));
-        let unit = scene.unit_distance();
+        let unit = scene.single_volume().unwrap().unit_distance();
         let voxels = 0..grid.sample_count();
         let energy: f64 = voxels
-            .map(|i| scene.transfer_function.extinction(scene.volume.value(i), unit) * grid.cell_volume())
+            .map(|i| {
+                scene
+                    .single_volume()
+                    .unwrap()
+                    .transfer_function
+                    .extinction(scene.single_volume().unwrap().volume.value(i), unit)
+                    * grid.cell_volume()
+            })
             .sum();
         let bounds = grid.bounds();
         for zoom in [0.125, 0.25, 0.5, 0.71, 1.0, 2.0, 4.0, 8.0] {
@@ -226,8 +233,9 @@ fn a_quarter_turn_of_the_camera_turns_the_picture() {
 fn invisible_data_leaves_the_picture_empty_to_the_bit() {
     let mut scene = noise_scene(4);
     let color = vec![ColorPoint::new(0.0, [1.0; 3])];
-    scene.transfer_function = TransferFunction::new(color, vec![OpacityPoint::new(0.0, 0.0)], None).unwrap();
-    let bounds = scene.volume.grid().bounds();
+    *scene.transfer_function_mut().unwrap() =
+        TransferFunction::new(color, vec![OpacityPoint::new(0.0, 0.0)], None).unwrap();
+    let bounds = scene.bounds().unwrap();
     let camera = Camera::framing(&bounds, View::Iso, PROJECTIONS[0], 1.0).unwrap();
     for (name, settings) in modes(64) {
         let frame = render(&scene, &camera, &settings);

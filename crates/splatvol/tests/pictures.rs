@@ -12,7 +12,7 @@ use splatvol_testing::{Tolerance, assert_snapshot};
 fn assert_picture(name: &str, sample: Sample, settings: &RenderSettings) {
     let volume = sample.generate(Some(SampleSize::Longest(64))).unwrap();
     let scene = Scene::new(volume, sample.default_transfer_function().unwrap());
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let view = sample.preferred_view().unwrap_or(View::Iso);
     let camera = Camera::framing(&bounds, view, PROJECTIONS[0], 1.0).unwrap();
     let frame = render(&scene, &camera, settings);

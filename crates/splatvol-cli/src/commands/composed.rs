@@ -1,4 +1,4 @@
-//! `splatvol render` of what is not one volume: points, Gaussians, meshes, scenes.
+//! What is shown besides one volume by its flags: points, Gaussians, meshes, scenes.
 
 mod refuse;
 mod scene_camera;
@@ -7,31 +7,32 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, Composition, Frame, ImageSize, RenderSettings, RenderStatistics};
-use splatvol_io::{DataKind, ImageFormat, SceneFile, is_scene, read_scene};
+use splatvol::{Camera, ImageSize, MotionBlur, RenderSettings, Scene, View};
+use splatvol_io::{DataKind, SceneFile, SceneItem, is_scene, read_scene};
 
-use super::outputs::Outputs;
-use super::render::describe;
-use super::studio::engine;
-use crate::args::{Background, RenderArgs, values};
+use super::render::{self, bits, kept_sub_frames};
+use super::shown::{Prepared, Preparing};
+use crate::args::{EffectArgs, LookArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
-use crate::recipe::{CameraRecipe, SceneRecipe, command_line};
+use crate::recipe::{CameraRecipe, Recipe, Subject, command_line};
 use crate::resolve::camera::Surroundings;
+use crate::resolve::effects::Effects;
 use crate::resolve::item_keys::{self, Source};
 use crate::resolve::items::{self, Reading};
 use crate::resolve::look::Wishes;
+use crate::resolve::motion::{CameraMotion, Earlier, Shot};
 use crate::resolve::outline::outline;
-use crate::resolve::{camera, method};
+use crate::resolve::{camera, effects, method, motion};
 use crate::terminal::Terminal;
 
 /// Who says what an item is, by its number.
 type SourceOf = fn(usize) -> Source;
 
 /// A scene, and who says what is in it.
-pub(in crate::commands) struct Composed {
+pub(super) struct Composed {
     scene: SceneFile,
     source: SourceOf,
-    like: Option<SceneRecipe>,
+    like: Option<Recipe>,
     /// As the output is named after.
     reference: String,
     /// Folder of the picture whose files are meant.
@@ -39,12 +40,7 @@ pub(in crate::commands) struct Composed {
 }
 
 /// The scene that the arguments ask for; `None` where it is one volume.
-pub(in crate::commands) fn of(args: &RenderArgs) -> Result<Option<Composed>, Failure> {
-    if let Some(picture) = args.like.as_deref()
-        && let Some(like) = SceneRecipe::of_picture(picture)?
-    {
-        return again(args, picture, like).map(Some);
-    }
+pub(super) fn of(args: &RenderArgs) -> Result<Option<Composed>, Failure> {
     let Some(reference) = args.input.as_deref() else {
         return Ok(None);
     };
@@ -84,7 +80,7 @@ pub(in crate::commands) fn of(args: &RenderArgs) -> Result<Option<Composed>, Fai
 }
 
 /// The scene of an earlier picture.
-fn again(args: &RenderArgs, picture: &Path, like: SceneRecipe) -> Result<Composed, Failure> {
+pub(super) fn again(args: &RenderArgs, picture: &Path, like: &Recipe) -> Result<Composed, Failure> {
     if args.input.is_some() {
         return Err(Failure::usage(format!(
             "{} says what is in it: --like takes no other input for it",
@@ -92,11 +88,14 @@ fn again(args: &RenderArgs, picture: &Path, like: SceneRecipe) -> Result<Compose
         )));
     }
     refuse::no_item_flags(args, "the scene of an earlier picture")?;
+    let Subject::Scene { reference, scene } = &like.subject else {
+        return Err(Failure::usage(format!("{} shows no scene", picture.display())));
+    };
     Ok(Composed {
-        scene: like.scene.clone(),
+        scene: scene.clone(),
         source: Source::Scene,
-        reference: like.reference.clone(),
-        like: Some(like),
+        reference: reference.clone(),
+        like: Some(like.clone()),
         beside: picture.parent().map(Path::to_owned),
     })
 }
@@ -120,105 +119,159 @@ fn of_file(path: &Path, args: &RenderArgs) -> Result<(SceneFile, SourceOf), Fail
 }
 
 impl Composed {
-    /// Renders and writes the picture.
-    pub(super) fn run(&self, args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
-        let start = Instant::now();
-        refuse::effects(args)?;
-        let outputs = Outputs::new(args, &self.reference)?;
-        let threads = args.threads.filter(|&n| n > 0);
-        if let Some(threads) = threads {
-            // The global pool exists already only if this ran before.
-            let _ = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global();
-        }
-        let (composition, camera, recipe) = self.prepare(args, outputs.format(), terminal)?;
-        terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
-        terminal.detail(format!("camera: {}", describe(&camera)));
-        let (frame, statistics) = render(&composition, (&camera, &recipe.settings), threads, terminal)?;
-        terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
-        outputs.write(
-            &frame,
-            (recipe.background, recipe.bits),
-            &recipe.metadata()?,
-            args.write.overwrite,
-        )?;
-        outputs.finish(
-            &statistics,
-            recipe.settings.size,
-            (args.write.overwrite, start),
-            terminal,
-        )
+    /// The input as typed.
+    pub(super) fn reference(&self) -> &str {
+        &self.reference
     }
 
-    fn prepare(
-        &self,
-        args: &RenderArgs,
-        format: ImageFormat,
-        terminal: &Terminal,
-    ) -> Result<(Composition, Camera, SceneRecipe), Failure> {
+    /// Reads the items and resolves the flags.
+    pub(super) fn prepare(&self, preparing: Preparing<'_>) -> Result<Prepared, Failure> {
+        let Preparing {
+            args,
+            moves,
+            terminal,
+            ..
+        } = preparing;
+        let start = Instant::now();
         let like = self.like.as_ref();
         let base = like.map(|like| like.settings).or(self.scene.settings);
-        let mut settings = method::resolve(&args.method, self.size(args)?, base.as_ref(), Wishes::default())?;
+        let base = base.map(|base| RenderSettings {
+            motion_blur: MotionBlur::None,
+            ..base
+        });
+        let loaded = self.load(args, base.as_ref(), terminal)?;
+        terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
+        let mut settings = method::resolve(&args.method, self.size(args)?, base.as_ref(), loaded.wishes)?;
         if let Some(mode) = args.item.gaussians {
             settings.gaussians = mode.into();
         }
+        refuse::gaussians(args, &loaded.scene, settings.gaussians)?;
+        let effects = like.map_or_else(|| args.effects.clone(), |like| args.effects.or(&like.effects));
+        let applied = self.effects(&effects, &loaded.scene)?;
+        let plain = applied.is_empty() && loaded.scene.single_volume().is_ok();
+        let mut scene = applied.apply(loaded.scene)?;
+        let background = self.background(args)?;
+        if let Some([r, g, b, a]) = background.filter(|_| !preparing.keeps_alpha) {
+            let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
+            scene.background = [r, g, b, a as f32];
+        }
+        let framing = Framing {
+            moves,
+            preferred: loaded.preferred,
+        };
+        let camera = self.camera(args, (&scene, &settings), framing)?;
+        let shot = Shot {
+            camera: &camera,
+            centre: scene.bounds().during(Step::Usage)?.centre(),
+            plain,
+            shutter: moves.shutter,
+        };
+        let earlier = like.map(|like| Earlier::new(like, args, moves));
+        let motion = motion::resolve(&args.motion, earlier, shot, &mut settings)?;
+        if let Some(motion) = &motion {
+            scene = scene.with_motion(&motion.motion().during(Step::Usage)?);
+        }
+        let recipe = Recipe {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command_line(),
+            subject: Subject::Scene {
+                reference: self.reference.clone(),
+                scene: SceneFile {
+                    items: self.scene.items.clone(),
+                    ..SceneFile::default()
+                },
+            },
+            camera: CameraRecipe::from(&camera),
+            sub_frames: kept_sub_frames(args, like),
+            motion,
+            effects,
+            settings,
+            background,
+            bits: bits(args, like),
+        };
+        Ok(Prepared {
+            recipe: recipe.or_same(like),
+            camera,
+            scene,
+            files: loaded.files,
+            threads: preparing.threads,
+        })
+    }
+
+    /// Reads the items.
+    fn load(
+        &self,
+        args: &RenderArgs,
+        base: Option<&RenderSettings>,
+        terminal: &Terminal,
+    ) -> Result<Loaded, Failure> {
+        let visible = |item: &&SceneItem| item.visible != Some(false);
         let reading = Reading {
             strict: args.read.strict,
             beside: self.beside.as_deref(),
-            compositing: settings.compositing,
+            compositing: method::compositing(&args.method, base),
+            alone: self.scene.items.iter().filter(visible).count() == 1,
             terminal,
         };
-        let items = items::load_all(&self.scene.items, self.source, reading)?;
-        if items.is_empty() {
-            return Err(Failure::usage(format!(
-                "no item of {} is visible",
-                self.reference
-            )));
+        let loaded = items::load_all(&self.scene.items, self.source, reading)?;
+        // What a single item wants is what its file alone would get; several share one method.
+        let (wishes, preferred) = match &loaded[..] {
+            [] => {
+                return Err(Failure::usage(format!(
+                    "no item of {} is visible",
+                    self.reference
+                )));
+            }
+            [single] => (single.wishes, single.preferred),
+            _ => (Wishes::default(), None),
+        };
+        let files = loaded.iter().flat_map(|loaded| loaded.files.clone()).collect();
+        let items = loaded.into_iter().map(|loaded| loaded.item).collect();
+        Ok(Loaded {
+            scene: Scene::of_items(items).during(Step::Usage)?,
+            wishes,
+            preferred,
+            files,
+        })
+    }
+
+    /// What the flags do to the scene.
+    fn effects(&self, args: &EffectArgs, scene: &Scene) -> Result<Effects, Failure> {
+        let mut visible = self.scene.items.iter().filter(|item| item.visible != Some(false));
+        let look = LookArgs {
+            iso: visible.next().and_then(|item| item.iso),
+            ..LookArgs::default()
+        };
+        if args.tf2d.is_some() {
+            return Err(Failure::usage(
+                "--tf2d is of a volume named by itself: items of scenes have the transfer functions that they say",
+            ));
         }
-        let mut composition = Composition::new(items).during(Step::Usage)?;
-        refuse::gaussians(args, &composition, settings.gaussians)?;
-        let background = self.background(args)?;
-        // An EXR keeps its alpha.
-        if let Some([r, g, b, a]) = background.filter(|_| format != ImageFormat::Exr) {
-            let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
-            composition.background = [r, g, b, a as f32];
-        }
+        let bounds = scene.bounds().during(Step::Usage)?;
+        effects::resolve(args, &look, &bounds, (None, self.beside.as_deref()))
+    }
+
+    /// The flags' camera, the earlier picture's, the scene's, or one that shows everything.
+    fn camera(
+        &self,
+        args: &RenderArgs,
+        (scene, settings): (&Scene, &RenderSettings),
+        framing: Framing,
+    ) -> Result<Camera, Failure> {
+        let like = self.like.as_ref();
         let own = self.scene.camera.as_ref().filter(|_| like.is_none());
         let flags = match own {
             Some(own) => args.camera.or(&scene_camera::as_flags(own)?),
             None => args.camera.clone(),
         };
         let outlines = || {
-            let items = &composition.items;
-            items
-                .iter()
-                .flat_map(|item| outline(item, flags.fit.unwrap_or_default()))
-                .collect()
+            let of = |item| outline(item, flags.fit.unwrap_or_default());
+            scene.items.iter().flat_map(of).collect()
         };
-        let camera = camera::resolve(
-            &flags,
-            &Surroundings::of_outline(outlines, settings.size.aspect()),
-            like.map(|like| &like.camera),
-        )?;
-        let recipe = SceneRecipe {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: command_line(),
-            reference: self.reference.clone(),
-            scene: SceneFile {
-                items: self.scene.items.clone(),
-                ..SceneFile::default()
-            },
-            camera: CameraRecipe::from(&camera),
-            settings,
-            background,
-            bits: args.bits.or(like.map(|like| like.bits)).unwrap_or(8),
-        };
-        let recipe = match like {
-            Some(like) if like.is_same_picture(&recipe) => like.clone(),
-            _ => recipe,
-        };
-        Ok((composition, camera, recipe))
+        let surroundings = Surroundings::of_outline(outlines, settings.size.aspect())
+            .preferring(framing.preferred)
+            .turning(framing.moves.turns);
+        camera::resolve(&flags, &surroundings, like.map(|like| &like.camera))
     }
 
     /// The flag's size, or the scene's; an earlier picture's, or that of the scene's settings, is in the settings.
@@ -236,25 +289,21 @@ impl Composed {
             .map(values::background)
             .transpose();
         let own = own.map_err(|why| Failure::usage(format!("background: {why}, in {}", self.reference)))?;
-        Ok(match (args.background.or(own), &self.like) {
-            (Some(Background::None), _) => None,
-            (Some(Background::Color(color)), _) => Some(color),
-            (None, Some(like)) => like.background,
-            (None, None) => Some(values::CHARCOAL),
-        })
+        Ok(render::background(args.background.or(own), self.like.as_ref()))
     }
 }
 
-fn render(
-    composition: &Composition,
-    (camera, settings): (&Camera, &RenderSettings),
-    threads: Option<usize>,
-    terminal: &Terminal,
-) -> Result<(Frame, RenderStatistics), Failure> {
-    let mut renderer = engine(threads)?;
-    let bar = terminal.progress("Rendering");
-    let frame = renderer
-        .render_composition(composition, camera, settings, &|share| bar.set(share))
-        .during(Step::Render)?;
-    Ok((frame, renderer.statistics().clone()))
+/// The items, and what they want.
+struct Loaded {
+    scene: Scene,
+    wishes: Wishes,
+    preferred: Option<View>,
+    files: Vec<PathBuf>,
+}
+
+/// What an automatic camera goes by, besides the scene.
+#[derive(Clone, Copy)]
+struct Framing {
+    moves: CameraMotion,
+    preferred: Option<View>,
 }

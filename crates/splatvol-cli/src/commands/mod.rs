@@ -12,4 +12,5 @@ mod metrics;
 mod outputs;
 pub(crate) mod render;
 pub(crate) mod sample;
+mod shown;
 mod studio;

@@ -1,6 +1,6 @@
 //! `splatvol render`: resolve, render, write.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use splatvol::{
@@ -8,13 +8,13 @@ use splatvol::{
 };
 use splatvol_io::ImageFormat;
 
-use super::composed;
 use super::outputs::{Outputs, encode_with_bits};
+use super::shown::{Prepared, Preparing, Shown};
 use super::studio::{Studio, engine};
 use crate::args::{Background, CameraArgs, EffectArgs, MotionArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::recipe::{CameraRecipe, InputRecipe, MotionRecipe, Recipe, command_line};
+use crate::recipe::{CameraRecipe, InputRecipe, MotionRecipe, Recipe, Subject, VolumeRecipe, command_line};
 use crate::resolve::camera::Surroundings;
 use crate::resolve::effects::Effects;
 use crate::resolve::input::Input;
@@ -27,18 +27,11 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     if args.list_methods {
         return Target::Stdout.write(super::methods::list().as_bytes(), false);
     }
-    if let Some(composed) = composed::of(args)? {
-        return composed.run(args, terminal);
-    }
     let start = Instant::now();
-    let (like, reference) = sources(args)?;
-    let outputs = Outputs::new(args, &reference.reference)?;
-    let prepared = prepare(
-        args,
-        (like.as_ref(), reference),
-        CameraMotion::default(),
-        terminal,
-    )?;
+    let shown = Shown::of(args)?;
+    let outputs = Outputs::new(args, shown.reference())?;
+    let keeps_alpha = outputs.format() == ImageFormat::Exr;
+    let prepared = shown.prepare(args, (CameraMotion::default(), keeps_alpha), terminal)?;
     let (frame, statistics) = render(&prepared, terminal)?;
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
 
@@ -53,44 +46,51 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     outputs.finish(&statistics, recipe.settings.size, (overwrite, start), terminal)
 }
 
-/// The earlier picture that the flags name, if they do, and the volume.
-pub(super) fn sources(args: &RenderArgs) -> Result<(Option<Recipe>, InputRecipe), Failure> {
-    let like = args.like.as_deref().map(Recipe::of_picture).transpose()?;
-    let mut reference = input::recipe(
-        args.input.as_deref(),
-        &args.read,
-        like.as_ref().map(|like| &like.input),
-    )?;
-    reference.up = args.item.up.or(reference.up);
-    Ok((like, reference))
+/// One volume by its flags.
+pub(super) struct VolumeShown {
+    /// The earlier picture that the flags name, if they do.
+    like: Option<Like>,
+    pub(super) input: InputRecipe,
 }
 
-/// All that rendering needs.
-pub(super) struct Prepared {
-    pub(super) scene: Scene,
-    pub(super) camera: Camera,
-    /// What a picture of it remembers.
-    pub(super) recipe: Recipe,
-    /// Files that the volume was read from.
-    pub(super) files: Vec<PathBuf>,
-    pub(super) threads: Option<usize>,
+/// An earlier picture of a volume.
+struct Like {
+    recipe: Recipe,
+    volume: VolumeRecipe,
+}
+
+impl VolumeShown {
+    /// The volume that the arguments name, or that of the earlier picture.
+    pub(super) fn new(args: &RenderArgs, like: Option<Recipe>) -> Result<Self, Failure> {
+        let like = like.and_then(|recipe| {
+            let volume = recipe.volume()?.clone();
+            Some(Like { recipe, volume })
+        });
+        let mut input = input::recipe(
+            args.input.as_deref(),
+            &args.read,
+            like.as_ref().map(|like| &like.volume.input),
+        )?;
+        input.up = args.item.up.or(input.up);
+        Ok(Self { like, input })
+    }
 }
 
 /// Reads the volume and resolves the flags.
-pub(super) fn prepare(
-    args: &RenderArgs,
-    (like, mut reference): (Option<&Recipe>, InputRecipe),
-    moves: CameraMotion,
-    terminal: &Terminal,
-) -> Result<Prepared, Failure> {
+pub(super) fn prepare(shown: VolumeShown, preparing: Preparing<'_>) -> Result<Prepared, Failure> {
+    let Preparing {
+        args,
+        moves,
+        threads,
+        terminal,
+        ..
+    } = preparing;
     let start = Instant::now();
-    let threads = args.threads.filter(|&n| n > 0);
-    if let Some(threads) = threads {
-        // Reading and generating use the global pool; it exists already only if this ran before.
-        let _ = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global();
-    }
+    let VolumeShown {
+        like,
+        input: mut reference,
+    } = shown;
+    let like = like.as_ref();
     let beside = args
         .like
         .as_deref()
@@ -98,19 +98,18 @@ pub(super) fn prepare(
         .filter(|_| args.input.is_none());
     let mut loaded = input::load(&reference, args.read.strict, beside, terminal)?;
     // An earlier picture of this volume has decided which way is up.
-    if like.is_none_or(|like| like.input.reference != reference.reference) {
+    if like.is_none_or(|like| like.volume.input.reference != reference.reference) {
         loaded.stand_up(&mut reference, terminal)?;
     }
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
 
     let resolved = Resolved::new((args, like), (&loaded, moves), beside, terminal)?;
-    terminal.detail(format!("camera: {}", describe(&resolved.camera)));
     let recipe = resolved.recipe(args, like, reference);
-    let mut scene = resolved
-        .applied
-        .scene(loaded.volume, resolved.look.transfer_function)?;
-    let motion = resolved.motion.as_ref().map(MotionRecipe::motion);
-    scene.motion = motion.transpose().during(Step::Usage)?;
+    let scene = Scene::new(loaded.volume, resolved.look.transfer_function);
+    let mut scene = resolved.applied.apply(scene)?;
+    if let Some(motion) = &resolved.motion {
+        scene = scene.with_motion(&motion.motion().during(Step::Usage)?);
+    }
     Ok(Prepared {
         recipe,
         camera: resolved.camera,
@@ -166,24 +165,25 @@ struct Resolved {
 
 impl Resolved {
     fn new(
-        (args, like): (&RenderArgs, Option<&Recipe>),
+        (args, like): (&RenderArgs, Option<&Like>),
         (input, moves): (&Input, CameraMotion),
         beside: Option<&Path>,
         terminal: &Terminal,
     ) -> Result<Self, Failure> {
         let mut effects = like.map_or_else(|| args.effects.clone(), |like| effects_like(args, like));
-        let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look));
-        let function = effects::transfer_function_2d(&effects, &asked, &input.volume, beside)?;
+        let asked = like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.volume.look));
+        let function =
+            effects::transfer_function_2d(&effects, &asked, input.volume.grid().mean_spacing(), beside)?;
         // Motion is blurred, or refused, when it is known what moves.
         let like_settings = like.map(|like| RenderSettings {
             motion_blur: MotionBlur::None,
-            ..like.settings
+            ..like.recipe.settings
         });
         let like_settings = like_settings.as_ref();
         let compositing = method::compositing(&args.method, like_settings);
         let look = match (&function, like.filter(|like| keeps_look(args, like, compositing))) {
             (Some(function), _) => Look::from(function.marginal().during(Step::Usage)?),
-            (None, Some(like)) => Look::from(like.transfer_function.clone()),
+            (None, Some(like)) => Look::from(like.volume.transfer_function.clone()),
             (None, None) => look::resolve(&asked, input, compositing, terminal)?,
         };
         let mut settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
@@ -194,7 +194,8 @@ impl Resolved {
                 terminal.warn("the transfer function's gradient opacity was left out: only post-classified image sheets with gradients by differences have it");
             }
         }
-        let applied = effects::resolve(&effects, &asked, &input.volume, (function, beside))?;
+        let bounds = input.volume.grid().bounds();
+        let applied = effects::resolve(&effects, &asked, &bounds, (function, beside))?;
         let camera = camera::resolve(
             &args.camera,
             &Surroundings::new(
@@ -204,12 +205,12 @@ impl Resolved {
                 settings.size.aspect(),
             )
             .turning(moves.turns),
-            like.map(|like| &like.camera),
+            like.map(|like| &like.recipe.camera),
         )?;
-        let earlier = like.map(|like| Earlier::new(like, args, moves));
+        let earlier = like.map(|like| Earlier::new(&like.recipe, args, moves));
         let shot = Shot {
             camera: &camera,
-            volume: &input.volume,
+            centre: bounds.centre(),
             plain: applied.is_empty(),
             shutter: moves.shutter,
         };
@@ -225,40 +226,54 @@ impl Resolved {
     }
 
     /// What the picture remembers. A picture made by `--like` alone is the same picture, and says the same.
-    fn recipe(&self, args: &RenderArgs, like: Option<&Recipe>, input: InputRecipe) -> Recipe {
-        let background = match (args.background, like) {
-            (Some(Background::None), _) => None,
-            (Some(Background::Color(color)), _) => Some(color),
-            (None, Some(like)) => like.background,
-            (None, None) => Some(values::CHARCOAL),
-        };
+    fn recipe(&self, args: &RenderArgs, like: Option<&Like>, input: InputRecipe) -> Recipe {
+        let earlier = like.map(|like| &like.recipe);
         let recipe = Recipe {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             command: command_line(),
-            input,
+            subject: Subject::Volume(VolumeRecipe {
+                input,
+                look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.volume.look)),
+                transfer_function: self.look.transfer_function.clone(),
+            }),
             camera: CameraRecipe::from(&self.camera),
-            // A frame of an animation is the mean that it was, unless it is seen from elsewhere, or moves otherwise.
-            sub_frames: like
-                .filter(|_| args.camera == CameraArgs::default() && args.motion == MotionArgs::default())
-                .map_or_else(Vec::new, |like| like.sub_frames.clone()),
+            sub_frames: kept_sub_frames(args, earlier),
             motion: self.motion,
-            look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.look)),
-            transfer_function: self.look.transfer_function.clone(),
             effects: self.effects.clone(),
             settings: self.settings,
-            background,
-            bits: args.bits.or(like.map(|like| like.bits)).unwrap_or(8),
+            background: background(args.background, earlier),
+            bits: bits(args, earlier),
         };
-        like.filter(|like| like.is_same_picture(&recipe))
-            .cloned()
-            .unwrap_or(recipe)
+        recipe.or_same(earlier)
     }
+}
+
+/// A frame of an animation is the mean that it was, unless it is seen from elsewhere, or moves otherwise.
+pub(super) fn kept_sub_frames(args: &RenderArgs, like: Option<&Recipe>) -> Vec<CameraRecipe> {
+    let still = args.camera == CameraArgs::default() && args.motion == MotionArgs::default();
+    like.filter(|_| still)
+        .map_or_else(Vec::new, |like| like.sub_frames.clone())
+}
+
+/// What is behind a picture: as asked, as in the earlier picture, or charcoal.
+pub(super) fn background(asked: Option<Background>, like: Option<&Recipe>) -> Option<[f64; 4]> {
+    match (asked, like) {
+        (Some(Background::None), _) => None,
+        (Some(Background::Color(color)), _) => Some(color),
+        (None, Some(like)) => like.background,
+        (None, None) => Some(values::CHARCOAL),
+    }
+}
+
+/// Bits per channel.
+pub(super) fn bits(args: &RenderArgs, like: Option<&Recipe>) -> u8 {
+    args.bits.or(like.map(|like| like.bits)).unwrap_or(8)
 }
 
 /// Effects of an earlier picture where flags are silent. Another transfer function than the earlier picture's does not
 /// take over what the file of that one, or its two-dimensional one, said.
-fn effects_like(args: &RenderArgs, like: &Recipe) -> EffectArgs {
-    let mut old = like.effects.clone();
+fn effects_like(args: &RenderArgs, like: &Like) -> EffectArgs {
+    let mut old = like.recipe.effects.clone();
     if args.look.tf.is_some() {
         old.gradient_opacity = None;
     }
@@ -266,7 +281,7 @@ fn effects_like(args: &RenderArgs, like: &Recipe) -> EffectArgs {
     if asked.tf.is_some() || asked.cmap.is_some() || asked.opacity.is_some() || asked.iso.is_some() {
         old.tf2d = None;
     }
-    if args.effects.tf2d.is_some() || asked.or(&like.look).iso.is_none() {
+    if args.effects.tf2d.is_some() || asked.or(&like.volume.look).iso.is_none() {
         old.iso_exact = false;
     }
     args.effects.or(&old)
@@ -281,9 +296,12 @@ fn shows_gradients(settings: &RenderSettings) -> bool {
 
 /// Whether the earlier picture's transfer function is taken as it is: nothing was asked about it, and neither the
 /// volume nor the compositing that an automatic choice depends on is another.
-fn keeps_look(args: &RenderArgs, like: &Recipe, compositing: Compositing) -> bool {
-    let same_input = args.input.as_ref().is_none_or(|own| *own == like.input.reference);
-    args.look.is_empty() && same_input && compositing == like.settings.compositing
+fn keeps_look(args: &RenderArgs, like: &Like, compositing: Compositing) -> bool {
+    let same_input = args
+        .input
+        .as_ref()
+        .is_none_or(|own| *own == like.volume.input.reference);
+    args.look.is_empty() && same_input && compositing == like.recipe.settings.compositing
 }
 
 /// A camera as flags.

@@ -38,8 +38,10 @@ impl Studio {
     }
 
     /// What moves from now on while the shutter is open.
-    pub(crate) fn set_motion(&mut self, motion: Motion) {
-        self.scene.motion = Some(motion);
+    pub(crate) fn set_motion(&mut self, motion: &Motion) {
+        for item in &mut self.scene.items {
+            item.motion = Some(motion.clone());
+        }
     }
 
     /// The picture of a camera, or the mean of those of several: all that a shutter sees while it is open.

@@ -59,6 +59,14 @@ impl<'a> Surroundings<'a> {
         }
     }
 
+    /// The same, seen from there unless asked otherwise.
+    pub(crate) fn preferring(self, preferred: Option<View>) -> Self {
+        Self {
+            preferred: preferred.unwrap_or(self.preferred),
+            ..self
+        }
+    }
+
     /// The same, for a camera that turns around its target if so said.
     pub(crate) fn turning(self, turns: bool) -> Self {
         Self { turns, ..self }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use splatvol::{
-    Bounds, BumpMap, Clip, EnvironmentMap, GradientOpacity, Image, Isosurface, Keep, PixelOperator, Scene,
-    SolidTexture, Stuff, TransferFunction, TransferFunction2d, Volume,
+    Bounds, BumpMap, Clip, EnvironmentMap, GradientOpacity, Image, Isosurface, Item, Keep, PixelOperator,
+    Scene, SolidTexture, Stuff, TransferFunction2d,
 };
 
 use super::input::locate;
@@ -29,30 +29,29 @@ pub(crate) struct Effects {
     isosurface: Option<f64>,
 }
 
-/// The two-dimensional transfer function that is asked for; `beside` is where a relative path that leads nowhere from here
+/// The two-dimensional transfer function that is asked for, of a volume whose voxels are `spacing` apart; `beside` is where a relative path that leads nowhere from here
 /// is tried next.
 pub(crate) fn transfer_function_2d(
     args: &EffectArgs,
     look: &LookArgs,
-    volume: &Volume,
+    spacing: f64,
     beside: Option<&Path>,
 ) -> Result<Option<TransferFunction2d>, Failure> {
     let Some(path) = &args.tf2d else { return Ok(None) };
-    let unit_distance = look.unit_distance.unwrap_or_else(|| volume.grid().mean_spacing());
+    let unit_distance = look.unit_distance.unwrap_or(spacing);
     splatvol_io::read_transfer_function_2d(locate(path, beside), unit_distance)
         .map(Some)
         .during(Step::Input)
 }
 
-/// Everything but the two-dimensional transfer function's file.
+/// Everything but the two-dimensional transfer function's file. `bounds`: what textures and pictures span, world.
 pub(crate) fn resolve(
     args: &EffectArgs,
     look: &LookArgs,
-    volume: &Volume,
+    bounds: &Bounds,
     (tf2d, beside): (Option<TransferFunction2d>, Option<&Path>),
 ) -> Result<Effects, Failure> {
     check(args, look)?;
-    let bounds = &volume.grid().bounds();
     let mut effects = Effects {
         isosurface: look.iso.filter(|_| args.iso_exact),
         clips: clips(args)?,
@@ -145,28 +144,37 @@ impl Effects {
         self.operators.push(Arc::new(operator));
     }
 
-    /// The scene that is rendered.
     /// Whether nothing is done.
     pub(crate) fn is_empty(&self) -> bool {
         self.operators.is_empty() && self.clips.is_empty() && self.isosurface.is_none()
     }
 
-    pub(crate) fn scene(self, volume: Arc<Volume>, look: TransferFunction) -> Result<Scene, Failure> {
-        let scene = match self.isosurface {
-            Some(value) => {
-                let surface = Isosurface {
-                    value,
-                    rgb: look.color(value),
-                    opacity: 1.0,
-                };
-                Scene::of_isosurfaces(volume, &[surface]).during(Step::Usage)?
-            }
-            None => Scene::new(volume, look),
-        };
-        Ok(Scene {
-            operators: self.operators,
-            clips: self.clips,
-            ..scene
-        })
+    /// Does it to a scene: clips cut all of it, everything else is of a volume alone.
+    pub(crate) fn apply(self, mut scene: Scene) -> Result<Scene, Failure> {
+        scene.clips.extend(self.clips);
+        if self.operators.is_empty() && self.isosurface.is_none() {
+            return Ok(scene);
+        }
+        let single = scene.single_volume().map_err(|_| of_volumes())?;
+        let mut item = single.item.clone();
+        if let Some(value) = self.isosurface {
+            let surface = Isosurface {
+                value,
+                rgb: single.transfer_function.color(value),
+                opacity: 1.0,
+            };
+            let volume = Arc::clone(single.volume);
+            item.content = Item::isosurfaces(volume, &[surface]).during(Step::Usage)?.content;
+        }
+        item.operators.extend(self.operators);
+        scene.items = vec![item];
+        Ok(scene)
     }
+}
+
+/// Why effects are refused.
+pub(crate) fn of_volumes() -> Failure {
+    Failure::usage(
+        "effects (textures, bumps, mirrors, gradient opacity, --tf2d, --iso-exact) are of one volume alone",
+    )
 }

@@ -5,18 +5,31 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use glam::{DAffine3, DVec3};
-use splatvol::{Compositing, Content, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples, Volume};
+use splatvol::{
+    Compositing, Content, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples, View, Volume,
+};
 use splatvol_io::scene_file::Opacity;
 use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneItem, data_kind, read_data};
 
 use super::input::{self, Input, locate};
 use super::item_keys::{Source, check, known_keys};
-use super::look;
+use super::look::{self, Look, Wishes};
+use super::upright::Up;
 use super::{standing, upright};
 use crate::args::{LookArgs, UpAxis, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{InputRecipe, RawRecipe};
 use crate::terminal::Terminal;
+
+/// An item, and what its data want.
+pub(crate) struct Loaded {
+    pub(crate) item: Item,
+    pub(crate) wishes: Wishes,
+    /// Where to look from unless asked otherwise.
+    pub(crate) preferred: Option<View>,
+    /// Files that it was read from.
+    pub(crate) files: Vec<PathBuf>,
+}
 
 /// Where and how items are read.
 #[derive(Clone, Copy)]
@@ -27,6 +40,8 @@ pub(crate) struct Reading<'a> {
     pub(crate) beside: Option<&'a Path>,
     /// How the sheets are composited: an automatic look depends on it.
     pub(crate) compositing: Compositing,
+    /// Whether there is nothing else in the scene.
+    pub(crate) alone: bool,
     pub(crate) terminal: &'a Terminal,
 }
 
@@ -41,10 +56,14 @@ pub(crate) fn kind(item: &SceneItem, beside: Option<&Path>) -> Result<(DataKind,
 }
 
 /// Reads an item.
-pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Result<Item, Failure> {
+pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Result<Loaded, Failure> {
     let (kind, path) = kind(item, reading.beside)?;
     check(item, source, kind.name(), known_keys(kind))?;
     let mut up = item.up.clone();
+    // Which way is up is a question of each file, unless something else stands beside it or it was given a place.
+    let stands = reading.alone && up.is_none() && !item.is_placed();
+    let (mut wishes, mut preferred) = (Wishes::default(), None);
+    let files;
     let (content, frame) = if kind == DataKind::Volume {
         let input = input::load(
             &input_recipe(item),
@@ -52,7 +71,15 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
             reading.beside,
             reading.terminal,
         )?;
-        (volume_content(item, input, reading)?, DAffine3::IDENTITY)
+        if stands {
+            up = Up::of(&input).said(&item.file, reading.terminal);
+        }
+        files = input.description.files.clone();
+        preferred = input.sample.and_then(|sample| sample.preferred_view());
+        let look = look_of(item, &input, reading)?;
+        wishes = look.wishes;
+        let item = Item::volume(input.volume, look.transfer_function);
+        (item.content, DAffine3::IDENTITY)
     } else {
         let loaded = {
             let _spinner = reading.terminal.spinner(format!("Reading {}", item.file));
@@ -63,9 +90,10 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
         for warning in &loaded.description.warnings {
             reading.terminal.warn(format!("{}: {warning}", item.file));
         }
+        files = loaded.description.files.clone();
         let frameless = kind == DataKind::Points && loaded.description.format.starts_with("PLY");
         let (content, frame) = content(item, source, loaded, reading)?;
-        if frameless && item.up.is_none() && matches!(source, Source::Flags) && is_y_up(&content) {
+        if frameless && stands && is_y_up(&content) {
             let note = format!("{}: it stands with y up; --up says otherwise", item.file);
             reading.terminal.detail(note);
             up = Some("y".to_owned());
@@ -76,9 +104,11 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
     let place = item.world_from_file();
     let place = place.map_err(|(key, value)| source.refuse(item, key, &format!("{value} makes no place")))?;
     let world_from_item = place * turn(&placed, source)?.map_or(DAffine3::IDENTITY, |up| up * frame);
-    Ok(Item {
-        content,
-        world_from_item,
+    Ok(Loaded {
+        item: Item::new(content).at(world_from_item),
+        wishes,
+        preferred,
+        files,
     })
 }
 
@@ -111,12 +141,9 @@ fn content(
         }
         Data::Mesh(mesh) => {
             let input = values_of(&mesh, loaded.description)?;
-            let transfer_function = transfer_function(item, &input, reading)?;
-            let content = Content::Mesh {
-                mesh: Arc::new(mesh),
-                transfer_function,
-            };
-            (content, DAffine3::IDENTITY)
+            let look = look_of(item, &input, reading)?;
+            let item = Item::mesh(mesh, look.transfer_function);
+            (item.content, DAffine3::IDENTITY)
         }
         Data::Volume(volume) => {
             let input = Input {
@@ -124,16 +151,10 @@ fn content(
                 description: loaded.description,
                 sample: None,
             };
-            (volume_content(item, input, reading)?, DAffine3::IDENTITY)
+            let look = look_of(item, &input, reading)?;
+            let item = Item::volume(input.volume, look.transfer_function);
+            (item.content, DAffine3::IDENTITY)
         }
-    })
-}
-
-fn volume_content(item: &SceneItem, input: Input, reading: Reading<'_>) -> Result<Content, Failure> {
-    let transfer_function = transfer_function(item, &input, reading)?;
-    Ok(Content::Volume {
-        volume: input.volume,
-        transfer_function,
     })
 }
 
@@ -191,11 +212,7 @@ fn values_of(mesh: &Mesh, description: Description) -> Result<Input, Failure> {
     })
 }
 
-fn transfer_function(
-    item: &SceneItem,
-    input: &Input,
-    reading: Reading<'_>,
-) -> Result<splatvol::TransferFunction, Failure> {
+fn look_of(item: &SceneItem, input: &Input, reading: Reading<'_>) -> Result<Look, Failure> {
     let args = LookArgs {
         tf: item.tf.as_deref().map(|tf| locate(Path::new(tf), reading.beside)),
         cmap: item.cmap.clone(),
@@ -207,7 +224,7 @@ fn transfer_function(
         unit_distance: item.unit_distance,
         iso: item.iso,
     };
-    look::resolve(&args, input, reading.compositing, reading.terminal).map(|look| look.transfer_function)
+    look::resolve(&args, input, reading.compositing, reading.terminal)
 }
 
 /// The file of an item as the reader of volumes takes it.
@@ -272,7 +289,7 @@ pub(crate) fn load_all(
     items: &[SceneItem],
     source: impl Fn(usize) -> Source,
     reading: Reading<'_>,
-) -> Result<Vec<Item>, Failure> {
+) -> Result<Vec<Loaded>, Failure> {
     items
         .iter()
         .enumerate()

@@ -1,6 +1,7 @@
 //! What moves while the shutter is open, and how it is blurred.
 
-use splatvol::{Camera, MotionBlur, RenderSettings, Volume};
+use glam::DVec3;
+use splatvol::{Camera, MotionBlur, RenderSettings};
 
 use crate::args::{CameraArgs, MotionArgs, MotionBlurName, RenderArgs};
 use crate::failure::{During, Failure, Step};
@@ -24,8 +25,9 @@ pub(crate) struct CameraMotion {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shot<'a> {
     pub(crate) camera: &'a Camera,
-    pub(crate) volume: &'a Volume,
-    /// Whether the volume is shown as it is: footprints in motion know neither operators nor clips.
+    /// Centre of what is shown, world.
+    pub(crate) centre: DVec3,
+    /// Whether it is a volume as it is: footprints in motion are of one, and know neither operators nor clips.
     pub(crate) plain: bool,
     /// Whether the camera's own motion is seen through a shutter (`animate --shutter`).
     pub(crate) shutter: bool,
@@ -36,7 +38,7 @@ pub(crate) struct Shot<'a> {
 pub(crate) struct Earlier<'a> {
     motion: Option<&'a MotionRecipe>,
     blur: MotionBlur,
-    /// Whether the volume is the earlier picture's.
+    /// Whether what is shown is the earlier picture's.
     same_input: bool,
     /// Whether the camera is the earlier picture's.
     same_camera: bool,
@@ -49,7 +51,8 @@ impl<'a> Earlier<'a> {
         Self {
             motion: like.motion.as_ref(),
             blur: like.settings.motion_blur,
-            same_input: input.is_none_or(|own| *own == like.input.reference),
+            same_input: input
+                .is_none_or(|own| like.volume().is_some_and(|like| *own == like.input.reference)),
             same_camera: args.camera == CameraArgs::default() && !moves.animated,
         }
     }
@@ -113,7 +116,7 @@ fn allowed(settings: &RenderSettings) -> Result<(), Failure> {
     settings.validate().during(Step::Usage)
 }
 
-/// The volume's motion by the flags.
+/// What moves by the flags.
 fn asked(args: &MotionArgs, shot: &Shot<'_>) -> Option<MotionRecipe> {
     let velocity = args.velocity.map(|velocity| MotionRecipe::Linear { velocity });
     velocity.or_else(|| args.spin.map(|degrees| spin(degrees, shot)))
@@ -122,7 +125,7 @@ fn asked(args: &MotionArgs, shot: &Shot<'_>) -> Option<MotionRecipe> {
 fn spin(degrees: f64, shot: &Shot<'_>) -> MotionRecipe {
     MotionRecipe::Spin {
         axis: shot.camera.up().to_array(),
-        centre: shot.volume.grid().bounds().centre().to_array(),
+        centre: shot.centre.to_array(),
         degrees,
     }
 }

@@ -35,6 +35,7 @@ pub(crate) fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
         Content::Volume {
             volume,
             transfer_function,
+            ..
         } => {
             let own = match fit {
                 Fit::Visible => visible_outline(volume, transfer_function),

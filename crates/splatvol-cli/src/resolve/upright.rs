@@ -43,6 +43,15 @@ impl Up {
         }
     }
 
+    /// As `--up` takes it, where it is not z; says so.
+    pub(super) fn said(&self, reference: &str, terminal: &Terminal) -> Option<String> {
+        if self.axis == UpAxis::Z {
+            return None;
+        }
+        terminal.detail(format!("{reference}: {} is up: {}", self.name(), self.reason));
+        Some(self.name())
+    }
+
     /// As `--up` takes it.
     pub(crate) fn name(&self) -> String {
         name(self.axis)
@@ -63,13 +72,7 @@ impl Input {
             return Ok(());
         }
         let up = Up::of(self);
-        if up.axis != UpAxis::Z {
-            terminal.detail(format!(
-                "{}: {} is up: {}",
-                recipe.reference,
-                up.name(),
-                up.reason
-            ));
+        if up.said(&recipe.reference, terminal).is_some() {
             self.turn(up.axis)?;
             recipe.up = Some(up.axis);
         }

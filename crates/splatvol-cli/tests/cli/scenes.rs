@@ -124,6 +124,89 @@ fn volumes_points_and_gaussians_share_a_picture() {
     }
 }
 
+/// A scene of one item is the picture that its file gives alone: the same look, method, camera and bytes.
+#[test]
+fn a_scene_of_one_item_is_the_item() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample head -o head.npy --size 24").succeeds();
+    sandbox.write("points.txt", sphere(500, [0.0; 3], Some([255, 0, 0])));
+    for (file, flags, keys) in [
+        ("head.npy", "", ""),
+        ("head.npy", "--up=-x --iso 300", "up = '-x'\niso = 300"),
+        ("sample:zebra:24", "", ""),
+        ("points.txt", "", ""),
+    ] {
+        sandbox.write("one.toml", format!("[[item]]\nfile = '{file}'\n{keys}\n"));
+        sandbox
+            .run(&format!(
+                "render {file} {flags} --size 64x48 --background none --bits 16 -w -o alone.exr"
+            ))
+            .succeeds();
+        sandbox
+            .run("render one.toml --size 64x48 --background none --bits 16 -w -o item.exr")
+            .succeeds();
+        assert!(
+            sandbox.bytes("alone.exr") == sandbox.bytes("item.exr"),
+            "{file} {flags}"
+        );
+    }
+}
+
+/// Frames of an animation are the pictures of its cameras, and scenes are cut and moved as volumes are.
+#[test]
+fn scenes_are_animated_cut_and_moved() {
+    let sandbox = Sandbox::new();
+    two(&sandbox, "translate = [4, 0, 0]");
+    sandbox
+        .run("animate scene.toml --frames 2 --turntable 90 --size 40x30 -o f-#.png")
+        .succeeds();
+    sandbox.run("render --like f-1.png -o again.png").succeeds();
+    assert_eq!(
+        picture(&sandbox.path("f-1.png")),
+        picture(&sandbox.path("again.png"))
+    );
+    sandbox
+        .run("animate scene.toml --frames 2 --turntable 90 --size 40x30 -o f-#.png --resume")
+        .succeeds();
+    sandbox
+        .run("render scene.toml --velocity 2,0,0 -o moved.png")
+        .succeeds();
+    sandbox
+        .run("render --like moved.png -o moved-again.png")
+        .succeeds();
+    assert_eq!(sandbox.bytes("moved.png"), sandbox.bytes("moved-again.png"));
+    sandbox.run("render scene.toml -o still.png").succeeds();
+    assert_ne!(
+        picture(&sandbox.path("moved.png")),
+        picture(&sandbox.path("still.png"))
+    );
+
+    sandbox.write(
+        "one.toml",
+        "[[item]]\nfile = 'sample:head:24'\niso = 300\nup = 'z'\n",
+    );
+    for flags in [
+        "--clip-plane 0,0,0:0,0,-1",
+        "--texture marble",
+        "--iso-exact",
+        "--spin 20",
+    ] {
+        let flags = format!("{flags} --size 40x30 --background none");
+        sandbox
+            .run(&format!(
+                "render sample:head:24 --iso 300 {flags} -o alone.exr -w"
+            ))
+            .succeeds();
+        sandbox
+            .run(&format!("render one.toml {flags} -o item.exr -w"))
+            .succeeds();
+        assert!(sandbox.bytes("alone.exr") == sandbox.bytes("item.exr"), "{flags}");
+    }
+    sandbox
+        .run("render scene.toml --texture marble -w")
+        .fails(2, &["one volume alone"]);
+}
+
 #[test]
 fn scenes_that_make_no_sense_say_why() {
     let sandbox = Sandbox::new();

@@ -7,9 +7,9 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::splats::{self, Extract, Interest, KernelShape, SplatCloud};
-use splatvol_scene::{
-    Classification, Compositing, Extraction, RenderSettings, Scene, TransferFunction, Volume,
-};
+use splatvol_scene::{Classification, Compositing, Extraction, RenderSettings, TransferFunction, Volume};
+
+use crate::route::VolumeScene;
 
 /// What a cloud depends on, besides the volume.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +37,7 @@ impl CloudStore {
     /// The cloud of a scene, and the bricks that its volume has.
     pub(crate) fn cloud(
         &mut self,
-        scene: &Scene,
+        scene: &VolumeScene<'_>,
         settings: &RenderSettings,
         shape: KernelShape,
     ) -> (&SplatCloud, usize) {
@@ -53,7 +53,7 @@ impl CloudStore {
         }
         let data = splats_data(settings);
         let key = Key {
-            transfer_function: scene.transfer_function.clone(),
+            transfer_function: scene.transfer_function.as_ref().clone(),
             data,
             shape,
             gradients: (!data && settings.lighting.is_some())
@@ -76,7 +76,7 @@ impl CloudStore {
 }
 
 fn extract(
-    scene: &Scene,
+    scene: &VolumeScene<'_>,
     (volume, samples, bricks): (&Volume, &Coefficients, &BrickGrid),
     key: &Key,
     settings: &RenderSettings,

@@ -1,4 +1,4 @@
-//! Extract: the cloud of a composition, made again where an item, its look or its place has changed.
+//! Extract: the cloud of a scene, made again where an item, its look or its place has changed.
 //!
 //! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
 
@@ -14,13 +14,13 @@ use splatvol_core::splats::{
 };
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::{
-    Camera, Composition, Content, Gaussians, Item, Mesh, PointAttributes, PointLook, Points, Projection,
-    RenderSettings, TransferFunction, Volume, harmonics,
+    Camera, Content, Gaussians, Item, Mesh, PointAttributes, PointLook, Points, Projection, RenderSettings,
+    Scene, TransferFunction, Volume, harmonics,
 };
 
 /// Neighbours that radii and normals are estimated from.
 const NEIGHBORS: usize = 8;
-/// Most spacings along a composition's box, however fine one of its items is.
+/// Most spacings along a scene's box, however fine one of its items is.
 const MOST_SPACINGS: f64 = 8192.0;
 
 /// The cloud last made.
@@ -41,41 +41,33 @@ struct Kept {
 }
 
 impl ItemStore {
-    /// The cloud of a composition, as this camera sees it.
+    /// The cloud of a scene, as this camera sees it.
     pub(crate) fn cloud(
         &mut self,
-        composition: &Composition,
+        scene: &Scene,
         camera: &Camera,
         (settings, shape): (&RenderSettings, KernelShape),
     ) -> &SplatCloud {
         let key = (shape, settings.lighting.is_some());
         let same = |kept: &Kept| {
             kept.key == key
-                && kept.items.len() == composition.items.len()
-                && kept
-                    .items
-                    .iter()
-                    .zip(&composition.items)
-                    .all(|(a, b)| a.is_same(b))
+                && kept.items.len() == scene.items.len()
+                && kept.items.iter().zip(&scene.items).all(|(a, b)| a.is_same(b))
         };
         if !self.kept.as_ref().is_some_and(same) {
             // First, so that the memory of two clouds is never needed.
             self.kept = None;
         }
-        let kept = self.kept.get_or_insert_with(|| Kept::new(composition, key));
+        let kept = self.kept.get_or_insert_with(|| Kept::new(scene, key));
         kept.color(camera);
         &kept.gathered.cloud
     }
 }
 
 impl Kept {
-    fn new(composition: &Composition, key: (KernelShape, bool)) -> Self {
-        let completed: Vec<Item> = composition
-            .items
-            .iter()
-            .map(|item| completed(item, key.1))
-            .collect();
-        let bounds = composition.bounds();
+    fn new(scene: &Scene, key: (KernelShape, bool)) -> Self {
+        let completed: Vec<Item> = scene.items.iter().map(|item| completed(item, key.1)).collect();
+        let bounds = scene.bounds().ok();
         let extent = bounds.map_or(0.0, |b| b.diagonal());
         let finest = completed.iter().map(spacing).filter(|s| *s > 0.0);
         let spacing = finest.reduce(f64::min).unwrap_or(1.0);
@@ -97,7 +89,7 @@ impl Kept {
             }
         }
         Self {
-            items: composition.items.clone(),
+            items: scene.items.clone(),
             key,
             gathered: gather.finish(),
             colored,
@@ -163,7 +155,7 @@ fn completed(item: &Item, lit: bool) -> Item {
                 points: points.into(),
                 look: *look,
             },
-            world_from_item: item.world_from_item,
+            ..item.clone()
         },
         Err(_) => item.clone(),
     }
@@ -208,6 +200,7 @@ fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
         Content::Volume {
             volume,
             transfer_function,
+            ..
         } => {
             let mut cloud = classified(volume, transfer_function, (shape, lit));
             let scale = item.world_from_item.matrix3.determinant().abs();
@@ -228,6 +221,7 @@ fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
         Content::Mesh {
             mesh,
             transfer_function,
+            ..
         } => add_mesh(gather, item, (mesh, transfer_function), shape.sigma()),
         Content::Gaussians(_) => {}
     }

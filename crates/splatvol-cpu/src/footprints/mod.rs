@@ -4,7 +4,7 @@
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
-//! | extract | `cloud`, `items` | the volume's visible voxels, or all kernels of a composition, become a cloud, kept between frames |
+//! | extract | `cloud`, `items` | the volume's visible voxels, or all kernels of a scene, become a cloud, kept between frames |
 //! | profile | `kernels` | the kernel's line integrals, as a function or as tables, kept between frames |
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
@@ -34,8 +34,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 use splatvol_core::splats::Profile;
 use splatvol_scene::{
-    Absorption, Alignment, Camera, Classification, Compositing, Composition, Filter, Frame, Occlusion,
-    Rasterizer, Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
+    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
 };
 
 use self::cloud::CloudStore;
@@ -43,6 +43,7 @@ use self::items::ItemStore;
 use self::kernels::{Footprints, KernelStore};
 use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
+use crate::route::VolumeScene;
 use crate::sheets::engine::Run;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
@@ -64,7 +65,7 @@ pub(crate) fn is_needed(settings: &RenderSettings) -> bool {
 }
 
 /// Whether footprints are blurred by motion.
-pub(crate) fn blurs(scene: &Scene, settings: &RenderSettings) -> bool {
+pub(crate) fn blurs(scene: &VolumeScene<'_>, settings: &RenderSettings) -> bool {
     scene.motion.is_some() && settings.motion_blur.moves_footprints()
 }
 
@@ -84,7 +85,7 @@ impl FootprintEngine {
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
-        scene: &Scene,
+        scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
@@ -109,7 +110,7 @@ impl FootprintEngine {
     pub(crate) fn render_items(
         &mut self,
         run: Run<'_>,
-        composition: &Composition,
+        scene: &Scene,
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
@@ -120,7 +121,7 @@ impl FootprintEngine {
         let drawn = Drawn {
             cloud: run
                 .pool
-                .install(move || items.cloud(composition, camera, (settings, shape))),
+                .install(move || items.cloud(scene, camera, (settings, shape))),
             bricks: 0,
             scene: None,
         };

@@ -8,13 +8,14 @@ use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
-use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings, Scene};
+use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings};
 
 use super::cloud::splats_data;
 use super::light::SplatLight;
 use super::order::{Order, extent};
 use super::raster::Tables;
 use crate::phong::Phong;
+use crate::route::VolumeScene;
 
 /// Edge of a tile, pixels, where the whole picture is not one.
 const TILE_EDGE: usize = 64;
@@ -25,8 +26,8 @@ pub(crate) struct Drawn<'a> {
     pub cloud: &'a SplatCloud,
     /// Bricks of the volume that it is from.
     pub bricks: usize,
-    /// The volume, whose data are classified in sheets, and may move; `None` for a composition.
-    pub scene: Option<&'a Scene>,
+    /// The volume, whose data are classified in sheets, and may move; `None` for several things.
+    pub scene: Option<&'a VolumeScene<'a>>,
 }
 
 /// Everything that tiles need.
@@ -71,7 +72,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         };
         let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), profile)
             .with_stretch(settings.stretch);
-        let moving = scene.and_then(|scene| Some((scene.motion.as_ref()?, scene.volume.grid().dims())));
+        let moving = scene.and_then(|scene| Some((scene.motion?, scene.volume.grid().dims())));
         if let Some((motion, dims)) = moving.filter(|_| settings.motion_blur.moves_footprints()) {
             let capsule = settings.motion_blur == MotionBlur::Capsule;
             projection = projection.moving(motion, dims, &view, capsule);

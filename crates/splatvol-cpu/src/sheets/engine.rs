@@ -10,7 +10,7 @@ use glam::Affine3A;
 use rayon::prelude::*;
 use splatvol_core::bin::TileRect;
 use splatvol_core::field::FieldStore;
-use splatvol_scene::{Camera, Compositing, Frame, RenderSettings, Scene};
+use splatvol_scene::{Camera, Compositing, Frame, RenderSettings};
 
 use super::classified::ClassifiedBricks;
 use super::compose::Compose;
@@ -28,6 +28,7 @@ use super::shaded::Shaded;
 use super::tile::{SheetFrame, SheetScratch, SheetWork, render};
 use crate::coverage::Edges;
 use crate::phong::Phong;
+use crate::route::VolumeScene;
 use crate::sheets::extremum::{Largest, Smallest};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
@@ -72,7 +73,7 @@ impl SheetEngine {
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
-        scene: &Scene,
+        scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
     ) -> Option<RenderStatistics> {
@@ -126,7 +127,7 @@ impl SheetEngine {
     fn level(
         &mut self,
         run: Run<'_>,
-        scene: &Scene,
+        scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         level: usize,
         frame: &mut Frame,
@@ -228,7 +229,7 @@ impl SheetEngine {
 }
 
 /// What a scene asks to be done to pixels.
-fn operated<'a>(scene: &'a Scene, camera: &Camera, store: &FieldStore) -> Option<Operated<'a>> {
+fn operated<'a>(scene: &'a VolumeScene<'_>, camera: &Camera, store: &FieldStore) -> Option<Operated<'a>> {
     let [low, high] = store.volume().value_range();
     let world_from_camera = camera.camera_from_world().inverse();
     let range = if high > low { high - low } else { 1.0 };

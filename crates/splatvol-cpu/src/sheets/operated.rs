@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use splatvol_scene::transfer_function::linear_from_srgb;
-use splatvol_scene::{Appearance, PixelOperator, Scene, SheetSample};
+use splatvol_scene::{Appearance, PixelOperator, SheetSample};
 
 use super::cut::{Cut, Range};
 use super::pixel::{Pixel, Pixels, Units};
@@ -20,6 +20,7 @@ use super::shade::Interval;
 use super::shade::{Canvas, PlaneShader, ShadeTarget};
 use super::table::Piece;
 use crate::phong::Lit;
+use crate::route::VolumeScene;
 use crate::simd::math::exp2_of;
 
 /// What is done to pixels.
@@ -120,7 +121,7 @@ impl Ink {
 
 impl<'a> Operated<'a> {
     /// `None` for a scene that asks for nothing of this.
-    pub(crate) fn new(scene: &'a Scene, cut: Cut, units: Units) -> Option<Self> {
+    pub(crate) fn new(scene: &'a VolumeScene<'_>, cut: Cut, units: Units) -> Option<Self> {
         if scene.operators.is_empty() && cut.is_empty() && scene.isosurfaces.is_empty() {
             return None;
         }
@@ -131,7 +132,7 @@ impl<'a> Operated<'a> {
             extinction: (-libm::log1p(-surface.opacity) / mean_spacing) as f32,
         });
         Some(Self {
-            operators: &scene.operators,
+            operators: scene.operators,
             cut,
             surfaces: surfaces.collect(),
             units,

@@ -1,11 +1,9 @@
 //! One picture of every kind of scene, classification, compositing and paper's method.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec3, Vec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    BumpMap, Camera, Classification, Clip, Compositing, Composition, Content, Coverage, Frame,
+    BumpMap, Camera, Classification, Clip, Compositing, Coverage, Frame,
     GaussianAttributes, GaussianMode, Gaussians, Gradient, Grid, Image, ImageSize, Isosurface, Item, Mesh,
     Motion, MotionBlur, PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Rescale,
     Samples, Scene, SolidTexture, Stuff, TransferFunction, View, Volume,
@@ -13,16 +11,10 @@ use splatvol::{
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::Random;
 
-/// What is rendered.
-enum Subject {
-    One(Box<Scene>),
-    Several(Composition),
-}
-
 /// One picture.
 pub(crate) struct Case {
     pub(crate) name: String,
-    subject: Subject,
+    scene: Scene,
     camera: Camera,
     settings: RenderSettings,
 }
@@ -30,12 +22,7 @@ pub(crate) struct Case {
 impl Case {
     /// The picture, by this engine.
     pub(crate) fn frame(&self, renderer: &mut Renderer) -> Frame {
-        let frame = match &self.subject {
-            Subject::One(scene) => renderer.render(scene, &self.camera, &self.settings),
-            Subject::Several(items) => {
-                renderer.render_composition(items, &self.camera, &self.settings, &|_| {})
-            }
-        };
+        let frame = renderer.render(&self.scene, &self.camera, &self.settings);
         frame.unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 }
@@ -132,11 +119,11 @@ fn methods() -> Vec<(String, RenderSettings)> {
 /// Scenes of one volume.
 fn of_one() -> Vec<Case> {
     let scene = Scene::new(head(), look());
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let camera = Camera::framing(&bounds, View::Iso, PERSPECTIVE, 1.47).unwrap();
     let case = |name: String, scene: &Scene, settings| Case {
         name,
-        subject: Subject::One(Box::new(scene.clone())),
+        scene: scene.clone(),
         camera,
         settings: sized(settings),
     };
@@ -172,14 +159,14 @@ fn of_one() -> Vec<Case> {
         .with_operator(SolidTexture::new(Stuff::Marble, &bounds, 4.0).unwrap())
         .with_operator(BumpMap::new(&image, &bounds, 0.5).unwrap())
         .with_clip(Clip::plane(bounds.centre(), DVec3::new(1.0, 0.3, 0.2)).unwrap());
-    let [low, high] = scene.volume.value_range();
+    let volume = scene.single_volume().unwrap().volume;
+    let [low, high] = volume.value_range();
     let surface = Isosurface {
         value: low + 0.4 * (high - low),
         rgb: [0.9, 0.6, 0.3],
         opacity: 0.6,
     };
-    let mut spinning = scene.clone();
-    spinning.motion = Some(Motion::Spin {
+    let spinning = scene.clone().with_motion(&Motion::Spin {
         axis: DVec3::Z,
         centre: bounds.centre(),
         angle: 0.3,
@@ -189,7 +176,7 @@ fn of_one() -> Vec<Case> {
         inside,
         case(
             "holed".to_owned(),
-            &Scene::new(holed(&scene.volume), look()),
+            &Scene::new(holed(volume), look()),
             default,
         ),
         case("coverage".to_owned(), &scene, covered),
@@ -197,7 +184,7 @@ fn of_one() -> Vec<Case> {
         case("operators".to_owned(), &operated, default),
         case(
             "isosurface".to_owned(),
-            &Scene::of_isosurfaces(scene.volume.clone(), &[surface]).unwrap(),
+            &Scene::of_isosurfaces(volume.clone(), &[surface]).unwrap(),
             default,
         ),
     ]);
@@ -218,10 +205,8 @@ fn surfels(count: usize) -> Item {
         normals,
         ..PointAttributes::default()
     };
-    Item::new(Content::Points {
-        points: Arc::new(Points::new(positions, attributes, DAffine3::IDENTITY).unwrap()),
-        look: PointLook::default(),
-    })
+    let points = Points::new(positions, attributes, DAffine3::IDENTITY).unwrap();
+    Item::points(points, PointLook::default())
 }
 
 fn gaussians(count: usize) -> Item {
@@ -241,9 +226,7 @@ fn gaussians(count: usize) -> Item {
             .harmonics
             .push(std::array::from_fn(|_| random.range(-1.7, 1.7) as f32));
     }
-    Item::new(Content::Gaussians(Arc::new(
-        Gaussians::new(attributes, 0, DAffine3::IDENTITY).unwrap(),
-    )))
+    Item::gaussians(Gaussians::new(attributes, 0, DAffine3::IDENTITY).unwrap())
 }
 
 /// Noise on a grid whose planes come closer towards the middle.
@@ -268,10 +251,8 @@ fn mesh() -> Item {
             .collect(),
     };
     let topology = Topology::Structured(vec![[side; 3]]);
-    Item::new(Content::Mesh {
-        mesh: Arc::new(Mesh::new(positions, topology, Vec::new(), values, DAffine3::IDENTITY).unwrap()),
-        transfer_function: noise_look(),
-    })
+    let mesh = Mesh::new(positions, topology, Vec::new(), values, DAffine3::IDENTITY).unwrap();
+    Item::mesh(mesh, noise_look())
 }
 
 fn noise_look() -> TransferFunction {
@@ -289,10 +270,7 @@ fn fog() -> Item {
         Default::default(),
     )
     .unwrap();
-    Item::new(Content::Volume {
-        volume: Arc::new(volume),
-        transfer_function: noise_look(),
-    })
+    Item::volume(volume, noise_look())
 }
 
 /// Scenes of other things, and of several.
@@ -303,7 +281,7 @@ fn of_several() -> Vec<Case> {
     };
     let case = |name: &str, items: Vec<Item>, settings| Case {
         name: name.to_owned(),
-        subject: Subject::Several(Composition::new(items).unwrap()),
+        scene: Scene::of_items(items).unwrap(),
         camera: camera(24.0),
         settings: sized(settings),
     };

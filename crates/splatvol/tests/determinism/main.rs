@@ -115,7 +115,7 @@ fn no_configuration_changes_a_bit_of_any_kind_of_picture() {
 fn what_a_renderer_keeps_between_frames_does_not_show() {
     let scene = head();
     let projection = Projection::Orthographic { height: 1.0 };
-    let camera = Camera::framing(&scene.volume.grid().bounds(), View::Front, projection, 1.47).unwrap();
+    let camera = Camera::framing(&scene.bounds().unwrap(), View::Front, projection, 1.47).unwrap();
     let mut kept = Renderer::new(EngineConfig::default()).unwrap();
     for _ in 0..2 {
         for settings in variants() {
@@ -133,7 +133,7 @@ fn what_a_renderer_keeps_between_frames_does_not_show() {
 fn settings_outside_their_domain_are_refused_by_name() {
     let scene = head();
     let projection = Projection::Orthographic { height: 1.0 };
-    let camera = Camera::framing(&scene.volume.grid().bounds(), View::Front, projection, 1.0).unwrap();
+    let camera = Camera::framing(&scene.bounds().unwrap(), View::Front, projection, 1.0).unwrap();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let mut wrong = settings(16);
     wrong.sheet_thickness = 0.0;

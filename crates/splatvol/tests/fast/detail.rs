@@ -11,7 +11,7 @@ const STEPS_PER_OCTAVE: i32 = 8;
 
 /// A camera that sees the middle of the volume with so many voxels to a pixel.
 fn minified(scene: &Scene, projection: Projection, voxels_per_pixel: f64) -> Camera {
-    let grid = scene.volume.grid();
+    let grid = scene.single_volume().unwrap().volume.grid();
     let height = f64::from(PIXELS) * grid.mean_spacing() * voxels_per_pixel;
     let target = grid.bounds().centre();
     let towards = glam::DVec3::new(-0.62, 0.70, 0.36).normalize();

@@ -60,7 +60,7 @@ pub(crate) fn shown<'a>(mode: &str, scene: &'a Scene) -> Cow<'a, Scene> {
         "mean" => [0.05, 0.95],
         _ => return Cow::Borrowed(scene),
     };
-    let [low, high] = scene.volume.value_range();
+    let [low, high] = scene.single_volume().unwrap().volume.value_range();
     let opacities = [low, high]
         .into_iter()
         .zip(ends)
@@ -71,7 +71,7 @@ pub(crate) fn shown<'a>(mode: &str, scene: &'a Scene) -> Cow<'a, Scene> {
         ColorPoint::new(high, [1.0, 0.95, 0.8]),
     ];
     let look = TransferFunction::new(colors, opacities.collect(), None).unwrap();
-    Cow::Owned(Scene::new(scene.volume.clone(), look))
+    Cow::Owned(Scene::new(scene.single_volume().unwrap().volume.clone(), look))
 }
 
 /// Noise on a grid of spacings that differ less than those of [`noise`]: X-rays without filter of that one are left to the
@@ -209,7 +209,7 @@ fn depths_are_those_of_the_other_engine() {
                 ..settings
             };
             let expected = renderer.render(scene, &camera, &slices).unwrap();
-            let spacing = scene.volume.grid().mean_spacing();
+            let spacing = scene.single_volume().unwrap().volume.grid().mean_spacing();
             let seen = |frame: &Frame, i: usize| frame.image.pixels[i][3] > 0.05;
             let both: Vec<f64> = (0..found.depth.len())
                 .filter(|&i| seen(&found, i) && seen(&expected, i))
@@ -237,7 +237,7 @@ fn depths_are_those_of_the_other_engine() {
 fn the_smallest_value_is_the_largest_of_the_opposite() {
     let (name, scene) = ("noise", mild_noise());
     let scene = shown("minip", &scene).into_owned();
-    let volume = &scene.volume;
+    let volume = scene.single_volume().unwrap().volume;
     let opposite: Vec<f32> = (0..volume.samples().len())
         .map(|i| -volume.value(i) as f32)
         .collect();
@@ -247,7 +247,7 @@ fn the_smallest_value_is_the_largest_of_the_opposite() {
         Rescale::default(),
         LengthUnit::Unknown,
     );
-    let look = &scene.transfer_function;
+    let look = &scene.single_volume().unwrap().transfer_function;
     let colors = look.colors().iter().rev().map(|&point| ColorPoint {
         value: -point.value,
         ..point
@@ -281,9 +281,16 @@ fn x_ray_energy_is_kept_under_rotation_and_zoom() {
         let volume = sample(&Noise::new(5, 30, DVec3::splat(0.6)), &grid);
         let [low, high] = volume.value_range();
         let scene = Scene::new(volume, linear_extinction([low, high], 0.05, [1.0; 3]));
-        let unit = scene.unit_distance();
+        let unit = scene.single_volume().unwrap().unit_distance();
         let energy: f64 = (0..grid.sample_count())
-            .map(|i| scene.transfer_function.extinction(scene.volume.value(i), unit) * grid.cell_volume())
+            .map(|i| {
+                scene
+                    .single_volume()
+                    .unwrap()
+                    .transfer_function
+                    .extinction(scene.single_volume().unwrap().volume.value(i), unit)
+                    * grid.cell_volume()
+            })
             .sum();
         let bounds = grid.bounds();
         let base = modes(fast(64, 64))[1].1;

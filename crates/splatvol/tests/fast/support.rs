@@ -40,7 +40,7 @@ pub(crate) fn translucent() -> TransferFunction {
 
 /// The middle of the scene's values as an opaque surface.
 pub(crate) fn opaque(scene: &Scene) -> Scene {
-    let [low, high] = scene.volume.value_range();
+    let [low, high] = scene.single_volume().unwrap().volume.value_range();
     let at = |t: f64| low + t * (high - low);
     let opacities = vec![OpacityPoint::new(at(0.4), 0.0), OpacityPoint::new(at(0.6), 0.95)];
     let colors = vec![
@@ -48,7 +48,7 @@ pub(crate) fn opaque(scene: &Scene) -> Scene {
         ColorPoint::new(at(0.9), [0.3, 0.6, 0.9]),
     ];
     Scene::new(
-        scene.volume.clone(),
+        scene.single_volume().unwrap().volume.clone(),
         TransferFunction::new(colors, opacities, None).unwrap(),
     )
 }
@@ -69,7 +69,7 @@ pub(crate) fn noise() -> Scene {
 
 /// A camera that frames the scene, `zoom` times closer.
 pub(crate) fn framing(scene: &Scene, projection: Projection, aspect: f64, zoom: f64) -> Camera {
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let camera = Camera::framing(&bounds, View::Iso, projection, aspect).unwrap();
     match camera.projection() {
         Projection::Orthographic { height } => Camera::new(

@@ -85,7 +85,7 @@ fn low_passed(image: &Image, sigma: Option<f64>) -> Image {
 
 /// A texture that lies on the ground, `minification` voxels a pixel at the middle of the picture and nothing else in it.
 fn over_ground(scene: &Scene, minification: f64) -> Camera {
-    let target = scene.volume.grid().bounds().centre();
+    let target = scene.bounds().unwrap().centre();
     let fov_degrees = 30.0_f64;
     let pixels_per_radian = 0.5 * f64::from(GROUND[1]) / (0.5 * fov_degrees).to_radians().tan();
     let away = minification * pixels_per_radian * DVec3::new(0.1, -0.4, 0.9).normalize();
@@ -108,6 +108,7 @@ fn zebra(ratio: usize, side: usize) -> Scene {
     let dims = [side, side / ratio, 3];
     let stripes = sample_of(Sample::Zebra, dims);
     let grid = Grid::centred(dims, DVec3::new(1.0, ratio as f64, 1.0)).unwrap();
+    let stripes = stripes.single_volume().unwrap();
     let samples = stripes.volume.samples().clone();
     let volume = Volume::new(grid, samples, stripes.volume.rescale(), stripes.volume.unit()).unwrap();
     Scene::new(volume, stripes.transfer_function.clone())
@@ -116,7 +117,7 @@ fn zebra(ratio: usize, side: usize) -> Scene {
 /// Inside a tube, at its mouth.
 fn tunnel() -> (Scene, Camera) {
     let scene = sample_of(Sample::Tunnel, [48, 48, 160]);
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let centre = bounds.centre();
     let mouth = DVec3::new(centre.x, centre.y, bounds.min.z);
     let projection = Projection::Perspective { fov_degrees: 60.0 };
@@ -184,7 +185,8 @@ fn ewa_against_256_samples_per_pixel() {
 fn the_tunnel_is_filtered_as_far_as_it_is_faint() {
     let (opaque, camera) = tunnel();
     let mut faint = opaque.clone();
-    faint.transfer_function.unit_distance = Some(1000.0 * opaque.unit_distance());
+    let distance = 1000.0 * opaque.single_volume().unwrap().unit_distance();
+    faint.transfer_function_mut().unwrap().unit_distance = Some(distance);
     let gains = [opaque, faint].map(|scene| {
         let figures = quality(&scene, &camera, TUNNEL);
         println!(

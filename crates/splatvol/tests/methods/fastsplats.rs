@@ -224,7 +224,7 @@ fn an_x_ray_through_a_constant_field_is_right_for_each_kernel() {
 fn only_the_range_of_interest_has_splats() {
     let scene = generated(Sample::Head, 32);
     let camera = framing(&scene, PROJECTIONS[1], 1.0, 1.0);
-    let [low, high] = scene.volume.value_range();
+    let [low, high] = scene.single_volume().unwrap().volume.value_range();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let mut drawn = |extraction| {
         let settings = RenderSettings {

@@ -43,13 +43,13 @@ fn small_noise() -> Scene {
 
 /// A tenth of the volume's diagonal.
 fn linear(scene: &Scene) -> Motion {
-    let far = 0.1 * scene.volume.grid().bounds().diagonal();
+    let far = 0.1 * scene.bounds().unwrap().diagonal();
     Motion::Linear(far * DVec3::new(0.6, 0.3, -0.74))
 }
 
 /// Twenty degrees about an axis beside the centre.
 fn spin(scene: &Scene) -> Motion {
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     Motion::Spin {
         axis: DVec3::new(0.2, 0.1, 1.0),
         centre: bounds.centre() + 0.5 * bounds.diagonal() * DVec3::X,
@@ -58,10 +58,7 @@ fn spin(scene: &Scene) -> Motion {
 }
 
 fn moving(scene: &Scene, motion: Motion) -> Scene {
-    Scene {
-        motion: Some(motion),
-        ..scene.clone()
-    }
+    scene.clone().with_motion(&motion)
 }
 
 fn psnr(a: &Frame, b: &Frame) -> f64 {
@@ -181,7 +178,7 @@ fn motions_that_are_the_same_look_the_same() {
         )
         .unwrap()
     };
-    let field = vec![step.as_vec3().to_array(); scene.volume.grid().sample_count()];
+    let field = vec![step.as_vec3().to_array(); scene.single_volume().unwrap().volume.grid().sample_count()];
     let passing = Motion::Camera {
         opening: beside(0.5),
         closing: beside(-0.5),

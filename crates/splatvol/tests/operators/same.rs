@@ -17,13 +17,7 @@ fn generated(kind: Sample) -> Scene {
 }
 
 fn framing(scene: &Scene, projection: splatvol::Projection) -> Camera {
-    Camera::framing(
-        &scene.volume.grid().bounds(),
-        splatvol::View::Iso,
-        projection,
-        1.0,
-    )
-    .unwrap()
+    Camera::framing(&scene.bounds().unwrap(), splatvol::View::Iso, projection, 1.0).unwrap()
 }
 
 #[test]
@@ -63,7 +57,7 @@ fn an_operator_that_does_nothing_changes_nothing_to_be_seen() {
 /// Every operator, cuts of both kinds.
 fn busy() -> Scene {
     let scene = Scene::new(gaussian(9.0), solid(0.2, 0.4));
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let size = ImageSize::new(16, 8).unwrap();
     let pixels = (0..128)
         .map(|i| {
@@ -150,7 +144,7 @@ fn a_flat_bump_map_and_a_mirror_without_share_change_no_bit() {
     let size = ImageSize::new(8, 4).unwrap();
     let image = Image::filled(size, [0.7, 0.7, 0.7, 1.0]);
     let scene = Scene::new(ball(18.0), solid(0.0, 0.9));
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let same = scene
         .clone()
         .with_operator(BumpMap::new(&image, &bounds, 0.5).unwrap())

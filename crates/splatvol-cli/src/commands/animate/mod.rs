@@ -11,13 +11,14 @@ use std::time::Instant;
 
 use serde::Serialize;
 use splatvol::Frame;
+use splatvol_io::ImageFormat;
 
 use self::destination::{Destination, FrameNames};
 use self::movie::Movie;
 use self::plan::{Plan, stored_keys};
 use crate::args::AnimateArgs;
-use crate::commands::composed;
-use crate::commands::render::{self, Prepared};
+use crate::commands::render;
+use crate::commands::shown::{Prepared, Shown};
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
@@ -34,19 +35,14 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
     if let Some(stats) = &stats {
         stats.check(overwrite)?;
     }
-    if composed::of(&args.render)?.is_some() {
-        return Err(Failure::usage(
-            "only volumes can be animated: points, Gaussians, meshes and scenes are single pictures",
-        )
-        .hint("render --camera-pos makes one frame after the other"));
-    }
-    let (like, reference) = render::sources(&args.render)?;
+    let shown = Shown::of(&args.render)?;
     let moves = CameraMotion {
         turns: keys.is_none(),
         shutter: args.shutter > 0.0,
         animated: true,
     };
-    let mut prepared = render::prepare(&args.render, (like.as_ref(), reference), moves, terminal)?;
+    let keeps_alpha = matches!(&destination, Destination::Frames(names) if names.format == ImageFormat::Exr);
+    let mut prepared = shown.prepare(&args.render, (moves, keeps_alpha), terminal)?;
     let plan = Plan::new(
         args,
         keys.as_deref(),
@@ -169,7 +165,7 @@ impl Job<'_> {
     fn expose<'s>(&self, studio: &'s mut Studio, frame: u32) -> Result<&'s Frame, Failure> {
         let sub_frames = self.plan.sub_frames(frame)?;
         if let Some(motion) = self.plan.motion(frame)? {
-            studio.set_motion(motion.motion().during(Step::Usage)?);
+            studio.set_motion(&motion.motion().during(Step::Usage)?);
         }
         if sub_frames.is_empty() {
             studio.expose(&[self.plan.camera(frame)?])

@@ -202,15 +202,16 @@ impl<'a> Bench<'a> {
             Some(expected) => expected.check(&name, &picture),
             None => Check::Unchecked,
         };
+        let single = subject.scene.single_volume().during(Step::Render)?;
         let case = CaseReport {
             name,
             input: scene.reference.clone(),
-            dims: subject.scene.volume.grid().dims(),
+            dims: single.volume.grid().dims(),
             look: variant.look,
             threads: subject.threads,
             settings: subject.settings,
             camera: CameraRecipe::from(&subject.camera),
-            transfer_function: subject.scene.transfer_function.clone(),
+            transfer_function: single.transfer_function.clone(),
             median_wall_ms: median(&measured.wall_ms),
             median_cpu_ms: measured.cpu_ms.as_deref().map(median),
             wall_ms: measured.wall_ms.clone(),

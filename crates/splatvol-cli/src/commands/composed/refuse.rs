@@ -1,8 +1,8 @@
 //! What has no meaning for what is rendered is refused, and named.
 
-use splatvol::{Composition, Content, GaussianMode, Item};
+use splatvol::{Content, GaussianMode, Item, Scene};
 
-use crate::args::{EffectArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, RenderArgs};
+use crate::args::{ItemArgs, LookArgs, MethodArgs, RenderArgs};
 use crate::failure::Failure;
 
 /// Flags that belong to one of several items are refused.
@@ -45,31 +45,13 @@ pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Fa
     }
 }
 
-/// Effects, clips and motion are of one volume.
-pub(super) fn effects(args: &RenderArgs) -> Result<(), Failure> {
-    let what = if args.effects != EffectArgs::default() {
-        "effects and clips"
-    } else if args.motion != MotionArgs::default() {
-        "motion blur"
-    } else {
-        return Ok(());
-    };
-    Err(Failure::usage(format!(
-        "{what} are of one volume; points, Gaussians, meshes and scenes are rendered without"
-    )))
-}
-
 /// Flags about Gaussians need Gaussians; flags about sheets need sheets.
-pub(super) fn gaussians(
-    args: &RenderArgs,
-    composition: &Composition,
-    mode: GaussianMode,
-) -> Result<(), Failure> {
+pub(super) fn gaussians(args: &RenderArgs, scene: &Scene, mode: GaussianMode) -> Result<(), Failure> {
     let has = |item: &Item| matches!(item.content, Content::Gaussians(_));
-    if args.item.gaussians.is_some() && !composition.items.iter().any(has) {
+    if args.item.gaussians.is_some() && !scene.items.iter().any(has) {
         return Err(Failure::usage("--gaussians: there are none"));
     }
-    let sorted = composition.is_gaussians() && mode != GaussianMode::Volumetric;
+    let sorted = scene.is_gaussians() && mode != GaussianMode::Volumetric;
     if sorted && args.method != MethodArgs::default() {
         return Err(Failure::usage(
             "Gaussians are composited as published, where methods and lighting of sheets have no meaning",

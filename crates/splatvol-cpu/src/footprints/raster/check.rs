@@ -1,7 +1,9 @@
 //! Whether a rasteriser can draw what a view makes of a grid's kernels.
 
 use glam::DMat3;
-use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, RenderSettings, Scene, SceneError};
+use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, RenderSettings, SceneError};
+
+use crate::route::VolumeScene;
 
 /// Relative difference of squared widths below which they are the same: half of it of the radius.
 const SAME: f64 = 2e-3;
@@ -10,7 +12,11 @@ const SAME: f64 = 2e-3;
 ///
 /// # Errors
 /// The rasteriser by name, with the reason and what to use.
-pub(crate) fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<(), SceneError> {
+pub(crate) fn check(
+    scene: &VolumeScene<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+) -> Result<(), SceneError> {
     let refuse = |expected| {
         Err(SceneError::InvalidField {
             field: "rasterizer",

@@ -114,7 +114,7 @@ impl Turn {
         settings: &RenderSettings,
         half: i32,
     ) -> Result<Self, LabError> {
-        let height = scene.volume.grid().dims()[0] as f64;
+        let height = scene.single_volume()?.volume.grid().dims()[0] as f64;
         let mut changes = Vec::new();
         let mut last: Option<Image> = None;
         let mut around = None;

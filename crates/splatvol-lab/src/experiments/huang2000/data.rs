@@ -71,7 +71,8 @@ pub(super) fn nerve(bench: &Workbench<'_>) -> Result<Scene, LabError> {
 
 /// The nerve's samples as cubes, whose footprints are circles from everywhere.
 pub(super) fn nerve_of_cubes(nerve: &Scene) -> Result<Scene, LabError> {
-    let volume = on_cubes(&nerve.volume)?;
+    let nerve = nerve.single_volume()?;
+    let volume = on_cubes(nerve.volume)?;
     Ok(Scene::new(volume, nerve.transfer_function.clone()))
 }
 
@@ -145,6 +146,6 @@ pub(super) fn perspective(scene: &Scene, view: View) -> Result<Camera, LabError>
 }
 
 fn framing(scene: &Scene, view: View, projection: Projection) -> Result<Camera, LabError> {
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds()?;
     Ok(Camera::framing(&bounds, view, projection, 1.0)?)
 }

@@ -94,7 +94,7 @@ impl Compared {
         let right = averaged(&fine, view.samples as usize, 0)?;
         let shifted = shifted(&fine, view.samples as isize)?;
         let plain = settings(view.size, Filter::None)?;
-        let z_k = z_k(view, &plain);
+        let z_k = z_k(view, &plain)?;
         let depths = renderer.render(&view.scene, &view.camera, &plain)?.depth;
         let beyond: Vec<bool> = depths
             .iter()
@@ -218,7 +218,7 @@ fn compare(bench: &Workbench<'_>, view: &View) -> Result<(Outcome, Renderer), La
     bench.step(0, 3, "plain and filtered");
     let compared = Compared::of(&mut renderer, view)?;
     bench.step(1, 3, "made faint");
-    let scene = made_faint(&view.scene, 300.0);
+    let scene = made_faint(&view.scene, 300.0)?;
     let faint = Compared::of(&mut renderer, &View { scene, ..*view })?;
     bench.step(2, 3, "findings");
     show(&mut outcome, view, &compared)?;
@@ -249,7 +249,7 @@ fn show(outcome: &mut Outcome, view: &View, compared: &Compared) -> Result<(), L
     for method in &compared.methods {
         let mut image = method.frame.image.over(black);
         if method.key == "plain" {
-            line(&mut image, &method.frame.depth, z_k(view, &lined));
+            line(&mut image, &method.frame.depth, z_k(view, &lined)?);
         }
         plate = plate.panel(method.words, image);
         table.row([

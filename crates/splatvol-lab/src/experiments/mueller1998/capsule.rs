@@ -99,7 +99,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
 fn energies(bench: &Workbench<'_>, kernel: Kernel, ways: &[f64]) -> Result<Vec<[f64; 2]>, LabError> {
     let mut renderer = bench.renderer()?;
     let still = scene(Sample::Ball, [18; 3])?;
-    let centre = still.volume.grid().bounds().centre();
+    let centre = still.bounds()?.centre();
     let projection = Projection::Orthographic { height: 48.0 };
     let camera = Camera::new(centre - 100.0 * DVec3::Y, centre, DVec3::Z, projection)?;
     let settings = |motion_blur| -> Result<RenderSettings, LabError> {
@@ -117,9 +117,9 @@ fn energies(bench: &Workbench<'_>, kernel: Kernel, ways: &[f64]) -> Result<Vec<[
         Ok(frame.iter().map(|&tau| f64::from(tau)).sum())
     };
     let whole = energy(&still, MotionBlur::None)?;
-    let moving = |way: f64| Scene {
-        motion: Some(Motion::Linear(way * radius * DVec3::new(0.8, 0.0, 0.6))),
-        ..still.clone()
+    let moving = |way: f64| {
+        let motion = Motion::Linear(way * radius * DVec3::new(0.8, 0.0, 0.6));
+        still.clone().with_motion(&motion)
     };
     let mut shares = Vec::new();
     for &way in ways {

@@ -33,10 +33,11 @@ pub(super) const FOUR: [(&str, Filter, MotionBlur); 4] = [
 ];
 
 /// The same scene, so many times fainter that splats only add up.
-pub(super) fn made_faint(scene: &Scene, factor: f64) -> Scene {
+pub(super) fn made_faint(scene: &Scene, factor: f64) -> Result<Scene, LabError> {
     let mut scene = scene.clone();
-    scene.transfer_function.unit_distance = Some(factor * scene.unit_distance());
-    scene
+    let distance = factor * scene.single_volume()?.unit_distance();
+    scene.transfer_function_mut()?.unit_distance = Some(distance);
+    Ok(scene)
 }
 
 /// Vertical field of view of the pictures of things that spin, degrees.
@@ -44,7 +45,7 @@ const FOV: f64 = 30.0;
 
 /// Looks down on a terrain of `side` voxels, whose ground fills the picture at any turn.
 pub(super) fn above_terrain(scene: &Scene, side: f64) -> Result<Camera, LabError> {
-    let target = scene.volume.grid().bounds().centre() - DVec3::Z * 0.05 * side;
+    let target = scene.bounds()?.centre() - DVec3::Z * 0.05 * side;
     let elevation = 50_f64.to_radians();
     let towards = DVec3::new(0.0, -elevation.cos(), elevation.sin());
     let projection = Projection::Perspective { fov_degrees: FOV };
@@ -57,16 +58,13 @@ pub(super) fn above_terrain(scene: &Scene, side: f64) -> Result<Camera, LabError
 }
 
 /// Spins a scene about its vertical axis by so many degrees while the shutter is open.
-pub(super) fn spinning(scene: Scene, degrees: f64) -> Scene {
+pub(super) fn spinning(scene: Scene, degrees: f64) -> Result<Scene, LabError> {
     let motion = Motion::Spin {
         axis: DVec3::Z,
-        centre: scene.volume.grid().bounds().centre(),
+        centre: scene.bounds()?.centre(),
         angle: degrees.to_radians(),
     };
-    Scene {
-        motion: Some(motion),
-        ..scene
-    }
+    Ok(scene.with_motion(&motion))
 }
 
 /// The mean of each block of `n` by `n` pixels, taken `down` pixels farther down; the border repeats.

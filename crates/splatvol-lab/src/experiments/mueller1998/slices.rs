@@ -82,7 +82,7 @@ fn slices(bench: &Workbench<'_>, ground: Ground) -> Result<[Slice; 6], LabError>
     let (frames, height) = bench.choose((120, 120), (32, 32));
     let scene = ground.scene(bench, [side, side, depth])?;
     let camera = above_terrain(&scene, side as f64)?;
-    let scene = spinning(scene, STEP);
+    let scene = spinning(scene, STEP)?;
     let mut renderer = bench.renderer()?;
     let mut slices = variants().map(|(name, _, _)| Slice {
         name,

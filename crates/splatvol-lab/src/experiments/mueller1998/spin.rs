@@ -55,11 +55,16 @@ swan1997-volcano, from the same folder of data, without which the experiment is 
 fn nerve(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let (dims, size) = bench.choose(([512, 512, 76], [240, 240]), ([128, 128, 19], [60, 60]));
     let scene = scene(Sample::Nerve, dims)?;
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds()?;
     let projection = Projection::Perspective { fov_degrees: 30.0 };
     let camera = Camera::framing(&bounds, View::Top, projection, 1.0)?;
-    let pictures = Pictures::of(bench, &spinning(scene.clone(), 12.0), &camera, size)?;
-    let faint = Pictures::of(bench, &spinning(made_faint(&scene, 1000.0), 12.0), &camera, size)?;
+    let pictures = Pictures::of(bench, &spinning(scene.clone(), 12.0)?, &camera, size)?;
+    let faint = Pictures::of(
+        bench,
+        &spinning(made_faint(&scene, 1000.0)?, 12.0)?,
+        &camera,
+        size,
+    )?;
     let mut outcome = Outcome::default();
     pictures.show(&mut outcome, "Fig. 12", Some(&faint));
     brightness(&mut outcome, &pictures, &faint);
@@ -127,7 +132,7 @@ fn speeds(
 ) -> Result<Vec<[f64; 2]>, LabError> {
     let mut renderer = bench.renderer()?;
     let mut share = |degrees: f64| -> Result<[f64; 2], LabError> {
-        let scene = spinning(scene.clone(), degrees);
+        let scene = spinning(scene.clone(), degrees)?;
         let mut picture = |filter| {
             blurred(
                 &mut renderer,
@@ -155,7 +160,7 @@ fn landscape(bench: &Workbench<'_>, ground: Ground) -> Result<Outcome, LabError>
     let scene = ground.scene(bench, [side, side, depth])?;
     let camera = above_terrain(&scene, side as f64)?;
     let nearest = nearest_voxels_per_pixel(&scene, &camera, size)?;
-    let pictures = Pictures::of(bench, &spinning(scene, 3.0), &camera, size)?;
+    let pictures = Pictures::of(bench, &spinning(scene, 3.0)?, &camera, size)?;
     let mut outcome = Outcome::default();
     pictures.show(&mut outcome, "Fig. 13", None);
     outcome.find(
@@ -196,10 +201,10 @@ fn nearest_voxels_per_pixel(scene: &Scene, camera: &Camera, size: [u32; 2]) -> R
     let screen = camera.screen_from_camera(size);
     let (_, ray) = screen.ray(glam::DVec2::new(screen.centre.x, f64::from(size.height())));
     let down = camera.camera_from_world().matrix3.transpose() * ray;
-    let top = scene.volume.grid().bounds().max.z;
+    let top = scene.bounds()?.max.z;
     // The depth at which the ray is at that height.
     let depth = (top - camera.position().z) / down.dot(DVec3::Z);
-    Ok(1.0 / (screen.scale_at(depth) * scene.volume.grid().mean_spacing()))
+    Ok(1.0 / (screen.scale_at(depth) * scene.single_volume()?.volume.grid().mean_spacing()))
 }
 
 /// The paper's four, and what ours are compared with.

@@ -23,15 +23,15 @@ pub(super) struct View {
 }
 
 /// Where pixels are as far apart as voxels (eq. 3).
-pub(super) fn z_k(view: &View, settings: &RenderSettings) -> f64 {
+pub(super) fn z_k(view: &View, settings: &RenderSettings) -> Result<f64, LabError> {
     let screen = view.camera.screen_from_camera(settings.size);
-    screen.scale * view.scene.volume.grid().mean_spacing()
+    Ok(screen.scale * view.scene.single_volume()?.volume.grid().mean_spacing())
 }
 
 /// The view's camera so many steps further on: a step is a hundredth of the longest side.
 pub(super) fn forward(view: &View, steps: f64) -> Result<Camera, LabError> {
     let camera = &view.camera;
-    let bounds = view.scene.volume.grid().bounds();
+    let bounds = view.scene.bounds()?;
     let longest = (bounds.max - bounds.min).max_element();
     let way = 0.01 * steps * longest * (camera.target() - camera.position()).normalize();
     let (position, target) = (camera.position() + way, camera.target() + way);
@@ -42,7 +42,7 @@ pub(super) fn forward(view: &View, steps: f64) -> Result<Camera, LabError> {
 pub(super) fn tunnel_view(bench: &Workbench<'_>) -> Result<View, LabError> {
     let (dims, side) = bench.choose(([160, 160, 300], 240), ([80, 80, 150], 120));
     let scene = scene(Sample::Tunnel, dims)?;
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds()?;
     let centre = bounds.centre();
     let mouth = DVec3::new(centre.x, centre.y, bounds.min.z);
     let projection = Projection::Perspective { fov_degrees: 90.0 };
@@ -59,7 +59,7 @@ pub(super) fn tunnel_view(bench: &Workbench<'_>) -> Result<View, LabError> {
 pub(super) fn terrain_view(bench: &Workbench<'_>, ground: Ground) -> Result<View, LabError> {
     let (dims, size) = bench.choose(([512, 512, 103], [272, 170]), ([160, 160, 32], [100, 62]));
     let scene = ground.scene(bench, dims)?;
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds()?;
     let side = dims[0] as f64;
     let target = bounds.centre() - DVec3::Z * 0.1 * side;
     let position = target + side * DVec3::new(0.0, -0.62, 0.3);

@@ -65,12 +65,12 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let view = view()?;
     let mut renderer = bench.renderer()?;
     let plain = view.frame(&mut renderer, METHODS[0].filter)?;
-    let k = view.k();
+    let k = view.k()?;
     let beyond = Window::at_depths(&plain, |depth| depth >= k)?.inside(1);
     // Splats just beyond k reach two pixels over the line.
     let before = Window::at_depths(&plain, |depth| depth < k)?.inside(3);
     let mut outcome = Outcome::default();
-    let splats = view.scene.volume.grid().sample_count() as f64;
+    let splats = view.scene.single_volume()?.volume.grid().sample_count() as f64;
     outcome.find(
         Finding::new(
             "Fig. 7 (a)",
@@ -100,7 +100,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
         .published(Published::Claim("none before k (section 4.2)".to_owned()))
         .detail(format!("{:.3} % against {:.1} %", 100.0 * near, 100.0 * far)),
     );
-    report(&mut outcome, &comparison, &view, &CLAIMS);
+    report(&mut outcome, &comparison, &view, &CLAIMS)?;
     Ok(outcome)
 }
 

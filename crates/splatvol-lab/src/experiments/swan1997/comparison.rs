@@ -79,7 +79,7 @@ pub(super) fn compare(
     let truth_flicker = flicker(view, &flight, |view| {
         mean_of(&view.sampled(&mut renderer, Filter::None, per_pixel)?, per_pixel)
     })?;
-    let faint = view.faint();
+    let faint = view.faint()?;
     let mut measured = Vec::new();
     for (index, method) in METHODS.iter().enumerate() {
         bench.step(index + 2, steps, method.name);

@@ -103,20 +103,20 @@ fn scene() -> Result<(Scene, f64), LabError> {
 }
 
 /// Least and greatest depth of what is seen, of which the splats are seen at sizes in inverse proportion.
-fn depths(view: &View) -> [f64; 2] {
+fn depths(view: &View) -> Result<[f64; 2], LabError> {
     let camera_from_world = view.camera.camera_from_world();
-    let depths = view.scene.volume.grid().corners().map(|corner| {
+    let depths = view.scene.single_volume()?.volume.grid().corners().map(|corner| {
         let point = camera_from_world.transform_point3(corner);
         point.z
     });
-    [
+    Ok([
         depths.into_iter().fold(f64::INFINITY, f64::min),
         depths.into_iter().fold(0.0, f64::max),
-    ]
+    ])
 }
 
 /// Corners of the volume outside the picture.
-fn unseen(view: &View) -> f64 {
+fn unseen(view: &View) -> Result<f64, LabError> {
     let screen = view.camera.screen_from_camera(view.size);
     let camera_from_world = view.camera.camera_from_world();
     let [width, height] = <[u32; 2]>::from(view.size).map(f64::from);
@@ -124,19 +124,14 @@ fn unseen(view: &View) -> f64 {
         let pixel = screen.project(camera_from_world.transform_point3(*corner));
         !(0.0..width).contains(&pixel.x) || !(0.0..height).contains(&pixel.y)
     };
-    view.scene
-        .volume
-        .grid()
-        .corners()
-        .iter()
-        .filter(|corner| outside(corner))
-        .count() as f64
+    let corners = view.scene.single_volume()?.volume.grid().corners();
+    Ok(corners.iter().filter(|corner| outside(corner)).count() as f64)
 }
 
 fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let (scene, splats) = scene()?;
     let size = ImageSize::new(270, 270)?;
-    let target = scene.volume.grid().bounds().centre();
+    let target = scene.bounds()?.centre();
     let away = 1000.0 * DVec3::new(0.03, -0.55, 0.8).normalize();
     let projection = Projection::Perspective { fov_degrees: 30.0 };
     let view = View {
@@ -161,22 +156,22 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
             "Fig. 7 (e)",
             "unseen",
             "corners of the volume outside the picture",
-            unseen(&view),
+            unseen(&view)?,
             Expectation::AtMost(0.0),
         )
         .published(Published::Claim("the entire dataset is visible".to_owned())),
     );
-    let [nearest, farthest] = depths(&view);
+    let [nearest, farthest] = depths(&view)?;
     outcome.find(
         Finding::new(
             "Fig. 7 (e)",
             "nearest",
             "distance of the volume's nearest corner, in distances k",
-            nearest / view.k(),
+            nearest / view.k()?,
             Expectation::AtLeast(1.0),
         )
         .published(Published::Claim("all splats are drawn beyond k".to_owned()))
-        .detail(format!("farthest {:.2}", farthest / view.k())),
+        .detail(format!("farthest {:.2}", farthest / view.k()?)),
     );
     outcome.find(
         Finding::new(
@@ -193,6 +188,6 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let plain = view.frame(&mut bench.renderer()?, METHODS[0].filter)?;
     let sideways = DVec3::X / 6.0;
     let comparison = compare(bench, &view, &Window::whole(&plain.image), sideways)?;
-    report(&mut outcome, &comparison, &view, &CLAIMS);
+    report(&mut outcome, &comparison, &view, &CLAIMS)?;
     Ok(outcome)
 }

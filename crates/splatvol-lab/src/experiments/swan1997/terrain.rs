@@ -51,11 +51,12 @@ const CLAIMS: Claims = Claims {
 /// Lays the ground out as the paper has it, and looks over it.
 fn view(bench: &Workbench<'_>, ground: Ground) -> Result<View, LabError> {
     let scene = ground.scene(bench, [512, 512, 103])?;
-    let grid = scene.volume.grid();
-    let columns = Columns::of(&scene.volume)?;
+    let ground = scene.single_volume()?;
+    let grid = ground.volume.grid();
+    let columns = Columns::of(ground.volume)?;
     let bounds = grid.bounds();
     let level = bounds.min.z + columns.mean_top() + 0.5;
-    let scene = Scene::new(columns.volume(grid, 0)?, scene.transfer_function);
+    let scene = Scene::new(columns.volume(grid, 0)?, ground.transfer_function.clone());
     let size = ImageSize::new(270, 175)?;
     let projection = Projection::Perspective { fov_degrees: 60.0 };
     let (sin, cos) = 20_f64.to_radians().sin_cos();
@@ -75,13 +76,13 @@ fn view(bench: &Workbench<'_>, ground: Ground) -> Result<View, LabError> {
 }
 
 /// Counts of splats, and of those in the picture and beyond k in it.
-fn counts(view: &View) -> [f64; 3] {
-    let volume = &view.scene.volume;
+fn counts(view: &View) -> Result<[f64; 3], LabError> {
+    let volume = view.scene.single_volume()?.volume;
     let [nx, ny, _] = volume.grid().dims();
     let screen = view.camera.screen_from_camera(view.size);
     let camera_from_voxel = view.camera.camera_from_world() * volume.grid().world_from_voxel();
     let [width, height] = <[u32; 2]>::from(view.size).map(f64::from);
-    let k = view.k();
+    let k = view.k()?;
     let mut counts = [0.0; 3];
     for index in (0..volume.grid().sample_count()).filter(|&index| volume.value(index) > 0.0) {
         counts[0] += 1.0;
@@ -96,7 +97,7 @@ fn counts(view: &View) -> [f64; 3] {
             counts[2] += f64::from(u8::from(point.z >= k));
         }
     }
-    counts
+    Ok(counts)
 }
 
 fn generated(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
@@ -110,18 +111,18 @@ fn volcano(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
 fn measure(bench: &Workbench<'_>, ground: Ground) -> Result<Outcome, LabError> {
     let view = view(bench, ground)?;
     let plain = view.frame(&mut bench.renderer()?, METHODS[0].filter)?;
-    let k = view.k();
+    let k = view.k()?;
     let window = Window::at_depths(&plain, |depth| depth >= k)?.inside(1);
     let mut outcome = Outcome::default();
-    sizes(&mut outcome, &view, ground);
+    sizes(&mut outcome, &view, ground)?;
     let comparison = compare(bench, &view, &window, 0.25 * DVec3::Y)?;
-    report(&mut outcome, &comparison, &view, &CLAIMS);
+    report(&mut outcome, &comparison, &view, &CLAIMS)?;
     Ok(outcome)
 }
 
 /// How many splats there are, and where.
-fn sizes(outcome: &mut Outcome, view: &View, ground: Ground) {
-    let [splats, seen, beyond] = counts(view);
+fn sizes(outcome: &mut Outcome, view: &View, ground: Ground) -> Result<(), LabError> {
+    let [splats, seen, beyond] = counts(view)?;
     if ground == Ground::Generated {
         let published = Expectation::relative(386_000.0, 0.1);
         outcome.find(
@@ -143,4 +144,5 @@ fn sizes(outcome: &mut Outcome, view: &View, ground: Ground) {
         .detail(format!("{splats} splats, {seen} of them in the picture"))
         .published(Published::Number(0.9)),
     );
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::comparison::{Comparison, Measured};
 use super::shown;
 use super::view::View;
-use crate::{Expectation, Finding, Outcome, Published};
+use crate::{Expectation, Finding, LabError, Outcome, Published};
 
 /// What the paper says of a view, and where.
 pub(super) struct Claims {
@@ -25,7 +25,15 @@ const ADD_UP: &str = "opaque splats hide each other, and a low-passed opacity is
                       faint, which only add up, this share is left";
 
 /// Findings, table, plot and plate.
-pub(super) fn report(outcome: &mut Outcome, comparison: &Comparison, view: &View, claims: &Claims) {
+///
+/// # Errors
+/// A scene of anything but a volume.
+pub(super) fn report(
+    outcome: &mut Outcome,
+    comparison: &Comparison,
+    view: &View,
+    claims: &Claims,
+) -> Result<(), LabError> {
     aliasing(outcome, comparison, claims);
     flickering(outcome, comparison, claims);
     opacity(outcome, comparison, claims);
@@ -34,7 +42,8 @@ pub(super) fn report(outcome: &mut Outcome, comparison: &Comparison, view: &View
         .map_or("", |(figure, _)| figure);
     outcome.tables.push(shown::table(comparison, figure));
     outcome.plots.push(shown::plot(comparison, figure));
-    outcome.plates.push(shown::plate(comparison, figure, view.k()));
+    outcome.plates.push(shown::plate(comparison, figure, view.k()?));
+    Ok(())
 }
 
 /// A finding of what the paper says, if it does.

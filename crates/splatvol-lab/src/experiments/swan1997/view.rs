@@ -61,8 +61,9 @@ impl View {
     }
 
     /// `k = s D / p` (eq. 3), camera depth: D / p are the pixels per unit of slope.
-    pub(super) fn k(&self) -> f64 {
-        self.scene.volume.grid().mean_spacing() * self.camera.screen_from_camera(self.size).scale
+    pub(super) fn k(&self) -> Result<f64, LabError> {
+        let spacing = self.scene.single_volume()?.volume.grid().mean_spacing();
+        Ok(spacing * self.camera.screen_from_camera(self.size).scale)
     }
 
     /// The picture, as the paper has it.
@@ -80,10 +81,11 @@ impl View {
     }
 
     /// The same so faint that splats only add up: a thousandth of the extinction.
-    pub(super) fn faint(&self) -> Self {
+    pub(super) fn faint(&self) -> Result<Self, LabError> {
         let mut scene = self.scene.clone();
-        scene.transfer_function.unit_distance = Some(1000.0 * self.scene.unit_distance());
-        Self { scene, ..*self }
+        let distance = 1000.0 * self.scene.single_volume()?.unit_distance();
+        scene.transfer_function_mut()?.unit_distance = Some(distance);
+        Ok(Self { scene, ..*self })
     }
 
     /// The function of place that the picture samples, sampled at half pixels: pictures larger by one pixel have their axis, and

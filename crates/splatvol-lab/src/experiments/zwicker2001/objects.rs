@@ -106,7 +106,7 @@ fn object(
     (towards, near): (DVec3, f64),
     threshold: f64,
 ) -> Result<Object, LabError> {
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds()?;
     let target = bounds.centre();
     let projection = Projection::Perspective { fov_degrees: 25.0 };
     let distance = 0.5 * bounds.diagonal() / 12.5f64.to_radians().sin();
@@ -271,6 +271,7 @@ fn measure(
     );
     let dims = object
         .scene
+        .single_volume()?
         .volume
         .grid()
         .dims()

@@ -156,7 +156,7 @@ fn energy(frame: &Frame, pixel_area: f64) -> f64 {
 #[test]
 fn swan_keeps_the_energy_of_x_rays() {
     let scene = noise();
-    let bounds = scene.volume.grid().bounds();
+    let bounds = scene.bounds().unwrap();
     let direction = DVec3::new(0.4, -0.5, 0.8);
     let kernels = [
         Kernel::default(),

@@ -50,20 +50,21 @@ struct View8 {
 impl View8 {
     /// By the square method. Of data only the range of interest is splatted, as in section 1: what is visible, and voxels from a
     /// tenth of the range of values up, which surround it.
-    fn settings(&self, size: ImageSize, classification: Classification) -> RenderSettings {
-        let [low, high] = self.scene.volume.value_range();
-        let opacities = self.scene.transfer_function.opacities();
+    fn settings(&self, size: ImageSize, classification: Classification) -> Result<RenderSettings, LabError> {
+        let single = self.scene.single_volume()?;
+        let [low, high] = single.volume.value_range();
+        let opacities = single.transfer_function.opacities();
         let visible = opacities.iter().map(|point| point.value).fold(high, f64::min);
         let from = visible.min(low + 0.1 * (high - low));
         let data = classification == Classification::Post;
-        RenderSettings {
+        Ok(RenderSettings {
             classification,
             extraction: data.then_some(Extraction {
                 density: Some([from, high]),
                 gradient: 0.0,
             }),
             ..fastsplats(size, self.rasterizer)
-        }
+        })
     }
 }
 
@@ -117,7 +118,7 @@ fn measure(bench: &Workbench<'_>, views: &mut [View8]) -> Result<(), LabError> {
     let mut subjects = Vec::new();
     for view in views.iter() {
         for classification in [Classification::Post, Classification::Pre] {
-            let settings = view.settings(size, classification);
+            let settings = view.settings(size, classification)?;
             subjects.push(Subject::new(&view.scene, &view.camera, settings)?);
         }
     }
@@ -162,7 +163,7 @@ fn default_engine(size: ImageSize) -> RenderSettings {
 
 /// The brain of marble, and with the word around it.
 fn operated(brain: &Scene) -> Result<[Scene; 2], LabError> {
-    let bounds = brain.volume.grid().bounds();
+    let bounds = brain.bounds()?;
     let marble = SolidTexture::new(Stuff::Marble, &bounds, 0.06)?;
     let bump = BumpMap::new(&word()?, &bounds, 0.006)?;
     Ok([
@@ -175,7 +176,7 @@ fn operators(bench: &Workbench<'_>, brain: &View8) -> Result<Operated, LabError>
     let size = picture_size(bench)?;
     let [solid, bump] = operated(&brain.scene)?;
     let engine = default_engine(size);
-    let by_table = brain.settings(size, Classification::Post);
+    let by_table = brain.settings(size, Classification::Post)?;
     let idle = brain.scene.clone().with_operator(Idle);
     let mut subjects = [
         Subject::new(&brain.scene, &brain.camera, engine)?,

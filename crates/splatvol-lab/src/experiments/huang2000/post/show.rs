@@ -10,7 +10,7 @@ pub(super) fn plates(bench: &Workbench<'_>, views: &[View8]) -> Result<Vec<Plate
     let size = picture_size(bench)?;
     let mut fig8 = Plate::new("volumes", "Fig. 8", "post-classified, by the square FastSplat");
     for (letter, view) in ['a', 'b', 'c', 'd'].into_iter().zip(views) {
-        let settings = view.settings(size, Classification::Post);
+        let settings = view.settings(size, Classification::Post)?;
         let frame = Subject::new(&view.scene, &view.camera, settings)?.render()?;
         fig8 = fig8.panel(&format!("({letter}) {}", view.name), frame.image);
     }

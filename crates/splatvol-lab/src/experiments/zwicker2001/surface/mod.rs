@@ -63,9 +63,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let [volume, slices] = [volume(Compositing::Xray)?, volume(Compositing::AxisSheets)?];
     bench.step(1, 3, "surface kernels");
     let settings = settings(size, Compositing::Xray)?;
-    let surface = renderer
-        .render_composition(&case.surface()?, &camera, &settings, &|_| {})?
-        .image;
+    let surface = renderer.render(&case.surface()?, &camera, &settings)?.image;
     bench.step(2, 3, "texture in 64 bits");
     let samples = case.truth()?;
     compare(&case, [&volume, &surface, &slices], &samples, &mut outcome);

@@ -6,8 +6,8 @@ use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 use splatvol::transfer_function::linear_from_srgb;
 use splatvol::{
-    Camera, Composition, Content, Grid, ImageSize, Item, PointAttributes, PointLook, Points, Projection,
-    TransferFunction, Volume,
+    Camera, Grid, ImageSize, Item, PointAttributes, PointLook, Points, Projection, Scene, TransferFunction,
+    Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
 
@@ -61,7 +61,7 @@ impl Case {
     }
 
     /// Discs in the plane, whose standard deviation, .6 of the radius, is one voxel.
-    pub(super) fn surface(&self) -> Result<Composition, LabError> {
+    pub(super) fn surface(&self) -> Result<Scene, LabError> {
         let grid = self.volume.grid();
         let slice = self.side * self.side;
         let place = |i: usize| {
@@ -81,11 +81,7 @@ impl Case {
             radii: vec![1.0 / 0.6; slice],
         };
         let points = Points::new((0..slice).map(place).collect(), attributes, DAffine3::IDENTITY)?;
-        let content = Content::Points {
-            points: Arc::new(points),
-            look: PointLook::default(),
-        };
-        Ok(Composition::new(vec![Item::new(content)])?)
+        Ok(Scene::of_items(vec![Item::points(points, PointLook::default())])?)
     }
 
     /// The texture's green in linear light and its coverage, 16 samples per pixel.

@@ -1,11 +1,9 @@
 //! Things inside each other.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Alignment, Classification, Compositing, Composition, Content, EngineConfig, Filter, Grid, Item,
-    PointLook, RenderSettings, Renderer, Scene, SheetContent, TransferFunction,
+    Alignment, Classification, Compositing, EngineConfig, Filter, Grid, Item, PointLook, RenderSettings,
+    Renderer, Scene, SheetContent, TransferFunction,
 };
 use splatvol_testing::fields::{Ball, Noise};
 use splatvol_testing::transfer::linear_extinction;
@@ -18,10 +16,7 @@ use crate::support::{cloud, item, picture, pictured, sphere, unlit};
 const FOG: f64 = 0.8;
 
 fn volume(content: (splatvol::Volume, TransferFunction)) -> Item {
-    Item::new(Content::Volume {
-        volume: Arc::new(content.0),
-        transfer_function: content.1,
-    })
+    Item::volume(content.0, content.1)
 }
 
 /// A ball of fog of radius 1.2, `FOG (1 - (r / 1.2)^2)` dense, dark.
@@ -76,7 +71,7 @@ fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
     }
     transmittance *= (-fog_between(last, 2.0)).exp();
     expected[3] = 1.0 - transmittance;
-    let composition = Composition::new(items).unwrap();
+    let scene = Scene::of_items(items).unwrap();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     for x in -1..=1 {
         for y in -1..=1 {
@@ -86,9 +81,7 @@ fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
                     continue;
                 }
                 let camera = perspective(DVec3::ZERO, direction, 9.0, 16.0);
-                let frame = renderer
-                    .render_composition(&composition, &camera, &unlit(31, 31), &|_| {})
-                    .unwrap();
+                let frame = renderer.render(&scene, &camera, &unlit(31, 31)).unwrap();
                 let found = frame.image.pixel(15, 15).map(f64::from);
                 for c in 0..4 {
                     let error = found[c] - expected[c];
@@ -99,9 +92,9 @@ fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
     }
 }
 
-/// A volume as an item is the volume that it is alone.
+/// A volume beside others is the volume that it is alone.
 #[test]
-fn a_volume_as_an_item_is_the_volume() {
+fn a_volume_beside_others_is_the_volume() {
     let grid = Grid::centred([24, 20, 28], DVec3::new(1.0, 1.3, 0.8)).unwrap();
     let data = sample(&Noise::new(5, 20, DVec3::splat(0.6)), &grid);
     let look = linear_extinction([-1.0, 1.0], 0.2, [0.9, 0.5, 0.2]);
@@ -122,9 +115,11 @@ fn a_volume_as_an_item_is_the_volume() {
         let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
         renderer.render(&scene, &camera, &settings).unwrap()
     };
-    let found = picture(vec![volume((data, look))], &camera, &settings);
+    let unseen = item(sphere(100), PointLook::default(), 1.0);
+    let unseen = unseen.at(DAffine3::from_translation(DVec3::new(0.0, 0.0, 500.0)));
+    let found = picture(vec![volume((data, look)), unseen], &camera, &settings);
     let figures = Comparison::of(&found.image, &alone.image);
-    println!("a volume as an item: {:.1} dB", figures.psnr);
+    println!("a volume beside others: {:.1} dB", figures.psnr);
     assert!(figures.psnr > 60.0, "{}", figures.psnr);
 }
 
@@ -148,9 +143,9 @@ fn scaled_items_look_the_same_from_farther_away() {
 
 #[test]
 fn pictures_do_not_depend_on_threads() {
-    let gaussians = Item::new(Content::Gaussians(Arc::new(cloud(300, [0.02, 0.3], 3))));
+    let gaussians = Item::gaussians(cloud(300, [0.02, 0.3], 3));
     let items = vec![fog(), item(sphere(3000), PointLook::default(), 0.6), gaussians];
-    let composition = Composition::new(items).unwrap();
+    let scene = Scene::of_items(items).unwrap();
     let camera = orthographic(DVec3::ZERO, DVec3::new(0.1, 0.5, 1.0), 3.0);
     for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {
         let settings = RenderSettings {
@@ -158,7 +153,7 @@ fn pictures_do_not_depend_on_threads() {
             ..unlit(150, 130)
         };
         let bits = |threads| {
-            let frame = pictured(&composition, &camera, &settings, Some(threads));
+            let frame = pictured(&scene, &camera, &settings, Some(threads));
             frame
                 .image
                 .pixels
@@ -172,7 +167,7 @@ fn pictures_do_not_depend_on_threads() {
 
 #[test]
 fn what_is_of_one_grid_is_refused() {
-    let composition = Composition::new(vec![item(sphere(100), PointLook::default(), 1.0)]).unwrap();
+    let scene = Scene::from(item(sphere(100), PointLook::default(), 1.0));
     let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
     let base = unlit(16, 16);
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
@@ -200,7 +195,7 @@ fn what_is_of_one_grid_is_refused() {
         ),
     ] {
         let error = renderer
-            .render_composition(&composition, &camera, &settings, &|_| {})
+            .render(&scene, &camera, &settings)
             .unwrap_err()
             .to_string();
         assert!(error.contains(words), "{error}");

@@ -1,11 +1,9 @@
 //! Points on spheres, clouds of Gaussians, and pictures of them.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Composition, Content, EngineConfig, Frame, GaussianAttributes, Gaussians, ImageSize, Item,
-    PointAttributes, PointLook, Points, RenderSettings, Renderer,
+    Camera, EngineConfig, Frame, GaussianAttributes, Gaussians, ImageSize, Item, PointAttributes, PointLook,
+    Points, RenderSettings, Renderer, Scene,
 };
 use splatvol_testing::Random;
 
@@ -31,14 +29,7 @@ pub(crate) fn sphere(count: usize) -> Points {
 
 /// Points that look like this, of this size.
 pub(crate) fn item(points: Points, look: PointLook, scale: f64) -> Item {
-    let content = Content::Points {
-        points: Arc::new(points),
-        look,
-    };
-    Item {
-        content,
-        world_from_item: DAffine3::from_scale(DVec3::splat(scale)),
-    }
+    Item::points(points, look).at(DAffine3::from_scale(DVec3::splat(scale)))
 }
 
 /// Gaussians at random places within the unit cube.
@@ -76,12 +67,12 @@ pub(crate) fn unlit(width: u32, height: u32) -> RenderSettings {
 
 /// A picture by an engine of its own.
 pub(crate) fn picture(items: Vec<Item>, camera: &Camera, settings: &RenderSettings) -> Frame {
-    pictured(&Composition::new(items).unwrap(), camera, settings, None)
+    pictured(&Scene::of_items(items).unwrap(), camera, settings, None)
 }
 
 /// A picture by so many threads.
 pub(crate) fn pictured(
-    composition: &Composition,
+    scene: &Scene,
     camera: &Camera,
     settings: &RenderSettings,
     threads: Option<usize>,
@@ -92,6 +83,6 @@ pub(crate) fn pictured(
     };
     Renderer::new(config)
         .unwrap()
-        .render_composition(composition, camera, settings, &|_| {})
+        .render(scene, camera, settings)
         .unwrap()
 }

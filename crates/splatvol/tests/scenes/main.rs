@@ -1,4 +1,4 @@
-//! Several things in one picture: surfels, Gaussians and volumes, gathered into one cloud.
+//! Scenes of several things, and of one: surfels, Gaussians, meshes and volumes.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -8,5 +8,6 @@ mod common;
 mod gaussians;
 mod meshes;
 mod mixed;
+mod single;
 mod support;
 mod surfels;

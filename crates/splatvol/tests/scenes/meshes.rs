@@ -1,12 +1,10 @@
 //! Meshes: the same field on grids of all kinds.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    Alignment, Classification, Content, EngineConfig, Filter, Grid, Item, Mesh, RenderSettings, Renderer,
-    Scene, SheetContent, TransferFunction,
+    Alignment, Classification, EngineConfig, Filter, Grid, Item, Mesh, RenderSettings, Renderer, Scene,
+    SheetContent, TransferFunction,
 };
 use splatvol_testing::fields::{Ball, Constant, Field};
 use splatvol_testing::transfer::linear_extinction;
@@ -38,10 +36,7 @@ fn structured(field: &impl Field, dims: [usize; 3], place: impl Fn(DVec3) -> DVe
 }
 
 fn item(mesh: Mesh, transfer_function: TransferFunction) -> Item {
-    Item::new(Content::Mesh {
-        mesh: Arc::new(mesh),
-        transfer_function,
-    })
+    Item::mesh(mesh, transfer_function)
 }
 
 /// Coordinates along an axis, from -1 to 1, `ratio` times as dense in the middle as at the ends.

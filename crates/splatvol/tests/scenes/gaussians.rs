@@ -1,11 +1,9 @@
 //! Gaussians, as published and in sheets.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Composition, Content, EngineConfig, Filter, Frame, GaussianAttributes, GaussianMode, Gaussians,
-    Item, RenderSettings, Renderer,
+    Camera, EngineConfig, Filter, Frame, GaussianAttributes, GaussianMode, Gaussians, Item, RenderSettings,
+    Renderer, Scene,
 };
 use splatvol_testing::Comparison;
 
@@ -13,7 +11,7 @@ use crate::common::{orthographic, perspective};
 use crate::support::{cloud, picture, unlit};
 
 fn item(gaussians: Gaussians) -> Item {
-    Item::new(Content::Gaussians(Arc::new(gaussians)))
+    Item::gaussians(gaussians)
 }
 
 fn of(gaussians: GaussianMode, side: u32) -> RenderSettings {
@@ -68,7 +66,7 @@ fn small_gaussians_keep_their_energy() {
 }
 
 fn frames(mode: GaussianMode) -> Vec<Frame> {
-    let composition = Composition::new(vec![item(cloud(300, [0.05, 0.35], 21))]).unwrap();
+    let scene = Scene::from(item(cloud(300, [0.05, 0.35], 21)));
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     (0..16)
         .map(|step| {
@@ -77,9 +75,7 @@ fn frames(mode: GaussianMode) -> Vec<Frame> {
             let position = -6.0 * direction.normalize();
             let projection = splatvol::Projection::Perspective { fov_degrees: 30.0 };
             let camera = Camera::new(position, DVec3::ZERO, DVec3::Z, projection).unwrap();
-            renderer
-                .render_composition(&composition, &camera, &of(mode, 64), &|_| {})
-                .unwrap()
+            renderer.render(&scene, &camera, &of(mode, 64)).unwrap()
         })
         .collect()
 }
