@@ -202,6 +202,13 @@ impl TileLists {
         &self.longest_first
     }
 
+    /// The n-th brick of a tile, front to back.
+    pub fn brick(&self, tile: usize, n: usize) -> Option<&ProjectedBrick> {
+        let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;
+        let index = *self.entries[range].get(n)?;
+        Some(&self.bricks[index as usize])
+    }
+
     /// Bricks of a tile, front to back.
     pub fn of(&self, tile: usize) -> impl ExactSizeIterator<Item = &ProjectedBrick> + Clone {
         let range = self.offsets[tile] as usize..self.offsets[tile + 1] as usize;

@@ -31,6 +31,7 @@ mod route;
 mod sheets;
 mod shutter;
 mod simd;
+mod splat_light;
 mod stage;
 mod statistics;
 mod tile;

@@ -11,7 +11,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_gaussians::Placed;
-use splatvol_scene::{Camera, Exposure, Frame, Gradient, Kernel, RenderSettings, Scene, SceneError, Volume};
+use splatvol_scene::{Camera, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::clouds;
 use crate::config::{EngineConfig, EngineError, level_name};
@@ -19,8 +19,9 @@ use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
 use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
-use crate::route::{PlacedVolume, Route, VolumeScene};
+use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
 use crate::sheets::engine::{Run, SheetEngine};
+use crate::sheets::scene::LayeredScene;
 use crate::shutter::{self, Exposed};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
@@ -48,10 +49,10 @@ struct Prepared {
 /// Renders scenes; keeps what it derives from their items between frames.
 #[derive(Debug)]
 pub struct Renderer {
-    pool: rayon::ThreadPool,
+    pool: Arc<rayon::ThreadPool>,
     tile_edge: Option<usize>,
     level: Level,
-    placed: PlacedVolume,
+    placed: PlacedVolumes,
     prepared: Option<Prepared>,
     data: SheetEngine,
     footprints: FootprintEngine,
@@ -87,10 +88,10 @@ impl Renderer {
             })?;
         let statistics = RenderStatistics::default();
         Ok(Self {
-            pool,
+            pool: Arc::new(pool),
             tile_edge: config.tile_edge,
             level,
-            placed: PlacedVolume::default(),
+            placed: PlacedVolumes::default(),
             prepared: None,
             data: SheetEngine::default(),
             footprints: FootprintEngine::default(),
@@ -293,8 +294,9 @@ impl Renderer {
         if !frame.fits(settings.size) {
             *frame = Frame::empty(settings.size);
         }
+        let pool = Arc::clone(&self.pool);
         let run = Run {
-            pool: &self.pool,
+            pool: &pool,
             level: self.level,
             tile_edge: self.tile_edge,
             progress,
@@ -305,7 +307,7 @@ impl Renderer {
             Route::Volume(scene) => {
                 if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
                     self.statistics = self.footprints.render(run, scene, view, frame)?;
-                } else if splats_at_once(scene, settings)
+                } else if splats_at_once(&scene.volume, settings)
                     && let Some(statistics) = self.data.render(run, scene, view, frame)
                 {
                     self.statistics = statistics;
@@ -315,8 +317,38 @@ impl Renderer {
                 }
             }
             Route::Published(clouds) => self.render_published(shot, clouds, settings, frame),
+            Route::Layers(parts) => self.render_layers(run, shot, (parts, settings), frame)?,
             Route::Cloud => {
                 self.statistics = self.footprints.render_items(run, shot.scene, view, frame)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders a scene in layers. Where a volume is too close to the camera for that, all of it is classified.
+    fn render_layers(
+        &mut self,
+        run: Run<'_>,
+        shot: &Shot<'_>,
+        (parts, settings): (&Parts<'_>, &RenderSettings),
+        frame: &mut Frame,
+    ) -> Result<(), SceneError> {
+        let view = (shot.camera, settings);
+        for (volumes, rest) in [(&parts.volumes[..], &parts.rest), (&[], shot.scene)] {
+            let start = Instant::now();
+            let footprints = &mut self.footprints;
+            let cloud = match rest.items.is_empty() {
+                true => None,
+                false => Some(run.pool.install(move || footprints.cloud_of(rest, view))?),
+            };
+            let scene = LayeredScene {
+                volumes,
+                cloud,
+                clips: &shot.scene.clips,
+            };
+            if let Some(statistics) = self.data.render_layers(run, &scene, view, (frame, start)) {
+                self.statistics = statistics;
+                return Ok(());
             }
         }
         Ok(())
@@ -332,7 +364,7 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let settings = clouds::published_settings(shot.scene, settings.size);
-        let (threads, view) = ((&self.pool, self.level), (shot.camera, &settings));
+        let (threads, view) = ((&*self.pool, self.level), (shot.camera, &settings));
         self.gaussians.render_into(threads, clouds, view, frame);
         self.statistics = RenderStatistics {
             threads: self.pool.current_num_threads(),
@@ -432,13 +464,6 @@ struct Shot<'a> {
     scene: &'a Scene,
     route: &'a Route<'a>,
     camera: &'a Camera,
-}
-
-/// Whether the engine that splats into all sheets at once renders this.
-fn splats_at_once(scene: &VolumeScene<'_>, settings: &RenderSettings) -> bool {
-    settings.gradient == Gradient::Differences
-        && (settings.prefilter || splats_color(settings))
-        && scene.volume.statistics().non_finite == 0
 }
 
 fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {

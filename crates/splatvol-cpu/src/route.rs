@@ -4,7 +4,8 @@
 //! |---|---|
 //! | one volume, wherever it lies | those for grids (`sheets`, `tile`), or `footprints` where a method needs whole ones |
 //! | nothing but Gaussians | the published renderer's way (`splatvol_gaussians`), unless sheets are asked for |
-//! | everything else | `footprints`: one cloud of classified splats |
+//! | everything else on image sheets | `sheets`: every volume a layer, the rest a cloud, another |
+//! | everything else by another method | `footprints`: one cloud of classified splats |
 //!
 //! A volume is brought to its place by its grid: `world_from_voxel = world_from_item * item_from_voxel`.
 
@@ -15,11 +16,12 @@ use glam::DAffine3;
 use splatvol_gaussians::Placed;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Clip, Content, GaussianMode, Isosurface, Item, Motion, RenderSettings, Scene, SceneError, SingleVolume,
-    TransferFunction, Volume,
+    Clip, Compositing, Content, GaussianMode, Gradient, Isosurface, Item, Motion, RenderSettings, Scene,
+    SceneError, SingleVolume, TransferFunction, Volume,
 };
 
-use crate::{clouds, operations};
+use crate::plan::splats_color;
+use crate::{clouds, footprints, operations};
 
 /// How a scene is rendered.
 pub(crate) enum Route<'a> {
@@ -27,8 +29,18 @@ pub(crate) enum Route<'a> {
     Volume(VolumeScene<'a>),
     /// As the published renderer does.
     Published(Vec<Placed<'a>>),
-    /// As a cloud of splats.
+    /// On sheets, as layers.
+    Layers(Parts<'a>),
+    /// As a cloud of splats, by the papers' methods.
     Cloud,
+}
+
+/// The layers of a scene.
+pub(crate) struct Parts<'a> {
+    /// A layer each.
+    pub volumes: Vec<VolumeScene<'a>>,
+    /// What is classified already, and shares a layer.
+    pub rest: Scene,
 }
 
 /// One volume as engines for grids see it.
@@ -57,27 +69,35 @@ impl VolumeScene<'_> {
     }
 }
 
-/// The volume last brought to a place of its own, so that what engines keep of it stays right.
+/// The volumes last brought to places of their own, so that what engines keep of them stays right.
 #[derive(Debug, Default)]
-pub(crate) struct PlacedVolume {
-    kept: Option<(Arc<Volume>, DAffine3, Arc<Volume>)>,
+pub(crate) struct PlacedVolumes {
+    kept: Vec<(Arc<Volume>, DAffine3, Arc<Volume>)>,
 }
 
-impl PlacedVolume {
+impl PlacedVolumes {
+    /// Forgets those that a scene does not have: first, so that the memory of both is never needed.
+    fn keep(&mut self, scene: &Scene) {
+        self.kept.retain(|(own, at, _)| {
+            scene.items.iter().any(|item| match &item.content {
+                Content::Volume { volume, .. } => Arc::ptr_eq(own, volume) && *at == item.world_from_item,
+                _ => false,
+            })
+        });
+    }
+
     /// The volume where it lies.
     fn place(&mut self, single: &SingleVolume<'_>) -> Result<Arc<Volume>, SceneError> {
         let place = single.item.world_from_item;
-        if let Some((own, at, placed)) = &self.kept
-            && Arc::ptr_eq(own, single.volume)
-            && *at == place
-        {
+        let same =
+            |kept: &&(Arc<Volume>, DAffine3, _)| Arc::ptr_eq(&kept.0, single.volume) && kept.1 == place;
+        if let Some((_, _, placed)) = self.kept.iter().find(same) {
             return Ok(Arc::clone(placed));
         }
-        // First, so that the memory of two is never needed.
-        self.kept = None;
         let placed = single.placed()?;
         if place != DAffine3::IDENTITY {
-            self.kept = Some((Arc::clone(single.volume), place, Arc::clone(&placed)));
+            self.kept
+                .push((Arc::clone(single.volume), place, Arc::clone(&placed)));
         }
         Ok(placed)
     }
@@ -91,7 +111,7 @@ impl<'a> Route<'a> {
     pub(crate) fn of(
         scene: &'a Scene,
         settings: &RenderSettings,
-        volumes: &mut PlacedVolume,
+        volumes: &mut PlacedVolumes,
     ) -> Result<Self, SceneError> {
         match settings.gaussians {
             GaussianMode::Published if !scene.is_gaussians() => {
@@ -106,8 +126,10 @@ impl<'a> Route<'a> {
             }
             _ => {}
         }
+        volumes.keep(scene);
         match scene.single_volume() {
             Ok(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
+            Err(_) if on_planes(settings) => parts(scene, settings, volumes).map(Self::Layers),
             Err(_) => Ok(Self::Cloud),
         }
     }
@@ -120,7 +142,7 @@ impl Route<'_> {
     /// Settings outside their domain, or methods that it does not have.
     pub(crate) fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
         let settings = match self {
-            Self::Volume(_) | Self::Published(_) => *settings,
+            Self::Volume(_) | Self::Published(_) | Self::Layers(_) => *settings,
             Self::Cloud => clouds::in_sheets(settings)?,
         };
         if !matches!(self, Self::Published(_)) {
@@ -137,9 +159,62 @@ impl Route<'_> {
         match self {
             Self::Volume(volume) => operations::check(volume, settings),
             Self::Published(_) => clouds::check(scene, settings, clouds::PUBLISHED),
+            Self::Layers(parts) => {
+                for volume in &parts.volumes {
+                    operations::check(volume, settings)?;
+                }
+                clouds::check(&parts.rest, settings, clouds::CLOUD)
+            }
             Self::Cloud => clouds::check(scene, settings, clouds::CLOUD),
         }
     }
+}
+
+/// Whether scenes are splatted on planes: image sheets, and no paper's way to draw footprints.
+fn on_planes(settings: &RenderSettings) -> bool {
+    settings.compositing == Compositing::ImageSheets && !footprints::is_needed(settings)
+}
+
+/// The layers of a scene. Volumes that only the slices render are classified with the rest.
+///
+/// # Errors
+/// Volumes whose place cannot be inverted.
+fn parts<'a>(
+    scene: &'a Scene,
+    settings: &RenderSettings,
+    volumes: &mut PlacedVolumes,
+) -> Result<Parts<'a>, SceneError> {
+    let mut parts = Parts {
+        volumes: Vec::new(),
+        rest: Scene::default(),
+    };
+    for item in &scene.items {
+        if let Content::Volume {
+            volume,
+            transfer_function,
+            isosurfaces,
+        } = &item.content
+            && splats_at_once(volume, settings)
+        {
+            let single = SingleVolume {
+                item,
+                volume,
+                transfer_function,
+                isosurfaces,
+            };
+            parts.volumes.push(volume_scene(scene, &single, volumes)?);
+        } else {
+            parts.rest.items.push(item.clone());
+        }
+    }
+    Ok(parts)
+}
+
+/// Whether the sheet engine renders a volume.
+pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
+    settings.gradient == Gradient::Differences
+        && (settings.prefilter || splats_color(settings))
+        && volume.statistics().non_finite == 0
 }
 
 fn placed(scene: &Scene) -> Vec<Placed<'_>> {
@@ -156,7 +231,7 @@ fn placed(scene: &Scene) -> Vec<Placed<'_>> {
 fn volume_scene<'a>(
     scene: &'a Scene,
     single: &SingleVolume<'a>,
-    volumes: &mut PlacedVolume,
+    volumes: &mut PlacedVolumes,
 ) -> Result<VolumeScene<'a>, SceneError> {
     let item = single.item;
     let own = single.transfer_function;

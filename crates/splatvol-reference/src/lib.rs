@@ -15,11 +15,13 @@
 //! | `integral` | adaptive emission-absorption integral |
 //! | `ray_value` | the largest, smallest or mean value along a ray |
 //! | [`mod@render`] | rays, clipping, frames |
+//! | [`ellipsoids`] | the same integral of a cloud of Gaussian kernels |
 //!
 //! `RenderSettings::sheet_thickness` and `termination` have no meaning here: this is the limit of thin sheets that
 //! are never terminated.
 #![forbid(unsafe_code)]
 
+pub mod ellipsoids;
 mod error;
 mod features;
 mod integral;

@@ -19,7 +19,6 @@ mod cloud;
 mod data;
 mod items;
 mod kernels;
-mod light;
 mod occlusion;
 mod order;
 mod plan;
@@ -32,7 +31,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use splatvol_core::splats::Profile;
+use splatvol_core::splats::{Profile, SplatCloud};
 use splatvol_scene::{
     Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Occlusion, Rasterizer,
     Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
@@ -101,6 +100,20 @@ impl FootprintEngine {
         };
         let view = (camera, settings);
         Ok(draw(run, (drawn, self.kernels.footprints()), view, frame, start))
+    }
+
+    /// The cloud of a scene as a camera sees it.
+    ///
+    /// # Errors
+    /// Kernels outside their domain.
+    pub(crate) fn cloud_of(
+        &mut self,
+        scene: &Scene,
+        (camera, settings): (&Camera, &RenderSettings),
+    ) -> Result<&SplatCloud, SceneError> {
+        self.kernels.prepare(settings)?;
+        let shape = self.kernels.shape(settings);
+        Ok(self.items.cloud(scene, camera, (settings, shape)))
     }
 
     /// Renders a frame of several things: everything but `camera` and settings is kept between frames.

@@ -11,11 +11,11 @@ use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
 use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings};
 
 use super::cloud::splats_data;
-use super::light::SplatLight;
 use super::order::{Order, extent};
 use super::raster::Tables;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
+use crate::splat_light::SplatLight;
 
 /// Edge of a tile, pixels, where the whole picture is not one.
 const TILE_EDGE: usize = 64;

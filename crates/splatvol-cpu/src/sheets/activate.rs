@@ -101,7 +101,7 @@ impl OpenVoxels {
 }
 
 /// Which voxels enter a sheet and touch the tile.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Window {
     /// Blocks along a footprint's edge.
     pub blocks: usize,

@@ -7,10 +7,11 @@
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::visibility::BRICK_VOXELS;
 
+use super::canvas::{Canvas, Material};
 use super::classified::{Classified, ClassifiedBricks};
 use super::mode::Mode;
 use super::plane::{HALO, Plane};
-use super::shade::Canvas;
+
 use super::shaded::filled;
 use super::splat::Payload;
 use super::tile::{MAX_CHANNELS, Place, SheetFrame, SheetScratch};
@@ -24,7 +25,7 @@ pub(crate) struct Compose<'a> {
 
 /// Extinction and emission of classified voxels, each into a ring of its own.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Emission<'m>(&'m Classified);
+pub(crate) struct Emission<'m>(pub &'m Classified);
 
 impl Payload<4> for Emission<'_> {
     #[inline(always)]
@@ -98,26 +99,26 @@ fn composite<S: Simd>(
     let spacing = frame.stack.spacing as f32;
     let length = ray_length(simd, frame, [place.rect.x0 + x, place.rect.y0 + y]) * spacing;
     let optical_depth = extinction * length;
-    let (_, opacity) = through_and_opacity(simd, optical_depth);
-    let share = seen.select(transmittance * opacity, zero);
-    let per_extinction = share / seen.select(extinction, one);
-    for c in 0..3 {
-        let plane = &mut canvas.color[c][pixel..pixel + 16];
-        let emission = mean(simd, planes, c + 1, at);
-        (emission * per_extinction + load(simd, plane, 0)).store_slice(plane);
-    }
+    let (through, opacity) = through_and_opacity(simd, optical_depth);
+    let opacity = seen.select(opacity, zero);
+    let per_extinction = opacity / seen.select(extinction, one);
     let (front, back) = (
         load(simd, &planes[1][0].values, at),
         load(simd, &planes[2][0].values, at),
     );
     let total = front + back;
     let share_of_far = total.simd_gt(zero).select(back / total, f32x16::splat(simd, 0.5));
-    let depth = (share_of_far * 0.5 + 0.25) * spacing + frame.sheets[near].depth;
-    let plane = &mut canvas.depth_sum[pixel..pixel + 16];
-    (depth * share + load(simd, plane, 0)).store_slice(plane);
-    let left = transmittance - share;
-    left.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
-    (open & left.simd_lt(termination)).to_bitmask() as u16
+    let material = Material {
+        through: seen.select(through, one),
+        opacity,
+        color: [
+            mean(simd, planes, 1, at) * per_extinction,
+            mean(simd, planes, 2, at) * per_extinction,
+            mean(simd, planes, 3, at) * per_extinction,
+        ],
+        depth: (share_of_far * 0.5 + 0.25) * spacing + frame.sheets[near].depth,
+    };
+    canvas.put(simd, pixel, &material, frame.termination)
 }
 
 impl Mode<4> for Compose<'_> {
@@ -147,21 +148,32 @@ impl Mode<4> for Compose<'_> {
         place: &Place,
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        let SheetScratch { planes, mask, .. } = scratch;
-        let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
-            return;
-        };
-        for y in span.y0..span.y1 {
-            let mut x = span.x0 / 16 * 16;
-            while x < span.x1 {
-                if mask.sixteen(x, y) != 0 {
-                    let finished = composite(simd, (frame, near), place, planes, canvas, [x, y]);
-                    if finished != 0 {
-                        mask.finish(x, y, finished);
-                    }
+        composite_planes(simd, (frame, near), place, (canvas, scratch));
+    }
+}
+
+/// Composites what lies between a plane of extinction and emission and the next, and closes the pixels that it finishes.
+#[inline(always)]
+pub(crate) fn composite_planes<S: Simd>(
+    simd: S,
+    (frame, near): (&SheetFrame<'_>, usize),
+    place: &Place,
+    (canvas, scratch): (&mut Canvas, &mut SheetScratch),
+) {
+    let SheetScratch { planes, mask, .. } = scratch;
+    let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
+        return;
+    };
+    for y in span.y0..span.y1 {
+        let mut x = span.x0 / 16 * 16;
+        while x < span.x1 {
+            if mask.sixteen(x, y) != 0 {
+                let finished = composite(simd, (frame, near), place, planes, canvas, [x, y]);
+                if finished != 0 {
+                    mask.finish(x, y, finished);
                 }
-                x += 16;
             }
+            x += 16;
         }
     }
 }

@@ -112,7 +112,8 @@ impl Cut {
         }
     }
 
-    fn keeps(&self, point: Vec3) -> bool {
+    /// Whether a point is left.
+    pub(crate) fn keeps(&self, point: Vec3) -> bool {
         self.bodies.iter().all(|(planes, keep)| {
             let inside = planes.iter().all(|p| p.normal.dot(point) + p.offset >= 0.0);
             inside == (*keep == Keep::Inside)

@@ -5,27 +5,30 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch};
 use glam::Affine3A;
 use rayon::prelude::*;
 use splatvol_core::bin::TileRect;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, RenderSettings};
 
+use super::canvas::Canvas;
 use super::classified::ClassifiedBricks;
+use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::frame::{Plan, Sampling, View};
 use super::integral::Integral;
 use super::intensity::{Extreme, Intensity, Mean};
+use super::layer::{ModeLayer, TileLayer, render};
 use super::level::{Detail, Pyramid, Wanted};
 use super::mode::{Bricks, Mode};
 use super::operated::Operated;
 use super::pixel::Units;
 use super::resolve::{blend, resolve};
-use super::shade::Canvas;
+use super::scene::LayerStore;
 use super::shaded::Shaded;
-use super::tile::{SheetFrame, SheetScratch, SheetWork, render};
+use super::tile::{SheetFrame, SheetScratch, SheetWork};
 use crate::coverage::Edges;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
@@ -33,7 +36,7 @@ use crate::sheets::extremum::{Largest, Smallest};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Edge of a tile unless asked otherwise, pixels: few voxels lie in two tiles.
-const TILE_EDGE: usize = 128;
+pub(super) const TILE_EDGE: usize = 128;
 
 /// A tile's pixels and what they took.
 pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
@@ -43,11 +46,51 @@ pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
 pub(crate) struct SheetEngine {
     pyramid: Option<Pyramid>,
     plan: Plan,
-    /// One per thread.
-    scratch: Vec<Mutex<SheetScratch>>,
-    tiles: Vec<Tile>,
+    pub(super) cloud: CloudPlan,
+    pub(super) layers: LayerStore,
+    pub(super) memory: TileMemory,
     /// The coarser level's frame, where two are blended.
-    coarser: Option<Frame>,
+    pub(super) coarser: Option<Frame>,
+}
+
+/// Memory that tiles are rendered in, kept between frames.
+#[derive(Debug, Default)]
+pub(crate) struct TileMemory {
+    /// One per thread, and of these one per layer.
+    scratch: Vec<Mutex<Vec<SheetScratch>>>,
+    tiles: Vec<Tile>,
+}
+
+impl TileMemory {
+    /// Renders all tiles of a frame. `sheets_per_voxel`: what a voxel is splatted into.
+    pub(crate) fn render(
+        &mut self,
+        run: Run<'_>,
+        picture: &impl Tiles,
+        sheets_per_voxel: u64,
+        frame: &mut Frame,
+        statistics: &mut RenderStatistics,
+    ) {
+        let start = Instant::now();
+        let plan = picture.frame();
+        let count = plan.tiles.len();
+        self.scratch
+            .resize_with(run.pool.current_num_threads(), Mutex::default);
+        if self.tiles.len() < count {
+            self.tiles.resize_with(count, Mutex::default);
+        }
+        let tiles = &self.tiles[..count];
+        render_tiles(run, picture, &self.scratch, tiles);
+        resolve(&plan.tiles, tiles, frame);
+        statistics.seconds.tiles += start.elapsed().as_secs_f64();
+        statistics.active_bricks += picture.bricks();
+        statistics.sheets += plan.stack.count;
+        statistics.tiles += count;
+        for tile in tiles {
+            let (_, work) = &*lock(tile);
+            count_work(work, sheets_per_voxel, statistics);
+        }
+    }
 }
 
 /// What a frame is rendered with.
@@ -154,7 +197,7 @@ impl SheetEngine {
             _ => Sampling::Field,
         };
         let grid = level.field.volume().grid();
-        let view = View::new(grid, camera, settings, sampling)?;
+        let view = View::new(grid, (camera, settings), sampling, None)?;
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let mut job = Job {
@@ -162,8 +205,7 @@ impl SheetEngine {
             view: &view,
             settings,
             plan: &mut self.plan,
-            scratch: &mut self.scratch,
-            tiles: &mut self.tiles,
+            memory: &mut self.memory,
         };
         let store: &FieldStore = &level.field;
         let spacing = scene.volume.grid().mean_spacing();
@@ -229,7 +271,11 @@ impl SheetEngine {
 }
 
 /// What a scene asks to be done to pixels.
-fn operated<'a>(scene: &'a VolumeScene<'_>, camera: &Camera, store: &FieldStore) -> Option<Operated<'a>> {
+pub(super) fn operated<'a>(
+    scene: &'a VolumeScene<'_>,
+    camera: &Camera,
+    store: &FieldStore,
+) -> Option<Operated<'a>> {
     let [low, high] = store.volume().value_range();
     let world_from_camera = camera.camera_from_world().inverse();
     let range = if high > low { high - low } else { 1.0 };
@@ -250,8 +296,7 @@ struct Job<'a> {
     view: &'a View,
     settings: &'a RenderSettings,
     plan: &'a mut Plan,
-    scratch: &'a mut Vec<Mutex<SheetScratch>>,
-    tiles: &'a mut Vec<Tile>,
+    memory: &'a mut TileMemory,
 }
 
 impl Job<'_> {
@@ -265,26 +310,11 @@ impl Job<'_> {
         let start = Instant::now();
         let edge = self.run.tile_edge.unwrap_or(TILE_EDGE);
         let plan = self.plan.update(self.view, bricks, self.settings, edge);
-        let tiled = Instant::now();
-        let count = plan.tiles.len();
-        self.scratch
-            .resize_with(self.run.pool.current_num_threads(), Mutex::default);
-        if self.tiles.len() < count {
-            self.tiles.resize_with(count, Mutex::default);
-        }
-        let tiles = &self.tiles[..count];
-        render_tiles(self.run, (&plan, mode), self.scratch, tiles);
-        resolve(&plan.tiles, tiles, frame);
-        let seconds = &mut statistics.seconds;
-        seconds.bin += (tiled - start).as_secs_f64();
-        seconds.tiles += tiled.elapsed().as_secs_f64();
-        statistics.active_bricks += bricks.len();
-        statistics.sheets += self.view.sheets();
-        statistics.tiles += count;
-        for tile in tiles {
-            let (_, work) = &*lock(tile);
-            count_work(work, self.view.sheets_per_voxel(), statistics);
-        }
+        statistics.seconds.bin += start.elapsed().as_secs_f64();
+        let sheets_per_voxel = self.view.sheets_per_voxel();
+        let picture = Single { frame: &plan, mode };
+        self.memory
+            .render(self.run, &picture, sheets_per_voxel, frame, statistics);
     }
 }
 
@@ -303,30 +333,76 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// What a frame's tiles show.
+pub(crate) trait Tiles: Sync {
+    /// The frame, or that of any of several layers: they share tiles and planes.
+    fn frame(&self) -> &SheetFrame<'_>;
+
+    /// Bricks of all layers.
+    fn bricks(&self) -> usize;
+
+    /// Renders a tile.
+    fn render<S: Simd>(
+        &self,
+        simd: S,
+        tile: usize,
+        canvas: &mut Canvas,
+        scratch: &mut Vec<SheetScratch>,
+    ) -> SheetWork;
+}
+
+/// One mode's picture of one frame.
+#[derive(Debug)]
+pub(crate) struct Single<'a, M, const N: usize> {
+    pub frame: &'a SheetFrame<'a>,
+    pub mode: &'a M,
+}
+
+impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
+    fn frame(&self) -> &SheetFrame<'_> {
+        self.frame
+    }
+
+    fn bricks(&self) -> usize {
+        self.frame.bricks.len()
+    }
+
+    fn render<S: Simd>(
+        &self,
+        simd: S,
+        tile: usize,
+        canvas: &mut Canvas,
+        scratch: &mut Vec<SheetScratch>,
+    ) -> SheetWork {
+        if scratch.is_empty() {
+            scratch.push(SheetScratch::default());
+        }
+        let mut layer = ModeLayer::new((self.frame, self.mode), tile, &mut scratch[0]);
+        let layers = &mut [&mut layer as &mut dyn TileLayer<S>];
+        render(simd, self.frame.termination, layers, canvas)
+    }
+}
+
 /// Renders all tiles; threads take the next one as they come free.
-fn render_tiles<M: Mode<N>, const N: usize>(
-    run: Run<'_>,
-    plan: (&SheetFrame<'_>, &M),
-    scratch: &[Mutex<SheetScratch>],
-    tiles: &[Tile],
-) {
+fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetScratch>>], tiles: &[Tile]) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let frame = picture.frame();
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
         loop {
-            let order = plan.0.lists.longest_first();
+            let order = frame.lists.longest_first();
             let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };
             let index = index as usize;
             let (canvas, work) = &mut *lock(&tiles[index]);
-            let rect = plan.0.tiles.rect(index);
-            if run.wants(&rect) {
-                *work = dispatch!(run.level, simd => render(simd, plan, index, canvas, scratch));
+            let rect = frame.tiles.rect(index);
+            canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
+            *work = if run.wants(&rect) {
+                dispatch!(run.level, simd => picture.render(simd, index, canvas, scratch))
             } else {
-                canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
-                *work = SheetWork::default();
-            }
+                SheetWork::default()
+            };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             (run.progress)(done as f64 / tiles.len() as f64);
         }

@@ -67,12 +67,12 @@ pub(crate) struct View {
 
 impl View {
     /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
-    /// too wide an angle.
+    /// too wide an angle. `spacing`: of the planes, world length, where other layers demand one.
     pub(crate) fn new(
         grid: &Grid,
-        camera: &Camera,
-        settings: &RenderSettings,
+        (camera, settings): (&Camera, &RenderSettings),
         sampling: Sampling,
+        spacing: Option<f64>,
     ) -> Option<Self> {
         let margin = grid.dims().map(|n| usize::from(n > 1));
         let screen = camera.screen_from_camera(settings.size);
@@ -92,7 +92,10 @@ impl View {
         let stack = match sampling {
             // A slab per voxel tells enough of depth.
             Sampling::Rays => Planes::covering(&corners, 0.0, per_voxel, &screen),
-            _ => Planes::covering(&corners, reach, settings.sheet_thickness * per_voxel, &screen),
+            _ => {
+                let own = settings.sheet_thickness * per_voxel;
+                Planes::covering(&corners, reach, spacing.unwrap_or(own), &screen)
+            }
         };
         let groups = match sampling {
             Sampling::Rays => {
@@ -105,7 +108,10 @@ impl View {
                 }
                 1
             }
-            _ => ((2.0 * kernel.radius / settings.sheet_thickness / LANES as f64) - 1e-9).ceil() as usize,
+            _ => {
+                let thickness = spacing.map_or(settings.sheet_thickness, |spacing| spacing / per_voxel);
+                ((2.0 * kernel.radius / thickness / LANES as f64) - 1e-9).ceil() as usize
+            }
         };
         let steepest = if screen.perspective {
             let corner = screen
@@ -178,14 +184,19 @@ impl View {
 }
 
 impl View {
-    /// Sheets from front to back.
-    pub(crate) fn sheets(&self) -> usize {
-        self.stack.count
-    }
-
     /// Sheets that a voxel is splatted into.
     pub(crate) fn sheets_per_voxel(&self) -> u64 {
         (self.groups * LANES) as u64
+    }
+
+    /// Distance between planes, world length.
+    pub(crate) fn spacing(&self) -> f64 {
+        self.stack.spacing
+    }
+
+    /// Pixels from one raster point to the next.
+    pub(crate) fn step(&self) -> usize {
+        self.raster.step
     }
 
     /// Footprints along rays, and how they are rasterised.

@@ -16,12 +16,12 @@ use splatvol_core::footprint::FootprintShape;
 use splatvol_core::visibility::BRICK_VOXELS;
 use splatvol_scene::{ImageSize, ScreenFromCamera};
 
+use super::canvas::Canvas;
 use super::classified::{Classified, ClassifiedBricks};
 use super::compose::{ray_length, through_and_opacity};
 use super::mode::Mode;
 use super::plane::{HALO, Plane};
 use super::ring::LANES;
-use super::shade::Canvas;
 use super::sheet::{GroupShape, Raster, SheetShape};
 use super::splat::Payload;
 use super::tile::{Place, SheetFrame, SheetScratch, take};

@@ -9,11 +9,12 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::border::{BorderPlane, Shares};
+use super::canvas::Canvas;
 use super::classified::Classified;
 use super::cubic::{Cubic, Parabola};
 use super::mode::Mode;
 use super::plane::HALO;
-use super::shade::{Canvas, Interval, PlaneShader};
+use super::shade::{Interval, PlaneShader};
 use super::shaded::interval;
 use super::splat::Coefficient;
 use super::tile::{Place, SheetFrame, SheetScratch};

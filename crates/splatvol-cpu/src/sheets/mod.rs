@@ -23,7 +23,9 @@
 
 pub(crate) mod activate;
 pub(crate) mod border;
+pub(crate) mod canvas;
 pub(crate) mod classified;
+pub(crate) mod cloud;
 pub(crate) mod compose;
 pub(crate) mod crossing;
 pub(crate) mod cubic;
@@ -33,6 +35,8 @@ pub(crate) mod extremum;
 pub(crate) mod frame;
 pub(crate) mod integral;
 pub(crate) mod intensity;
+pub(crate) mod layer;
+pub(crate) mod layers;
 pub(crate) mod level;
 pub(crate) mod mask;
 pub(crate) mod mode;
@@ -42,6 +46,7 @@ pub(crate) mod pixel;
 pub(crate) mod plane;
 pub(crate) mod resolve;
 pub(crate) mod ring;
+pub(crate) mod scene;
 pub(crate) mod shade;
 pub(crate) mod shaded;
 pub(crate) mod sheet;

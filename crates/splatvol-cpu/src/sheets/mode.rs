@@ -8,15 +8,17 @@
 //! | `integral` | the same, unlit, integrated along the ray | - |
 
 use fearless_simd::prelude::*;
+use splatvol_core::bin::ProjectedBrick;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
+use super::activate::Window;
+use super::canvas::Canvas;
 use super::classified::Classified;
 use super::ring::LANES;
-use super::shade::Canvas;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::Payload;
-use super::tile::{Place, SheetFrame, SheetScratch, take};
+use super::tile::{Place, SheetFrame, SheetScratch, SheetWork, enter_lattice, lattice_window, take};
 
 /// Bricks with voxels to splat.
 pub(crate) trait Bricks: std::fmt::Debug + Sync {
@@ -45,15 +47,63 @@ pub(crate) trait Mode<const N: usize>: Sync {
     /// What records' values stand for, given what the open bricks hold.
     fn payload(classified: &Classified) -> Self::Payload<'_>;
 
-    /// Opens a brick: values of its voxels, NaN where there is nothing to splat; and into the memory of its slot what
-    /// values stand for.
+    /// Opens a brick of a grid: values of its voxels, NaN where there is nothing to splat; and into the memory of its slot
+    /// what values stand for.
+    #[inline(always)]
     fn open<S: Simd>(
         &self,
-        simd: S,
-        brick_and_slot: (usize, u32),
+        _: S,
+        _brick_and_slot: (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        classified: &mut Classified,
-    );
+        _: &mut Classified,
+    ) {
+        values.fill(f32::NAN);
+    }
+
+    /// Opens whatever a list's entry stands for, unless finished pixels hide it.
+    #[inline(always)]
+    fn open_brick<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        brick: &ProjectedBrick,
+        (place, _sheet): (&Place, usize),
+        scratch: &mut SheetScratch,
+    ) where
+        Self: Sized,
+    {
+        let blocks = place.blocks(brick.rect, frame.step);
+        scratch.open_lattice(simd, (frame, self), brick, blocks);
+    }
+
+    /// Gets memory of its own ready for a tile.
+    fn reset(&self, _: &SheetFrame<'_>, _: &mut SheetScratch) {}
+
+    /// Whether anything that was opened has not been splatted altogether.
+    fn waits(&self, scratch: &SheetScratch) -> bool {
+        !scratch.open.is_empty()
+    }
+
+    /// Splats what enters a sheet.
+    #[inline(always)]
+    fn enter<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        (place, window, sheet): (&Place, &Window, usize),
+        scratch: &mut SheetScratch,
+        work: &mut SheetWork,
+    ) where
+        Self: Sized,
+    {
+        enter_lattice(simd, (frame, self), (place, window, sheet), scratch, work);
+    }
+
+    /// Which voxels enter a sheet.
+    fn window(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> Window {
+        let shape = self.shape(frame, place, sheet);
+        lattice_window(frame, place, (&shape, self.depths(frame, sheet)))
+    }
 
     /// Fetches from memory what opening a brick will need soon.
     #[inline(always)]

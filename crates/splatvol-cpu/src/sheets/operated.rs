@@ -14,10 +14,11 @@ use glam::Vec3;
 use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{Appearance, PixelOperator, SheetSample};
 
+use super::canvas::Canvas;
 use super::cut::{Cut, Range};
 use super::pixel::{Pixel, Pixels, Units};
 use super::shade::Interval;
-use super::shade::{Canvas, PlaneShader, ShadeTarget};
+use super::shade::{PlaneShader, ShadeTarget};
 use super::table::Piece;
 use crate::phong::Lit;
 use crate::route::VolumeScene;
@@ -95,6 +96,14 @@ struct Ink {
 
 impl Ink {
     fn of(canvas: &Canvas, pixel: usize) -> Self {
+        if canvas.gathers() {
+            // Other layers have a share in the interval: what this one shows of it alone.
+            return Self {
+                through: 1.0,
+                color: Vec3::ZERO,
+                depth_sum: 0.0,
+            };
+        }
         Self {
             through: canvas.transmittance[pixel],
             color: Vec3::from_array(canvas.color.each_ref().map(|plane| plane[pixel])),
@@ -103,6 +112,18 @@ impl Ink {
     }
 
     fn store(&self, canvas: &mut Canvas, pixel: usize) {
+        if canvas.gathers() {
+            let opacity = 1.0 - self.through;
+            if opacity > 0.0 {
+                canvas.add_pixel(
+                    pixel,
+                    self.color.to_array(),
+                    self.through,
+                    self.depth_sum / opacity,
+                );
+            }
+            return;
+        }
         canvas.transmittance[pixel] = self.through;
         for (plane, value) in canvas.color.iter_mut().zip(self.color.to_array()) {
             plane[pixel] = value;
@@ -178,7 +199,7 @@ impl<'a> Operated<'a> {
                     self.cross((shader, &pixel), faces, &mut ink);
                 }
                 ink.store(target.canvas, at);
-                if ink.through < shader.termination {
+                if !target.canvas.gathers() && ink.through < shader.termination {
                     target.mask.finish(x, y, 1);
                 }
             }

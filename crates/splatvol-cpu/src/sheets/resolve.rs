@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
 use splatvol_scene::Frame;
 
+use super::canvas::Canvas;
 use super::engine::{Tile, lock};
-use super::shade::Canvas;
 
 /// Copies the tiles' pixels to the frame.
 pub(crate) fn resolve(grid: &TileGrid, tiles: &[Tile], frame: &mut Frame) {

@@ -10,44 +10,13 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::Vec3A;
 
 use super::border::{Border, BorderPlane};
+use super::canvas::{Canvas, Material};
 use super::mask::OpenMask;
 use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
 use super::table::{Segment, ShadeTable};
 use crate::phong::Phong;
 use crate::simd::math::exp2_quick;
-
-/// What the pixels of a tile have so far, channel by channel.
-#[derive(Debug, Default)]
-pub(crate) struct Canvas {
-    pub transmittance: Vec<f32>,
-    pub color: [Vec<f32>; 3],
-    pub depth_sum: Vec<f32>,
-    pub pitch: usize,
-}
-
-impl Canvas {
-    pub(crate) fn reset(&mut self, [width, height]: [usize; 2]) {
-        self.pitch = width.next_multiple_of(16);
-        let length = self.pitch * height;
-        let Self {
-            transmittance,
-            color: [r, g, b],
-            depth_sum,
-            ..
-        } = self;
-        for (plane, value) in [
-            (transmittance, 1.0),
-            (r, 0.0),
-            (g, 0.0),
-            (b, 0.0),
-            (depth_sum, 0.0),
-        ] {
-            plane.clear();
-            plane.resize(length, value);
-        }
-    }
-}
 
 /// Four neighbouring planes; the interval is between the second and the third.
 #[derive(Debug, Clone, Copy)]
@@ -438,28 +407,26 @@ impl PlaneShader<'_> {
     fn composite<S: Simd>(&self, simd: S, near_depth: f32, target: &mut ShadeTarget<'_>, n: usize) {
         let ShadeTarget { batch, canvas, .. } = target;
         let [x, y] = batch.places[n];
+        let of = |lanes: &Lanes16| load(simd, &lanes.0, 0);
+        let through = of(&batch.through[n]);
+        let opacity = 1.0 - through;
+        let [diffuse, specular] = [of(&batch.light[n][0]), of(&batch.light[n][1])];
+        let shine = specular * opacity;
+        let [r, g, b] = &batch.color[n];
+        let material = Material {
+            through,
+            opacity,
+            color: [
+                of(r) * diffuse + shine,
+                of(g) * diffuse + shine,
+                of(b) * diffuse + shine,
+            ],
+            depth: of(&batch.place[n]) * self.spacing + near_depth,
+        };
         let pixel = y * canvas.pitch + x;
-        let through = load(simd, &batch.through[n].0, 0);
-        let transmittance = load(simd, &canvas.transmittance, pixel);
-        let open = transmittance.simd_ge(splat(simd, self.termination));
-        let before = open.select(transmittance, splat(simd, 0.0));
-        let share = before * (1.0 - through);
-        let diffuse = before * load(simd, &batch.light[n][0].0, 0);
-        let shine = load(simd, &batch.light[n][1].0, 0) * share;
-        for c in 0..3 {
-            let plane = &mut canvas.color[c][pixel..pixel + 16];
-            let color = load(simd, &batch.color[n][c].0, 0);
-            (color * diffuse + shine + load(simd, plane, 0)).store_slice(plane);
-        }
-        let depth = load(simd, &batch.place[n].0, 0) * self.spacing + near_depth;
-        let plane = &mut canvas.depth_sum[pixel..pixel + 16];
-        (depth * share + load(simd, plane, 0)).store_slice(plane);
-        let left = transmittance * through;
-        open.select(left, transmittance)
-            .store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
-        let finished = open & left.simd_lt(splat(simd, self.termination));
-        if finished.any_true() {
-            target.mask.finish(x, y, finished.to_bitmask() as u16);
+        let finished = canvas.put(simd, pixel, &material, self.termination);
+        if finished != 0 {
+            target.mask.finish(x, y, finished);
         }
     }
 }

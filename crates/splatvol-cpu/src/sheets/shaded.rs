@@ -4,11 +4,12 @@ use fearless_simd::prelude::*;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
+use super::canvas::Canvas;
 use super::classified::Classified;
 use super::mode::Mode;
 use super::operated::Operated;
 use super::plane::{HALO, Plane, Span};
-use super::shade::{Canvas, Interval, PlaneShader, ShadeTarget};
+use super::shade::{Interval, PlaneShader, ShadeTarget};
 use super::splat::Coefficient;
 use super::tile::{Place, SheetFrame, SheetScratch};
 

@@ -101,7 +101,7 @@ impl Records {
 }
 
 /// What all voxels of a frame share.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SplatConstants {
     /// Drift of the footprint's centre per depth.
     pub slope: [f32; 2],

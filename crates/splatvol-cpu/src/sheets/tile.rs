@@ -1,4 +1,4 @@
-//! The tile loop: slab by slab, front to back. What voxels splat and what becomes of finished sheets is the [`Mode`]'s.
+//! A tile's memory, and how the voxels of a grid come into its ring. The loop over sheets is [`super::layer`]'s.
 
 use std::time::{Duration, Instant};
 
@@ -10,21 +10,19 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, OpenVoxels, Window, activate};
 use super::classified::Classified;
+use super::cloud::open::Waiting;
 use super::mask::OpenMask;
 use super::mode::{Bricks, Mode};
 use super::operated::Faces;
 use super::order::DepthOrder;
 use super::plane::{HALO, Plane};
-use super::ring::{BLOCK_EDGE, LANES, SheetRing};
-use super::shade::{Canvas, ShadeBatch};
+use super::ring::{BLOCK_EDGE, SheetRing};
+use super::shade::ShadeBatch;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::{
     CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
 };
 use super::upsample::{RASTER_HALO, Upsampler};
-
-/// Sheets whose bricks are fetched from memory together.
-const AHEAD: usize = 3;
 
 /// What the tiles of a frame share.
 #[derive(Debug)]
@@ -64,6 +62,11 @@ pub(crate) struct Rays {
 }
 
 impl SheetFrame<'_> {
+    /// Image coordinates of the principal point, from the middle of the picture's first pixel.
+    pub(crate) fn principal(&self) -> [f32; 2] {
+        self.rays.principal.map(|at| at - 0.5)
+    }
+
     /// How far footprints reach on a sheet, raster points.
     pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
         shape
@@ -122,7 +125,7 @@ pub(crate) struct SheetScratch {
     pub upsampler: Upsampler,
     /// Of the last four sheets, by channel.
     pub planes: [[Plane; MAX_CHANNELS]; 4],
-    open: Vec<OpenBrick>,
+    pub open: Vec<OpenBrick>,
     voxels: Vec<OpenVoxels>,
     free: Vec<u32>,
     /// A brick's values, x fastest and in depth order.
@@ -133,6 +136,8 @@ pub(crate) struct SheetScratch {
     pub faces: Faces,
     /// What the voxels of open bricks splat, where it is more than a number.
     pub classified: Classified,
+    /// Splats of a cloud that wait for their next plane.
+    pub waiting: Waiting,
 }
 
 /// Work done by a tile.
@@ -154,13 +159,13 @@ pub(crate) struct Place {
     /// Raster points of a sheet, those around the tile included.
     pub raster: [usize; 2],
     /// Raster points around the tile that its pixels need.
-    halo: usize,
+    pub halo: usize,
     /// First raster point of the tile.
-    first: [i32; 2],
+    pub first: [i32; 2],
 }
 
 impl Place {
-    fn new(frame: &SheetFrame<'_>, tile: usize) -> Self {
+    pub(crate) fn new(frame: &SheetFrame<'_>, tile: usize) -> Self {
         let rect = frame.tiles.rect(tile);
         let size = [rect.x1 - rect.x0, rect.y1 - rect.y0];
         let halo = halo(frame.step);
@@ -174,7 +179,7 @@ impl Place {
     }
 
     /// Blocks of the ring that this rectangle of the picture covers: first and last, x and y.
-    fn blocks(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [u8; 4] {
+    pub(crate) fn blocks(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [u8; 4] {
         let block = |pixel: f32, first: usize| {
             let points = (pixel - first as f32) / step as f32 + self.halo as f32;
             (points / BLOCK_EDGE as f32 + MAX_BLOCKS as f32).clamp(0.0, 127.0) as u8
@@ -185,7 +190,14 @@ impl Place {
 }
 
 impl SheetScratch {
-    fn reset(&mut self, frame: &SheetFrame<'_>, place: &Place, ring_groups: usize, channels: usize) {
+    /// Gets ready for a tile.
+    pub(crate) fn reset(
+        &mut self,
+        frame: &SheetFrame<'_>,
+        place: &Place,
+        ring_groups: usize,
+        channels: usize,
+    ) {
         let height = place.raster[1].next_multiple_of(BLOCK_EDGE) + 2 * BLOCK_EDGE * MAX_BLOCKS;
         self.ring.reset(height, ring_groups);
         for planes in &mut self.planes {
@@ -203,9 +215,9 @@ impl SheetScratch {
         self.groups.resize(frame.groups, GroupShape::default());
     }
 
-    /// Opens a brick: its voxels in depth order.
+    /// Opens a brick of a grid: its voxels in depth order.
     #[inline(always)]
-    fn open<S: Simd, M: Mode<N>, const N: usize>(
+    pub(crate) fn open_lattice<S: Simd, M: Mode<N>, const N: usize>(
         &mut self,
         simd: S,
         (frame, mode): (&SheetFrame<'_>, &M),
@@ -232,81 +244,12 @@ impl SheetScratch {
     }
 }
 
-/// Renders one tile into its canvas.
-#[inline(always)]
-pub(crate) fn render<S: Simd, M: Mode<N>, const N: usize>(
-    simd: S,
-    (frame, mode): (&SheetFrame<'_>, &M),
-    tile: usize,
-    canvas: &mut Canvas,
-    scratch: &mut SheetScratch,
-) -> SheetWork {
-    let place = Place::new(frame, tile);
-    scratch.reset(frame, &place, mode.ring_groups(frame), mode.planes());
-    canvas.reset(place.size);
-    let mut work = SheetWork::default();
-    let mut bricks = frame.lists.of(tile).peekable();
-    let mut ahead = frame.lists.of(tile).peekable();
-    let mut sheet = 0usize;
-    // Sheets since the last voxel: when the ring and the planes are empty, sheets are skipped.
-    let mut idle = usize::MAX;
-    while sheet <= frame.stack.count + 1 && !scratch.mask.none_left() {
-        if scratch.open.is_empty() && idle > frame.groups * LANES + scratch.planes.len() {
-            let Some(next) = bricks.peek() else { break };
-            sheet = sheet.max(next.front_sheet as usize);
-        }
-        let start = Instant::now();
-        let window = window(
-            frame,
-            &place,
-            (&mode.shape(frame, &place, sheet), mode.depths(frame, sheet)),
-        );
-        scratch.mask.refresh(window.blocks);
-        if ahead
-            .peek()
-            .is_some_and(|brick| brick.front_sheet as usize <= sheet + 1)
-        {
-            while let Some(brick) = ahead.next_if(|brick| brick.front_sheet as usize <= sheet + AHEAD) {
-                mode.touch(brick.active.brick as usize);
-            }
-        }
-        while let Some(brick) = bricks.next_if(|brick| brick.front_sheet as usize <= sheet) {
-            let blocks = place.blocks(brick.rect, frame.step);
-            if scratch.mask.any(blocks) {
-                simd.vectorize(
-                    #[inline(always)]
-                    || scratch.open(simd, (frame, mode), brick, blocks),
-                );
-            }
-        }
-        let splat_before = work.splat;
-        let voxels = work.voxels;
-        enter(simd, (frame, mode), (&place, &window, sheet), scratch, &mut work);
-        let entered = Instant::now();
-        idle = if work.voxels > voxels {
-            0
-        } else {
-            idle.saturating_add(1)
-        };
-        scratch.planes.rotate_left(1);
-        mode.take(simd, frame, &place, sheet, scratch);
-        let taken = Instant::now();
-        if sheet >= 2 {
-            mode.shade(simd, frame, sheet - 2, &place, (canvas, scratch));
-        }
-        work.activate += (entered - start).saturating_sub(work.splat - splat_before);
-        work.take += taken - entered;
-        work.shade += taken.elapsed();
-        sheet += 1;
-    }
-    let start = Instant::now();
-    mode.finish(simd, frame, &place, (canvas, scratch));
-    work.shade += start.elapsed();
-    work
-}
-
-/// Which voxels enter a sheet.
-fn window(frame: &SheetFrame<'_>, place: &Place, (shape, depths): (&SheetShape, [f32; 2])) -> Window {
+/// Which voxels of a grid enter a sheet.
+pub(crate) fn lattice_window(
+    frame: &SheetFrame<'_>,
+    place: &Place,
+    (shape, depths): (&SheetShape, [f32; 2]),
+) -> Window {
     let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
@@ -327,9 +270,9 @@ fn window(frame: &SheetFrame<'_>, place: &Place, (shape, depths): (&SheetShape, 
     }
 }
 
-/// Splats the voxels that enter a sheet.
+/// Splats the voxels of a grid that enter a sheet.
 #[inline(always)]
-fn enter<S: Simd, M: Mode<N>, const N: usize>(
+pub(crate) fn enter_lattice<S: Simd, M: Mode<N>, const N: usize>(
     simd: S,
     (frame, mode): (&SheetFrame<'_>, &M),
     (place, window, sheet): (&Place, &Window, usize),

@@ -5,6 +5,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod ellipsoids;
 mod gaussians;
 mod meshes;
 mod mixed;

@@ -1,0 +1,24 @@
+//! Clouds: kernels with covariances of their own, on the same planes as the voxels of grids.
+//!
+//! With `u` a splat's centre and `V` its covariance in camera space, p the width of the low-pass, and t the distance of the
+//! planes, what a plane at depth D holds of the splat is (zwicker2001 eq. 22, before the projection to a plane)
+//!
+//! `m g(D - u_z) exp(-d^T C^-1 d / 2) / (2 pi sqrt|C|)`, `d = x - u_xy - s (D - u_z)`,
+//! `v = V_zz + (DEPTH_SIGMA t)^2`, `s = V_xy,z / v`, `C = V_xy,xy - s s^T v + p^2 I`,
+//!
+//! m the kernel's integral and g a Gaussian of variance v, cut and normalised. A plane of constant depth only scales, so
+//! footprints are exact in perspective, near the camera and far from the axis. The widening in depth is what lets flat splats,
+//! which would slip between two planes, be sampled by them: sums over planes ripple by less than a thousandth.
+//!
+//! | stage | module | what happens |
+//! |---|---|---|
+//! | plan | `plan` | chunks of the cloud to tile lists, by the first plane that they reach |
+//! | open | `open` | a chunk's splats into camera space, and into the list of the plane that they reach first |
+//! | splat | `splat` | a splat into the four planes that it meets next; if it reaches farther, again four planes later |
+//! | show | `emission` | planes of extinction and emission, composited |
+
+pub(crate) mod emission;
+mod layer;
+pub(crate) mod open;
+pub(crate) mod plan;
+pub(crate) mod splat;

@@ -1,0 +1,197 @@
+//! Plan: planes that suit a cloud, and its chunks in tile lists.
+
+use glam::{DAffine3, DVec2, DVec3};
+use rayon::prelude::*;
+use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
+use splatvol_core::brick::ActiveBrick;
+use splatvol_core::sheets::Planes;
+use splatvol_core::splats::{Chunk, KernelShape, SplatCloud};
+use splatvol_scene::{Camera, Filter, ImageSize, RenderSettings, ScreenFromCamera};
+
+use super::open::{CUT, CloudView, DEPTH_CUT};
+use crate::sheets::order::DepthOrder;
+use crate::sheets::sheet::SheetShape;
+use crate::splat_light::SplatLight;
+
+/// Pixels that rounding to whole blocks adds to a footprint on either side.
+const ROUNDING: f64 = 2.0;
+
+/// A cloud's planes and lists, in memory that the next frame uses again.
+#[derive(Debug, Default)]
+pub(crate) struct CloudPlan {
+    pub sheets: Vec<SheetShape>,
+    projected: Vec<Option<ProjectedBrick>>,
+    pub lists: TileLists,
+    /// Of no grid: splats are put in order as they are opened.
+    pub order: DepthOrder,
+}
+
+/// Widths of the low-pass: its variance, and whether it is only what footprints lack to it.
+fn low_pass(filter: Filter) -> (f64, bool) {
+    match filter {
+        Filter::None | Filter::Swan | Filter::SwanAlpha => (0.0, false),
+        Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
+        Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
+    }
+}
+
+impl CloudPlan {
+    /// Plans a frame of a cloud.
+    pub(crate) fn update<'a>(
+        &mut self,
+        cloud: &'a SplatCloud,
+        (camera, settings): (&Camera, &RenderSettings),
+        tiles: &TileGrid,
+        spacing: Option<f64>,
+    ) -> (CloudView<'a>, Planes) {
+        let screen = camera.screen_from_camera(settings.size);
+        let camera_from_local = camera.camera_from_world() * cloud.world_from_local;
+        let bounds = ChunkBounds::new(camera_from_local, cloud, settings, screen);
+        let stack = bounds.planes(cloud, settings, spacing);
+        let view = CloudView::new(
+            (
+                cloud,
+                settings
+                    .lighting
+                    .as_ref()
+                    .filter(|_| !cloud.gradients.is_empty())
+                    .map(|lighting| SplatLight::new(lighting, cloud, camera)),
+            ),
+            camera_from_local,
+            screen,
+            low_pass(settings.filter),
+            (stack.plane(0), stack.spacing),
+        );
+        self.sheets.clear();
+        self.sheets.extend((0..=stack.count).map(|i| SheetShape {
+            depth: stack.plane(i) as f32,
+            scale: screen.scale_at(stack.plane(i)) as f32,
+            ..SheetShape::default()
+        }));
+        self.projected.resize(cloud.chunks.len(), None);
+        let chunks = self.projected.par_iter_mut().zip(&cloud.chunks).enumerate();
+        chunks.for_each(|(index, (brick, chunk))| *brick = bounds.project(chunk, index, &stack));
+        self.lists.fill(self.projected.iter().flatten().copied(), tiles);
+        (view, stack)
+    }
+}
+
+/// Chunks to screen rectangles and first planes.
+struct ChunkBounds {
+    camera_from_local: DAffine3,
+    screen: ScreenFromCamera,
+    size: ImageSize,
+    /// Longest world length of a local unit.
+    stretch: f64,
+    /// Low-pass, pixels.
+    pixel_sigma: f64,
+    /// Standard deviation of kernels where they have none of their own, local.
+    shared_sigma: f64,
+}
+
+impl ChunkBounds {
+    fn new(
+        camera_from_local: DAffine3,
+        cloud: &SplatCloud,
+        settings: &RenderSettings,
+        screen: ScreenFromCamera,
+    ) -> Self {
+        let linear = camera_from_local.matrix3;
+        // A bound of the largest singular value: that of a rotation times one number is that number.
+        let square = linear.transpose() * linear;
+        let rows = [square.row(0), square.row(1), square.row(2)];
+        let stretch = rows
+            .map(|row| row.abs().element_sum())
+            .into_iter()
+            .fold(0.0, f64::max)
+            .sqrt();
+        Self {
+            camera_from_local,
+            screen,
+            size: settings.size,
+            stretch,
+            pixel_sigma: low_pass(settings.filter).0.sqrt(),
+            shared_sigma: match cloud.shape {
+                KernelShape::Ellipsoids { .. } => 0.0,
+                shape => shape.sigma(),
+            },
+        }
+    }
+
+    /// Least and greatest coordinates of a chunk's centres, camera space.
+    fn centres(&self, chunk: &Chunk) -> [DVec3; 2] {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in chunk.corners() {
+            let point = self
+                .camera_from_local
+                .transform_point3(DVec3::from_array(corner.map(f64::from)));
+            (low, high) = (low.min(point), high.max(point));
+        }
+        [low, high]
+    }
+
+    /// Largest standard deviation of a chunk's kernels, world length.
+    fn sigma(&self, chunk: &Chunk) -> f64 {
+        f64::from(chunk.sigma).max(self.shared_sigma) * self.stretch
+    }
+
+    /// Planes this far apart; or as far as the settings ask for, but no nearer to each other than the pixels are in the middle
+    /// of the cloud: nearer ones cost more and show nothing.
+    fn planes(&self, cloud: &SplatCloud, settings: &RenderSettings, spacing: Option<f64>) -> Planes {
+        let wanted = settings.sheet_thickness * cloud.spacing;
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for chunk in &cloud.chunks {
+            let [near, far] = self.centres(chunk);
+            let sigma = self.sigma(chunk);
+            (low, high) = (
+                low.min(near - DEPTH_CUT * sigma),
+                high.max(far + DEPTH_CUT * sigma),
+            );
+        }
+        if cloud.chunks.is_empty() {
+            (low, high) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        let middle = 0.5 * (low.z + high.z);
+        let pixel = 1.0 / self.screen.scale_at(middle.max(wanted));
+        let spacing = spacing.unwrap_or(wanted.max(pixel));
+        // Two planes more on either side, which the widening in depth reaches.
+        Planes::covering(&[low, high], 2.0 * spacing, spacing, &self.screen)
+    }
+
+    /// Where a chunk's footprints can lie; `None` behind the camera, and outside the picture.
+    fn project(&self, chunk: &Chunk, index: usize, stack: &Planes) -> Option<ProjectedBrick> {
+        let [low, high] = self.centres(chunk);
+        let sigma = self.sigma(chunk);
+        let reach = DEPTH_CUT * CloudView::widened(sigma * sigma, stack.spacing).sqrt() * (1.0 + 1e-6);
+        let first = stack.plane(0);
+        let near = (low.z - reach).max(first);
+        let far = high.z + reach;
+        if far < first {
+            return None;
+        }
+        // Sections drift with depth, and are as wide as the kernel at most: together no farther than this.
+        let lateral = (DEPTH_CUT * DEPTH_CUT + CUT * CUT).sqrt() * sigma;
+        let scales = [self.screen.scale_at(near), self.screen.scale_at(far)];
+        // The low-pass is as wide as it is at a splat's own depth: nearer planes show it larger.
+        let own = self.screen.scale_at(low.z.max(first));
+        let margin = CUT * self.pixel_sigma * (scales[0] / own).max(1.0) + ROUNDING;
+        let bound = |value: DVec2, pick: fn(f64, f64) -> f64| {
+            let [a, b] = scales.map(|scale| value * scale);
+            DVec2::new(pick(a.x, b.x), pick(a.y, b.y)) + self.screen.centre
+        };
+        let from = bound(low.truncate() - lateral, f64::min) - margin;
+        let to = bound(high.truncate() + lateral, f64::max) + margin;
+        let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
+        if to.x < 0.0 || to.y < 0.0 || from.x > width || from.y > height {
+            return None;
+        }
+        Some(ProjectedBrick {
+            active: ActiveBrick {
+                brick: index as u32,
+                blocks: u8::MAX,
+            },
+            front_sheet: stack.first_touched(low.z - reach) as u32,
+            rect: [from.x as f32, from.y as f32, to.x as f32, to.y as f32],
+        })
+    }
+}

@@ -1,0 +1,237 @@
+//! Layer: a part of a scene on its way through a tile, and the loop that takes all layers through it.
+//!
+//! All layers of a scene lie on the same planes. Sheet by sheet each takes in what its splats leave there; of what lies between
+//! two planes each gives its material, which is put together on the canvas ([`Canvas::gather`]) and composited once. A layer
+//! that is alone goes straight to the canvas, and makes the same picture as among others that do not reach its pixels.
+
+use std::time::Instant;
+
+use fearless_simd::prelude::*;
+
+use super::canvas::Canvas;
+use super::mask::OpenMask;
+use super::mode::Mode;
+use super::ring::LANES;
+use super::tile::{Place, SheetFrame, SheetScratch, SheetWork};
+
+/// Sheets whose bricks are fetched from memory together.
+const AHEAD: usize = 3;
+
+/// A part of a scene in a tile.
+pub(crate) trait TileLayer<S: Simd> {
+    /// The first plane that can hold anything of this layer; planes are counted from depth 0 ([`splatvol_core::sheets::Planes`]).
+    fn first(&self) -> i64;
+
+    /// The first plane, from this one on, at which there is anything to do.
+    fn next(&self, plane: i64) -> Option<i64>;
+
+    /// Splats what enters a plane, and takes the plane out of the ring.
+    fn splat(&mut self, simd: S, plane: i64, work: &mut SheetWork);
+
+    /// Puts what lies between the last plane but two and the one behind it on the canvas: the plane that was taken last is the
+    /// one that slopes need.
+    fn shade(&mut self, simd: S, plane: i64, canvas: &mut Canvas);
+
+    /// Makes pixels of what the canvas has in the end.
+    fn finish(&mut self, simd: S, canvas: &mut Canvas);
+
+    /// Which of the tile's pixels are still open.
+    fn mask(&mut self) -> &mut OpenMask;
+}
+
+/// What a [`Mode`] makes of a frame, in a tile.
+#[derive(Debug)]
+pub(crate) struct ModeLayer<'a, M, const N: usize> {
+    frame: &'a SheetFrame<'a>,
+    mode: &'a M,
+    scratch: &'a mut SheetScratch,
+    tile: usize,
+    place: Place,
+    /// The first of the tile's bricks that is not open yet, and the first that is not fetched.
+    next: usize,
+    fetched: usize,
+    /// Sheets since the last voxel: when the ring and the planes are empty, sheets are skipped.
+    idle: usize,
+}
+
+impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
+    /// The layer at the beginning of a tile.
+    pub(crate) fn new(
+        (frame, mode): (&'a SheetFrame<'a>, &'a M),
+        tile: usize,
+        scratch: &'a mut SheetScratch,
+    ) -> Self {
+        let place = Place::new(frame, tile);
+        scratch.reset(frame, &place, mode.ring_groups(frame), mode.planes());
+        mode.reset(frame, scratch);
+        Self {
+            frame,
+            mode,
+            scratch,
+            tile,
+            place,
+            next: 0,
+            fetched: 0,
+            idle: usize::MAX,
+        }
+    }
+
+    /// What a plane is called in this layer's frame; none before its first and behind the last that anything may be on.
+    fn sheet(&self, plane: i64) -> Option<usize> {
+        let sheet = usize::try_from(plane - self.frame.stack.first).ok()?;
+        (sheet <= self.frame.stack.count + 1).then_some(sheet)
+    }
+
+    /// Opens the bricks that a sheet is the first to meet, unless finished pixels hide them.
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, sheet: usize) {
+        let lists = self.frame.lists;
+        let comes = |at: usize, by: usize| {
+            let brick = lists.brick(self.tile, at);
+            brick.filter(|brick| brick.front_sheet as usize <= by)
+        };
+        if comes(self.fetched, sheet + 1).is_some() {
+            while let Some(brick) = comes(self.fetched, sheet + AHEAD) {
+                self.mode.touch(brick.active.brick as usize);
+                self.fetched += 1;
+            }
+        }
+        while let Some(brick) = comes(self.next, sheet) {
+            self.next += 1;
+            if self
+                .scratch
+                .mask
+                .any(self.place.blocks(brick.rect, self.frame.step))
+            {
+                let around = (&self.place, sheet);
+                self.mode
+                    .open_brick(simd, self.frame, brick, around, self.scratch);
+            }
+        }
+    }
+}
+
+impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
+    fn first(&self) -> i64 {
+        self.frame.stack.first
+    }
+
+    fn next(&self, plane: i64) -> Option<i64> {
+        let first = self.frame.stack.first;
+        let plane = plane.max(first);
+        if plane > first + self.frame.stack.count as i64 + 1 {
+            return None;
+        }
+        let lasting = self.frame.groups * LANES + self.scratch.planes.len();
+        if self.mode.waits(self.scratch) || self.idle <= lasting {
+            return Some(plane);
+        }
+        let next = self.frame.lists.brick(self.tile, self.next)?;
+        Some(plane.max(first + i64::from(next.front_sheet)))
+    }
+
+    fn splat(&mut self, simd: S, plane: i64, work: &mut SheetWork) {
+        let Some(sheet) = self.sheet(plane) else { return };
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let start = Instant::now();
+                let before = *work;
+                let window = self.mode.window(self.frame, &self.place, sheet);
+                self.scratch.mask.refresh(window.blocks);
+                self.open(simd, sheet);
+                let around = (&self.place, &window, sheet);
+                self.mode.enter(simd, self.frame, around, self.scratch, work);
+                let entered = Instant::now();
+                self.idle = if work.voxels > before.voxels {
+                    0
+                } else {
+                    self.idle.saturating_add(1)
+                };
+                self.scratch.planes.rotate_left(1);
+                self.mode.take(simd, self.frame, &self.place, sheet, self.scratch);
+                work.activate += (entered - start).saturating_sub(work.splat - before.splat);
+                work.take += entered.elapsed();
+            },
+        );
+    }
+
+    fn shade(&mut self, simd: S, plane: i64, canvas: &mut Canvas) {
+        let Some(near) = self.sheet(plane).and_then(|sheet| sheet.checked_sub(2)) else {
+            return;
+        };
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let target = (canvas, &mut *self.scratch);
+                self.mode.shade(simd, self.frame, near, &self.place, target);
+            },
+        );
+    }
+
+    fn finish(&mut self, simd: S, canvas: &mut Canvas) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let target = (canvas, &mut *self.scratch);
+                self.mode.finish(simd, self.frame, &self.place, target);
+            },
+        );
+    }
+
+    fn mask(&mut self) -> &mut OpenMask {
+        &mut self.scratch.mask
+    }
+}
+
+/// Takes layers through a tile, plane by plane, front to back.
+pub(crate) fn render<S: Simd>(
+    simd: S,
+    termination: f32,
+    layers: &mut [&mut dyn TileLayer<S>],
+    canvas: &mut Canvas,
+) -> SheetWork {
+    let several = layers.len() > 1;
+    if several {
+        canvas.gather();
+    }
+    let mut work = SheetWork::default();
+    let mut plane = layers.iter().map(|layer| layer.first()).min().unwrap_or(0);
+    while layers.iter_mut().any(|layer| !layer.mask().none_left()) {
+        let next = layers.iter().filter_map(|layer| layer.next(plane)).min();
+        let Some(next) = next else { break };
+        plane = next;
+        for layer in layers.iter_mut() {
+            layer.splat(simd, plane, &mut work);
+        }
+        let start = Instant::now();
+        for layer in layers.iter_mut() {
+            layer.shade(simd, plane, canvas);
+        }
+        if several {
+            settle(simd, termination, layers, canvas);
+        }
+        work.shade += start.elapsed();
+        plane += 1;
+    }
+    let start = Instant::now();
+    for layer in layers.iter_mut() {
+        layer.finish(simd, canvas);
+    }
+    work.shade += start.elapsed();
+    work
+}
+
+/// Composites what the layers gathered of an interval, and closes the pixels that it finishes.
+fn settle<S: Simd>(simd: S, termination: f32, layers: &mut [&mut dyn TileLayer<S>], canvas: &mut Canvas) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            canvas.settle(simd, termination, |x, y, finished| {
+                for layer in layers.iter_mut() {
+                    layer.mask().finish(x, y, finished);
+                }
+            });
+        },
+    );
+}

@@ -1,0 +1,239 @@
+//! Scenes of several layers: what is kept of each, and a frame of all of them.
+//!
+//! Every volume has its own levels of detail, coefficients, table and footprint; what is classified already is one cloud. The
+//! planes are those that the volume with the thinnest sheets has alone, so that a volume among points is sampled as it is
+//! without them; a scene without volumes has the cloud's.
+
+use std::time::Instant;
+
+use splatvol_core::bin::TileGrid;
+use splatvol_core::splats::SplatCloud;
+use splatvol_scene::{Camera, Clip, Frame, RenderSettings};
+
+use super::classified::ClassifiedBricks;
+use super::compose::Compose;
+use super::cut::{Cut, world_from_lattice};
+use super::engine::{Run, SheetEngine, TILE_EDGE, operated};
+use super::frame::{Plan, Sampling, View};
+use super::layers::{Layer, Layers};
+use super::level::{Detail, Level, Pyramid, Wanted};
+use super::resolve::blend;
+use super::ring::LANES;
+use super::shaded::Shaded;
+use crate::phong::Phong;
+use crate::route::VolumeScene;
+use crate::statistics::RenderStatistics;
+
+/// What a scene consists of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LayeredScene<'a> {
+    pub volumes: &'a [VolumeScene<'a>],
+    pub cloud: Option<&'a SplatCloud>,
+    /// What is cut away of the cloud, world.
+    pub clips: &'a [Clip],
+}
+
+/// What is kept of volumes between frames.
+#[derive(Debug, Default)]
+pub(crate) struct LayerStore {
+    pyramids: Vec<Pyramid>,
+    plans: Vec<Plan>,
+}
+
+impl LayerStore {
+    /// Forgets volumes that are not in the scene any more, and makes room for those that are new.
+    fn keep(&mut self, scene: &LayeredScene<'_>, settings: &RenderSettings) {
+        let mut kept = std::mem::take(&mut self.pyramids);
+        kept.retain(|pyramid| {
+            scene
+                .volumes
+                .iter()
+                .any(|v| pyramid.is_of(&v.volume, settings.kernel))
+        });
+        for scene in scene.volumes {
+            let known = kept.iter().position(|p| p.is_of(&scene.volume, settings.kernel));
+            self.pyramids.push(match known {
+                Some(at) => kept.swap_remove(at),
+                None => Pyramid::new(scene.volume.clone(), settings.kernel),
+            });
+        }
+        self.plans.resize_with(scene.volumes.len(), Plan::default);
+    }
+}
+
+/// A view of every volume, on the planes of the one whose sheets are thinnest; `None` where one cannot be seen so.
+fn views(
+    levels: &[&Level],
+    (camera, settings): (&Camera, &RenderSettings),
+    sampling: Sampling,
+) -> Option<Vec<View>> {
+    let view = |level: &&Level, spacing| {
+        let grid = level.field.volume().grid();
+        View::new(grid, (camera, settings), sampling, spacing)
+    };
+    let own: Vec<View> = levels
+        .iter()
+        .map(|level| view(level, None))
+        .collect::<Option<_>>()?;
+    let spacing = own.iter().map(View::spacing).fold(f64::INFINITY, f64::min);
+    own.into_iter()
+        .zip(levels)
+        .map(|(own, level)| {
+            if own.spacing() == spacing {
+                Some(own)
+            } else {
+                view(level, Some(spacing))
+            }
+        })
+        .collect()
+}
+
+impl SheetEngine {
+    /// Renders a scene of several layers; `None` where a volume is too close to the camera. `start`: when work on the frame
+    /// began.
+    pub(crate) fn render_layers(
+        &mut self,
+        run: Run<'_>,
+        scene: &LayeredScene<'_>,
+        (camera, settings): (&Camera, &RenderSettings),
+        (frame, start): (&mut Frame, Instant),
+    ) -> Option<RenderStatistics> {
+        let mut statistics = RenderStatistics {
+            threads: run.pool.current_num_threads(),
+            simd: crate::level_name(run.level),
+            ..RenderStatistics::default()
+        };
+        statistics.seconds.classify = start.elapsed().as_secs_f64();
+        run.pool.install(|| {
+            self.layers.keep(scene, settings);
+            let classified = Wanted::of(settings) == Wanted::Classified;
+            let details: Vec<Detail> = scene
+                .volumes
+                .iter()
+                .map(|volume| match classified {
+                    true => Detail::FINEST,
+                    false => Detail::new(&volume.volume, camera, settings.size),
+                })
+                .collect();
+            let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
+            let view = (camera, settings);
+            self.layers_once(run, (scene, &levels), view, frame, &mut statistics)?;
+            for (at, detail) in details.iter().enumerate() {
+                if detail.coarser > 0.0 {
+                    levels[at] += 1;
+                    let mut coarser = self.coarser.take().unwrap_or_else(|| frame.clone());
+                    if coarser.image.size() != frame.image.size() {
+                        coarser = frame.clone();
+                    }
+                    let rendered =
+                        self.layers_once(run, (scene, &levels), view, &mut coarser, &mut statistics);
+                    if rendered.is_some() {
+                        blend(frame, &coarser, detail.coarser);
+                    }
+                    self.coarser = Some(coarser);
+                    levels[at] -= 1;
+                }
+            }
+            Some(())
+        })?;
+        statistics.seconds.total = start.elapsed().as_secs_f64();
+        Some(statistics)
+    }
+
+    /// Renders every volume at one of its levels, and the cloud.
+    fn layers_once(
+        &mut self,
+        run: Run<'_>,
+        (scene, levels): (&LayeredScene<'_>, &[usize]),
+        (camera, settings): (&Camera, &RenderSettings),
+        frame: &mut Frame,
+        statistics: &mut RenderStatistics,
+    ) -> Option<()> {
+        let prepared = Instant::now();
+        let wanted = Wanted::of(settings);
+        let Self {
+            layers: LayerStore { pyramids, plans },
+            cloud: cloud_plan,
+            memory,
+            ..
+        } = self;
+        for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
+            pyramid.classify(level, (&volume.transfer_function, volume.unit_distance()), wanted);
+        }
+        let levels: Vec<&Level> = pyramids
+            .iter()
+            .zip(levels)
+            .map(|(pyramid, &level)| pyramid.level(level))
+            .collect::<Option<_>>()?;
+        let sampling = match wanted {
+            Wanted::Classified => Sampling::Planes,
+            _ => Sampling::Field,
+        };
+        let views = views(&levels, (camera, settings), sampling)?;
+        let planned = Instant::now();
+        statistics.seconds.classify += (planned - prepared).as_secs_f64();
+        let coarsest = views.iter().map(View::step).max().unwrap_or(1);
+        let edge = run.tile_edge.unwrap_or(TILE_EDGE).next_multiple_of(2 * coarsest);
+        let cuts: Vec<Cut> = scene
+            .volumes
+            .iter()
+            .zip(&views)
+            .zip(&levels)
+            .map(|((volume, view), level)| {
+                let grid = level.field.volume().grid();
+                Cut::new(
+                    &volume.clips,
+                    world_from_lattice(grid.world_from_voxel(), view.margin()),
+                )
+            })
+            .collect();
+        let bricks: Vec<ClassifiedBricks<'_>> = levels
+            .iter()
+            .zip(&cuts)
+            .zip(scene.volumes.iter().zip(&views))
+            .map(|((level, cut), (volume, view))| {
+                let spacing = volume.volume.grid().mean_spacing();
+                let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
+                ClassifiedBricks::new(
+                    (&level.field, &level.visible),
+                    (&level.classification, level.hull),
+                )
+                .cut(cut)
+                .lit(phong, view.camera_from_voxel())
+            })
+            .collect();
+        let mut layers = Vec::with_capacity(scene.volumes.len() + 1);
+        for (at, (plan, view)) in plans.iter_mut().zip(&views).enumerate() {
+            let (volume, level) = (&scene.volumes[at], levels[at]);
+            layers.push(if wanted == Wanted::Classified {
+                let sheets = plan.update(view, &bricks[at], settings, edge);
+                Layer::Compose(
+                    sheets,
+                    Compose {
+                        bricks: bricks[at].clone(),
+                    },
+                )
+            } else {
+                let sheets = plan.update(view, &level.field, settings, edge);
+                let spacing = volume.volume.grid().mean_spacing();
+                let mode = Shaded {
+                    store: &level.field,
+                    shader: view.shader((&level.field, &level.table), (settings, spacing)),
+                    operated: operated(volume, camera, &level.field),
+                };
+                Layer::Shaded(sheets, mode)
+            });
+        }
+        if let Some(cloud) = scene.cloud {
+            let tiles = TileGrid::new(settings.size, edge);
+            let spacing = views.first().map(View::spacing);
+            let (sheets, mode) = cloud_plan.layer((cloud, scene.clips), (camera, settings), tiles, spacing);
+            layers.push(Layer::Cloud(sheets, mode));
+        }
+        statistics.seconds.bin += planned.elapsed().as_secs_f64();
+        if !layers.is_empty() {
+            memory.render(run, &Layers(layers), LANES as u64, frame, statistics);
+        }
+        Some(())
+    }
+}
