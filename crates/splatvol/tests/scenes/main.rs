@@ -7,6 +7,7 @@ mod common;
 
 mod ellipsoids;
 mod gaussians;
+mod layers;
 mod meshes;
 mod mixed;
 mod single;
