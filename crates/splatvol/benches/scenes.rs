@@ -66,7 +66,9 @@ fn gaussians(count: usize) -> Item {
         let scales = std::array::from_fn(|_| random.range(0.3, 2.0) as f32);
         attributes.scales.push(scales);
         let [x, y, z] = random.direction().as_vec3().to_array();
-        attributes.rotations.push([x, y, z, random.range(-1.0, 1.0) as f32]);
+        attributes
+            .rotations
+            .push([x, y, z, random.range(-1.0, 1.0) as f32]);
         attributes.opacities.push(random.range(0.2, 0.95) as f32);
         attributes.harmonics.push([random.range(-1.7, 1.7) as f32; 3]);
     }
@@ -87,8 +89,14 @@ fn frames(bencher: Bencher<'_, '_>, items: Vec<Item>) {
     };
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let mut frame = Frame::empty(settings.size);
-    renderer.render_into(&scene, &framed, &settings, &mut frame).unwrap();
-    bencher.bench_local(|| renderer.render_into(&scene, &framed, &settings, &mut frame).unwrap());
+    renderer
+        .render_into(&scene, &framed, &settings, &mut frame)
+        .unwrap();
+    bencher.bench_local(|| {
+        renderer
+            .render_into(&scene, &framed, &settings, &mut frame)
+            .unwrap()
+    });
 }
 
 #[divan::bench]

@@ -3,10 +3,10 @@
 use glam::{DAffine3, DVec3, Vec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    BumpMap, Camera, Classification, Clip, Compositing, Coverage, Frame,
-    GaussianAttributes, GaussianMode, Gaussians, Gradient, Grid, Image, ImageSize, Isosurface, Item, Mesh,
-    Motion, MotionBlur, PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Rescale,
-    Samples, Scene, SolidTexture, Stuff, TransferFunction, View, Volume,
+    BumpMap, Camera, Classification, Clip, Compositing, Coverage, Frame, GaussianAttributes, GaussianMode,
+    Gaussians, Gradient, Grid, Image, ImageSize, Isosurface, Item, Mesh, Motion, MotionBlur, PointAttributes,
+    PointLook, Points, Projection, RenderSettings, Renderer, Rescale, Samples, Scene, SolidTexture, Stuff,
+    TransferFunction, View, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::Random;
@@ -174,11 +174,7 @@ fn of_one() -> Vec<Case> {
     cases.extend([
         parallel,
         inside,
-        case(
-            "holed".to_owned(),
-            &Scene::new(holed(volume), look()),
-            default,
-        ),
+        case("holed".to_owned(), &Scene::new(holed(volume), look()), default),
         case("coverage".to_owned(), &scene, covered),
         case("motion".to_owned(), &spinning, open),
         case("operators".to_owned(), &operated, default),

@@ -137,7 +137,7 @@ fn cutting_what_is_in_front_away_moves_nothing_behind() {
             let [whole, behind] = [FRONT - 30.0 * away.normalize(), DVec3::ZERO]
                 .map(|place| render(&cut(place), &camera, settings));
             let front = render(
-                &Scene::new(scene.volume.clone(), look(false, true)),
+                &Scene::new(scene.single_volume().unwrap().volume.clone(), look(false, true)),
                 &camera,
                 settings,
             );
