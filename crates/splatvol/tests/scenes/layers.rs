@@ -37,7 +37,7 @@ fn moved(item: Item, by: DVec3) -> Item {
 /// Pixels that differ, and of these how many lie left of a column.
 fn differing(a: &Frame, b: &Frame, column: u32) -> [usize; 2] {
     let size = a.image.size();
-    let bits = |frame: &Frame, x, y| frame.image.pixel(x, y).map(f32::to_bits);
+    let bits = |frame: &Frame, x: u32, y: u32| frame.image.pixel(x as usize, y as usize).map(f32::to_bits);
     let mut counts = [0; 2];
     for y in 0..size.height() {
         for x in 0..size.width() {
