@@ -19,15 +19,45 @@ use splatvol_scene::{
     TransferFunction, Volume,
 };
 
-use crate::{clouds, operations};
+use crate::clouds;
 
-/// How a scene is rendered.
-pub(crate) enum Route<'a> {
-    /// By the engines for grids.
-    Volume(VolumeScene<'a>),
+/// Which way a scene goes.
+pub(crate) enum Way<'a> {
+    /// To the engines for grids.
+    Volume(SingleVolume<'a>),
     /// As the published renderer does.
-    Published(Vec<Placed<'a>>),
+    Published,
     /// As a cloud of splats.
+    Cloud,
+}
+
+impl<'a> Way<'a> {
+    /// The way of a scene.
+    ///
+    /// # Errors
+    /// Things besides Gaussians, where the published way is asked for.
+    pub(crate) fn of(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, SceneError> {
+        match (settings.gaussians, scene.is_gaussians()) {
+            (GaussianMode::Published, false) => Err(SceneError::Combination {
+                what: "the published way to render Gaussians (3dgs)",
+                why: "it sorts whole Gaussians and knows nothing else; use volumetric, which composites them with \
+                      everything else sheet by sheet",
+            }),
+            (GaussianMode::Auto | GaussianMode::Published, true) => Ok(Self::Published),
+            (GaussianMode::Auto, false) | (GaussianMode::Volumetric, _) => {
+                Ok(scene.single_volume().map_or(Self::Cloud, Self::Volume))
+            }
+        }
+    }
+}
+
+/// A scene on its way.
+pub(crate) enum Route<'a> {
+    /// A volume where it lies.
+    Volume(VolumeScene<'a>),
+    /// Gaussians where they lie.
+    Published(Vec<Placed<'a>>),
+    /// Everything else.
     Cloud,
 }
 
@@ -49,6 +79,11 @@ pub(crate) struct VolumeScene<'a> {
 }
 
 impl VolumeScene<'_> {
+    /// Whether it has what only sheets of values show.
+    pub(crate) fn asks_for_sheets(&self) -> bool {
+        !(self.operators.is_empty() && self.isosurfaces.is_empty() && self.clips.is_empty())
+    }
+
     /// World length to which the transfer function's opacities refer.
     pub(crate) fn unit_distance(&self) -> f64 {
         self.transfer_function
@@ -84,60 +119,27 @@ impl PlacedVolume {
 }
 
 impl<'a> Route<'a> {
-    /// The way that a scene goes.
+    /// A scene on the way that it goes.
     ///
     /// # Errors
-    /// Things besides Gaussians, where the published way is asked for.
+    /// As [`Way::of`], and places that cannot be inverted.
     pub(crate) fn of(
         scene: &'a Scene,
         settings: &RenderSettings,
         volumes: &mut PlacedVolume,
     ) -> Result<Self, SceneError> {
-        match settings.gaussians {
-            GaussianMode::Published if !scene.is_gaussians() => {
-                return Err(SceneError::Combination {
-                    what: "the published way to render Gaussians (3dgs)",
-                    why: "it sorts whole Gaussians and knows nothing else; use volumetric, which composites them with \
-                          everything else sheet by sheet",
-                });
-            }
-            GaussianMode::Auto | GaussianMode::Published if scene.is_gaussians() => {
-                return Ok(Self::Published(placed(scene)));
-            }
-            _ => {}
-        }
-        match scene.single_volume() {
-            Ok(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
-            Err(_) => Ok(Self::Cloud),
+        match Way::of(scene, settings)? {
+            Way::Volume(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
+            Way::Published => Ok(Self::Published(placed(scene))),
+            Way::Cloud => Ok(Self::Cloud),
         }
     }
-}
 
-impl Route<'_> {
     /// The settings that this way takes.
-    ///
-    /// # Errors
-    /// Settings outside their domain, or methods that it does not have.
-    pub(crate) fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
-        let settings = match self {
-            Self::Volume(_) | Self::Published(_) => *settings,
-            Self::Cloud => clouds::in_sheets(settings)?,
-        };
-        if !matches!(self, Self::Published(_)) {
-            settings.validate()?;
-        }
-        Ok(settings)
-    }
-
-    /// Refuses what is asked of items where this way cannot show it.
-    ///
-    /// # Errors
-    /// Operators, clips, isosurfaces or motion that it does not have.
-    pub(crate) fn check(&self, scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
+    pub(crate) fn settings(&self, settings: &RenderSettings) -> RenderSettings {
         match self {
-            Self::Volume(volume) => operations::check(volume, settings),
-            Self::Published(_) => clouds::check(scene, settings, clouds::PUBLISHED),
-            Self::Cloud => clouds::check(scene, settings, clouds::CLOUD),
+            Self::Volume(_) | Self::Published(_) => *settings,
+            Self::Cloud => clouds::in_sheets(settings),
         }
     }
 }

@@ -11,3 +11,4 @@ mod mixed;
 mod single;
 mod support;
 mod surfels;
+mod table;
