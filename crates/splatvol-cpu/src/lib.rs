@@ -16,13 +16,13 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod check;
 mod clouds;
 mod config;
 mod coverage;
 mod footprints;
 #[doc(hidden)]
 pub mod kernels;
-mod operations;
 mod phong;
 mod plan;
 mod progressive;
@@ -36,6 +36,7 @@ mod stage;
 mod statistics;
 mod tile;
 
+pub use check::check;
 pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
 pub use progressive::Pass;

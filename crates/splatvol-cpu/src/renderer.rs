@@ -13,11 +13,11 @@ use splatvol_core::kernel::GaussianKernel;
 use splatvol_gaussians::Placed;
 use splatvol_scene::{Camera, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
+use crate::check::{check, too_close};
 use crate::clouds;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
-use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
 use crate::sheets::engine::{Run, SheetEngine};
@@ -241,13 +241,12 @@ impl Renderer {
         frame: &mut Frame,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), SceneError> {
-        scene.validate()?;
+        check(scene, camera, settings)?;
         if let Some(exposed) = shutter::sub_frames(scene, camera, settings)? {
             return self.render_mean(&exposed, settings, frame, progress);
         }
         let route = Route::of(scene, settings, &mut self.placed)?;
-        let settings = &route.settings(settings)?;
-        route.check(scene, settings)?;
+        let settings = &route.settings(settings);
         let shot = Shot {
             scene,
             route: &route,
@@ -305,14 +304,14 @@ impl Renderer {
         let view = (shot.camera, settings);
         match shot.route {
             Route::Volume(scene) => {
-                if footprints::is_needed(settings) || footprints::blurs(scene, settings) {
+                if footprints::render(scene.motion, settings) {
                     self.statistics = self.footprints.render(run, scene, view, frame)?;
                 } else if splats_at_once(&scene.volume, settings)
                     && let Some(statistics) = self.data.render(run, scene, view, frame)
                 {
                     self.statistics = statistics;
                 } else {
-                    operations::too_close(scene)?;
+                    too_close(scene.asks_for_sheets())?;
                     *frame = self.render_slices(scene, view, (progress, only));
                 }
             }
@@ -350,6 +349,7 @@ impl Renderer {
                 self.statistics = statistics;
                 return Ok(());
             }
+            too_close(volumes.iter().any(VolumeScene::asks_for_sheets))?;
         }
         Ok(())
     }

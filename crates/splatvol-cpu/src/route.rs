@@ -21,17 +21,51 @@ use splatvol_scene::{
 };
 
 use crate::plan::splats_color;
-use crate::{clouds, footprints, operations};
+use crate::{clouds, footprints};
 
-/// How a scene is rendered.
-pub(crate) enum Route<'a> {
-    /// By the engines for grids.
-    Volume(VolumeScene<'a>),
+/// Which way a scene goes.
+pub(crate) enum Way<'a> {
+    /// To the engines for grids.
+    Volume(SingleVolume<'a>),
     /// As the published renderer does.
+    Published,
+    /// To the sheets, as layers.
+    Layers,
+    /// By the papers' methods, as one cloud of splats.
+    Cloud,
+}
+
+impl<'a> Way<'a> {
+    /// The way of a scene.
+    ///
+    /// # Errors
+    /// Things besides Gaussians, where the published way is asked for.
+    pub(crate) fn of(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, SceneError> {
+        match (settings.gaussians, scene.is_gaussians()) {
+            (GaussianMode::Published, false) => Err(SceneError::Combination {
+                what: "the published way to render Gaussians (3dgs)",
+                why: "it sorts whole Gaussians and knows nothing else; use volumetric, which composites them with \
+                      everything else sheet by sheet",
+            }),
+            (GaussianMode::Auto | GaussianMode::Published, true) => Ok(Self::Published),
+            (GaussianMode::Auto, false) | (GaussianMode::Volumetric, _) => Ok(match scene.single_volume() {
+                Ok(single) => Self::Volume(single),
+                Err(_) if on_planes(settings) => Self::Layers,
+                Err(_) => Self::Cloud,
+            }),
+        }
+    }
+}
+
+/// A scene on its way.
+pub(crate) enum Route<'a> {
+    /// A volume where it lies.
+    Volume(VolumeScene<'a>),
+    /// Gaussians where they lie.
     Published(Vec<Placed<'a>>),
-    /// On sheets, as layers.
+    /// Volumes where they lie, and the rest.
     Layers(Parts<'a>),
-    /// As a cloud of splats, by the papers' methods.
+    /// All as a cloud.
     Cloud,
 }
 
@@ -61,6 +95,11 @@ pub(crate) struct VolumeScene<'a> {
 }
 
 impl VolumeScene<'_> {
+    /// Whether it has what only sheets of values show.
+    pub(crate) fn asks_for_sheets(&self) -> bool {
+        !(self.operators.is_empty() && self.isosurfaces.is_empty() && self.clips.is_empty())
+    }
+
     /// World length to which the transfer function's opacities refer.
     pub(crate) fn unit_distance(&self) -> f64 {
         self.transfer_function
@@ -104,75 +143,36 @@ impl PlacedVolumes {
 }
 
 impl<'a> Route<'a> {
-    /// The way that a scene goes.
+    /// A scene on the way that it goes.
     ///
     /// # Errors
-    /// Things besides Gaussians, where the published way is asked for.
+    /// As [`Way::of`], and places that cannot be inverted.
     pub(crate) fn of(
         scene: &'a Scene,
         settings: &RenderSettings,
         volumes: &mut PlacedVolumes,
     ) -> Result<Self, SceneError> {
-        match settings.gaussians {
-            GaussianMode::Published if !scene.is_gaussians() => {
-                return Err(SceneError::Combination {
-                    what: "the published way to render Gaussians (3dgs)",
-                    why: "it sorts whole Gaussians and knows nothing else; use volumetric, which composites them with \
-                          everything else sheet by sheet",
-                });
-            }
-            GaussianMode::Auto | GaussianMode::Published if scene.is_gaussians() => {
-                return Ok(Self::Published(placed(scene)));
-            }
-            _ => {}
-        }
         volumes.keep(scene);
-        match scene.single_volume() {
-            Ok(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
-            Err(_) if on_planes(settings) => parts(scene, settings, volumes).map(Self::Layers),
-            Err(_) => Ok(Self::Cloud),
+        match Way::of(scene, settings)? {
+            Way::Volume(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
+            Way::Published => Ok(Self::Published(placed(scene))),
+            Way::Layers => parts(scene, settings, volumes).map(Self::Layers),
+            Way::Cloud => Ok(Self::Cloud),
         }
     }
-}
 
-impl Route<'_> {
     /// The settings that this way takes.
-    ///
-    /// # Errors
-    /// Settings outside their domain, or methods that it does not have.
-    pub(crate) fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
-        let settings = match self {
-            Self::Volume(_) | Self::Published(_) | Self::Layers(_) => *settings,
-            Self::Cloud => clouds::in_sheets(settings)?,
-        };
-        if !matches!(self, Self::Published(_)) {
-            settings.validate()?;
-        }
-        Ok(settings)
-    }
-
-    /// Refuses what is asked of items where this way cannot show it.
-    ///
-    /// # Errors
-    /// Operators, clips, isosurfaces or motion that it does not have.
-    pub(crate) fn check(&self, scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
+    pub(crate) fn settings(&self, settings: &RenderSettings) -> RenderSettings {
         match self {
-            Self::Volume(volume) => operations::check(volume, settings),
-            Self::Published(_) => clouds::check(scene, settings, clouds::PUBLISHED),
-            Self::Layers(parts) => {
-                for volume in &parts.volumes {
-                    operations::check(volume, settings)?;
-                }
-                clouds::check(&parts.rest, settings, clouds::CLOUD)
-            }
-            Self::Cloud => clouds::check(scene, settings, clouds::CLOUD),
+            Self::Volume(_) | Self::Published(_) | Self::Layers(_) => *settings,
+            Self::Cloud => clouds::in_sheets(settings),
         }
     }
 }
 
 /// Whether scenes are splatted on planes: image sheets, and no paper's way to draw footprints.
 fn on_planes(settings: &RenderSettings) -> bool {
-    settings.compositing == Compositing::ImageSheets && !footprints::is_needed(settings)
+    settings.compositing == Compositing::ImageSheets && !footprints::render(None, settings)
 }
 
 /// The layers of a scene. Volumes that only the slices render are classified with the rest.
@@ -189,25 +189,30 @@ fn parts<'a>(
         rest: Scene::default(),
     };
     for item in &scene.items {
-        if let Content::Volume {
-            volume,
-            transfer_function,
-            isosurfaces,
-        } = &item.content
-            && splats_at_once(volume, settings)
-        {
-            let single = SingleVolume {
-                item,
-                volume,
-                transfer_function,
-                isosurfaces,
-            };
+        if let Some(single) = own_layer(item, settings) {
             parts.volumes.push(volume_scene(scene, &single, volumes)?);
         } else {
             parts.rest.items.push(item.clone());
         }
     }
     Ok(parts)
+}
+
+/// The volume of an item that is a layer of its own.
+pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option<SingleVolume<'a>> {
+    match &item.content {
+        Content::Volume {
+            volume,
+            transfer_function,
+            isosurfaces,
+        } if splats_at_once(volume, settings) => Some(SingleVolume {
+            item,
+            volume,
+            transfer_function,
+            isosurfaces,
+        }),
+        _ => None,
+    }
 }
 
 /// Whether the sheet engine renders a volume.

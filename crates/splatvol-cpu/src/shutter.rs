@@ -30,7 +30,6 @@ pub(crate) fn sub_frames<'a>(
     let Some(first) = scene.items.iter().find_map(|item| item.motion.as_ref()) else {
         return Ok(None);
     };
-    settings.validate()?;
     if scene.items.iter().all(|item| item.motion.as_ref() == Some(first)) {
         let cameras = first.cameras(camera, count)?.into_iter();
         let still = |camera| Exposed {

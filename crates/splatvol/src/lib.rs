@@ -3,6 +3,6 @@
 
 pub use splatvol_core::radial;
 pub use splatvol_cpu::{
-    EngineConfig, EngineError, Pass, RenderStatistics, Renderer, SimdLevel, StageSeconds,
+    EngineConfig, EngineError, Pass, RenderStatistics, Renderer, SimdLevel, StageSeconds, check,
 };
 pub use splatvol_scene::*;

@@ -88,7 +88,7 @@ pub(crate) struct Verbosity {
 pub(crate) enum Command {
     /// Render a volume, points, Gaussians, a mesh or a scene to a picture (PNG or EXR)
     Render(Box<RenderArgs>),
-    /// Render a volume from a camera that moves (GIF, animated PNG, films, frames)
+    /// Render a volume, points, Gaussians, a mesh or a scene from a camera that moves (GIF, animated PNG, films, frames)
     Animate(Box<AnimateArgs>),
     /// Say what a volume, points, Gaussians, a mesh or a scene are, or what a kernel does
     Info(InfoArgs),

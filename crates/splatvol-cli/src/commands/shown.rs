@@ -7,7 +7,7 @@ use splatvol::{Camera, Scene};
 use super::composed::{self, Composed};
 use super::render::{self, VolumeShown};
 use crate::args::RenderArgs;
-use crate::failure::Failure;
+use crate::failure::{During, Failure, Step};
 use crate::recipe::{Recipe, Subject};
 use crate::resolve::motion::CameraMotion;
 use crate::terminal::Terminal;
@@ -92,6 +92,13 @@ impl Shown {
             Self::Scene(scene) => scene.prepare(preparing)?,
         };
         terminal.detail(format!("camera: {}", render::describe(&prepared.camera)));
+        let Prepared {
+            scene,
+            camera,
+            recipe,
+            ..
+        } = &prepared;
+        splatvol::check(scene, camera, &recipe.settings).during(Step::Usage)?;
         Ok(prepared)
     }
 }

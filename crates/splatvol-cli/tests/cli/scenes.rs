@@ -113,7 +113,7 @@ fn volumes_points_and_gaussians_share_a_picture() {
     }
     sandbox
         .run("render scene.toml --gaussians 3dgs -w")
-        .fails(4, &["3dgs", "volumetric"]);
+        .fails(2, &["3dgs", "volumetric"]);
     let text = sandbox.run("info scene.toml").succeeds().stdout();
     for words in [
         "sample:marschner-lobb:16 (volume)",
@@ -205,6 +205,9 @@ fn scenes_are_animated_cut_and_moved() {
     sandbox
         .run("render scene.toml --texture marble -w")
         .fails(2, &["one volume alone"]);
+    sandbox
+        .run("render scene.toml --clip-plane 0,0,0:0,0,1 -w")
+        .fails(2, &["a clip", "volume alone"]);
 }
 
 #[test]

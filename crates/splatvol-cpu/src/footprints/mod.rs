@@ -33,7 +33,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use splatvol_core::splats::{Profile, SplatCloud};
 use splatvol_scene::{
-    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Occlusion, Rasterizer,
+    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Motion, Occlusion, Rasterizer,
     Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
 };
 
@@ -47,7 +47,7 @@ use crate::sheets::engine::Run;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Whether settings ask for something that the engines for grids do not have.
-pub(crate) fn is_needed(settings: &RenderSettings) -> bool {
+fn is_needed(settings: &RenderSettings) -> bool {
     let post = settings.classification == Classification::Post;
     settings.compositing.needs_colors()
         || matches!(settings.filter, Filter::Swan | Filter::SwanAlpha)
@@ -63,9 +63,9 @@ pub(crate) fn is_needed(settings: &RenderSettings) -> bool {
             && settings.sheet == Some(SheetContent::Section))
 }
 
-/// Whether footprints are blurred by motion.
-pub(crate) fn blurs(scene: &VolumeScene<'_>, settings: &RenderSettings) -> bool {
-    scene.motion.is_some() && settings.motion_blur.moves_footprints()
+/// Whether a volume is rendered by its footprints: where the settings need them, or its motion blurs them.
+pub(crate) fn render(motion: Option<&Motion>, settings: &RenderSettings) -> bool {
+    is_needed(settings) || (motion.is_some() && settings.motion_blur.moves_footprints())
 }
 
 /// Keeps the cloud between frames.
@@ -89,7 +89,6 @@ impl FootprintEngine {
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
-        raster::check(scene, camera, settings)?;
         self.kernels.prepare(settings)?;
         let shape = self.kernels.shape(settings);
         let (cloud, bricks) = run.pool.install(|| self.store.cloud(scene, settings, shape));

@@ -9,8 +9,7 @@ use super::{
 };
 use crate::SceneError;
 
-const NO_PREFILTER: &str =
-    "gaussian where data are interpolated; others without the prefilter, --no-prefilter";
+const NO_PREFILTER: &str = "gaussian where data are interpolated; others with prefilter off";
 
 const NO_MAXIMA: &str = "gaussian: maxima are of values on planes, which other kernels do not have";
 const NO_SAMPLES: &str = "gaussian where sheets hold samples (post); others are splatted as colours (pre) or as \

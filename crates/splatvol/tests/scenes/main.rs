@@ -13,3 +13,4 @@ mod mixed;
 mod single;
 mod support;
 mod surfels;
+mod table;

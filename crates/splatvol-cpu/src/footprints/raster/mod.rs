@@ -6,10 +6,8 @@
 //! | `tables` | looked up, as FastSplats |
 //! | `linear`, `circle`, `ellipse`, `rlut`, `blit` | how a look-up finds its entry (huang2000 section 3) |
 //! | `snap` | grids of sub-pixel positions |
-//! | `check` | which views the rasterisers can draw |
 
 mod blit;
-mod check;
 mod circle;
 mod ellipse;
 mod linear;
@@ -22,7 +20,6 @@ mod tests;
 use splatvol_core::bin::TileRect;
 use splatvol_core::splats::{Footprint, Moving, Profile, Warp};
 
-pub(crate) use check::check;
 pub(crate) use tables::Tables;
 
 /// Takes rows of weights (world length).

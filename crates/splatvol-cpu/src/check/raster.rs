@@ -1,9 +1,7 @@
 //! Whether a rasteriser can draw what a view makes of a grid's kernels.
 
 use glam::DMat3;
-use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, RenderSettings, SceneError};
-
-use crate::route::VolumeScene;
+use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, RenderSettings, SceneError, SingleVolume};
 
 /// Relative difference of squared widths below which they are the same: half of it of the radius.
 const SAME: f64 = 2e-3;
@@ -12,8 +10,8 @@ const SAME: f64 = 2e-3;
 ///
 /// # Errors
 /// The rasteriser by name, with the reason and what to use.
-pub(crate) fn check(
-    scene: &VolumeScene<'_>,
+pub(super) fn check(
+    single: &SingleVolume<'_>,
     camera: &Camera,
     settings: &RenderSettings,
 ) -> Result<(), SceneError> {
@@ -44,7 +42,9 @@ pub(crate) fn check(
              circles; or alignment grid",
         );
     }
-    let linear = camera.camera_from_world().matrix3 * scene.volume.grid().world_from_voxel().matrix3;
+    let linear = camera.camera_from_world().matrix3
+        * single.item.world_from_item.matrix3
+        * single.volume.grid().world_from_voxel().matrix3;
     let covariance = linear * linear.transpose();
     let rlut = matches!(settings.rasterizer, Rasterizer::Rlut { .. });
     if is_sphere(covariance) || (rlut && is_upright(covariance)) {

@@ -1,0 +1,85 @@
+//! What can be rendered: asked beforehand, answered in one place.
+//!
+//! | of | module |
+//! |---|---|
+//! | settings by themselves | [`RenderSettings::validate`] |
+//! | a volume alone, with the settings | `volume` |
+//! | a rasteriser, with the footprints of a view | `raster` |
+//! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |
+//! | what moves, and edges that are sampled | here |
+//!
+//! Rendering refuses nothing that passes here. `docs/scenes.md` has a table of the answers, made by asking.
+
+mod cloud;
+mod raster;
+mod volume;
+
+use splatvol_scene::{Camera, Clip, Coverage, ImageSize, Item, RenderSettings, Scene, SceneError};
+
+use crate::route::Way;
+use crate::{clouds, footprints, shutter};
+
+pub(crate) use volume::too_close;
+
+/// Whether a scene can be rendered from a camera with these settings.
+///
+/// # Errors
+/// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
+pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<(), SceneError> {
+    scene.validate()?;
+    let way = Way::of(scene, settings)?;
+    match way {
+        Way::Volume(single) => {
+            settings.validate()?;
+            volume::check(scene, &single, settings)?;
+            if footprints::render(single.item.motion.as_ref(), settings) {
+                raster::check(&single, camera, settings)?;
+            }
+        }
+        Way::Published => cloud::published(scene, settings)?,
+        Way::Layers => {
+            settings.validate()?;
+            cloud::layers(scene, settings)?;
+        }
+        Way::Cloud => {
+            cloud::sheets(scene, settings)?;
+            clouds::in_sheets(settings).validate()?;
+        }
+    }
+    coverage(settings)?;
+    shutter::sub_frames(scene, camera, settings).map(|_| ())
+}
+
+/// Refuses samples of edges that would be of too large a picture.
+fn coverage(settings: &RenderSettings) -> Result<(), SceneError> {
+    let Coverage::Adaptive { samples, .. } = settings.coverage else {
+        return Ok(());
+    };
+    let [width, height] = <[u32; 2]>::from(settings.size).map(|side| side.saturating_mul(samples));
+    match ImageSize::new(width, height) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(SceneError::Combination {
+            what: "coverage",
+            why: "the picture times its samples per axis is too large, ask for fewer samples",
+        }),
+    }
+}
+
+/// What is asked of the items of a scene besides their looks, by its name.
+fn asked(scene: &Scene) -> Option<&'static str> {
+    asked_of(&scene.items, &scene.clips)
+}
+
+/// The same of some of its items, and of clips of the scene.
+fn asked_of(items: &[Item], clips: &[Clip]) -> Option<&'static str> {
+    let any = |of: fn(&Item) -> bool| items.iter().any(of);
+    if any(Item::shows_isosurfaces) {
+        Some("an isosurface")
+    } else if any(|item| !item.operators.is_empty()) {
+        Some("an operator (texture, bump or environment map, gradient opacity, 2-D transfer function)")
+    } else if !clips.is_empty() || any(|item| !item.clips.is_empty()) {
+        Some("a clip")
+    } else {
+        None
+    }
+}

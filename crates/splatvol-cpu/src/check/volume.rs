@@ -1,0 +1,62 @@
+//! Which operators, clips and isosurfaces of a volume go with which settings.
+
+use splatvol_scene::{
+    Classification, Compositing, Gradient, RenderSettings, Scene, SceneError, SingleVolume,
+};
+
+use super::asked_of;
+use crate::footprints;
+
+/// Refuses what the scene asks for where the settings cannot show it.
+pub(super) fn check(
+    scene: &Scene,
+    single: &SingleVolume<'_>,
+    settings: &RenderSettings,
+) -> Result<(), SceneError> {
+    let Some(what) = asked_of(std::slice::from_ref(single.item), &scene.clips) else {
+        return Ok(());
+    };
+    let refuse = |why| Err(SceneError::Combination { what, why });
+    let operated = !single.item.operators.is_empty() || !single.isosurfaces.is_empty();
+    if footprints::render(single.item.motion.as_ref(), settings) {
+        return refuse(
+            "whole footprints and sections of them are drawn without it, use image sheets and the usual filters",
+        );
+    }
+    match settings.compositing {
+        Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => {
+            return refuse("maximum, minimum and mean show one value of a ray alone, use image sheets");
+        }
+        Compositing::Xray if operated => {
+            return refuse("X-rays have no sheets whose pixels could be lit, use image sheets");
+        }
+        _ => {}
+    }
+    let post = settings.compositing != Compositing::Xray && settings.classification == Classification::Post;
+    if operated && !post {
+        return refuse(
+            "pre-classified sheets hold colours, neither values nor gradients, use post-classification",
+        );
+    }
+    if settings.gradient != Gradient::Differences {
+        return refuse("analytic gradients (preset best) go slice by slice, use gradients by differences");
+    }
+    if post && !settings.prefilter {
+        return refuse("data that are not prefiltered go slice by slice, use the prefilter");
+    }
+    if single.volume.statistics().non_finite > 0 {
+        return refuse("volumes with missing samples go slice by slice, fill them first");
+    }
+    Ok(())
+}
+
+/// The error where the camera sees footprints of too different size for all sheets at once.
+pub(crate) fn too_close(asks: bool) -> Result<(), SceneError> {
+    if !asks {
+        return Ok(());
+    }
+    Err(SceneError::Combination {
+        what: "this view of a scene with operators, clips or isosurfaces",
+        why: "the camera is too close to the volume or its angle too wide, move it away or make the angle smaller",
+    })
+}
