@@ -11,8 +11,8 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{
-    Camera, Composition, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene, SceneError,
-    Volume,
+    Camera, Compositing, Composition, Exposure, Frame, Gradient, Kernel, MotionBlur, RenderSettings, Scene,
+    SceneError, Volume,
 };
 
 use crate::compositions;
@@ -437,9 +437,10 @@ impl TileRun<'_> {
     }
 }
 
-/// Whether the engine that splats into all sheets at once renders this.
+/// Whether the engine that splats into all sheets at once renders this: analytic gradients in post-classified pictures only.
 fn splats_at_once(scene: &Scene, settings: &RenderSettings) -> bool {
-    settings.gradient == Gradient::Differences
+    let composites_data = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
+    (settings.gradient == Gradient::Differences || composites_data)
         && (settings.prefilter || splats_color(settings))
         && scene.volume.statistics().non_finite == 0
 }
