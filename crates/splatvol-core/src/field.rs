@@ -59,6 +59,8 @@ pub struct FieldStore {
     bricks: [usize; 3],
     ranges: Vec<LevelRange>,
     cells: Vec<CellBits>,
+    /// Whether the kernel reaches three voxels, not two.
+    is_wide: bool,
     /// Whether bricks that are not needed now stay.
     keep_all: bool,
     /// What the cells were found with.
@@ -99,6 +101,7 @@ impl FieldStore {
             .for_each(|(bz, layer)| cells::layer_ranges(&lattice, data, bz, layer)));
         let chunks: usize = (0..3).map(|a| bricks[a].div_ceil(CHUNK[a])).product();
         Self {
+            is_wide: kernel.radius > 2.0,
             solver: ChunkSolver::new(kernel, &lattice),
             histogram: Histogram::new(&volume),
             bricks,
@@ -380,7 +383,15 @@ impl<T: Stored> ChunkJob<'_, T> {
                 if cells.iter().all(Option::is_none) {
                     continue;
                 }
-                if let Some(needs) = vectorized!(store.lattice.simd, Needs::around(&cells)) {
+                let needs = vectorized!(
+                    store.lattice.simd,
+                    if store.is_wide {
+                        Needs::around::<true>(&cells)
+                    } else {
+                        Needs::around::<false>(&cells)
+                    }
+                );
+                if let Some(needs) = needs {
                     again.push((at, needs));
                     wanted |= 1 << at;
                 }

@@ -30,10 +30,12 @@ impl GaussianKernel {
     }
 
     /// The same less its value at the radius, so that it ends without a step: with sigma 0.605 and radius 2 its sum over
-    /// the lattice ripples by 1e-3 where the cut kernel's ripples by 5e-3.
+    /// the lattice ripples by 1e-3 where the cut kernel's ripples by 5e-3. A step of less than a thousandth of the peak is
+    /// left: it is smaller than what the window would do.
     pub fn windowed(kernel: Kernel) -> Self {
         let (sigma, radius) = moments(kernel);
-        Self::with_edge(sigma, radius, profile(radius, sigma))
+        let step = profile(radius, sigma);
+        Self::with_edge(sigma, radius, if step < LEAST_STEP { 0.0 } else { step })
     }
 
     fn with_edge(sigma: f64, radius: f64, edge: f64) -> Self {
@@ -74,6 +76,9 @@ impl GaussianKernel {
         ((2.0 * std::f64::consts::PI).sqrt() * self.sigma / self.lattice_sum).powi(3)
     }
 }
+
+/// Steps below this share of the peak are not windowed away.
+const LEAST_STEP: f64 = 1e-3;
 
 /// Standard deviation along an axis and radius.
 fn moments(kernel: Kernel) -> (f64, f64) {

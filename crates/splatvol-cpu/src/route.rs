@@ -215,9 +215,10 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume.
+/// Whether the sheet engine renders a volume: analytic gradients in post-classified pictures only.
 pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
-    settings.gradient == Gradient::Differences
+    let composites_data = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
+    (settings.gradient == Gradient::Differences || composites_data)
         && (settings.prefilter || splats_color(settings))
         && volume.statistics().non_finite == 0
 }

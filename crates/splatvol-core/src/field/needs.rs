@@ -1,48 +1,55 @@
 //! Which voxels of a brick a reconstruction needs: those near visible cells, by shifts of whole slices.
 //!
-//! Voxel x touches cells x - 1 and x; the kernel's outer half reaches one cell further on both sides. A slice of 8 x 8
+//! Voxel x touches cells x - 1 and x; a kernel of radius 2 reaches one cell further on both sides, a wide one two. A slice of 8 x 8
 //! cells is one word, so that a step along x or y is a shift of it with what the neighbour hands over.
 
 use crate::brick::BRICK;
 
 use super::cells::CellBits;
 
-/// Voxels within one cell of a visible one, and within two: bit `8 y + x` of word z.
+/// Voxels within one cell of a visible one, and within the kernel's radius: bit `8 y + x` of word z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Needs {
     pub near: CellBits,
     pub far: CellBits,
 }
 
-/// First column, and first two; last column.
-const FIRST: u64 = 0x0101_0101_0101_0101;
-const FIRST_TWO: u64 = 0x0303_0303_0303_0303;
+/// Columns of a slice: its first, first two and first three.
+const FIRST: [u64; 3] = [
+    0x0101_0101_0101_0101,
+    0x0303_0303_0303_0303,
+    0x0707_0707_0707_0707,
+];
 
-/// Slices of cells that a brick's voxels need: two before it to one behind.
-const SLICES: usize = BRICK + 3;
+/// Slices of cells that a brick's voxels need: three before it to two behind.
+const SLICES: usize = BRICK + 5;
 
 impl Needs {
-    /// From the visible cells of 3 x 3 x 3 bricks, x fastest; `None` stands for a brick without any.
+    /// From the visible cells of 3 x 3 x 3 bricks, x fastest; `None` stands for a brick without any. `WIDE`: the kernel
+    /// reaches three voxels, not two.
     #[inline(always)]
-    pub(super) fn around(bricks: &[Option<&CellBits>; 27]) -> Option<Self> {
+    pub(super) fn around<const WIDE: bool>(bricks: &[Option<&CellBits>; 27]) -> Option<Self> {
         // Whole columns of slices at a time, so that the loops below run in vectors.
         let mut words = [[[0u64; SLICES]; 3]; 3];
         for (i, cells) in bricks.iter().enumerate() {
             let Some(cells) = cells else { continue };
             let column = &mut words[i / 3 % 3][i % 3];
             match i / 9 {
-                0 => column[..2].copy_from_slice(&cells[BRICK - 2..]),
-                1 => column[2..BRICK + 2].copy_from_slice(&cells[..]),
-                _ => column[BRICK + 2] = cells[0],
+                0 => column[..3].copy_from_slice(&cells[BRICK - 3..]),
+                1 => column[3..BRICK + 3].copy_from_slice(&cells[..]),
+                _ => column[BRICK + 3..].copy_from_slice(&cells[..2]),
             }
         }
         let (mut near, mut far) = ([0u64; SLICES], [0u64; SLICES]);
         for slice in 0..SLICES {
-            let row = |y: usize| along_x([words[y][0][slice], words[y][1][slice], words[y][2][slice]]);
+            let row =
+                |y: usize| along_x::<WIDE>([words[y][0][slice], words[y][1][slice], words[y][2][slice]]);
             let ((near_before, before), (own_near, own), (_, behind)) = (row(0), row(1), row(2));
             near[slice] = own_near | own_near << 8 | near_before >> 56;
-            let own = own | own << 8 | own << 16 | own >> 8;
-            far[slice] = own | before >> 56 | before >> 48 | behind << 56;
+            far[slice] = own | own << 8 | own << 16 | own >> 8 | before >> 56 | before >> 48 | behind << 56;
+            if WIDE {
+                far[slice] |= own << 24 | own >> 16 | before >> 40 | behind << 48;
+            }
         }
         let mut needs = Self {
             near: [0; BRICK],
@@ -50,8 +57,11 @@ impl Needs {
         };
         let mut any = 0;
         for z in 0..BRICK {
-            needs.near[z] = near[z + 1] | near[z + 2];
-            needs.far[z] = far[z] | far[z + 1] | far[z + 2] | far[z + 3];
+            needs.near[z] = near[z + 2] | near[z + 3];
+            needs.far[z] = far[z + 1] | far[z + 2] | far[z + 3] | far[z + 4];
+            if WIDE {
+                needs.far[z] |= far[z] | far[z + 5];
+            }
             any |= needs.far[z];
         }
         (any != 0).then_some(needs)
@@ -60,11 +70,16 @@ impl Needs {
 
 /// Voxels of eight rows near a visible cell of theirs, and far, from the words of three bricks along x.
 #[inline(always)]
-fn along_x([before, own, behind]: [u64; 3]) -> (u64, u64) {
-    let near = own | (own << 1 & !FIRST) | (before >> 7 & FIRST);
-    let two = (own << 2 & !FIRST_TWO) | (before >> 6 & FIRST_TWO);
-    let next = (own >> 1 & !(FIRST << 7)) | (behind << 7 & FIRST << 7);
-    (near, near | two | next)
+fn along_x<const WIDE: bool>([before, own, behind]: [u64; 3]) -> (u64, u64) {
+    // Cells so many voxels before each, and behind it.
+    let later = |n: usize| (own << n & !FIRST[n - 1]) | (before >> (8 - n) & FIRST[n - 1]);
+    let sooner = |n: usize| {
+        let last = FIRST[n - 1] << (8 - n);
+        (own >> n & !last) | (behind << (8 - n) & last)
+    };
+    let near = own | later(1);
+    let far = near | later(2) | sooner(1);
+    (near, if WIDE { far | later(3) | sooner(2) } else { far })
 }
 
 #[cfg(test)]
@@ -88,14 +103,18 @@ mod tests {
                 (-below..=above)
                     .any(|k| (-below..=above).any(|j| (-below..=above).any(|i| seen([x + i, y + j, z + k]))))
             };
-            let needs = Needs::around(&std::array::from_fn(|i| Some(&bricks[i]))).unwrap();
+            let around = std::array::from_fn(|i| Some(&bricks[i]));
+            let needs = Needs::around::<false>(&around).unwrap();
+            let wide = Needs::around::<true>(&around).unwrap();
             for i in 0..512isize {
                 let p = [i % 8, i / 8 % 8, i / 64];
                 let bit = |bits: &CellBits| bits[p[2] as usize] >> (8 * p[1] + p[0]) & 1 != 0;
                 assert_eq!(bit(&needs.near), any(p, 1, 0), "{p:?}");
                 assert_eq!(bit(&needs.far), any(p, 2, 1), "{p:?}");
+                assert_eq!(bit(&wide.near), any(p, 1, 0), "{p:?}");
+                assert_eq!(bit(&wide.far), any(p, 3, 2), "{p:?}");
             }
         }
-        assert!(Needs::around(&[None; 27]).is_none());
+        assert!(Needs::around::<true>(&[None; 27]).is_none());
     }
 }

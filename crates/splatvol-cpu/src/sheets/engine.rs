@@ -10,8 +10,9 @@ use glam::Affine3A;
 use rayon::prelude::*;
 use splatvol_core::bin::TileRect;
 use splatvol_core::field::FieldStore;
-use splatvol_scene::{Camera, Compositing, Frame, RenderSettings};
+use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings};
 
+use super::analytic::Analytic;
 use super::canvas::Canvas;
 use super::classified::ClassifiedBricks;
 use super::cloud::plan::CloudPlan;
@@ -255,6 +256,11 @@ impl SheetEngine {
             }
             (Wanted::All, _) => {
                 let mode = Intensity::<Mean>::new(store, shader(), classified);
+                job.render(store, &mode, frame, statistics);
+            }
+            (Wanted::Visible, _) if settings.gradient == Gradient::Analytic => {
+                let dims = grid.dims();
+                let mode = Analytic::new(store, shader(), view.weights(dims));
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {

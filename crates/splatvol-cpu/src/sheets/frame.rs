@@ -9,10 +9,11 @@ use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::normal::mass_within;
 use splatvol_core::sheets::Planes;
-use splatvol_scene::{Camera, Filter, Grid, RenderSettings, ScreenFromCamera};
+use splatvol_scene::{Camera, Filter, Gradient, Grid, RenderSettings, ScreenFromCamera};
 
 use super::border::Border;
 use super::integral::RayShapes;
+use super::lattice_weights::LatticeWeights;
 use super::mode::Bricks;
 use super::order::DepthOrder;
 use super::ring::LANES;
@@ -31,6 +32,10 @@ const WIDEST: f64 = 4.6;
 const COMFORTABLE: f64 = 2.3;
 /// Narrowest standard deviation of a footprint, raster points, that a spline of a coarse raster reproduces.
 const NARROWEST: f64 = 0.8;
+/// The same where gradients are analytic: to the last digits.
+const NARROWEST_EXACT: f64 = 1.2;
+/// Standard deviations at which footprints are cut where gradients are analytic: what is left out on one side alone tilts them.
+const CUT_EXACT: f64 = 4.2;
 /// Widest angle between a pixel's ray and the axis, as a tangent.
 const STEEPEST: f64 = 0.75;
 
@@ -152,6 +157,7 @@ impl View {
         )?;
         let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
         let cut = match sampling {
+            _ if is_exact(settings) => CUT_EXACT,
             Sampling::Rays => CUT.max(kernel.cut()),
             _ if changed || !round => CUT,
             _ => kernel.cut(),
@@ -163,7 +169,7 @@ impl View {
         let within = steepest <= STEEPEST
             && groups <= MAX_GROUPS
             && stack.count <= MAX_SHEETS
-            && (round || powers_fit(&ends, drift_of_centres));
+            && (round || powers_fit(&ends, drift_of_centres, cut as f32));
         within.then_some(Self {
             camera_from_lattice,
             screen,
@@ -223,6 +229,13 @@ impl View {
         }
     }
 
+    /// Weights of the lattice and shares of the box on planes.
+    pub(crate) fn weights(&self, dims: [usize; 3]) -> LatticeWeights {
+        let margin = DVec3::from_array(self.margin.map(|m| m as f64));
+        let camera_from_voxel = self.camera_from_lattice * DAffine3::from_translation(margin);
+        LatticeWeights::new(camera_from_voxel, dims, self.margin, self.kernel.sigma)
+    }
+
     /// Shader of planes of a field.
     pub(crate) fn shader<'a>(
         &self,
@@ -252,13 +265,14 @@ impl View {
 }
 
 /// Whether the powers of ellipses between those of the nearest and the farthest sheet are floats: those of long and thin
-/// ones on a fine raster may not be. `drift`: how far centres move within a voxel's sheets, world length.
-fn powers_fit([near, far]: &[SheetShape; 2], drift: f32) -> bool {
+/// ones on a fine raster may not be. `drift`: how far centres move within a voxel's sheets, world length; `cut`: standard
+/// deviations at which footprints are cut.
+fn powers_fit([near, far]: &[SheetShape; 2], drift: f32, cut: f32) -> bool {
     let [xx, xy, yy] = far.exponent;
     let steepest = 0.5 * (xx + yy + libm::hypotf(xx - yy, xy));
     // Centres lie up to a point and a half off the middle of their blocks along both axes.
     let offset = 1.5 * std::f32::consts::SQRT_2 + drift * near.scale;
-    let points = blocks_of(near.half_extent(CUT as f32)) as f32;
+    let points = blocks_of(near.half_extent(cut)) as f32;
     2.0 * steepest * offset * points < 126.0
 }
 
@@ -267,10 +281,17 @@ const MAX_GROUPS: usize = 8;
 /// Sheets of a frame.
 const MAX_SHEETS: usize = 1 << 16;
 
+/// Whether footprints carry analytic gradients.
+fn is_exact(settings: &RenderSettings) -> bool {
+    settings.gradient == Gradient::Analytic
+}
+
 /// Peak of a kernel's samples on planes.
 fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
     let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
     let along = match sampling {
+        // Sums are divided by their weights, whose mean this makes one.
+        Sampling::Field if kernel.edge == 0.0 => lateral * mass_within(kernel.cut()),
         Sampling::Field => kernel.lattice_sum,
         _ => lateral * mass_within(kernel.cut()) - 2.0 * kernel.radius * kernel.edge,
     };
@@ -309,8 +330,12 @@ fn raster(
         libm::log2(widest / WIDEST).ceil(),
         libm::log2(widest / COMFORTABLE).ceil(),
     );
-    let coarsest = libm::log2(narrowest / NARROWEST).floor();
-    let step = wanted.min(coarsest).clamp(0.0, 6.0);
+    let coarsest = |least: f64| libm::log2(narrowest / least).floor();
+    let step_of = |least: f64| wanted.min(coarsest(least)).clamp(0.0, 6.0);
+    let mut step = step_of(NARROWEST);
+    if is_exact(settings) {
+        step = step_of(NARROWEST_EXACT).max(finest).min(step);
+    }
     if step < finest {
         return None;
     }

@@ -5,6 +5,7 @@
 
 use fearless_simd::prelude::*;
 
+use super::analytic::Analytic;
 use super::canvas::Canvas;
 use super::cloud::emission::CloudEmission;
 use super::compose::Compose;
@@ -18,6 +19,8 @@ use super::tile::{SheetFrame, SheetScratch, SheetWork};
 pub(crate) enum Layer<'a> {
     /// A volume, post-classified.
     Shaded(SheetFrame<'a>, Shaded<'a>),
+    /// A volume, post-classified with analytic gradients.
+    Analytic(SheetFrame<'a>, Analytic<'a>),
     /// A volume, pre-classified.
     Compose(SheetFrame<'a>, Compose<'a>),
     /// A cloud of classified splats.
@@ -27,7 +30,10 @@ pub(crate) enum Layer<'a> {
 impl Layer<'_> {
     fn frame(&self) -> &SheetFrame<'_> {
         match self {
-            Self::Shaded(frame, _) | Self::Compose(frame, _) | Self::Cloud(frame, _) => frame,
+            Self::Shaded(frame, _)
+            | Self::Analytic(frame, _)
+            | Self::Compose(frame, _)
+            | Self::Cloud(frame, _) => frame,
         }
     }
 
@@ -39,6 +45,7 @@ impl Layer<'_> {
     ) -> Box<dyn TileLayer<S> + 't> {
         match self {
             Self::Shaded(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
+            Self::Analytic(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
             Self::Compose(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
             Self::Cloud(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
         }

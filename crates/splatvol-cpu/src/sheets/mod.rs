@@ -9,6 +9,7 @@
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
+//! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
 //! | | `intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral` | or classified voxels integrated |
@@ -22,6 +23,7 @@
 )]
 
 pub(crate) mod activate;
+pub(crate) mod analytic;
 pub(crate) mod border;
 pub(crate) mod canvas;
 pub(crate) mod classified;
@@ -33,8 +35,11 @@ pub(crate) mod cut;
 pub(crate) mod engine;
 pub(crate) mod extremum;
 pub(crate) mod frame;
+pub(crate) mod gradients;
+pub(crate) mod hermite;
 pub(crate) mod integral;
 pub(crate) mod intensity;
+pub(crate) mod lattice_weights;
 pub(crate) mod layer;
 pub(crate) mod layers;
 pub(crate) mod level;

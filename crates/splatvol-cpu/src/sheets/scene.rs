@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use splatvol_core::bin::TileGrid;
 use splatvol_core::splats::SplatCloud;
-use splatvol_scene::{Camera, Clip, Frame, RenderSettings};
+use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings};
 
+use super::analytic::Analytic;
 use super::classified::ClassifiedBricks;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
@@ -216,9 +217,18 @@ impl SheetEngine {
             } else {
                 let sheets = plan.update(view, &level.field, settings, edge);
                 let spacing = volume.volume.grid().mean_spacing();
+                let shader = view.shader((&level.field, &level.table), (settings, spacing));
+                if settings.gradient == Gradient::Analytic {
+                    let weights = view.weights(level.field.volume().grid().dims());
+                    layers.push(Layer::Analytic(
+                        sheets,
+                        Analytic::new(&level.field, shader, weights),
+                    ));
+                    continue;
+                }
                 let mode = Shaded {
                     store: &level.field,
-                    shader: view.shader((&level.field, &level.table), (settings, spacing)),
+                    shader,
                     operated: operated(volume, camera, &level.field),
                 };
                 Layer::Shaded(sheets, mode)

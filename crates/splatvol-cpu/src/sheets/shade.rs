@@ -41,7 +41,7 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 }
 
 /// Lane numbers, and a half.
-const MIDDLES: [f32; 16] = [
+pub(crate) const MIDDLES: [f32; 16] = [
     0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5, 8.5, 9.5, 10.5, 11.5, 12.5, 13.5, 14.5, 15.5,
 ];
 
@@ -253,15 +253,21 @@ impl PlaneShader<'_> {
     /// The planes' border.
     pub(crate) fn borders(&self, depths: [f32; 2]) -> [BorderPlane; 2] {
         depths.map(|depth| {
-            let scale = if self.per_pixel > 0.0 {
-                self.per_pixel * depth
-            } else {
-                self.plane_per_pixel
-            };
-            let [cx, cy] = self.principal;
-            let first = Vec3A::new((0.5 - cx) * scale, (0.5 - cy) * scale, depth);
-            self.border.on_plane(first, Vec3A::X * scale, Vec3A::Y * scale)
+            let [first, step_x, step_y] = self.pixels(depth);
+            self.border.on_plane(first, step_x, step_y)
         })
+    }
+
+    /// The picture's first pixel on the plane of a depth, camera space, and what leads to the next along x and y.
+    pub(crate) fn pixels(&self, depth: f32) -> [Vec3A; 3] {
+        let scale = if self.per_pixel > 0.0 {
+            self.per_pixel * depth
+        } else {
+            self.plane_per_pixel
+        };
+        let [cx, cy] = self.principal;
+        let first = Vec3A::new((0.5 - cx) * scale, (0.5 - cy) * scale, depth);
+        [first, Vec3A::X * scale, Vec3A::Y * scale]
     }
 
     #[inline(always)]

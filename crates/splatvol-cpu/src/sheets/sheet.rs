@@ -19,6 +19,8 @@ pub(crate) struct SheetShape {
     pub exponent: [f32; 3],
     /// Value at the centre.
     pub peak: f32,
+    /// Variance of the low-pass, world length squared.
+    pub low_pass: f32,
 }
 
 /// Lateral shape of the kernel and how it is rasterised.
@@ -59,6 +61,7 @@ impl SheetShape {
             scale: scale as f32,
             exponent: [yy * half, -2.0 * xy * half, xx * half].map(|e| e as f32),
             peak: (raster.peak * (area / determinant).sqrt()) as f32,
+            low_pass: (add / (scale * scale)) as f32,
         }
     }
 

@@ -136,15 +136,15 @@ impl Default for Stencil {
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, lanes: &Lanes16) -> f32x16<S> {
+pub(crate) fn load<S: Simd>(simd: S, lanes: &Lanes16) -> f32x16<S> {
     f32x16::from_slice(simd, &lanes.0)
 }
 
 /// Each lane's column and row in a block.
-const COLUMN: [f32; 16] = [
+pub(crate) const COLUMN: [f32; 16] = [
     0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0,
 ];
-const ROW: [f32; 16] = [
+pub(crate) const ROW: [f32; 16] = [
     0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
 ];
 
@@ -212,6 +212,60 @@ impl Default for Powers {
 pub(crate) trait Payload<const N: usize>: Copy {
     /// A footprint's weight (per peak) and peak times each of them.
     fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; N];
+
+    /// Adds a voxel's footprint to each ring.
+    #[inline(always)]
+    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+        &self,
+        simd: S,
+        voxel: &Voxel<'_, S, SIZE>,
+        rings: &mut [&mut [Row]; N],
+    ) {
+        let weight = voxel.weight(simd);
+        let peak = load(simd, &voxel.shape.peak);
+        let weights = self.weights(simd, voxel.records.value[voxel.index], weight, peak);
+        for channel in 0..N {
+            let Some(rows) = voxel.rows(rings[channel]) else {
+                continue;
+            };
+            let blocks = (rows, voxel.column);
+            voxel
+                .steps
+                .add::<ELLIPSES>(simd, weights[channel], voxel.stencil, blocks);
+        }
+    }
+}
+
+/// A voxel about to be splatted into a group of sheets.
+pub(crate) struct Voxel<'a, S: Simd, const SIZE: usize> {
+    pub records: &'a Records,
+    pub index: usize,
+    pub constants: &'a SplatConstants,
+    pub shape: &'a GroupShape,
+    pub stencil: &'a Stencil,
+    pub steps: Steps<S, SIZE>,
+    /// The footprint at the raster point that its powers count from, and the profile in depth: four sheets, twice.
+    pub lateral: f32x8<S>,
+    pub depth: f32x8<S>,
+    /// Column of the first block.
+    pub column: usize,
+}
+
+impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
+    /// The weight, per peak, at the raster point that powers count from.
+    #[inline(always)]
+    fn weight(&self, simd: S) -> f32x16<S> {
+        let profile = (self.depth - self.constants.depth_edge).max(f32x8::splat(simd, 0.0));
+        let weight = self.lateral * profile;
+        weight.combine(weight)
+    }
+
+    /// Rows of a ring that the footprint touches.
+    #[inline(always)]
+    pub(crate) fn rows<'r>(&self, ring: &'r mut [Row]) -> Option<&'r mut [Row; SIZE]> {
+        ring.get_mut(self.records.row[self.index] as usize..)?
+            .first_chunk_mut::<SIZE>()
+    }
 }
 
 /// The value itself.
@@ -251,34 +305,30 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
                 exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
             }
         }
-        let peak = load(simd, &shape.peak);
         for n in 0..count {
-            let column = (records.column[first + n] as usize).min(PITCH - SIZE);
-            let place = records.row[first + n] as usize;
-            let lateral_and_depth = if ELLIPSES {
+            let (lateral, depth) = if ELLIPSES {
                 load(simd, &powers.weights[n]).split()
             } else {
                 let (lateral, depth) = load(simd, &powers.steps[n]).split().1.split();
                 (lateral.combine(lateral), depth.combine(depth))
             };
-            let (lateral, depth) = lateral_and_depth;
-            let weight = lateral * (depth - constants.depth_edge).max(f32x8::splat(simd, 0.0));
-            let weight = weight.combine(weight);
-            let weights = payload.weights(simd, records.value[first + n], weight, peak);
             let steps = if ELLIPSES {
                 Steps::<S, SIZE>::of_ellipse(simd, &powers.steps[n])
             } else {
                 Steps::<S, SIZE>::of_round(simd, &powers.steps[n], stencil)
             };
-            for channel in 0..N {
-                let Some(rows) = rings[channel]
-                    .get_mut(place..)
-                    .and_then(|rows| rows.first_chunk_mut::<SIZE>())
-                else {
-                    continue;
-                };
-                steps.add::<ELLIPSES>(simd, weights[channel], stencil, (rows, column));
-            }
+            let voxel = Voxel {
+                records,
+                index: first + n,
+                constants,
+                shape,
+                stencil,
+                steps,
+                lateral,
+                depth,
+                column: (records.column[first + n] as usize).min(PITCH - SIZE),
+            };
+            payload.add::<S, SIZE, ELLIPSES>(simd, &voxel, rings);
         }
         first += count;
     }
@@ -385,8 +435,8 @@ fn exponents<S: Simd>(
 }
 
 /// Powers of a voxel's columns, and what leads from row to row.
-struct Steps<S: Simd, const SIZE: usize> {
-    across: [f32x16<S>; SIZE],
+pub(crate) struct Steps<S: Simd, const SIZE: usize> {
+    pub across: [f32x16<S>; SIZE],
     /// Of the rows of the block that counting begins at.
     origin: f32x16<S>,
     forward: f32x16<S>,
@@ -451,15 +501,14 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
         }
     }
 
-    /// Adds the voxel's footprint to its blocks.
+    /// Powers of the rows, times a weight.
     #[inline(always)]
-    fn add<const ELLIPSES: bool>(
+    pub(crate) fn down<const ELLIPSES: bool>(
         &self,
         simd: S,
         weight: f32x16<S>,
         stencil: &Stencil,
-        (blocks, first): (&mut [Row; SIZE], usize),
-    ) {
+    ) -> [f32x16<S>; SIZE] {
         let origin = origin_block(SIZE, ELLIPSES);
         let mut down = [self.origin * weight; SIZE];
         for r in origin + 1..SIZE {
@@ -473,17 +522,41 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
                 down[b] *= load(simd, &stencil.rows[b]);
             }
         }
-        for r in 0..SIZE {
-            let line = &mut blocks[r].0[first..first + SIZE];
-            for c in 0..SIZE {
-                let block = &mut line[c].0;
-                let weights = if ELLIPSES {
-                    self.across[c] * load(simd, &stencil.blocks[r][c])
-                } else {
-                    self.across[c]
-                };
-                (weights * down[r] + f32x16::from_slice(simd, block)).store_slice(block);
-            }
+        down
+    }
+
+    /// Adds the voxel's footprint to its blocks.
+    #[inline(always)]
+    fn add<const ELLIPSES: bool>(
+        &self,
+        simd: S,
+        weight: f32x16<S>,
+        stencil: &Stencil,
+        blocks: (&mut [Row; SIZE], usize),
+    ) {
+        let down = self.down::<ELLIPSES>(simd, weight, stencil);
+        add_product::<S, SIZE, ELLIPSES>(simd, [&self.across, &down], stencil, blocks);
+    }
+}
+
+/// Adds the product of columns and rows, of ellipses times their stencil, to the blocks from the first column on.
+#[inline(always)]
+pub(crate) fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+    simd: S,
+    [across, down]: [&[f32x16<S>; SIZE]; 2],
+    stencil: &Stencil,
+    (blocks, first): (&mut [Row; SIZE], usize),
+) {
+    for r in 0..SIZE {
+        let line = &mut blocks[r].0[first..first + SIZE];
+        for c in 0..SIZE {
+            let block = &mut line[c].0;
+            let weights = if ELLIPSES {
+                across[c] * load(simd, &stencil.blocks[r][c])
+            } else {
+                across[c]
+            };
+            (weights * down[r] + f32x16::from_slice(simd, block)).store_slice(block);
         }
     }
 }

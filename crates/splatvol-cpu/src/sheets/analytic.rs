@@ -1,0 +1,277 @@
+//! Analytic gradients: coefficients are splatted with their kernels' derivatives, and intervals between planes classified, lit
+//! and composited in up to eight pieces.
+
+use fearless_simd::{f32x16, mask32x16, prelude::*};
+use splatvol_core::field::FieldStore;
+use splatvol_core::visibility::BRICK_VOXELS;
+
+use super::canvas::{Canvas, Material};
+use super::classified::Classified;
+use super::compose::through_and_opacity;
+use super::gradients::Moments;
+use super::hermite::{End, Hermite, Rays, pieces};
+use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
+use super::mode::Mode;
+use super::plane::{HALO, Plane};
+use super::shade::{MIDDLES, PlaneShader};
+use super::shaded::filled;
+use super::sheet::SheetShape;
+use super::table::Segment;
+use super::tile::{MAX_CHANNELS, Place, SheetFrame, SheetScratch};
+
+/// Post-classification with analytic gradients.
+#[derive(Debug)]
+pub(crate) struct Analytic<'a> {
+    store: &'a FieldStore,
+    shader: PlaneShader<'a>,
+    weights: LatticeWeights,
+}
+
+/// What turns a sheet's sums into the gradient of their value.
+#[derive(Debug, Clone, Copy)]
+struct Derivative {
+    /// Per world length: `-Q` times raster points per world length.
+    xx: f32,
+    xy: f32,
+    yy: f32,
+    /// `-1 / s^2`, s the kernel's standard deviation in depth.
+    zz: f32,
+    /// Drift of footprints per depth.
+    slope: [f32; 2],
+}
+
+impl Derivative {
+    fn new(frame: &SheetFrame<'_>, sheet: &SheetShape) -> Self {
+        let [xx, xy, yy] = sheet.exponent.map(|e| -std::f32::consts::LN_2 * e * sheet.scale);
+        Self {
+            xx: 2.0 * xx,
+            xy,
+            yy: 2.0 * yy,
+            zz: 2.0 * std::f32::consts::LN_2 * frame.constants.depth_exponent,
+            slope: frame.constants.slope,
+        }
+    }
+
+    /// Camera space, per world length.
+    #[inline(always)]
+    fn gradient<S: Simd>(&self, [x, y, z]: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+        let (along_x, along_y) = (x * self.xx + y * self.xy, x * self.xy + y * self.yy);
+        // The depth derivative was taken along the footprint's drift.
+        let along_z = z * self.zz - along_x * self.slope[0] - along_y * self.slope[1];
+        [along_x, along_y, along_z]
+    }
+}
+
+/// What lies between two planes of a tile.
+struct Interval<'a> {
+    planes: [&'a [Plane; MAX_CHANNELS]; 2],
+    derivatives: [Derivative; 2],
+    faces: [WeightPlane; 2],
+    is_near_face: bool,
+    /// Camera depth of the nearer plane.
+    depth: f32,
+    /// Image coordinates of the tile's first pixel.
+    origin: [usize; 2],
+}
+
+impl Interval<'_> {
+    /// Which of sixteen pixels have a sum on one of the planes.
+    #[inline(always)]
+    fn is_touched<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> mask32x16<S> {
+        let at = (y + HALO) * self.planes[0][0].pitch + x + HALO;
+        let [near, far] = self.planes;
+        let (near, far) = (load(simd, &near[0].values, at), load(simd, &far[0].values, at));
+        near.abs().max(far.abs()).simd_gt(f32x16::splat(simd, 0.0))
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &plane[at..at + 16])
+}
+
+impl<'a> Analytic<'a> {
+    pub(crate) fn new(store: &'a FieldStore, shader: PlaneShader<'a>, weights: LatticeWeights) -> Self {
+        Self {
+            store,
+            shader,
+            weights,
+        }
+    }
+
+    /// The sums of sixteen pixels on one of the planes.
+    #[inline(always)]
+    fn end<S: Simd>(&self, simd: S, interval: &Interval<'_>, which: usize, [x, y]: [usize; 2]) -> End<S> {
+        let planes = interval.planes[which];
+        let at = (y + HALO) * planes[0].pitch + x + HALO;
+        let channel = |c: usize| load(simd, &planes[c].values, at);
+        let in_picture = [interval.origin[0] + x, interval.origin[1] + y];
+        let face = &interval.faces[which];
+        let weights = if interval.is_near_face && self.weights.is_near(face, in_picture) {
+            self.weights.at(simd, face, in_picture)
+        } else {
+            Weights::inside(simd)
+        };
+        End {
+            sum: channel(0),
+            gradient: interval.derivatives[which].gradient([channel(1), channel(2), channel(3)]),
+            weights,
+        }
+    }
+
+    /// The rays of sixteen pixels.
+    #[inline(always)]
+    fn rays<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> Rays<S> {
+        let [cx, cy] = self.shader.principal;
+        let across = (f32x16::from_slice(simd, &MIDDLES) + (x as f32 - cx)) * self.shader.per_pixel;
+        let down = (y as f32 + 0.5 - cy) * self.shader.per_pixel;
+        Rays {
+            slope: [across, f32x16::splat(simd, down)],
+            squared: across * across + (1.0 + down * down),
+            spacing: self.shader.spacing,
+        }
+    }
+
+    /// Puts what lies in the interval behind what sixteen pixels have; says which it finished.
+    #[inline(always)]
+    fn composite<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        canvas: &mut Canvas,
+        (place, open): ([usize; 2], mask32x16<S>),
+    ) -> u16 {
+        let table = self.shader.table;
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        if !table.shows_background && !(interval.is_touched(simd, place) & open).any_true() {
+            return 0;
+        }
+        let ends = [
+            self.end(simd, interval, 0, place),
+            self.end(simd, interval, 1, place),
+        ];
+        let in_picture = [interval.origin[0] + place[0], interval.origin[1] + place[1]];
+        let rays = self.rays(simd, in_picture);
+        let field = Hermite::new(simd, [&ends[0], &ends[1]], rays, self.shader.background);
+        let (meets, bend) = field.may_meet(simd, table.hull);
+        let covered = field.coverage(simd, 0.0).max(field.coverage(simd, 1.0));
+        let seen = meets & open & covered.simd_gt(zero);
+        if !seen.any_true() {
+            return 0;
+        }
+        let (v0, v1) = (field.value(zero), field.value(one));
+        let mut front = table.classify(simd, v0);
+        let whole = Segment::between(simd, [v0, v1], [&front, &table.classify(simd, v1)]);
+        let length = rays.squared.sqrt() * self.shader.spacing;
+        let count = pieces(simd, seen, bend, whole.extinction * length);
+        let share = 1.0 / count as f32;
+
+        let mut through = one;
+        let (mut color, mut opacities, mut depth_sum) = ([zero; 3], zero, zero);
+        let mut from = v0;
+        for piece in 0..count {
+            let start = piece as f32 * share;
+            let to = field.value(f32x16::splat(simd, start + share));
+            let back = table.classify(simd, to);
+            let segment = Segment::between(simd, [from, to], [&front, &back]);
+            let coverage = field.coverage(simd, start + 0.5 * share);
+            let optical_depth = seen.select(segment.extinction * coverage * length * share, zero);
+            (from, front) = (to, back);
+            if !optical_depth.simd_gt(zero).any_true() {
+                continue;
+            }
+            let u = segment.place * share + start;
+            let (left, opacity) = through_and_opacity(simd, optical_depth);
+            let visible = through * opacity;
+            let (diffuse, specular) = match &self.shader.phong {
+                Some(phong) => phong.lanes(simd, field.gradient(u)),
+                None => (one, zero),
+            };
+            let own = table.color(simd, segment.value);
+            for c in 0..3 {
+                color[c] += (own[c] * diffuse + specular) * visible;
+            }
+            opacities += visible;
+            depth_sum += (u * self.shader.spacing + interval.depth) * visible;
+            through *= left;
+        }
+        let material = Material {
+            through,
+            opacity: opacities,
+            color,
+            depth: depth_sum / opacities.max(f32x16::splat(simd, f32::MIN_POSITIVE)),
+        };
+        let pixel = place[1] * canvas.pitch + place[0];
+        canvas.put(simd, pixel, &material, self.shader.termination)
+    }
+}
+
+impl Mode<4> for Analytic<'_> {
+    type Payload<'m> = Moments;
+
+    fn payload(_: &Classified) -> Moments {
+        Moments
+    }
+
+    #[inline(always)]
+    fn touch(&self, brick: usize) {
+        self.store.touch(brick);
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(
+        &self,
+        _: S,
+        (brick, _): (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        _: &mut Classified,
+    ) {
+        self.store.decode(brick, values);
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        near: usize,
+        place: &Place,
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
+    ) {
+        let SheetScratch { planes, mask, .. } = scratch;
+        let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
+            return;
+        };
+        let Some([first, second]) = frame.sheets.get(near..near + 2) else {
+            return;
+        };
+        let faces = [first, second].map(|sheet| {
+            self.weights
+                .on_plane(self.shader.pixels(sheet.depth), sheet.low_pass)
+        });
+        let interval = Interval {
+            planes: [&planes[1], &planes[2]],
+            derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
+            is_near_face: faces
+                .iter()
+                .any(|plane| self.weights.is_near_any(plane, &place.rect)),
+            faces,
+            depth: first.depth,
+            origin: [place.rect.x0, place.rect.y0],
+        };
+        for y in span.y0..span.y1 {
+            let mut x = span.x0 / 16 * 16;
+            while x < span.x1 {
+                let bits = mask.sixteen(x, y);
+                if bits != 0 {
+                    let open = mask32x16::from_bitmask(simd, u64::from(bits));
+                    let finished = self.composite(simd, &interval, canvas, ([x, y], open));
+                    if finished != 0 {
+                        mask.finish(x, y, finished);
+                    }
+                }
+                x += 16;
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Gradients: kernels and their derivatives, splatted side by side.
+//!
+//! A footprint `w` on a sheet has the derivatives `-Q d w`, d the offset from its centre, and `-dz / s^2 w` along depth: so
+//! four sums tell value and gradient of a field exactly, `S = sum c w`, `sum c w dx`, `sum c w dy` and `sum c w dz`. Offsets
+//! are counted from each footprint's own centre: sums of coordinates from elsewhere would lose the digits of the difference,
+//! and depend on where the tile lies. Depth has the profile that is not windowed: its derivative is that of both.
+
+use fearless_simd::{f32x16, prelude::*};
+
+use super::ring::Row;
+use super::splat::{COLUMN, Payload, ROW, Voxel, add_product, load, origin_block};
+
+/// A coefficient, with the offsets of each pixel from its footprint's centre.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moments;
+
+impl Payload<4> for Moments {
+    #[inline(always)]
+    fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 4] {
+        [weight * (peak * value); 4]
+    }
+
+    #[inline(always)]
+    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+        &self,
+        simd: S,
+        voxel: &Voxel<'_, S, SIZE>,
+        rings: &mut [&mut [Row]; 4],
+    ) {
+        let (records, n) = (voxel.records, voxel.index);
+        let scale = load(simd, &voxel.shape.scale);
+        let dz = load(simd, &voxel.shape.depth) - records.z[n];
+        let [slope_x, slope_y] = voxel.constants.slope;
+        let u = (dz * slope_x + records.x[n]) * scale + records.origin_x[n];
+        let v = (dz * slope_y + records.y[n]) * scale + records.origin_y[n];
+        let value = voxel.lateral.combine(voxel.lateral) * (load(simd, &voxel.shape.peak) * records.value[n]);
+        let zero = f32x16::splat(simd, 0.0);
+        let profile = voxel.depth.combine(voxel.depth);
+        let windowed = (profile - voxel.constants.depth_edge).max(zero);
+        let plain = value * windowed;
+        let along = windowed.simd_gt(zero).select(value * profile * dz, zero);
+
+        let down = voxel
+            .steps
+            .down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0), voxel.stencil);
+        let first = origin_block(SIZE, ELLIPSES) as f32 * 2.0;
+        let (column, row) = (
+            f32x16::from_slice(simd, &COLUMN) - first - u,
+            f32x16::from_slice(simd, &ROW) - first - v,
+        );
+        let mut across = [[zero; SIZE]; 3];
+        let mut slopes = [zero; SIZE];
+        for b in 0..SIZE {
+            let step = voxel.steps.across[b];
+            across[0][b] = step * plain;
+            across[1][b] = across[0][b] * (column + (2 * b) as f32);
+            across[2][b] = step * along;
+            slopes[b] = down[b] * (row + (2 * b) as f32);
+        }
+        let [values, along_x, along_y, along_z] = rings;
+        for (ring, factors) in [
+            (values, [&across[0], &down]),
+            (along_x, [&across[1], &down]),
+            (along_y, [&across[0], &slopes]),
+            (along_z, [&across[2], &down]),
+        ] {
+            if let Some(rows) = voxel.rows(ring) {
+                add_product::<S, SIZE, ELLIPSES>(simd, factors, voxel.stencil, (rows, voxel.column));
+            }
+        }
+    }
+}

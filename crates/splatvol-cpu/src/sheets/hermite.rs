@@ -1,0 +1,190 @@
+//! The field between two planes along sixteen rays.
+//!
+//! Both planes have the sums `S` and `W` with their gradients, so that `v = S / W` is known at both ends with its slope along
+//! the ray, `v' = (S' - v W') / W`: between them it is the cubic Hermite polynomial, `O(dz^4)`; W and the coverage run linearly.
+//! The gradient runs linearly between the ends, but for its part along the ray, which is the polynomial's derivative (with
+//! the linear part alone, or light interpolated instead of gradients, sheets show as wood grain on slopes).
+
+use fearless_simd::{f32x16, mask32x16, prelude::*};
+
+use super::lattice_weights::Weights;
+
+/// Weights below this lie so far outside the volume that their values count for nothing.
+const FADED: f32 = 0.15;
+/// Least weight that is divided by.
+const LEAST_WEIGHT: f32 = 0.01;
+/// Most pieces of an interval.
+const MOST_PIECES: f32 = 8.0;
+/// Cells of the tables of classification per normalised value.
+const CELLS_PER_VALUE: f32 = 1024.0;
+
+/// Sums on a plane.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End<S: Simd> {
+    /// S less the background times W, and its gradient: camera space, per world length.
+    pub sum: f32x16<S>,
+    pub gradient: [f32x16<S>; 3],
+    pub weights: Weights<S>,
+}
+
+/// The rays.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rays<S: Simd> {
+    /// Movement in camera x and y per depth.
+    pub slope: [f32x16<S>; 2],
+    /// Path length per depth, squared.
+    pub squared: f32x16<S>,
+    /// Distance between the planes, world length.
+    pub spacing: f32,
+}
+
+impl<S: Simd> Rays<S> {
+    /// Change of something with this gradient, per depth.
+    #[inline(always)]
+    fn along(&self, [x, y, z]: [f32x16<S>; 3]) -> f32x16<S> {
+        self.slope[0] * x + self.slope[1] * y + z
+    }
+}
+
+/// The field between the planes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hermite<S: Simd> {
+    /// Coefficients of the value over u in 0..1.
+    cubic: [f32x16<S>; 4],
+    weights: [f32x16<S>; 2],
+    /// Slopes of W along the ray, per interval.
+    falls: [f32x16<S>; 2],
+    /// Shares on the volume's own box.
+    own: [f32x16<S>; 2],
+    /// Gradients of S.
+    gradients: [[f32x16<S>; 3]; 2],
+    rays: Rays<S>,
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
+    f32x16::splat(simd, value)
+}
+
+impl<S: Simd> Hermite<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, [near, far]: [&End<S>; 2], rays: Rays<S>, background: f32) -> Self {
+        let (v0, start) = value_and_slope(simd, [near, far], &rays, background);
+        let (v1, end) = value_and_slope(simd, [far, near], &rays, background);
+        let rise = v1 - v0;
+        let whole = |end: &End<S>| {
+            let ([x, y, z], [wx, wy, wz]) = (end.gradient, end.weights.gradient);
+            [x + wx * background, y + wy * background, z + wz * background]
+        };
+        Self {
+            cubic: [
+                v0,
+                start,
+                rise * 3.0 - start * 2.0 - end,
+                start + end - rise * 2.0,
+            ],
+            weights: [near.weights.weight, far.weights.weight],
+            falls: [
+                rays.along(near.weights.gradient) * rays.spacing,
+                rays.along(far.weights.gradient) * rays.spacing,
+            ],
+            own: [near.weights.own, far.weights.own],
+            gradients: [whole(near), whole(far)],
+            rays,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn value(&self, u: f32x16<S>) -> f32x16<S> {
+        let [a, b, c, d] = self.cubic;
+        ((d * u + c) * u + b) * u + a
+    }
+
+    /// Coverage, 0 to 1.
+    #[inline(always)]
+    pub(crate) fn coverage(&self, simd: S, u: f32) -> f32x16<S> {
+        let own = (self.own[1] - self.own[0]) * u + self.own[0];
+        ((own - 0.5) * (1.0 / 0.98) + 0.5)
+            .max(splat(simd, 0.0))
+            .min(splat(simd, 1.0))
+    }
+
+    /// Gradient of S, camera space, per world length.
+    #[inline(always)]
+    pub(crate) fn gradient(&self, u: f32x16<S>) -> [f32x16<S>; 3] {
+        let [_, b, c, d] = self.cubic;
+        let slope = (d * u * 3.0 + c * 2.0) * u + b;
+        let weight = (self.weights[1] - self.weights[0]) * u + self.weights[0];
+        let fall = (self.falls[1] - self.falls[0]) * u + self.falls[0];
+        let along = (slope * weight + self.value(u) * fall) * (1.0 / self.rays.spacing);
+        let [near, far] = self.gradients;
+        let [x, y, z] = [
+            (far[0] - near[0]) * u + near[0],
+            (far[1] - near[1]) * u + near[1],
+            (far[2] - near[2]) * u + near[2],
+        ];
+        let missing = (along - self.rays.along([x, y, z])) / self.rays.squared;
+        [
+            missing * self.rays.slope[0] + x,
+            missing * self.rays.slope[1] + y,
+            z + missing,
+        ]
+    }
+
+    /// Which rays may meet values from `first` to `last`, and how far the value bends within a quarter of the interval.
+    #[inline(always)]
+    pub(crate) fn may_meet(&self, simd: S, [first, last]: [f32; 2]) -> (mask32x16<S>, f32x16<S>) {
+        let values = [0.0, 0.25, 0.5, 0.75, 1.0].map(|u| splat(simd, u));
+        let [a, b, c, d, e] = [
+            self.value(values[0]),
+            self.value(values[1]),
+            self.value(values[2]),
+            self.value(values[3]),
+            self.value(values[4]),
+        ];
+        // The cubic leaves its five samples' range by at most a fraction of their spread.
+        let (low, high) = (a.min(b).min(c).min(d.min(e)), a.max(b).max(c).max(d.max(e)));
+        let slack = (high - low) * 0.125;
+        let bend = (a - b * 2.0 + c)
+            .abs()
+            .max((b - c * 2.0 + d).abs())
+            .max((c - d * 2.0 + e).abs());
+        let meets = (high + slack).simd_ge(splat(simd, first)) & (low - slack).simd_le(splat(simd, last));
+        (meets, bend)
+    }
+}
+
+/// Value and slope per interval at one end, given the other: where that end has hardly any weight, the other's value.
+#[inline(always)]
+fn value_and_slope<S: Simd>(
+    simd: S,
+    [end, other]: [&End<S>; 2],
+    rays: &Rays<S>,
+    background: f32,
+) -> (f32x16<S>, f32x16<S>) {
+    let (zero, least) = (splat(simd, 0.0), splat(simd, LEAST_WEIGHT));
+    let (weight, beside) = (end.weights.weight, other.weights.weight);
+    let is_faded = weight.simd_lt(splat(simd, FADED).min(beside));
+    let per_weight = 1.0 / weight.max(least);
+    let value = end.sum * per_weight;
+    let slope =
+        (rays.along(end.gradient) - value * rays.along(end.weights.gradient)) * per_weight * rays.spacing;
+    let value = is_faded.select(other.sum / beside.max(least), value);
+    (value + background, is_faded.select(zero, slope))
+}
+
+/// Number of pieces: enough that in each the value is linear to half a table cell and the optical depth is small. Only `which`
+/// rays count.
+#[inline(always)]
+pub(crate) fn pieces<S: Simd>(
+    simd: S,
+    which: mask32x16<S>,
+    bend: f32x16<S>,
+    optical_depth: f32x16<S>,
+) -> usize {
+    // Linear interpolation over 1/n of the interval errs by (16 bend) / (8 n^2): n^2 is asked of both.
+    let squared = (bend * (8.0 * CELLS_PER_VALUE)).max(optical_depth * 4.0);
+    let squared = which.select(squared, splat(simd, 1.0));
+    let most = squared.as_slice().iter().fold(1.0f32, |most, &n| most.max(n));
+    most.sqrt().min(MOST_PIECES).ceil() as usize
+}
