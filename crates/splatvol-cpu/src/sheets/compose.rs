@@ -41,11 +41,20 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &plane[at..at + 16])
 }
 
-/// Mean of a channel over the interval between the middle two of four planes.
+/// Mean of a channel over the interval between the middle two of four planes: of the cubic through all four, or of the line
+/// between the two, whose means sum to what the planes hold however steeply it rises.
 #[inline(always)]
-fn mean<S: Simd>(simd: S, planes: &[[Plane; MAX_CHANNELS]; 4], channel: usize, at: usize) -> f32x16<S> {
+fn mean<S: Simd, const CUBIC: bool>(
+    simd: S,
+    planes: &[[Plane; MAX_CHANNELS]; 4],
+    channel: usize,
+    at: usize,
+) -> f32x16<S> {
     let [before, near, far, after] = planes;
     let inner = load(simd, &near[channel].values, at) + load(simd, &far[channel].values, at);
+    if !CUBIC {
+        return inner * 0.5;
+    }
     let outer = load(simd, &before[channel].values, at) + load(simd, &after[channel].values, at);
     (inner * (13.0 / 24.0) - outer * (1.0 / 24.0)).max(f32x16::splat(simd, 0.0))
 }
@@ -77,7 +86,7 @@ pub(crate) fn through_and_opacity<S: Simd>(simd: S, optical_depth: f32x16<S>) ->
 
 /// Composites an interval of sixteen pixels; says which it finished.
 #[inline(always)]
-fn composite<S: Simd>(
+fn composite<S: Simd, const CUBIC: bool>(
     simd: S,
     (frame, near): (&SheetFrame<'_>, usize),
     place: &Place,
@@ -87,7 +96,7 @@ fn composite<S: Simd>(
 ) -> u16 {
     let at = (y + HALO) * planes[1][0].pitch + x + HALO;
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let extinction = mean(simd, planes, 0, at);
+    let extinction = mean::<S, CUBIC>(simd, planes, 0, at);
     let pixel = y * canvas.pitch + x;
     let transmittance = load(simd, &canvas.transmittance, pixel);
     let termination = f32x16::splat(simd, frame.termination);
@@ -112,9 +121,9 @@ fn composite<S: Simd>(
         through: seen.select(through, one),
         opacity,
         color: [
-            mean(simd, planes, 1, at) * per_extinction,
-            mean(simd, planes, 2, at) * per_extinction,
-            mean(simd, planes, 3, at) * per_extinction,
+            mean::<S, CUBIC>(simd, planes, 1, at) * per_extinction,
+            mean::<S, CUBIC>(simd, planes, 2, at) * per_extinction,
+            mean::<S, CUBIC>(simd, planes, 3, at) * per_extinction,
         ],
         depth: (share_of_far * 0.5 + 0.25) * spacing + frame.sheets[near].depth,
     };
@@ -148,13 +157,13 @@ impl Mode<4> for Compose<'_> {
         place: &Place,
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        composite_planes(simd, (frame, near), place, (canvas, scratch));
+        composite_planes::<S, true>(simd, (frame, near), place, (canvas, scratch));
     }
 }
 
 /// Composites what lies between a plane of extinction and emission and the next, and closes the pixels that it finishes.
 #[inline(always)]
-pub(crate) fn composite_planes<S: Simd>(
+pub(crate) fn composite_planes<S: Simd, const CUBIC: bool>(
     simd: S,
     (frame, near): (&SheetFrame<'_>, usize),
     place: &Place,
@@ -168,7 +177,7 @@ pub(crate) fn composite_planes<S: Simd>(
         let mut x = span.x0 / 16 * 16;
         while x < span.x1 {
             if mask.sixteen(x, y) != 0 {
-                let finished = composite(simd, (frame, near), place, planes, canvas, [x, y]);
+                let finished = composite::<S, CUBIC>(simd, (frame, near), place, planes, canvas, [x, y]);
                 if finished != 0 {
                     mask.finish(x, y, finished);
                 }

@@ -56,17 +56,17 @@ fn points_beside_a_volume_change_only_their_own_pixels() {
     let volume = Item::volume(noise(5), look(0.2));
     let points = moved(
         item(sphere(2000), PointLook::default(), 3.0),
-        DVec3::new(24.0, 0.0, 0.0),
+        DVec3::new(40.0, 0.0, 0.0),
     );
-    for distance in [90.0, 160.0, 400.0] {
-        let camera = perspective(DVec3::new(6.0, 0.0, 0.0), DVec3::Y, distance, 30.0);
+    for distance in [120.0, 190.0, 400.0] {
+        let camera = perspective(DVec3::new(15.0, 0.0, 0.0), DVec3::Y, distance, 30.0);
         let settings = lit(96);
         let alone = picture(vec![volume.clone()], &camera, &settings);
         let both = picture(vec![volume.clone(), points.clone()], &camera, &settings);
         let right_of_the_volume = camera.screen_from_camera(settings.size).project(
             camera
                 .camera_from_world()
-                .transform_point3(DVec3::new(19.0, 0.0, 0.0)),
+                .transform_point3(DVec3::new(24.0, 0.0, 0.0)),
         );
         let column = right_of_the_volume.x as u32;
         let flipped = camera.camera_from_world().transform_vector3(DVec3::X).x < 0.0;

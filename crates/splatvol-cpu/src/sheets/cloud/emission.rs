@@ -141,6 +141,6 @@ impl Mode<4> for CloudEmission<'_> {
         place: &Place,
         canvas_and_scratch: (&mut Canvas, &mut SheetScratch),
     ) {
-        composite_planes(simd, (frame, near), place, canvas_and_scratch);
+        composite_planes::<S, false>(simd, (frame, near), place, canvas_and_scratch);
     }
 }
