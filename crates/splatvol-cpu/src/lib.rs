@@ -17,6 +17,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod check;
+mod clock;
 mod clouds;
 mod config;
 mod coverage;
@@ -25,6 +26,7 @@ mod footprints;
 pub mod kernels;
 mod phong;
 mod plan;
+mod pool;
 mod progressive;
 mod renderer;
 mod route;
@@ -37,8 +39,11 @@ mod statistics;
 mod tile;
 
 pub use check::check;
+#[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
+pub use clock::set_clock;
 pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
+pub use pool::Pool;
 pub use progressive::Pass;
 pub use renderer::Renderer;
 pub use statistics::{RenderStatistics, StageSeconds};

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -14,13 +13,15 @@ use splatvol_gaussians::Placed;
 use splatvol_scene::{Camera, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::check::{check, too_close};
+use crate::clock::Instant;
 use crate::clouds;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
 use crate::plan::{FramePlan, Geometry, splats_color};
+use crate::pool::Pool;
 use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
-use crate::sheets::engine::{Run, SheetEngine};
+use crate::sheets::engine::{Run, SheetEngine, TILE_EDGE};
 use crate::sheets::scene::LayeredScene;
 use crate::shutter::{self, Exposed};
 use crate::stage::resolve::{Resolved, store};
@@ -49,7 +50,7 @@ struct Prepared {
 /// Renders scenes; keeps what it derives from their items between frames.
 #[derive(Debug)]
 pub struct Renderer {
-    pool: Arc<rayon::ThreadPool>,
+    pool: Pool,
     tile_edge: Option<usize>,
     level: Level,
     placed: PlacedVolumes,
@@ -68,9 +69,22 @@ impl Renderer {
     /// # Errors
     /// Threads that the system refuses, or a tile edge outside its domain.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
+        Self::with_pool(Pool::new(config.threads)?, config)
+    }
+
+    /// Starts the engine with threads that are there: renderers may share them.
+    ///
+    /// # Errors
+    /// Another number of threads than the pool has, or a tile edge outside its domain.
+    pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
+        let pool = pool.into();
+        let there = pool.current_num_threads();
+        if let Some(threads) = config.threads.filter(|&threads| threads != there) {
+            return Err(EngineError::Pool { threads, there });
+        }
         if let Some(edge) = config
             .tile_edge
-            .filter(|edge| !edge.is_multiple_of(16) || !(16..=MAX_EDGE).contains(edge))
+            .filter(|edge| !edge.is_multiple_of(16) || !(16..=TILE_EDGE).contains(edge))
         {
             return Err(EngineError::TileEdge { edge });
         }
@@ -78,17 +92,9 @@ impl Renderer {
             None => Level::new(),
             Some(simd) => simd.level().ok_or(EngineError::Simd { simd })?,
         };
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(config.threads.unwrap_or(0))
-            .thread_name(|i| format!("splatvol-{i}"))
-            .build()
-            .map_err(|error| EngineError::Threads {
-                threads: config.threads,
-                reason: error.to_string(),
-            })?;
         let statistics = RenderStatistics::default();
         Ok(Self {
-            pool: Arc::new(pool),
+            pool,
             tile_edge: config.tile_edge,
             level,
             placed: PlacedVolumes::default(),
@@ -175,7 +181,7 @@ impl Renderer {
                 (&prepared.coefficients, &prepared.bricks),
                 (&table, unit_distance),
                 (camera, settings),
-                self.tile_edge.unwrap_or(MAX_EDGE),
+                self.tile_edge.map_or(MAX_EDGE, |edge| edge.min(MAX_EDGE)),
             )
         });
         seconds.bin = binned.elapsed().as_secs_f64();
@@ -293,7 +299,7 @@ impl Renderer {
         if !frame.fits(settings.size) {
             *frame = Frame::empty(settings.size);
         }
-        let pool = Arc::clone(&self.pool);
+        let pool = self.pool.clone();
         let run = Run {
             pool: &pool,
             level: self.level,
@@ -364,8 +370,14 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let settings = clouds::published_settings(shot.scene, settings.size);
-        let (threads, view) = ((&*self.pool, self.level), (shot.camera, &settings));
-        self.gaussians.render_into(threads, clouds, view, frame);
+        let Self {
+            pool,
+            gaussians,
+            level,
+            ..
+        } = self;
+        let view = (shot.camera, &settings);
+        pool.install(|| gaussians.render_into(*level, clouds, view, frame));
         self.statistics = RenderStatistics {
             threads: self.pool.current_num_threads(),
             simd: level_name(self.level),

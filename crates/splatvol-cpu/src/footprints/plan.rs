@@ -1,7 +1,5 @@
 //! The plan of a frame: what tiles share and only read.
 
-use std::time::Instant;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
@@ -13,6 +11,7 @@ use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings}
 use super::cloud::splats_data;
 use super::order::{Order, extent};
 use super::raster::Tables;
+use crate::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::splat_light::SplatLight;

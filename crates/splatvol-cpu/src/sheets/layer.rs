@@ -4,8 +4,6 @@
 //! two planes each gives its material, which is put together on the canvas ([`Canvas::gather`]) and composited once. A layer
 //! that is alone goes straight to the canvas, and makes the same picture as among others that do not reach its pixels.
 
-use std::time::Instant;
-
 use fearless_simd::prelude::*;
 
 use super::canvas::Canvas;
@@ -13,6 +11,7 @@ use super::mask::OpenMask;
 use super::mode::Mode;
 use super::ring::LANES;
 use super::tile::{Place, SheetFrame, SheetScratch, SheetWork};
+use crate::clock::Instant;
 
 /// Sheets whose bricks are fetched from memory together.
 const AHEAD: usize = 3;

@@ -4,8 +4,6 @@
 //! planes are those that the volume with the thinnest sheets has alone, so that a volume among points is sampled as it is
 //! without them; a scene without volumes has the cloud's.
 
-use std::time::Instant;
-
 use splatvol_core::bin::TileGrid;
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings};
@@ -21,6 +19,7 @@ use super::level::{Detail, Level, Pyramid, Wanted};
 use super::resolve::blend;
 use super::ring::LANES;
 use super::shaded::Shaded;
+use crate::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::statistics::RenderStatistics;

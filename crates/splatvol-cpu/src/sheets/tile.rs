@@ -1,6 +1,6 @@
 //! A tile's memory, and how the voxels of a grid come into its ring. The loop over sheets is [`super::layer`]'s.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use fearless_simd::prelude::*;
 use glam::DAffine3;
@@ -23,6 +23,7 @@ use super::splat::{
     CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
 };
 use super::upsample::{RASTER_HALO, Upsampler};
+use crate::clock::Instant;
 
 /// What the tiles of a frame share.
 #[derive(Debug)]

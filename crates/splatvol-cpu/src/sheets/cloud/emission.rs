@@ -1,12 +1,11 @@
 //! Show: a cloud's extinction and emission on planes, composited like classified voxels.
 
-use std::time::Instant;
-
 use fearless_simd::prelude::*;
 use splatvol_core::bin::ProjectedBrick;
 
 use super::open::{CloudView, OpenSplat};
 use super::splat::FourPlanes;
+use crate::clock::Instant;
 use crate::sheets::activate::Window;
 use crate::sheets::canvas::Canvas;
 use crate::sheets::classified::Classified;
