@@ -9,7 +9,8 @@
 //!
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
-//! machine code is vectors as wide as promised, in the command or in any program given.
+//! machine code is vectors as wide as promised, in the command or in any program given. `cargo xtask wasm` checks all crates but the
+//! command for `wasm32-unknown-unknown`, where its std is installed.
 
 mod architecture;
 mod decode;
@@ -19,6 +20,7 @@ mod licenses;
 mod metadata;
 mod msrv;
 mod spdx;
+mod wasm;
 
 use std::path::{Path, PathBuf};
 
@@ -57,6 +59,10 @@ fn main() -> Result<()> {
         println!("instructions: {}", instructions::check(&root(), program)?);
         return Ok(());
     }
+    if wanted.first().is_some_and(|name| name == "wasm") {
+        println!("wasm: {}", wasm::check(&root())?);
+        return Ok(());
+    }
     let offline = wanted.iter().position(|argument| argument == "--offline");
     let platforms = match offline.map(|position| wanted.remove(position)) {
         Some(_) => Platforms::Host,
@@ -67,7 +73,7 @@ fn main() -> Result<()> {
         .find(|name| TASKS.iter().all(|task| task.name != **name))
     {
         let names = TASKS.map(|task| task.name).join(", ");
-        bail!("unknown task {unknown}: the tasks are {names}, instructions");
+        bail!("unknown task {unknown}: the tasks are {names}, instructions, wasm");
     }
     for task in &TASKS {
         if wanted.is_empty() || wanted.iter().any(|name| name == task.name) {

@@ -8,10 +8,9 @@ pub use splatvol_gaussians::SimdLevel;
 pub struct EngineConfig {
     /// Worker threads; `None` takes one per logical processor.
     pub threads: Option<usize>,
-    /// Edge of a tile in pixels, a multiple of 16 from 16 to 64; `None` takes the fastest. Does not change the picture.
+    /// Edge of a tile in pixels, a multiple of 16 from 16 to 128; `None` takes the fastest. Does not change the picture.
     pub tile_edge: Option<usize>,
-    /// Instructions to use; `None` takes the best that the processor has. Changes pictures by rounding at most, and
-    /// post-classified ones of presets other than [`splatvol_scene::RenderSettings::best`] not at all.
+    /// Instructions to use; `None` takes the best that the processor has. Does not change the picture.
     pub simd: Option<SimdLevel>,
 }
 
@@ -28,6 +27,8 @@ pub(crate) fn level_name(level: Level) -> &'static str {
         Level::Sse2(_) => "SSE2",
         #[cfg(target_arch = "aarch64")]
         Level::Neon(_) => "NEON",
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        Level::WasmSimd128(_) => "simd128",
         _ => "scalar",
     }
 }
@@ -44,6 +45,14 @@ pub enum EngineError {
         /// What the system said.
         reason: String,
     },
+    /// A number of threads that the pool has not.
+    #[error("threads: {threads} is not allowed (the pool that was given has {there})")]
+    Pool {
+        /// Threads asked for.
+        threads: usize,
+        /// Threads of the pool.
+        there: usize,
+    },
     /// Instructions that the processor lacks.
     #[error("this processor has no {simd:?} instructions")]
     Simd {
@@ -51,7 +60,7 @@ pub enum EngineError {
         simd: SimdLevel,
     },
     /// A tile edge outside its domain.
-    #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 64)")]
+    #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 128)")]
     TileEdge {
         /// The offending value, pixels.
         edge: usize,

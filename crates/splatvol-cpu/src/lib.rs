@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod clock;
 mod compositions;
 mod config;
 mod coverage;
@@ -25,6 +26,7 @@ pub mod kernels;
 mod operations;
 mod phong;
 mod plan;
+mod pool;
 mod progressive;
 mod renderer;
 mod sheets;
@@ -33,8 +35,11 @@ mod stage;
 mod statistics;
 mod tile;
 
+#[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
+pub use clock::set_clock;
 pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
+pub use pool::Pool;
 pub use progressive::Pass;
 pub use renderer::Renderer;
 pub use statistics::{RenderStatistics, StageSeconds};

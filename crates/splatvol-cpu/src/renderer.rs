@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -15,13 +14,15 @@ use splatvol_scene::{
     Volume,
 };
 
+use crate::clock::Instant;
 use crate::compositions;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
 use crate::operations;
 use crate::plan::{FramePlan, Geometry, splats_color};
-use crate::sheets::engine::{Run, SheetEngine};
+use crate::pool::Pool;
+use crate::sheets::engine::{Run, SheetEngine, TILE_EDGE};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -48,7 +49,7 @@ struct Prepared {
 /// Renders scenes; keeps what it derives from a volume between frames.
 #[derive(Debug)]
 pub struct Renderer {
-    pool: rayon::ThreadPool,
+    pool: Pool,
     tile_edge: Option<usize>,
     level: Level,
     prepared: Option<Prepared>,
@@ -66,9 +67,22 @@ impl Renderer {
     /// # Errors
     /// Threads that the system refuses, or a tile edge outside its domain.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
+        Self::with_pool(Pool::new(config.threads)?, config)
+    }
+
+    /// Starts the engine with threads that are there: renderers may share them.
+    ///
+    /// # Errors
+    /// Another number of threads than the pool has, or a tile edge outside its domain.
+    pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
+        let pool = pool.into();
+        let there = pool.current_num_threads();
+        if let Some(threads) = config.threads.filter(|&threads| threads != there) {
+            return Err(EngineError::Pool { threads, there });
+        }
         if let Some(edge) = config
             .tile_edge
-            .filter(|edge| !edge.is_multiple_of(16) || !(16..=MAX_EDGE).contains(edge))
+            .filter(|edge| !edge.is_multiple_of(16) || !(16..=TILE_EDGE).contains(edge))
         {
             return Err(EngineError::TileEdge { edge });
         }
@@ -76,14 +90,6 @@ impl Renderer {
             None => Level::new(),
             Some(simd) => simd.level().ok_or(EngineError::Simd { simd })?,
         };
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(config.threads.unwrap_or(0))
-            .thread_name(|i| format!("splatvol-{i}"))
-            .build()
-            .map_err(|error| EngineError::Threads {
-                threads: config.threads,
-                reason: error.to_string(),
-            })?;
         let statistics = RenderStatistics::default();
         Ok(Self {
             pool,
@@ -167,7 +173,7 @@ impl Renderer {
                 (&prepared.coefficients, &prepared.bricks),
                 (&table, unit_distance),
                 (camera, settings),
-                self.tile_edge.unwrap_or(MAX_EDGE),
+                self.tile_edge.map_or(MAX_EDGE, |edge| edge.min(MAX_EDGE)),
             )
         });
         seconds.bin = binned.elapsed().as_secs_f64();
@@ -322,8 +328,14 @@ impl Renderer {
         if let Some(clouds) = compositions::published(composition, settings)? {
             let start = Instant::now();
             let settings = compositions::published_settings(composition, settings.size);
-            let (threads, view) = ((&self.pool, self.level), (camera, &settings));
-            self.gaussians.render_into(threads, &clouds, view, &mut frame);
+            let Self {
+                pool,
+                gaussians,
+                level,
+                ..
+            } = self;
+            let view = (camera, &settings);
+            pool.install(|| gaussians.render_into(*level, &clouds, view, &mut frame));
             self.statistics = RenderStatistics {
                 threads: self.pool.current_num_threads(),
                 simd: level_name(self.level),

@@ -45,7 +45,7 @@ impl<'a> From<&'a Gaussians> for Placed<'a> {
     }
 }
 
-/// Renders with somebody else's threads; keeps its memory between frames.
+/// Renders with the threads of the pool that it is called from; keeps its memory between frames.
 #[derive(Debug, Default)]
 pub struct Engine {
     splats: Vec<Splat>,
@@ -75,7 +75,7 @@ impl Engine {
     /// Draws the first 2^32 - 1 Gaussians if there should be more.
     pub fn render_into(
         &mut self,
-        (pool, level): (&rayon::ThreadPool, Level),
+        level: Level,
         clouds: &[Placed<'_>],
         (camera, settings): (&Camera, &GaussianSettings),
         frame: &mut Frame,
@@ -92,54 +92,52 @@ impl Engine {
             keys,
             bins,
         } = self;
-        let parts = PARTS_PER_THREAD * pool.current_num_threads();
-        pool.install(|| {
-            let count = clouds
-                .iter()
-                .map(|cloud| cloud.gaussians.len())
-                .sum::<usize>()
-                .min(u32::MAX as usize);
-            grow(splats, count);
-            grow(rects, count);
-            keys.resize(count);
-            let views: Vec<View> = clouds
-                .iter()
-                .map(|cloud| View::new(cloud, camera, settings))
-                .collect();
-            let mut chunks = chunks(clouds, splats, rects, keys);
-            let project = |chunk: &mut Chunk<'_>| {
-                let (view, range) = (&views[chunk.cloud], chunk.range.clone());
-                let cloud = clouds[chunk.cloud].gaussians;
-                let first = chunk.target.first;
-                let target = &mut chunk.target;
-                let count = dispatch!(level, simd => project::project(simd, view, cloud, range, target));
-                first..first + count
-            };
-            let ranges: Vec<Range<usize>> = chunks.par_iter_mut().with_max_len(1).map(project).collect();
-            let order = keys.sort(&ranges, parts);
-            let grid = TileGrid::new(settings.size);
-            let counted = Counted::new(grid, order, rects, parts);
-            let (background, empty) = background(settings);
-            let mut tiles = tile_rows(frame, grid.columns, grid.rows);
-            bins.for_each(counted, |lists| {
-                tiles[lists.tiles.clone()]
-                    .par_iter_mut()
-                    .enumerate()
-                    .with_max_len(1)
-                    .for_each_init(Scratch::default, |scratch, (place, rows)| {
-                        let tile = lists.tiles.start + place;
-                        let entries = lists.of(tile);
-                        if entries.is_empty() {
-                            fill(empty, rows);
-                            return;
-                        }
-                        let (place, alive) = ([tile % grid.columns, tile / grid.columns], rows.blocks());
-                        dispatch!(level, simd => {
-                            tile::composite(simd, splats, entries, place, alive, scratch);
-                            resolve(simd, &scratch.blocks, &background, rows);
-                        });
+        let parts = PARTS_PER_THREAD * rayon::current_num_threads();
+        let count = clouds
+            .iter()
+            .map(|cloud| cloud.gaussians.len())
+            .sum::<usize>()
+            .min(u32::MAX as usize);
+        grow(splats, count);
+        grow(rects, count);
+        keys.resize(count);
+        let views: Vec<View> = clouds
+            .iter()
+            .map(|cloud| View::new(cloud, camera, settings))
+            .collect();
+        let mut chunks = chunks(clouds, splats, rects, keys);
+        let project = |chunk: &mut Chunk<'_>| {
+            let (view, range) = (&views[chunk.cloud], chunk.range.clone());
+            let cloud = clouds[chunk.cloud].gaussians;
+            let first = chunk.target.first;
+            let target = &mut chunk.target;
+            let count = dispatch!(level, simd => project::project(simd, view, cloud, range, target));
+            first..first + count
+        };
+        let ranges: Vec<Range<usize>> = chunks.par_iter_mut().with_max_len(1).map(project).collect();
+        let order = keys.sort(&ranges, parts);
+        let grid = TileGrid::new(settings.size);
+        let counted = Counted::new(grid, order, rects, parts);
+        let (background, empty) = background(settings);
+        let mut tiles = tile_rows(frame, grid.columns, grid.rows);
+        bins.for_each(counted, |lists| {
+            tiles[lists.tiles.clone()]
+                .par_iter_mut()
+                .enumerate()
+                .with_max_len(1)
+                .for_each_init(Scratch::default, |scratch, (place, rows)| {
+                    let tile = lists.tiles.start + place;
+                    let entries = lists.of(tile);
+                    if entries.is_empty() {
+                        fill(empty, rows);
+                        return;
+                    }
+                    let (place, alive) = ([tile % grid.columns, tile / grid.columns], rows.blocks());
+                    dispatch!(level, simd => {
+                        tile::composite(simd, splats, entries, place, alive, scratch);
+                        resolve(simd, &scratch.blocks, &background, rows);
                     });
-            });
+                });
         });
     }
 }

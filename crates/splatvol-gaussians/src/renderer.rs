@@ -92,7 +92,7 @@ impl Renderer {
         frame: &mut Frame,
     ) {
         let clouds: Vec<Placed<'_>> = clouds.iter().map(|&cloud| cloud.into()).collect();
-        let (threads, view) = ((&self.pool, self.level), (camera, settings));
-        self.engine.render_into(threads, &clouds, view, frame);
+        let Self { pool, level, engine } = self;
+        pool.install(|| engine.render_into(*level, &clouds, (camera, settings), frame));
     }
 }

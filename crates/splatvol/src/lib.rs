@@ -2,7 +2,9 @@
 #![forbid(unsafe_code)]
 
 pub use splatvol_core::radial;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+pub use splatvol_cpu::set_clock;
 pub use splatvol_cpu::{
-    EngineConfig, EngineError, Pass, RenderStatistics, Renderer, SimdLevel, StageSeconds,
+    EngineConfig, EngineError, Pass, Pool, RenderStatistics, Renderer, SimdLevel, StageSeconds,
 };
 pub use splatvol_scene::*;

@@ -29,7 +29,6 @@ mod tile;
 mod turns;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 use rayon::prelude::*;
 use splatvol_core::splats::Profile;
@@ -43,6 +42,7 @@ use self::items::ItemStore;
 use self::kernels::{Footprints, KernelStore};
 use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
+use crate::clock::Instant;
 use crate::sheets::engine::Run;
 use crate::statistics::{RenderStatistics, StageSeconds};
 

@@ -1,7 +1,5 @@
 //! The plan of a frame: what tiles share and only read.
 
-use std::time::Instant;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
@@ -14,6 +12,7 @@ use super::cloud::splats_data;
 use super::light::SplatLight;
 use super::order::{Order, extent};
 use super::raster::Tables;
+use crate::clock::Instant;
 use crate::phong::Phong;
 
 /// Edge of a tile, pixels, where the whole picture is not one.

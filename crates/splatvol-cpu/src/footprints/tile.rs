@@ -5,7 +5,7 @@
 //! * *slices* (axis-aligned sheets) and *all at once* (X-ray): a turn's whole footprints are added up first;
 //! * *per splat*: each footprint goes behind, or before, the pixels as it comes.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use splatvol_core::bin::{ProjectedBrick, TileRect};
 use splatvol_core::splats::{Footprint, Profile};
@@ -18,6 +18,7 @@ use super::plan::Plan;
 use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
+use crate::clock::Instant;
 use crate::stage::composite::Pixel;
 use crate::stage::resolve::Resolved;
 

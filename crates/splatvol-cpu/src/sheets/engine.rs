@@ -3,7 +3,6 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use glam::Affine3A;
@@ -26,13 +25,15 @@ use super::resolve::{blend, resolve};
 use super::shade::Canvas;
 use super::shaded::Shaded;
 use super::tile::{SheetFrame, SheetScratch, SheetWork, render};
+use crate::clock::Instant;
 use crate::coverage::Edges;
 use crate::phong::Phong;
+use crate::pool::Pool;
 use crate::sheets::extremum::{Largest, Smallest};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
-/// Edge of a tile unless asked otherwise, pixels: few voxels lie in two tiles.
-const TILE_EDGE: usize = 128;
+/// Largest edge of a tile, and what it is unless asked otherwise, pixels: few voxels lie in two tiles.
+pub(crate) const TILE_EDGE: usize = 128;
 
 /// A tile's pixels and what they took.
 pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
@@ -52,7 +53,7 @@ pub(crate) struct SheetEngine {
 /// What a frame is rendered with.
 #[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
-    pub pool: &'a rayon::ThreadPool,
+    pub pool: &'a Pool,
     pub level: Level,
     pub tile_edge: Option<usize>,
     pub progress: &'a (dyn Fn(f64) + Sync),

@@ -1,6 +1,6 @@
 //! The tile loop: slab by slab, front to back. What voxels splat and what becomes of finished sheets is the [`Mode`]'s.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use fearless_simd::prelude::*;
 use glam::DAffine3;
@@ -22,6 +22,7 @@ use super::splat::{
     CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
 };
 use super::upsample::{RASTER_HALO, Upsampler};
+use crate::clock::Instant;
 
 /// Sheets whose bricks are fetched from memory together.
 const AHEAD: usize = 3;

@@ -3,7 +3,7 @@
 mod color;
 mod data;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use fearless_simd::Simd;
 use splatvol_core::bin::TileRect;
@@ -12,6 +12,7 @@ use splatvol_core::footprint::Slice;
 pub(crate) use color::ColorMode;
 pub(crate) use data::DataMode;
 
+use crate::clock::Instant;
 use crate::plan::FramePlan;
 use crate::stage::activate::{OpenVoxel, activate};
 use crate::stage::composite::{OpenBlocks, Pixel};

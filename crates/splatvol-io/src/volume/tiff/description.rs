@@ -79,7 +79,7 @@ impl Layout {
             let number = value
                 .parse()
                 .ok()
-                .filter(|&number: &usize| number > 0 && number <= 1 << 32);
+                .filter(|&number: &usize| number > 0 && number as u64 <= 1 << 32);
             let bad = || context.field(format!("ImageJ {key}"), value, None, "a positive number");
             number.map(Some).ok_or_else(bad)
         };

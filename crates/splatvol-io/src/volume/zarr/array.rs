@@ -144,7 +144,7 @@ impl Fields<'_> {
         let legal = |sizes: &Vec<usize>| {
             (1..=MAX_AXES).contains(&sizes.len())
                 && axes.is_none_or(|axes| axes == sizes.len())
-                && sizes.iter().all(|&size| (1..=1 << 32).contains(&size))
+                && sizes.iter().all(|&size| (1..=1 << 32).contains(&(size as u64)))
         };
         let expected = format!(
             "{} positive sizes",

@@ -1,0 +1,11 @@
+//! The clock by which stages are timed. Pictures do not depend on it.
+
+#[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
+mod host;
+
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+pub(crate) use host::Instant;
+#[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
+pub use host::set_clock;
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+pub(crate) use std::time::Instant;

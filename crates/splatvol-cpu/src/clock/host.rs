@@ -1,0 +1,64 @@
+//! A clock that the host gives: WebAssembly has none of its own, and std's panics there.
+
+use std::ops::Sub;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+static CLOCK: OnceLock<fn() -> f64> = OnceLock::new();
+
+/// Gives engines a clock: seconds since any moment, such as `performance.now() / 1000`. The first one is kept. Without one
+/// all times of [`crate::RenderStatistics`] are zero.
+pub fn set_clock(seconds: fn() -> f64) {
+    let _ = CLOCK.set(seconds);
+}
+
+/// A moment, as `std::time::Instant` has them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Instant {
+    seconds: f64,
+}
+
+impl Instant {
+    pub(crate) fn now() -> Self {
+        Self {
+            seconds: CLOCK.get().map_or(0.0, |seconds| seconds()),
+        }
+    }
+
+    pub(crate) fn elapsed(self) -> Duration {
+        Self::now() - self
+    }
+}
+
+impl Sub for Instant {
+    type Output = Duration;
+
+    /// Nothing where the clock has been set back.
+    fn sub(self, earlier: Self) -> Duration {
+        Duration::try_from_secs_f64(self.seconds - earlier.seconds).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    static CALLS: AtomicU32 = AtomicU32::new(0);
+
+    /// 1.5, 3, 2.
+    fn seconds() -> f64 {
+        [1.5, 3.0, 2.0][CALLS.fetch_add(1, Ordering::Relaxed) as usize % 3]
+    }
+
+    #[test]
+    fn the_hosts_clock_is_read() {
+        assert_eq!(Instant::now().elapsed(), Duration::ZERO);
+        set_clock(seconds);
+        let start = Instant::now();
+        assert_eq!(start.elapsed(), Duration::from_millis(1500));
+        assert_eq!(Instant::now() - start, Duration::from_millis(500));
+        let late = Instant { seconds: 9.0 };
+        assert_eq!(start - late, Duration::ZERO);
+    }
+}
