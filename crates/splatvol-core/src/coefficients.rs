@@ -162,8 +162,13 @@ mod tests {
             let mut data = vec![3.0f32; 125];
             data[0] = 5.0;
             data[62] = middle;
-            let volume =
-                Volume::new(grid, Samples::F32(data), Rescale::default(), LengthUnit::Unknown).unwrap();
+            let volume = Volume::new(
+                grid,
+                Samples::F32(data.into()),
+                Rescale::default(),
+                LengthUnit::Unknown,
+            )
+            .unwrap();
             let kernel = GaussianKernel::new(Kernel::default());
             Coefficients::new(&volume, Use::Field(Some(&kernel))).0.values
         };
@@ -189,7 +194,7 @@ mod tests {
         let grid = Grid::centred([3, 1, 2], DVec3::ONE).unwrap();
         let volume = Volume::new(
             grid,
-            Samples::U8(vec![0, 1, 2, 3, 4, 5]),
+            Samples::U8(vec![0, 1, 2, 3, 4, 5].into()),
             Rescale::default(),
             LengthUnit::Unknown,
         )

@@ -39,11 +39,11 @@ pub fn half(volume: &Volume) -> Result<Volume, SceneError> {
             slope: (high - low) / f64::from(u16::MAX),
             intercept: low,
         };
-        (Samples::U16(data), rescale)
+        (Samples::U16(data.into()), rescale)
     } else {
         let mut data = vec![0.0f32; count];
         reduction.run(&mut data, |mean| (f64::from(mean) + low) as f32);
-        (Samples::F32(data), Rescale::default())
+        (Samples::F32(data.into()), Rescale::default())
     };
     Volume::new(grid, samples, rescale, volume.unit())
 }
@@ -214,7 +214,7 @@ mod tests {
             let count: usize = dims.iter().product();
             let mut random = Random::new(7);
             let data: Vec<u8> = (0..count).map(|_| (random.unit() * 255.0) as u8).collect();
-            let full = volume(dims, Samples::U8(data));
+            let full = volume(dims, Samples::U8(data.into()));
             let half = half(&full).unwrap();
             for (a, b) in full.grid().corners().iter().zip(half.grid().corners()) {
                 assert!((*a - b).length() < 1e-12, "{dims:?} {a} {b}");
@@ -268,7 +268,7 @@ mod tests {
                 }
             }
         }
-        let half = half(&volume([6; 3], Samples::F32(data))).unwrap();
+        let half = half(&volume([6; 3], Samples::F32(data.into()))).unwrap();
         for i in 0..27 {
             let value = half.value(i);
             assert!(

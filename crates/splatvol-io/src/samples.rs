@@ -226,14 +226,14 @@ fn append<T: Sample>(
 
 fn into_samples(buffer: Buffer) -> (Samples, Option<String>) {
     let samples = match buffer {
-        Buffer::U8(data) => Samples::U8(data),
-        Buffer::I8(data) => Samples::I8(data),
-        Buffer::U16(data) => Samples::U16(data),
-        Buffer::I16(data) => Samples::I16(data),
-        Buffer::U32(data) => Samples::U32(data),
-        Buffer::I32(data) => Samples::I32(data),
-        Buffer::F32(data) => Samples::F32(data),
-        Buffer::F64(data) => Samples::F64(data),
+        Buffer::U8(data) => Samples::U8(data.into()),
+        Buffer::I8(data) => Samples::I8(data.into()),
+        Buffer::U16(data) => Samples::U16(data.into()),
+        Buffer::I16(data) => Samples::I16(data.into()),
+        Buffer::U32(data) => Samples::U32(data.into()),
+        Buffer::I32(data) => Samples::I32(data.into()),
+        Buffer::F32(data) => Samples::F32(data.into()),
+        Buffer::F64(data) => Samples::F64(data.into()),
         Buffer::U64(data) => {
             let inexact = data.iter().filter(|&&v| v > EXACT as u64).count();
             return (
@@ -312,10 +312,10 @@ mod tests {
         let bytes = vec![0x01, 0x02, 0xff, 0xfe];
         let (little, _) = decode(bytes.clone(), SampleType::I16, Endian::Little);
         let (big, _) = decode(bytes, SampleType::I16, Endian::Big);
-        assert_eq!(little, Samples::I16(vec![0x0201, -257]));
-        assert_eq!(big, Samples::I16(vec![0x0102, -2]));
+        assert_eq!(little, Samples::I16(vec![0x0201, -257].into()));
+        assert_eq!(big, Samples::I16(vec![0x0102, -2].into()));
         let (floats, _) = decode(1.5f64.to_be_bytes().to_vec(), SampleType::F64, Endian::Big);
-        assert_eq!(floats, Samples::F64(vec![1.5]));
+        assert_eq!(floats, Samples::F64(vec![1.5].into()));
     }
 
     #[test]
@@ -338,7 +338,7 @@ mod tests {
         let decode = |value: i64| decode(value.to_le_bytes().to_vec(), SampleType::I64, Endian::Little);
         assert_eq!(
             decode(-(1 << 53)),
-            (Samples::F64(vec![-9007199254740992.0]), None)
+            (Samples::F64(vec![-9007199254740992.0].into()), None)
         );
         assert!(decode(i64::MIN).1.unwrap().starts_with("1 64-bit integers"));
     }

@@ -135,7 +135,7 @@ fn arrays_are_found_among_others_in_both_codings() {
     let folder = tempfile::tempdir().unwrap();
     for binary in [false, true] {
         let loaded = read_bytes(folder.path(), "a.vtk", &build(binary, &parts())).unwrap();
-        assert_eq!(loaded.volume.samples(), &Samples::I16(SCALARS.to_vec()));
+        assert_eq!(loaded.volume.samples(), &Samples::I16(SCALARS.to_vec().into()));
         let grid = loaded.volume.grid();
         assert_eq!(
             (grid.dims(), grid.spacing()),
@@ -144,15 +144,15 @@ fn arrays_are_found_among_others_in_both_codings() {
         assert_eq!(grid.origin(), DVec3::new(-1.0, 0.0, 0.5));
         let read = |array: &str| with_array(&folder.path().join("a.vtk"), array).unwrap();
         let halves: Vec<f32> = (0..12).map(|i| i as f32 * 0.5).collect();
-        assert_eq!(read("single").volume.samples(), &Samples::F32(halves));
+        assert_eq!(read("single").volume.samples(), &Samples::F32(halves.into()));
         assert_eq!(
             read("pairs:1").volume.samples(),
             &Samples::I16((0..12).map(|i| 2 * i + 1).collect())
         );
         let thirds: Vec<f32> = (0..12).map(|i| (3 * i + 2) as f32 * 0.5).collect();
-        assert_eq!(read("last:2").volume.samples(), &Samples::F32(thirds));
+        assert_eq!(read("last:2").volume.samples(), &Samples::F32(thirds.into()));
         let cells = read("per cell");
-        assert_eq!(cells.volume.samples(), &Samples::U8(vec![65, 66]));
+        assert_eq!(cells.volume.samples(), &Samples::U8(vec![65, 66].into()));
         assert_eq!(cells.volume.grid().origin(), DVec3::new(-0.5, 1.0, 2.0));
         let text = with_array(&folder.path().join("a.vtk"), "absent")
             .unwrap_err()
@@ -178,7 +178,7 @@ fn what_follows_the_scalars_does_not_disturb() {
         let mut bytes = build(binary, &parts);
         bytes.extend(tail.as_bytes());
         let loaded = read_bytes(folder.path(), "a.vtk", &bytes).unwrap();
-        assert_eq!(loaded.volume.samples(), &Samples::I16(SCALARS.to_vec()));
+        assert_eq!(loaded.volume.samples(), &Samples::I16(SCALARS.to_vec().into()));
         assert!(loaded.description.warnings.is_empty());
     }
     // Cells that come first are no stand-in for points that cannot be read, unless they are asked for.
@@ -188,7 +188,7 @@ fn what_follows_the_scalars_does_not_disturb() {
     bytes.extend(b"\nPOINT_DATA 12\nSCALARS\n");
     assert!(read_bytes(folder.path(), "a.vtk", &bytes).is_err());
     let cells = with_array(&folder.path().join("a.vtk"), "per cell").unwrap();
-    assert_eq!(cells.volume.samples(), &Samples::U8(vec![65, 66]));
+    assert_eq!(cells.volume.samples(), &Samples::U8(vec![65, 66].into()));
     assert!(cells.description.warnings[0].contains("only the first arrays"));
 }
 
@@ -233,17 +233,20 @@ fn every_type_is_read() {
         .collect();
     assert_eq!(
         read(true, "double", &doubles).unwrap(),
-        Samples::F64(vec![1e300, -1.0, 0.5])
+        Samples::F64(vec![1e300, -1.0, 0.5].into())
     );
     assert_eq!(
         read(false, "DOUBLE 1", b"1e300 -1 .5").unwrap(),
-        Samples::F64(vec![1e300, -1.0, 0.5])
+        Samples::F64(vec![1e300, -1.0, 0.5].into())
     );
     assert_eq!(
         read(true, "bit", &[0b1010_0000]).unwrap(),
-        Samples::U8(vec![1, 0, 1])
+        Samples::U8(vec![1, 0, 1].into())
     );
-    assert_eq!(read(false, "bit", b"1 0 1").unwrap(), Samples::U8(vec![1, 0, 1]));
+    assert_eq!(
+        read(false, "bit", b"1 0 1").unwrap(),
+        Samples::U8(vec![1, 0, 1].into())
+    );
     for (name, data) in [
         ("string", &b"a b c"[..]),
         ("float 3", b"1 2 3 4 5 6 7 8 9"),
@@ -335,7 +338,7 @@ fn a_last_number_that_may_be_cut_is_worth_a_warning() {
     let text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 1 1\n\
                 POINT_DATA 2\nSCALARS a short 1\nLOOKUP_TABLE default\n12 345";
     let loaded = read_bytes(folder.path(), "a.vtk", text.as_bytes()).unwrap();
-    assert_eq!(loaded.volume.samples(), &Samples::I16(vec![12, 345]));
+    assert_eq!(loaded.volume.samples(), &Samples::I16(vec![12, 345].into()));
     assert!(loaded.description.warnings[0].contains("right after the last number"));
     let loaded = read_bytes(folder.path(), "a.vtk", format!("{text}\n").as_bytes()).unwrap();
     assert!(loaded.description.warnings.is_empty());

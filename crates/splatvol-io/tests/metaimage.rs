@@ -120,7 +120,7 @@ fn every_coding_gives_the_same_samples() {
             read(&local(&format!("{geometry}{fields}"), &data)).unwrap_or_else(|e| panic!("{fields}: {e}"));
         assert_eq!(
             *loaded.volume.samples(),
-            Samples::I16(VALUES.to_vec()),
+            Samples::I16(VALUES.to_vec().into()),
             "{fields}"
         );
         assert_eq!(loaded.description.warnings, Vec::<String>::new(), "{fields}");
@@ -142,7 +142,7 @@ fn data_files_may_be_one_a_series_or_a_list() {
         let path = folder.path().join("a.mhd");
         std::fs::write(&path, header(SHORTS, data_file)).unwrap();
         let loaded = load(&path);
-        assert_eq!(*loaded.volume.samples(), Samples::I16(VALUES.to_vec()));
+        assert_eq!(*loaded.volume.samples(), Samples::I16(VALUES.to_vec().into()));
         assert_eq!(loaded.description.files.len(), files);
     }
     for bad in [
@@ -224,7 +224,7 @@ fn images_series_and_channels() {
     };
     assert_eq!(
         *read_volume(&path, &odd).unwrap().volume.samples(),
-        Samples::U8(vec![1, 3, 5, 7, 9, 11, 13, 15])
+        Samples::U8(vec![1, 3, 5, 7, 9, 11, 13, 15].into())
     );
 }
 

@@ -233,7 +233,7 @@ fn a_volume_of_one_sample_survives_every_format_that_is_written() {
     let grid = Grid::centred([1, 1, 1], DVec3::ONE).unwrap();
     let volume = Volume::new(
         grid,
-        Samples::I16(vec![-7]),
+        Samples::I16(vec![-7].into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )

@@ -69,13 +69,13 @@ fn every_type_is_read_in_both_byte_orders() {
     };
     assert_eq!(
         read(">f8", &[1.5f64.to_be_bytes(), 2.5f64.to_be_bytes()].concat()).unwrap(),
-        Samples::F64(vec![1.5, 2.5])
+        Samples::F64(vec![1.5, 2.5].into())
     );
-    assert_eq!(read("|b1", &[0, 1]).unwrap(), Samples::U8(vec![0, 1]));
+    assert_eq!(read("|b1", &[0, 1]).unwrap(), Samples::U8(vec![0, 1].into()));
     // Binary16: 1.5, and the smallest positive number.
     assert_eq!(
         read("<f2", &[0x00, 0x3e, 0x01, 0x00]).unwrap(),
-        Samples::F32(vec![1.5, 2f32.powi(-24)])
+        Samples::F32(vec![1.5, 2f32.powi(-24)].into())
     );
     for refused in ["|O", "<c16", "<U3", "|S4", "<M8[ns]", "<f16", "", "<", "é"] {
         assert!(read(refused, &[0; 64]).is_err(), "{refused}");
@@ -88,7 +88,7 @@ fn the_contiguous_axis_is_x() {
     let data: Vec<u8> = (0..24).collect();
     let read = |fortran, shape| {
         let loaded = read_bytes(folder.path(), "a.npy", &npy(1, "|u1", fortran, shape, &data)).unwrap();
-        assert_eq!(loaded.volume.samples(), &Samples::U8(data.clone()));
+        assert_eq!(loaded.volume.samples(), &Samples::U8(data.clone().into()));
         (loaded.volume.grid().dims(), loaded.description.orientation)
     };
     assert_eq!(read(false, "(2, 3, 4)").0, [4, 3, 2]);
@@ -129,14 +129,14 @@ fn round_trip(volume: &Volume) -> Samples {
 #[test]
 fn what_is_written_is_read_again() {
     let all = [
-        Samples::U8(vec![0, 1, 2, 3, 4, 255]),
-        Samples::I8(vec![-128, 1, 2, 3, 4, 127]),
-        Samples::U16(vec![0, 1, 2, 3, 4, 65_535]),
-        Samples::I16(vec![-32_768, 1, 2, 3, 4, 32_767]),
-        Samples::U32(vec![0, 1, 2, 3, 4, u32::MAX]),
-        Samples::I32(vec![i32::MIN, 1, 2, 3, 4, i32::MAX]),
-        Samples::F32(vec![-1e30, 1.5, 2.0, 3.0, 4.0, 1e30]),
-        Samples::F64(vec![-1e300, 1.5, 2.0, 3.0, 4.0, 1e-300]),
+        Samples::U8(vec![0, 1, 2, 3, 4, 255].into()),
+        Samples::I8(vec![-128, 1, 2, 3, 4, 127].into()),
+        Samples::U16(vec![0, 1, 2, 3, 4, 65_535].into()),
+        Samples::I16(vec![-32_768, 1, 2, 3, 4, 32_767].into()),
+        Samples::U32(vec![0, 1, 2, 3, 4, u32::MAX].into()),
+        Samples::I32(vec![i32::MIN, 1, 2, 3, 4, i32::MAX].into()),
+        Samples::F32(vec![-1e30, 1.5, 2.0, 3.0, 4.0, 1e30].into()),
+        Samples::F64(vec![-1e300, 1.5, 2.0, 3.0, 4.0, 1e-300].into()),
     ];
     for samples in all {
         assert_eq!(round_trip(&volume(samples.clone(), Rescale::default())), samples);
@@ -145,12 +145,12 @@ fn what_is_written_is_read_again() {
         slope: 0.5,
         intercept: -1024.0,
     };
-    let real = round_trip(&volume(Samples::I16(vec![0, 1, 2, 3, 4, 4096]), rescale));
+    let real = round_trip(&volume(Samples::I16(vec![0, 1, 2, 3, 4, 4096].into()), rescale));
     assert_eq!(
         real,
-        Samples::F32(vec![-1024.0, -1023.5, -1023.0, -1022.5, -1022.0, 1024.0])
+        Samples::F32(vec![-1024.0, -1023.5, -1023.0, -1022.5, -1022.0, 1024.0].into())
     );
-    let real = round_trip(&volume(Samples::U32(vec![0, 1, 2, 3, 4, 5]), rescale));
+    let real = round_trip(&volume(Samples::U32(vec![0, 1, 2, 3, 4, 5].into()), rescale));
     assert!(matches!(real, Samples::F64(_)));
 }
 
@@ -194,10 +194,16 @@ fn an_array_is_chosen_by_name_or_by_its_axes() {
     let folder = tempfile::tempdir().unwrap();
     for method in [CompressionMethod::Stored, CompressionMethod::Deflated] {
         let loaded = read_bytes(folder.path(), "a.npz", &npz(&arrays(), method)).unwrap();
-        assert_eq!(loaded.volume.samples(), &Samples::U8(vec![1, 2, 3, 4, 5, 6]));
+        assert_eq!(
+            loaded.volume.samples(),
+            &Samples::U8(vec![1, 2, 3, 4, 5, 6].into())
+        );
         for name in ["second", "second.npy"] {
             let loaded = with_array(folder.path(), name).unwrap();
-            assert_eq!(loaded.volume.samples(), &Samples::U8(vec![6, 5, 4, 3, 2, 1]));
+            assert_eq!(
+                loaded.volume.samples(),
+                &Samples::U8(vec![6, 5, 4, 3, 2, 1].into())
+            );
         }
         let text = with_array(folder.path(), "third").unwrap_err().to_string();
         assert!(

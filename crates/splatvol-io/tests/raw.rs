@@ -31,7 +31,7 @@ fn file(offset: usize) -> (Vec<u8>, Samples) {
     let values: Vec<i16> = (0..24).map(|i| i * 1000 - 12000).collect();
     let samples = values.iter().flat_map(|value| value.to_be_bytes());
     let bytes = std::iter::repeat_n(0xab, offset).chain(samples).collect();
-    (bytes, Samples::I16(values))
+    (bytes, Samples::I16(values.into()))
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn names_give_dims_and_type() {
             .map(|loaded| (loaded.volume.grid().dims(), loaded.volume.samples().clone()))
     };
     let bytes = [1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0];
-    let expected = ([3, 2, 1], Samples::U16(vec![1, 2, 3, 4, 5, 6]));
+    let expected = ([3, 2, 1], Samples::U16(vec![1, 2, 3, 4, 5, 6].into()));
     for name in [
         "a_3x2x1_uint16.raw",
         "a-b-3X2X1-UShort.raw",

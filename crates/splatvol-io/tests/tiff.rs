@@ -151,12 +151,12 @@ fn floats_big_files_and_colours() {
     let mut encoder = TiffEncoder::new_big(Cursor::new(&mut bytes)).unwrap();
     encoder.write_image::<Gray32Float>(2, 1, &[-1.5, 2.5]).unwrap();
     let loaded = read_bytes(&bytes, |_| ()).unwrap();
-    assert_eq!(loaded.volume.samples(), &Samples::F32(vec![-1.5, 2.5]));
+    assert_eq!(loaded.volume.samples(), &Samples::F32(vec![-1.5, 2.5].into()));
     let mut bytes = Vec::new();
     let mut encoder = TiffEncoder::new(Cursor::new(&mut bytes)).unwrap();
     encoder.write_image::<RGB8>(2, 1, &[1, 2, 3, 4, 5, 6]).unwrap();
     let green = read_bytes(&bytes, |options| options.channel = Some(1)).unwrap();
-    assert_eq!(green.volume.samples(), &Samples::U8(vec![2, 5]));
+    assert_eq!(green.volume.samples(), &Samples::U8(vec![2, 5].into()));
     assert_eq!(green.description.channels, ["red", "green", "blue"]);
 }
 

@@ -25,7 +25,7 @@ fn read(folder: &Path, change: impl Fn(&mut ReadOptions)) -> Result<Loaded, IoEr
 
 fn words(loaded: &Loaded) -> Vec<u16> {
     match loaded.volume.samples() {
-        Samples::U16(samples) => samples.clone(),
+        Samples::U16(samples) => samples.to_vec(),
         other => panic!("{}", other.type_name()),
     }
 }

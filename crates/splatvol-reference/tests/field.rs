@@ -23,7 +23,7 @@ fn random_volume(dims: [usize; 3], missing: &[usize]) -> Volume {
     let grid = Grid::centred(dims, DVec3::ONE).unwrap();
     Volume::new(
         grid,
-        Samples::F64(samples),
+        Samples::F64(samples.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )
@@ -172,7 +172,7 @@ fn missing_samples_have_no_weight() {
     samples[0] = 1.5;
     let volume = Volume::new(
         grid,
-        Samples::F64(samples),
+        Samples::F64(samples.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )
@@ -190,7 +190,7 @@ fn a_missing_sample_is_filled_with_its_finite_neighbours_mean() {
     // 0, 0, missing, 1, 1 -> filled with 1/2, so that the solution is that of 0, 0, 1/2, 1, 1.
     let volume = |middle: f64| {
         let grid = Grid::centred([5, 1, 1], DVec3::ONE).unwrap();
-        let samples = Samples::F64(vec![0.0, 0.0, middle, 1.0, 1.0]);
+        let samples = Samples::F64(vec![0.0, 0.0, middle, 1.0, 1.0].into());
         Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap()
     };
     let coefficients = |middle| {

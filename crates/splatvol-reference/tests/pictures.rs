@@ -216,7 +216,7 @@ fn single_voxel(extinction: f64) -> Scene {
     samples[6 + 13 * (6 + 13 * 6)] = 255;
     let volume = Volume::new(
         Grid::from_affine([13; 3], map).unwrap(),
-        Samples::U8(samples),
+        Samples::U8(samples.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )

@@ -139,18 +139,18 @@ impl Sample {
     pub fn generate(self, size: Option<SampleSize>) -> Result<Volume, SampleError> {
         let dims = self.dims(size)?;
         let samples = match self {
-            Self::Head => Samples::I16(head::head(dims)),
-            Self::MarschnerLobb => Samples::F32(signals::marschner_lobb(dims)),
-            Self::CheckerSheet => Samples::U8(textures::checker_sheet(dims)),
-            Self::Tunnel => Samples::U8(textures::tunnel(dims)),
-            Self::Zebra => Samples::U8(textures::zebra(dims)),
-            Self::Shells => Samples::U8(textures::shells(dims)),
-            Self::Ball => Samples::F32(signals::ball(dims)),
-            Self::Slab => Samples::F32(signals::slab(dims)),
-            Self::Terrain => Samples::U8(terrain::terrain(dims)),
-            Self::Microtubules => Samples::U8(tubes::microtubules(dims)),
-            Self::Nerve => Samples::U8(tubes::nerve(dims)),
-            Self::Tomato => Samples::U8(tomato::tomato(dims)),
+            Self::Head => Samples::I16(head::head(dims).into()),
+            Self::MarschnerLobb => Samples::F32(signals::marschner_lobb(dims).into()),
+            Self::CheckerSheet => Samples::U8(textures::checker_sheet(dims).into()),
+            Self::Tunnel => Samples::U8(textures::tunnel(dims).into()),
+            Self::Zebra => Samples::U8(textures::zebra(dims).into()),
+            Self::Shells => Samples::U8(textures::shells(dims).into()),
+            Self::Ball => Samples::F32(signals::ball(dims).into()),
+            Self::Slab => Samples::F32(signals::slab(dims).into()),
+            Self::Terrain => Samples::U8(terrain::terrain(dims).into()),
+            Self::Microtubules => Samples::U8(tubes::microtubules(dims).into()),
+            Self::Nerve => Samples::U8(tubes::nerve(dims).into()),
+            Self::Tomato => Samples::U8(tomato::tomato(dims).into()),
         };
         let unit = match self {
             Self::Head => LengthUnit::Millimetre,

@@ -6,36 +6,60 @@
 
 use glam::DAffine3;
 
-use crate::{Grid, LengthUnit, SceneError};
+use crate::{Grid, LengthUnit, SceneError, Storage};
 
 /// Stored samples, x fastest.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(missing_docs, reason = "the variants are their element types")]
 pub enum Samples {
-    U8(Vec<u8>),
-    I8(Vec<i8>),
-    U16(Vec<u16>),
-    I16(Vec<i16>),
-    U32(Vec<u32>),
-    I32(Vec<i32>),
-    F32(Vec<f32>),
-    F64(Vec<f64>),
+    U8(Storage<u8>),
+    I8(Storage<i8>),
+    U16(Storage<u16>),
+    I16(Storage<i16>),
+    U32(Storage<u32>),
+    I32(Storage<i32>),
+    F32(Storage<f32>),
+    F64(Storage<f64>),
 }
 
-/// Runs `$body` with `$data` bound to the typed vector inside a [`Samples`]: the one place where sample types are
+/// Runs `$body` with `$data` bound to the typed slice inside a [`Samples`]: the one place where sample types are
 /// told apart.
 #[macro_export]
 macro_rules! with_samples {
     ($samples:expr, $data:ident => $body:expr) => {
         match $samples {
-            $crate::Samples::U8($data) => $body,
-            $crate::Samples::I8($data) => $body,
-            $crate::Samples::U16($data) => $body,
-            $crate::Samples::I16($data) => $body,
-            $crate::Samples::U32($data) => $body,
-            $crate::Samples::I32($data) => $body,
-            $crate::Samples::F32($data) => $body,
-            $crate::Samples::F64($data) => $body,
+            $crate::Samples::U8($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::I8($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::U16($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::I16($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::U32($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::I32($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::F32($data) => {
+                let $data = &$data[..];
+                $body
+            }
+            $crate::Samples::F64($data) => {
+                let $data = &$data[..];
+                $body
+            }
         }
     };
 }
@@ -265,7 +289,7 @@ mod tests {
 
     #[test]
     fn missing_samples_are_counted_and_left_out() {
-        let samples = Samples::F32(vec![1.0, f32::NAN, 5.0, f32::NEG_INFINITY]);
+        let samples = Samples::F32(vec![1.0, f32::NAN, 5.0, f32::NEG_INFINITY].into());
         let volume = volume(
             samples,
             Rescale {
@@ -288,10 +312,10 @@ mod tests {
 
     #[test]
     fn a_volume_of_nothing_is_refused() {
-        let error = volume(Samples::F64(vec![f64::NAN; 3]), Rescale::default()).unwrap_err();
+        let error = volume(Samples::F64(vec![f64::NAN; 3].into()), Rescale::default()).unwrap_err();
         assert_eq!(error, SceneError::NoFiniteSample { count: 3 });
         let error = volume(
-            Samples::U8(vec![1]),
+            Samples::U8(vec![1].into()),
             Rescale {
                 slope: 0.0,
                 intercept: 0.0,

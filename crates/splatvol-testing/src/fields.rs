@@ -33,7 +33,7 @@ pub fn sample(field: &impl Field, grid: &Grid) -> Volume {
     }
     Volume::new(
         grid.clone(),
-        Samples::F32(samples),
+        Samples::F32(samples.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )

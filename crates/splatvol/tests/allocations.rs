@@ -4,61 +4,18 @@
 #![allow(clippy::unwrap_used, reason = "a test")]
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 use common::PROJECTIONS;
+use counting::{BYTES, COUNT, SIZES};
 use glam::DVec3;
 use splatvol::{
     Camera, Classification, Compositing, EngineConfig, ImageSize, RenderSettings, Renderer, Scene, View,
 };
 use splatvol_samples::{Sample, SampleSize};
-
-/// The system's allocator, with a count.
-struct Counting;
-
-static COUNT: AtomicUsize = AtomicUsize::new(0);
-static BYTES: AtomicUsize = AtomicUsize::new(0);
-/// Sizes of the first allocations counted.
-static SIZES: [AtomicUsize; 64] = [const { AtomicUsize::new(0) }; 64];
-
-fn count(bytes: usize) {
-    let index = COUNT.fetch_add(1, Ordering::Relaxed);
-    BYTES.fetch_add(bytes, Ordering::Relaxed);
-    if let Some(size) = SIZES.get(index) {
-        size.store(bytes, Ordering::Relaxed);
-    }
-}
-
-// SAFETY: every call goes to the system's allocator unchanged; counting touches only atomics.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size());
-        // SAFETY: the caller's promise about the layout is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count(layout.size());
-        // SAFETY: the caller's promise about the layout is passed on.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size);
-        // SAFETY: the block is the system's, for all blocks are; the rest is the caller's promise.
-        unsafe { System.realloc(block, layout, size) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: the block is the system's, for all blocks are; the rest is the caller's promise.
-        unsafe { System.dealloc(block, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// A camera on a circle around the volume.
 fn camera(scene: &Scene, frame: usize) -> Camera {

@@ -322,7 +322,7 @@ fn faces_of_a_volume_whose_background_is_not_its_minimum_stay_invisible() {
     samples[(10 * 20 + 10) * 20 + 11] = -1.0;
     let volume = Volume::new(
         grid,
-        Samples::F32(samples),
+        Samples::F32(samples.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )

@@ -178,7 +178,7 @@ fn values_of(mesh: &Mesh, description: Description) -> Result<Input, Failure> {
         .and_then(|grid| {
             Volume::new(
                 grid,
-                Samples::F32(values),
+                Samples::F32(values.into()),
                 Rescale::default(),
                 LengthUnit::Unknown,
             )

@@ -226,7 +226,13 @@ mod tests {
         data[(2 * 4 + 1) * 5 + 3] = 9.0;
         data[(4 + 2) * 5 + 1] = 10.0;
         let grid = Grid::centred([5, 4, 3], DVec3::new(1.0, 2.0, 1.0)).unwrap();
-        let volume = Volume::new(grid, Samples::F32(data), Rescale::default(), LengthUnit::Unknown).unwrap();
+        let volume = Volume::new(
+            grid,
+            Samples::F32(data.into()),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )
+        .unwrap();
         let outline = visible_outline(&volume, &from(5.0));
         let low = outline.iter().copied().reduce(DVec3::min).unwrap();
         let high = outline.iter().copied().reduce(DVec3::max).unwrap();

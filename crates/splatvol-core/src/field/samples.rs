@@ -123,7 +123,13 @@ mod tests {
             let data: Vec<u16> = (0..count).map(|_| (random.unit() * 4000.0) as u16).collect();
             let grid = Grid::centred(dims, DVec3::ONE).unwrap();
             let volume = Arc::new(
-                Volume::new(grid, Samples::U16(data), Rescale::default(), LengthUnit::Unknown).unwrap(),
+                Volume::new(
+                    grid,
+                    Samples::U16(data.into()),
+                    Rescale::default(),
+                    LengthUnit::Unknown,
+                )
+                .unwrap(),
             );
             let [low, high] = volume.value_range();
             let value = |p: [usize; 3]| {
@@ -174,7 +180,13 @@ mod tests {
         let mut data = vec![0u8; 64_000];
         data[(20 * 40 + 20) * 40 + 20] = 255;
         let grid = Grid::centred(dims, DVec3::ONE).unwrap();
-        let volume = Volume::new(grid, Samples::U8(data), Rescale::default(), LengthUnit::Unknown).unwrap();
+        let volume = Volume::new(
+            grid,
+            Samples::U8(data.into()),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )
+        .unwrap();
         let opacity = vec![OpacityPoint::new(150.0, 0.0), OpacityPoint::new(230.0, 0.5)];
         let look = TransferFunction::new(vec![ColorPoint::new(0.0, [1.0; 3])], opacity, None).unwrap();
         let table = ClassificationTable::new(&look, [0.0, 255.0], 1.0);

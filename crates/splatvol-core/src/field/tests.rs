@@ -98,7 +98,7 @@ fn coefficients_are_those_of_the_whole_volume() {
                 .into_iter()
                 .map(|v| (v * 4000.0) as i16 - 1024)
                 .collect();
-            let volume = volume(dims, Samples::I16(data), rescale);
+            let volume = volume(dims, Samples::I16(data.into()), rescale);
             let kernel = kernel(sigma, radius);
             let (exact, _) = Coefficients::new(&volume, Use::Field(Some(&kernel)));
             let mut store = FieldStore::new(volume.clone(), &kernel);
@@ -229,7 +229,7 @@ fn missing_samples_stay_missing_and_do_not_spread() {
         let mut data = vec![3.0f32; 12_000];
         data[0] = 5.0;
         data[(10 * 20 + 9) * 30 + 8] = middle;
-        volume(dims, Samples::F32(data), Rescale::default())
+        volume(dims, Samples::F32(data.into()), Rescale::default())
     };
     let kernel = kernel(0.605, 2.0);
     let [missing, filled] = [f32::NAN, 3.0].map(|middle| {

@@ -76,7 +76,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
     let (index, component) = vtk_array::choose_scalar(&heads, &plain_names(options), context)?;
     for block in 0..solution.blocks.len() {
         let values = solution.values(&bytes, block, index);
-        draft.add_values(Samples::F64(values), (heads[index].components, component), None);
+        draft.add_values(
+            Samples::F64(values.into()),
+            (heads[index].components, component),
+            None,
+        );
     }
     let description = Description {
         format: "PLOT3D".to_owned(),

@@ -167,7 +167,7 @@ mod tests {
     fn overflow_in_text_is_an_error_not_a_clamped_value() {
         assert_eq!(
             text(" 1,2\n-3 ", SampleType::I8, 3).unwrap(),
-            Samples::I8(vec![1, 2, -3])
+            Samples::I8(vec![1, 2, -3].into())
         );
         let error = text("1 99999 3", SampleType::I16, 3).unwrap_err().to_string();
         assert_eq!(
@@ -177,7 +177,7 @@ mod tests {
         assert!(text("1e39", SampleType::F32, 1).is_err());
         assert_eq!(
             text("inf", SampleType::F32, 1).unwrap(),
-            Samples::F32(vec![f32::INFINITY])
+            Samples::F32(vec![f32::INFINITY].into())
         );
         assert!(text("1 2", SampleType::U8, 3).is_err());
         assert!(text("1 2", SampleType::U8, usize::MAX).is_err());

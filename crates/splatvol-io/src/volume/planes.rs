@@ -48,7 +48,7 @@ pub(super) fn append(pile: &mut Samples, slice: Samples, context: &Context<'_>) 
         ($($variant:ident)*) => {
             match (pile, slice) {
                 $((Samples::$variant(pile), Samples::$variant(slice)) => {
-                    pile.extend(slice);
+                    pile.to_mut().extend_from_slice(&slice);
                     Ok(())
                 })*
                 _ => Err(context.unsupported(format!("samples are {other}, those of the slices before {own}"))),

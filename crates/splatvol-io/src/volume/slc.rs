@@ -82,7 +82,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
             samples.extend_from_slice(text.take(slice as u64, "slice")?);
         }
     }
-    draft.finish(Samples::U8(samples), context)
+    draft.finish(Samples::U8(samples.into()), context)
 }
 
 /// Runs of up to 127 equal or, with the highest bit, different samples.

@@ -143,7 +143,7 @@ fn png(path: &Path, context: &Context<'_>) -> Result<Plane, IoError> {
                 .map(|b| u16::from_be_bytes([b[0], b[1]]))
                 .collect(),
         ),
-        _ => Samples::U8(data),
+        _ => Samples::U8(data.into()),
     };
     Ok(Plane {
         size: [info.width as usize, info.height as usize],
@@ -165,8 +165,8 @@ fn jpeg(path: &Path, context: &Context<'_>) -> Result<Plane, IoError> {
     )?;
     let data = decoder.decode().map_err(|error| invalid(error, context))?;
     let (components, samples) = match info.pixel_format {
-        PixelFormat::L8 => (1, Samples::U8(data)),
-        PixelFormat::RGB24 => (3, Samples::U8(data)),
+        PixelFormat::L8 => (1, Samples::U8(data.into())),
+        PixelFormat::RGB24 => (3, Samples::U8(data.into())),
         PixelFormat::L16 => {
             let words = data.chunks_exact(2).map(|b| u16::from_ne_bytes([b[0], b[1]]));
             (1, Samples::U16(words.collect()))

@@ -220,7 +220,7 @@ pub(crate) fn pick(samples: Samples, components: usize, component: Component) ->
         Component::Magnitude => match samples {
             Samples::F64(data) => Samples::F64(magnitudes(&data, components).collect()),
             other => Samples::F32(with_samples!(other, data => {
-                magnitudes(&data, components).map(|m| m as f32).collect()
+                magnitudes(data, components).map(|m| m as f32).collect()
             })),
         },
     }

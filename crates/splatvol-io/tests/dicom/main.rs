@@ -133,13 +133,13 @@ fn samples_are_masked_sign_extended_and_turned_round() {
     // Overlay bits above the stored ones do not count.
     assert_eq!(
         one(&file).unwrap().volume.samples(),
-        &Samples::U16(vec![0, 1, 2, 3, 4, 5])
+        &Samples::U16(vec![0, 1, 2, 3, 4, 5].into())
     );
     file.text(0x0028_0004, b"CS", "MONOCHROME1");
     let inverted = one(&file).unwrap();
     assert_eq!(
         inverted.volume.samples(),
-        &Samples::U16(vec![4095, 4094, 4093, 4092, 4091, 4090])
+        &Samples::U16(vec![4095, 4094, 4093, 4092, 4091, 4090].into())
     );
     assert!(
         inverted
@@ -154,7 +154,10 @@ fn samples_are_masked_sign_extended_and_turned_round() {
     file.text(0x0028_1053, b"DS", "2");
     file.text(0x0028_1052, b"DS", "-1024");
     let signed = one(&file).unwrap().volume;
-    assert_eq!(signed.samples(), &Samples::I16(vec![0, 1, 2047, -2048, -1, 5]));
+    assert_eq!(
+        signed.samples(),
+        &Samples::I16(vec![0, 1, 2047, -2048, -1, 5].into())
+    );
     assert_eq!(
         (signed.statistics().min, signed.statistics().max),
         (-5120.0, 3070.0)

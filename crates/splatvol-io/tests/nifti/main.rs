@@ -265,7 +265,7 @@ fn both_versions_in_both_byte_orders_are_the_same_volume() {
         } else {
             read_bytes(folder.path(), "a.nii", &bytes).unwrap()
         };
-        assert_eq!(*loaded.volume.samples(), Samples::I16(values.clone()));
+        assert_eq!(*loaded.volume.samples(), Samples::I16(values.clone().into()));
         assert_eq!(
             loaded.volume.rescale(),
             Rescale {
@@ -306,7 +306,7 @@ fn a_pair_is_found_from_either_half() {
             std::fs::write(folder.path().join(name), bytes).unwrap();
         }
         let loaded = load(&folder.path().join(names[0]));
-        assert_eq!(*loaded.volume.samples(), Samples::U8(data.to_vec()));
+        assert_eq!(*loaded.volume.samples(), Samples::U8(data.to_vec().into()));
         assert_eq!(
             loaded.description.files,
             names.map(|name| folder.path().join(name))
@@ -341,7 +341,7 @@ fn series_vectors_colours_and_complex_numbers_are_chosen_from() {
         let loaded = with(&series, &time(n)).unwrap();
         assert_eq!(
             *loaded.volume.samples(),
-            Samples::U8(data[8 * n..8 * n + 8].to_vec())
+            Samples::U8(data[8 * n..8 * n + 8].to_vec().into())
         );
         assert!(
             loaded
@@ -360,7 +360,7 @@ fn series_vectors_colours_and_complex_numbers_are_chosen_from() {
     };
     assert_eq!(
         *with(&vectors, &second).unwrap().volume.samples(),
-        Samples::U8(data[40..48].to_vec())
+        Samples::U8(data[40..48].to_vec().into())
     );
     assert!(
         with(&vectors, &time(0))
@@ -377,7 +377,7 @@ fn series_vectors_colours_and_complex_numbers_are_chosen_from() {
     );
     assert_eq!(
         *with(&colours, &component(1)).unwrap().volume.samples(),
-        Samples::U8(vec![1, 4, 7, 10])
+        Samples::U8(vec![1, 4, 7, 10].into())
     );
     let floats: Vec<u8> = [1.0f32, 2.0, 3.0, 4.0]
         .iter()
@@ -392,7 +392,7 @@ fn series_vectors_colours_and_complex_numbers_are_chosen_from() {
     );
     assert_eq!(
         *with(&complex, &component(1)).unwrap().volume.samples(),
-        Samples::F32(vec![2.0, 4.0])
+        Samples::F32(vec![2.0, 4.0].into())
     );
 }
 

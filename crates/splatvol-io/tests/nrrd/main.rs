@@ -86,7 +86,7 @@ fn real_files_are_as_known() {
     }
     let tooth = load(&folder.join("tooth.nrrd"));
     let raw = std::fs::read(folder.join("tooth_103x94x161_uint8.raw")).unwrap();
-    assert_eq!(*tooth.volume.samples(), Samples::U8(raw));
+    assert_eq!(*tooth.volume.samples(), Samples::U8(raw.into()));
     // 93 slice files; the space is left-handed, so that slices go down in world.
     let head = load(&folder.join("headsq/quarter.nhdr"));
     assert_eq!(head.description.files.len(), 94);
@@ -141,7 +141,7 @@ fn every_encoding_and_byte_order_gives_the_same_samples() {
         let loaded = read(&attached(fields, &data)).unwrap_or_else(|error| panic!("{fields}: {error}"));
         assert_eq!(
             *loaded.volume.samples(),
-            Samples::I16(VALUES.to_vec()),
+            Samples::I16(VALUES.to_vec().into()),
             "{fields}"
         );
         // The only warning is that no spacing is given.
@@ -175,7 +175,11 @@ fn detached_data_may_be_one_file_a_series_or_a_list() {
         let path = folder.path().join("a.nhdr");
         std::fs::write(&path, format!("{fields}{rest}")).unwrap();
         let loaded = load(&path);
-        assert_eq!(*loaded.volume.samples(), Samples::I16(VALUES.to_vec()), "{rest}");
+        assert_eq!(
+            *loaded.volume.samples(),
+            Samples::I16(VALUES.to_vec().into()),
+            "{rest}"
+        );
         assert_eq!(loaded.description.files.len(), files);
     }
     for bad in [
@@ -268,7 +272,10 @@ fn vectors_and_series_are_chosen_from_never_guessed() {
     };
     let green = with(fields, &rgb, &component(1)).unwrap().volume;
     assert_eq!(green.grid().dims(), [2, 2, 2]);
-    assert_eq!(*green.samples(), Samples::U8(vec![1, 4, 7, 10, 13, 16, 19, 22]));
+    assert_eq!(
+        *green.samples(),
+        Samples::U8(vec![1, 4, 7, 10, 13, 16, 19, 22].into())
+    );
     assert!(with(fields, &rgb, &component(3)).is_err());
 
     let series = "type: uchar\nencoding: raw\ndimension: 4\nsizes: 2 2 2 3\nspacings: 1 1 1 NaN\n\
@@ -281,7 +288,7 @@ fn vectors_and_series_are_chosen_from_never_guessed() {
         let loaded = with(series, &rgb, &time(n)).unwrap();
         assert_eq!(
             *loaded.volume.samples(),
-            Samples::U8(rgb[8 * n..8 * n + 8].to_vec())
+            Samples::U8(rgb[8 * n..8 * n + 8].to_vec().into())
         );
         assert_eq!(loaded.description.warnings, [format!("volume {n} of 3 is read")]);
         let zipped = series.replace("raw", "gzip");
@@ -319,7 +326,7 @@ fn components_behind_space_are_chosen_from_too() {
     };
     assert_eq!(
         *read_volume(&path, &last).unwrap().volume.samples(),
-        Samples::U8(vec![5, 6])
+        Samples::U8(vec![5, 6].into())
     );
     std::fs::write(&path, attached("type: uchar\nencoding: raw", &[1; 12])).unwrap();
     assert!(refused(read_volume(&path, &last)).contains("component 2"));
@@ -356,7 +363,7 @@ fn units_missing_samples_and_long_integers_are_reported() {
     let loaded = read_fields(fields, &data).unwrap();
     assert_eq!(
         *loaded.volume.samples(),
-        Samples::F64(vec![7.0, 18446744073709551616.0])
+        Samples::F64(vec![7.0, 18446744073709551616.0].into())
     );
     assert_eq!(loaded.description.warnings.len(), 1);
 }

@@ -95,9 +95,17 @@ fn every_coding_gives_the_same_volume() {
     for style in Style::all() {
         let bytes = file(style);
         let loaded = read_bytes(folder.path(), "a.vti", &bytes).unwrap_or_else(|e| panic!("{style:?}: {e}"));
-        assert_eq!(loaded.volume.samples(), &Samples::I16(values()), "{style:?}");
+        assert_eq!(
+            loaded.volume.samples(),
+            &Samples::I16(values().into()),
+            "{style:?}"
+        );
         let third = with_array(folder.path(), &bytes, "third").unwrap_or_else(|e| panic!("{style:?}: {e}"));
-        assert_eq!(third.volume.samples(), &Samples::U8(vec![7; 24]), "{style:?}");
+        assert_eq!(
+            third.volume.samples(),
+            &Samples::U8(vec![7; 24].into()),
+            "{style:?}"
+        );
     }
 }
 
@@ -116,7 +124,7 @@ fn header_and_data_may_be_encoded_apart() {
         let changed = bytes.replace(&joint, &apart);
         assert_ne!(bytes, changed);
         let loaded = read_bytes(folder.path(), "a.vti", changed.as_bytes()).unwrap();
-        assert_eq!(loaded.volume.samples(), &Samples::I16(values()));
+        assert_eq!(loaded.volume.samples(), &Samples::I16(values().into()));
     }
 }
 
@@ -197,8 +205,11 @@ fn vectors_are_refused_unless_a_component_is_named() {
     );
     let read =
         |array: &str| with_array(folder.path(), &bytes, array).map(|loaded| loaded.volume.samples().clone());
-    assert_eq!(read("flow:x:1").unwrap(), Samples::I16(vec![4, 8]));
-    assert_eq!(read("flow:x:magnitude").unwrap(), Samples::F32(vec![5.0, 26.0]));
+    assert_eq!(read("flow:x:1").unwrap(), Samples::I16(vec![4, 8].into()));
+    assert_eq!(
+        read("flow:x:magnitude").unwrap(),
+        Samples::F32(vec![5.0, 26.0].into())
+    );
     for bad in ["flow:x", "flow:x:3", "flow:x:-1", "flow", "x:0"] {
         let text = read(bad).unwrap_err().to_string();
         assert!(text.contains("flow:x"), "{text}");
@@ -208,5 +219,5 @@ fn vectors_are_refused_unless_a_component_is_named() {
         ..ReadOptions::default()
     };
     let loaded = read_volume(folder.path().join("a.vti"), &options).unwrap();
-    assert_eq!(loaded.volume.samples(), &Samples::I16(vec![0, 24]));
+    assert_eq!(loaded.volume.samples(), &Samples::I16(vec![0, 24].into()));
 }

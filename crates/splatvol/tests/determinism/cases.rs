@@ -68,7 +68,7 @@ fn holed(volume: &Volume) -> Volume {
     samples[count / 2 + 17] = f32::NAN;
     Volume::new(
         volume.grid().clone(),
-        Samples::F32(samples),
+        Samples::F32(samples.into()),
         Rescale::default(),
         Default::default(),
     )

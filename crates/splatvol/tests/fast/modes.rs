@@ -243,7 +243,7 @@ fn the_smallest_value_is_the_largest_of_the_opposite() {
         .collect();
     let opposite = Volume::new(
         volume.grid().clone(),
-        Samples::F32(opposite),
+        Samples::F32(opposite.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     );

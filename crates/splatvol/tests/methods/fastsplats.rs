@@ -158,7 +158,7 @@ fn block() -> Scene {
     Scene::new(
         Volume::new(
             grid,
-            Samples::F32(values),
+            Samples::F32(values.into()),
             splatvol::Rescale::default(),
             splatvol::LengthUnit::default(),
         )

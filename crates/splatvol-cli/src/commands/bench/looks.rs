@@ -119,7 +119,7 @@ mod tests {
         let volume = Volume::new(grid, Samples::U8(data), Rescale::default(), LengthUnit::Unknown).unwrap();
         let value = dividing_value(&volume);
         assert!((39.0..181.0).contains(&value), "{value}");
-        let constant = Samples::U8(vec![7; 1000]);
+        let constant = Samples::U8(vec![7; 1000].into());
         let grid = Grid::centred([10; 3], DVec3::ONE).unwrap();
         let volume = Volume::new(grid, constant, Rescale::default(), LengthUnit::Unknown).unwrap();
         assert_eq!(dividing_value(&volume), 7.0);

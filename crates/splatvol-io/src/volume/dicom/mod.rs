@@ -309,7 +309,7 @@ fn samples(
             scale(data, slice.head.rescale, &mut real);
         }
     });
-    Ok((Samples::F32(real), Rescale::default()))
+    Ok((Samples::F32(real.into()), Rescale::default()))
 }
 
 fn scale<T: Copy + Into<f64>>(stored: &[T], rescale: Rescale, into: &mut Vec<f32>) {

@@ -338,17 +338,17 @@ impl Pages {
 
 fn samples(result: DecodingResult) -> Samples {
     match result {
-        DecodingResult::U8(data) => Samples::U8(data),
-        DecodingResult::U16(data) => Samples::U16(data),
-        DecodingResult::U32(data) => Samples::U32(data),
+        DecodingResult::U8(data) => Samples::U8(data.into()),
+        DecodingResult::U16(data) => Samples::U16(data.into()),
+        DecodingResult::U32(data) => Samples::U32(data.into()),
         DecodingResult::U64(data) => Samples::F64(data.into_iter().map(|v| v as f64).collect()),
-        DecodingResult::I8(data) => Samples::I8(data),
-        DecodingResult::I16(data) => Samples::I16(data),
-        DecodingResult::I32(data) => Samples::I32(data),
+        DecodingResult::I8(data) => Samples::I8(data.into()),
+        DecodingResult::I16(data) => Samples::I16(data.into()),
+        DecodingResult::I32(data) => Samples::I32(data.into()),
         DecodingResult::I64(data) => Samples::F64(data.into_iter().map(|v| v as f64).collect()),
         DecodingResult::F16(data) => Samples::F32(data.into_iter().map(f32::from).collect()),
-        DecodingResult::F32(data) => Samples::F32(data),
-        DecodingResult::F64(data) => Samples::F64(data),
+        DecodingResult::F32(data) => Samples::F32(data.into()),
+        DecodingResult::F64(data) => Samples::F64(data.into()),
     }
 }
 

@@ -55,8 +55,8 @@ pub(super) fn read(array: &Array, part: &Part, context: &Context<'_>) -> Result<
     let (samples, _) = buffer.finish();
     Ok(match samples {
         Samples::U16(bits) if array.half => Samples::F32(
-            bits.into_iter()
-                .map(|bits| half::f16::from_bits(bits).to_f32())
+            bits.iter()
+                .map(|&bits| half::f16::from_bits(bits).to_f32())
                 .collect(),
         ),
         samples => samples,

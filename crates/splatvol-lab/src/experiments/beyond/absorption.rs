@@ -55,7 +55,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
 fn constant(length: usize) -> Result<Volume, SceneError> {
     let dims = [21, 21, length];
     let grid = Grid::centred(dims, DVec3::ONE)?;
-    let samples = Samples::F32(vec![1.0; grid.sample_count()]);
+    let samples = Samples::F32(vec![1.0; grid.sample_count()].into());
     Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown)
 }
 

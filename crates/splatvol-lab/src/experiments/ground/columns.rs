@@ -60,7 +60,7 @@ impl Columns {
         }
         Ok(Volume::new(
             grid.clone(),
-            Samples::U8(samples),
+            Samples::U8(samples.into()),
             Rescale::default(),
             LengthUnit::default(),
         )?)

@@ -41,7 +41,7 @@ pub(super) fn brain(bench: &Workbench<'_>) -> Result<Scene, LabError> {
     };
     let below = edge * edge * (edge - slices);
     let grid = Grid::centred([edge, edge, slices], DVec3::ONE)?;
-    let samples = Samples::I16(values[below..].to_vec());
+    let samples = Samples::I16(values[below..].to_vec().into());
     let volume = Volume::new(grid, samples, head.rescale(), head.unit())?;
     let skin = curves(
         &[

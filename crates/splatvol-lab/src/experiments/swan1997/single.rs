@@ -38,7 +38,7 @@ impl Single {
         values[13] = 1;
         let volume = Volume::new(
             Grid::centred([3; 3], DVec3::ONE)?,
-            Samples::U8(values),
+            Samples::U8(values.into()),
             Rescale::default(),
             LengthUnit::Unknown,
         )?;

@@ -54,7 +54,7 @@ pub(super) fn scene(amplitudes: &[f64]) -> Result<Scene, LabError> {
     values[1] = 1.0;
     let volume = Volume::new(
         Grid::centred(dims, DVec3::ONE)?,
-        Samples::F32(values),
+        Samples::F32(values.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )?;

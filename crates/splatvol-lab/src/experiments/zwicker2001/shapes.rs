@@ -149,7 +149,7 @@ fn volume(
     let grid = Grid::centred(dims, DVec3::splat(spacing))?;
     Ok(Volume::new(
         grid,
-        Samples::U8(samples),
+        Samples::U8(samples.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )?)

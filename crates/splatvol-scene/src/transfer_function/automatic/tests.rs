@@ -186,7 +186,7 @@ fn the_order_of_the_axes_in_the_file_does_not_matter() {
         let grid = Grid::from_affine(stored_dims, map).unwrap();
         let volume = Volume::new(
             grid,
-            Samples::U8(samples),
+            Samples::U8(samples.into()),
             Rescale::default(),
             LengthUnit::Unknown,
         )
@@ -239,24 +239,21 @@ fn odd_volumes_give_valid_functions() {
             ColorMap::from_name("turbo").ok(),
         )
     };
-    assert_eq!(one(Samples::F32(vec![3.0])).1.kind, DataKind::Constant);
-    one(Samples::U8(vec![0, 255]));
-    one(Samples::F64(vec![-1e300, 0.0, 7e299]));
-    one(Samples::F32(vec![
-        f32::NAN,
-        1.0,
-        1.0 + f32::EPSILON,
-        f32::INFINITY,
-    ]));
-    one(Samples::F64(vec![0.0, f64::MIN_POSITIVE, 0.0, 0.0, 0.0]));
-    one(Samples::I32(vec![i32::MIN, i32::MAX, 0, 1, 2]));
+    assert_eq!(one(Samples::F32(vec![3.0].into())).1.kind, DataKind::Constant);
+    one(Samples::U8(vec![0, 255].into()));
+    one(Samples::F64(vec![-1e300, 0.0, 7e299].into()));
+    one(Samples::F32(
+        vec![f32::NAN, 1.0, 1.0 + f32::EPSILON, f32::INFINITY].into(),
+    ));
+    one(Samples::F64(vec![0.0, f64::MIN_POSITIVE, 0.0, 0.0, 0.0].into()));
+    one(Samples::I32(vec![i32::MIN, i32::MAX, 0, 1, 2].into()));
     // One bright sample that the sparse survey is likely to miss.
     let mut lonely = vec![0.0f32; 100_000];
     lonely[77_777] = 1.0;
     let grid = Grid::centred([100, 100, 10], DVec3::ONE).unwrap();
     let volume = Volume::new(
         grid,
-        Samples::F32(lonely),
+        Samples::F32(lonely.into()),
         Rescale::default(),
         LengthUnit::Unknown,
     )
@@ -288,7 +285,7 @@ fn classic_scans_show_their_known_structures() {
         return;
     }
     let load = |name: &str, dims| {
-        let samples = Samples::U8(std::fs::read(folder.join(name)).unwrap());
+        let samples = Samples::U8(std::fs::read(folder.join(name)).unwrap().into());
         let grid = Grid::centred(dims, DVec3::ONE).unwrap();
         let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
         let (tf, choice) = TransferFunction::automatic(&volume, None);

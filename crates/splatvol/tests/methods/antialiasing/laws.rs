@@ -15,7 +15,7 @@ fn uniform(dims: [usize; 3], spacing: DVec3, values: Vec<u8>, depth: f64) -> Sce
     let grid = Grid::centred(dims, spacing).unwrap();
     let volume = Volume::new(
         grid,
-        Samples::U8(values),
+        Samples::U8(values.into()),
         Rescale::default(),
         LengthUnit::default(),
     )

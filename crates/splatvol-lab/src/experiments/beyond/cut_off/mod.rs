@@ -157,7 +157,7 @@ fn energy(outcome: &mut Outcome) {
 /// An X-ray of the middle of one layer of equal voxels, relative to its optical depth; [`VOXELS`] across.
 fn rendered(renderer: &mut Renderer, kernel: Kernel) -> Result<Vec<f64>, LabError> {
     let grid = Grid::centred([20, 20, 1], DVec3::ONE)?;
-    let samples = Samples::F32(vec![1.0; grid.sample_count()]);
+    let samples = Samples::F32(vec![1.0; grid.sample_count()].into());
     let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown)?;
     let scene = Scene::new(volume, constant_extinction(OPTICAL_DEPTH, [1.0; 3]));
     let settings = RenderSettings {

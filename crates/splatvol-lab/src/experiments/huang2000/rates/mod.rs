@@ -57,7 +57,12 @@ fn slab(radius: f64, edge: f64) -> Result<(Scene, Camera), LabError> {
     let mut values = vec![200_u8; dims.iter().product()];
     // One other value keeps the range of values open.
     values[0] = 100;
-    let volume = Volume::new(grid, Samples::U8(values), Default::default(), Default::default())?;
+    let volume = Volume::new(
+        grid,
+        Samples::U8(values.into()),
+        Default::default(),
+        Default::default(),
+    )?;
     let faint = TransferFunction::new(
         vec![ColorPoint::new(0.0, [0.8, 0.7, 0.5])],
         vec![OpacityPoint::new(0.0, 0.02)],

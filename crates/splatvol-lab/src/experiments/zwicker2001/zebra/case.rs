@@ -81,7 +81,12 @@ impl Case {
         let grid = Grid::new([3; 3], origin, self.spacing(), DMat3::IDENTITY)?;
         let mut values = vec![0; 27];
         values[13] = 1;
-        let volume = Volume::new(grid, Samples::U8(values), Rescale::default(), LengthUnit::Unknown)?;
+        let volume = Volume::new(
+            grid,
+            Samples::U8(values.into()),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )?;
         let look = TransferFunction::new(
             vec![ColorPoint::new(0.0, [1.0; 3])],
             vec![OpacityPoint::new(0.0, 0.0), OpacityPoint::new(1.0, 0.5)],

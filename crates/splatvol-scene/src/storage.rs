@@ -1,0 +1,98 @@
+//! Where samples lie: in a vector of their own, or in memory that is shared with somebody else and never copied.
+
+use std::fmt::{self, Debug, Formatter};
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// Samples in memory. They read as a slice.
+pub struct Storage<T>(Place<T>);
+
+enum Place<T> {
+    Own(Vec<T>),
+    Shared(Arc<dyn AsRef<[T]> + Send + Sync>),
+}
+
+impl<T> Storage<T> {
+    /// Samples in somebody else's memory, such as a map of a file or the buffer of an array. They are kept as long as the
+    /// storage, or any clone of it, lives.
+    ///
+    /// The memory must stay as it is meanwhile: the same slice of the same values. What is derived from samples is kept.
+    pub fn shared(samples: Arc<dyn AsRef<[T]> + Send + Sync>) -> Self {
+        Self(Place::Shared(samples))
+    }
+
+    /// Whether the memory belongs to somebody else, too.
+    pub fn is_shared(&self) -> bool {
+        matches!(self.0, Place::Shared(_))
+    }
+}
+
+impl<T: Clone> Storage<T> {
+    /// The vector, to be changed; shared samples are copied first.
+    pub fn to_mut(&mut self) -> &mut Vec<T> {
+        if self.is_shared() {
+            self.0 = Place::Own(self.to_vec());
+        }
+        match &mut self.0 {
+            Place::Own(samples) => samples,
+            Place::Shared(_) => unreachable!("shared samples have just been copied"),
+        }
+    }
+}
+
+impl<T> Deref for Storage<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        match &self.0 {
+            Place::Own(samples) => samples,
+            Place::Shared(samples) => samples.as_ref().as_ref(),
+        }
+    }
+}
+
+impl<T> AsRef<[T]> for Storage<T> {
+    fn as_ref(&self) -> &[T] {
+        self
+    }
+}
+
+impl<T> From<Vec<T>> for Storage<T> {
+    fn from(samples: Vec<T>) -> Self {
+        Self(Place::Own(samples))
+    }
+}
+
+impl<T: Send + Sync + 'static> From<Arc<[T]>> for Storage<T> {
+    fn from(samples: Arc<[T]>) -> Self {
+        Self::shared(Arc::new(samples))
+    }
+}
+
+impl<T> FromIterator<T> for Storage<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(samples: I) -> Self {
+        Vec::from_iter(samples).into()
+    }
+}
+
+/// Clones of shared samples share them.
+impl<T: Clone> Clone for Storage<T> {
+    fn clone(&self) -> Self {
+        Self(match &self.0 {
+            Place::Own(samples) => Place::Own(samples.clone()),
+            Place::Shared(samples) => Place::Shared(Arc::clone(samples)),
+        })
+    }
+}
+
+impl<T: PartialEq> PartialEq for Storage<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<T: Debug> Debug for Storage<T> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        (**self).fmt(formatter)
+    }
+}
