@@ -5,17 +5,19 @@
 //!
 //! | module | what | source |
 //! |---|---|---|
-//! | `neighbors` | the `k` nearest distinct places of each | k-d tree (`kiddo`) |
+//! | `neighbors`, `nearest` | the `k` nearest distinct places of each | Samet 2006, section 4.2 |
 //! | `radii` | spacing from local density | `n = k / (pi d_k^2)` points per area |
 //! | `plane` | normal of the plane through the neighbours | Hoppe et al. 1992, section 3.2 |
-//! | `orientation` | one side for all of them | Hoppe et al. 1992, section 3.3; König and Gumhold 2009 |
+//! | `orientation`, `spanning` | one side for all of them | Hoppe et al. 1992, section 3.3; König and Gumhold 2009; Borůvka 1926 |
 //!
 //! The same points give the same bytes whatever the number of threads.
 
+mod nearest;
 mod neighbors;
 mod orientation;
 mod plane;
 mod radii;
+mod spanning;
 
 use glam::DVec3;
 

@@ -3,16 +3,12 @@
 //! Places are moved and scaled into a unit box, so that squared distances neither overflow nor vanish in 32 bits, and put
 //! in Morton order: neighbours in space become neighbours in memory, and places that are the same follow each other.
 
-use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::DVec3;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
-/// Most neighbours that are looked for.
-const MOST_NEIGHBORS: usize = 64;
-/// Queries of one task.
-const BATCH: usize = 1024;
+use super::nearest::{MOST_NEIGHBORS, nearest};
 
 /// A cloud's distinct places, each with its nearest neighbours.
 #[derive(Debug, Clone)]
@@ -117,28 +113,39 @@ fn distinct(positions: &[[f32; 3]], center: DVec3, scale: f64) -> (Vec<[f32; 3]>
         // Adding zero turns -0 into 0, which is the same place.
         (local + DVec3::ZERO).to_array().map(|c| c as f32 + 0.0)
     };
-    let bits = |p: &[f32; 3]| p.map(f32::to_bits);
+    let bits = |p: [f32; 3]| p.map(f32::to_bits);
     let mut order: Vec<(u64, u32)> = positions
         .par_iter()
         .enumerate()
         .map(|(index, p)| (morton(local(p)), index as u32))
         .collect();
-    order.par_sort_unstable_by_key(|&(code, index)| (code, bits(&local(&positions[index as usize])), index));
+    order.par_sort_unstable();
+    // Places may differ though their codes do not.
+    let place_at = |index: u32| local(&positions[index as usize]);
+    let runs = order.par_chunk_by_mut(|a, b| a.0 == b.0);
+    runs.filter(|run| run.len() > 1)
+        .for_each(|run| run.sort_by_cached_key(|&(_, index)| (bits(place_at(index)), index)));
 
-    let mut places: Vec<[f32; 3]> = Vec::with_capacity(positions.len());
-    let mut place_of = vec![0; positions.len()];
-    for &(_, index) in &order {
-        let place = local(&positions[index as usize]);
-        if places.last().is_none_or(|last| bits(last) != bits(&place)) {
-            places.push(place);
-        }
-        place_of[index as usize] = places.len() as u32 - 1;
-    }
+    let mut places: Vec<[f32; 3]> = order.par_iter().map(|&(_, index)| place_at(index)).collect();
+    let is_new = |n: usize| n == 0 || bits(places[n]) != bits(places[n - 1]);
+    let is_new: Vec<bool> = (0..places.len()).into_par_iter().map(is_new).collect();
+    let number = |count: &mut u32, &is_new: &bool| {
+        *count += u32::from(is_new);
+        Some(*count - 1)
+    };
+    let numbers: Vec<u32> = is_new.iter().scan(0, number).collect();
+    let place_of: Vec<AtomicU32> = positions.par_iter().map(|_| AtomicU32::new(0)).collect();
+    order.par_iter().zip(numbers).for_each(|(&(_, index), number)| {
+        place_of[index as usize].store(number, Ordering::Relaxed);
+    });
+    let mut is_new = is_new.into_iter();
+    places.retain(|_| is_new.next() == Some(true));
+    let place_of = place_of.into_iter().map(AtomicU32::into_inner).collect();
     (places, place_of)
 }
 
 /// Interleaved bits of the three coordinates, 21 of each.
-fn morton(place: [f32; 3]) -> u64 {
+pub(super) fn morton(place: [f32; 3]) -> u64 {
     let spread = |coordinate: f32| {
         let steps = f64::from(1 << 20);
         let mut bits = ((f64::from(coordinate) + 1.0) * steps).clamp(0.0, 2.0 * steps - 1.0) as u64;
@@ -154,36 +161,4 @@ fn morton(place: [f32; 3]) -> u64 {
         bits
     };
     spread(place[0]) | spread(place[1]) << 1 | spread(place[2]) << 2
-}
-
-/// The `k` nearest other places of each.
-fn nearest(places: &[[f32; 3]], k: usize) -> Vec<u32> {
-    let (Some(wanted), true) = (NonZeroUsize::new(k + 1), k > 0) else {
-        return Vec::new();
-    };
-    let Ok(tree) = ImmutableKdTree::<f32, 3>::new_from_slice(places) else {
-        // Places are finite and fewer than 2^32: what the tree could refuse does not occur.
-        return vec![0; places.len() * k];
-    };
-    let mut neighbors = vec![0u32; places.len() * k];
-    neighbors
-        .par_chunks_mut(k * BATCH)
-        .enumerate()
-        .for_each(|(batch, rows)| {
-            for (row, of) in rows.chunks_exact_mut(k).enumerate() {
-                let index = batch * BATCH + row;
-                let found = tree
-                    .query(&places[index])
-                    .nearest_n::<SquaredEuclidean<f32>>(wanted)
-                    .execute();
-                let others = found
-                    .iter()
-                    .map(|f| f.item)
-                    .filter(|&item| item as usize != index);
-                for (slot, item) in of.iter_mut().zip(others) {
-                    *slot = item;
-                }
-            }
-        });
-    neighbors
 }

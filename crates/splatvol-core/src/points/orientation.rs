@@ -8,7 +8,7 @@
 //!
 //! the second normal mirrored as by a circle through both points (the simplest curve between them, as König and Gumhold
 //! 2009 argue). It is 1 for the outward normals of a circle at any angle, and for the two sides of a thin sheet. Edges
-//! are taken in the order of `1 - |c|` (Kruskal's algorithm), and sets of places keep their sign relative to the set's root.
+//! weigh `1 - |c|`, and the tree is that of least weight ([`spanning`]).
 //!
 //! Then each connected part is turned as a whole: outward where it encloses something, which is where the sum of
 //! `(p - centre) . n` over its area is above zero (the divergence theorem: three times the volume).
@@ -16,7 +16,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Neighborhoods, Orientation};
+use super::{Neighborhoods, Orientation, spanning};
 
 /// A part bulges where the mean of `(p - centre) . n` is at least this share of the mean of `|p - centre|`.
 const BULGING: f64 = 0.1;
@@ -42,13 +42,14 @@ impl Neighborhoods {
     }
 
     fn turn_outward(&self, normals: &mut [DVec3]) {
-        let mut parts = Parts::new(normals.len());
-        for key in self.edges(normals) {
-            let edge = (key & ((1 << EDGE_BITS) - 1)) as usize;
-            let (i, j) = (edge / self.k, self.neighbors_at(edge));
-            parts.join(i, j, self.agreement(normals, i, j) < 0.0);
-        }
-        let roots: Vec<(u32, bool)> = (0..normals.len()).map(|place| parts.root(place)).collect();
+        let signs: &[DVec3] = normals;
+        let edge = |key: u64| (key & ((1 << EDGE_BITS) - 1)) as usize;
+        let ends = |key| [edge(key) / self.k, self.neighbors_at(edge(key))];
+        let differs = |key| {
+            let [i, j] = ends(key);
+            self.agreement(signs, i, j) < 0.0
+        };
+        let roots = spanning::spread(signs.len(), self.edges(signs), ends, differs);
         normals
             .par_iter_mut()
             .zip(&roots)
@@ -57,20 +58,14 @@ impl Neighborhoods {
                     *normal = -*normal;
                 }
             });
-        let inward = self.inward_parts(normals, &roots);
-        normals
-            .par_iter_mut()
-            .zip(&roots)
-            .for_each(|(normal, &(root, _))| {
-                if inward[root as usize] {
-                    *normal = -*normal;
-                }
-            });
+        let inward = self.is_inward(normals, &roots);
+        let turned = normals.par_iter_mut().zip(inward).filter(|(_, inward)| *inward);
+        turned.for_each(|(normal, _)| *normal = -*normal);
     }
 
-    /// Keys of edges in the order in which sides spread: doubt in the upper bits, the edge's number in the lower.
+    /// Keys of edges, the lighter the earlier sides spread: doubt in the upper bits, the edge's number in the lower.
     fn edges(&self, normals: &[DVec3]) -> Vec<u64> {
-        let mut keys: Vec<u64> = (0..self.flat().len())
+        (0..self.flat().len())
             .into_par_iter()
             .filter_map(|edge| {
                 let (i, j) = (edge / self.k, self.neighbors_at(edge));
@@ -82,9 +77,7 @@ impl Neighborhoods {
                 let steps = (1u64 << (u64::BITS - EDGE_BITS)) - 1;
                 Some(((doubt.clamp(0.0, 1.0) * steps as f64) as u64) << EDGE_BITS | edge as u64)
             })
-            .collect();
-        keys.par_sort_unstable();
-        keys
+            .collect()
     }
 
     fn neighbors_at(&self, edge: usize) -> usize {
@@ -98,24 +91,46 @@ impl Neighborhoods {
         a.dot(b) - 2.0 * a.dot(along) * b.dot(along)
     }
 
-    /// For each root, whether the part's normals point into it.
-    fn inward_parts(&self, normals: &[DVec3], roots: &[(u32, bool)]) -> Vec<bool> {
-        let area: Vec<f64> = self.place_radii().into_iter().map(|r| r * r).collect();
-        let mut parts = vec![Part::default(); normals.len()];
-        for (place, &(root, _)) in roots.iter().enumerate() {
-            let part = &mut parts[root as usize];
+    /// For each place whether the normals of its part point into it.
+    fn is_inward(&self, normals: &[DVec3], roots: &[(u32, bool)]) -> Vec<bool> {
+        let area: Vec<f64> = self.place_radii().into_par_iter().map(|r| r * r).collect();
+        let (part_of, count) = numbered(roots);
+        let mut parts = vec![Part::default(); count];
+        for (place, &part) in part_of.iter().enumerate() {
+            let part = &mut parts[part as usize];
             part.area += area[place];
             part.moment += area[place] * self.place(place);
         }
-        for (place, &(root, _)) in roots.iter().enumerate() {
-            let part = &mut parts[root as usize];
+        for (place, &part) in part_of.iter().enumerate() {
+            let part = &mut parts[part as usize];
             let from_center = self.place(place) - part.moment / part.area;
             part.outward += area[place] * from_center.dot(normals[place]);
             part.extent += area[place] * from_center.length();
             part.normal += area[place] * normals[place];
         }
-        parts.iter().map(Part::is_inward).collect()
+        let inward: Vec<bool> = parts.iter().map(Part::is_inward).collect();
+        part_of
+            .into_par_iter()
+            .map(|part| inward[part as usize])
+            .collect()
     }
+}
+
+/// The parts by number, in the order of their first places, and how many there are.
+fn numbered(roots: &[(u32, bool)]) -> (Vec<u32>, usize) {
+    const NONE: u32 = u32::MAX;
+    let mut number_of = vec![NONE; roots.len()];
+    let mut count = 0;
+    let number = |&(root, _): &(u32, bool)| {
+        let number = &mut number_of[root as usize];
+        if *number == NONE {
+            *number = count;
+            count += 1;
+        }
+        *number
+    };
+    let numbers = roots.iter().map(number).collect();
+    (numbers, count as usize)
 }
 
 /// Sums over a connected part.
@@ -150,56 +165,4 @@ fn turn(normals: &mut [DVec3], side: impl Fn(usize) -> DVec3 + Sync) {
             *normal = -*normal;
         }
     });
-}
-
-/// Disjoint sets whose members know their sign relative to the root (union by size, path halving).
-struct Parts {
-    /// Parent in the upper 31 bits, whether the sign differs from the parent's in the lowest.
-    parent: Vec<u64>,
-    size: Vec<u32>,
-}
-
-impl Parts {
-    fn new(count: usize) -> Self {
-        Self {
-            parent: (0..count as u64).map(|i| i << 1).collect(),
-            size: vec![1; count],
-        }
-    }
-
-    /// The root of a place's set, and whether the place's sign differs from the root's.
-    fn root(&mut self, place: usize) -> (u32, bool) {
-        let (mut at, mut differs) = (place, 0);
-        loop {
-            let up = self.parent[at];
-            let parent = (up >> 1) as usize;
-            if parent == at {
-                return (at as u32, differs == 1);
-            }
-            let above = self.parent[parent];
-            // The place moves under its grandparent.
-            let shorter = (above & !1) | ((up ^ above) & 1);
-            let is_root = (above >> 1) as usize == parent;
-            self.parent[at] = if is_root { up } else { shorter };
-            differs ^= self.parent[at] & 1;
-            at = (self.parent[at] >> 1) as usize;
-        }
-    }
-
-    /// Joins the sets of two places whose signs differ or not; nothing where they are joined already.
-    fn join(&mut self, i: usize, j: usize, differ: bool) {
-        let ((root_i, sign_i), (root_j, sign_j)) = (self.root(i), self.root(j));
-        if root_i == root_j {
-            return;
-        }
-        let sign = u64::from(differ ^ sign_i ^ sign_j);
-        let (root_i, root_j) = (root_i as usize, root_j as usize);
-        let (low, high) = if self.size[root_i] < self.size[root_j] {
-            (root_i, root_j)
-        } else {
-            (root_j, root_i)
-        };
-        self.parent[low] = (high as u64) << 1 | sign;
-        self.size[high] += self.size[low];
-    }
 }

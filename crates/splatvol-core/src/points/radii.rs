@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::Neighborhoods;
+use super::nearest::MOST_NEIGHBORS;
 
 /// A radius is at most this times the median of the neighbours'.
 const LARGEST: f64 = 2.0;
@@ -36,9 +37,12 @@ impl Neighborhoods {
         (0..self.place_count())
             .into_par_iter()
             .map(|i| {
-                let mut around: Vec<f64> = self.of(i).iter().map(|&j| spacing[j as usize]).collect();
-                let middle = around.len() / 2;
-                let (_, median, _) = around.select_nth_unstable_by(middle, f64::total_cmp);
+                let mut around = [0.0; MOST_NEIGHBORS];
+                let around = &mut around[..self.k];
+                for (spacing_there, &j) in around.iter_mut().zip(self.of(i)) {
+                    *spacing_there = spacing[j as usize];
+                }
+                let (_, median, _) = around.select_nth_unstable_by(self.k / 2, f64::total_cmp);
                 spacing[i].min(LARGEST * *median)
             })
             .collect()
