@@ -31,7 +31,7 @@ impl Neighborhoods {
     /// Finds the `k` (1 to 64) nearest neighbours of every place; fewer where there are fewer places. Coordinates that
     /// are not finite count as the middle of the cloud.
     ///
-    /// Memory: about `60 + 4 k` bytes per position while this runs.
+    /// Memory: about `40 + 4 k` bytes per position while this runs.
     ///
     /// # Panics
     /// With 2^32 positions or more.
