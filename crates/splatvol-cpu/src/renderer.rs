@@ -211,6 +211,7 @@ impl Renderer {
         self.statistics = RenderStatistics {
             seconds,
             threads: self.pool.current_num_threads(),
+            engine: "slices",
             simd: level_name(self.level),
             level: 0,
             bricks: plan.bricks.len(),
@@ -380,6 +381,7 @@ impl Renderer {
         pool.install(|| gaussians.render_into(*level, clouds, view, frame));
         self.statistics = RenderStatistics {
             threads: self.pool.current_num_threads(),
+            engine: "gaussians",
             simd: level_name(self.level),
             voxels: clouds.iter().map(|cloud| cloud.gaussians.len() as u64).sum(),
             ..RenderStatistics::default()

@@ -205,7 +205,8 @@ fn render_tiles<P: Profile>(
     RenderStatistics {
         seconds,
         threads: run.pool.current_num_threads(),
-        simd: crate::level_name(run.level),
+        engine: "footprints",
+        simd: "scalar",
         bricks: plan.bricks,
         active_bricks: plan.cloud.chunks.len(),
         sheets: plan.order.count(),

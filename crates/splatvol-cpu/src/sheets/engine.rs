@@ -131,6 +131,7 @@ impl SheetEngine {
         };
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
+            engine: "sheets",
             simd: crate::level_name(run.level),
             level: detail.level,
             ..RenderStatistics::default()

@@ -100,6 +100,7 @@ impl SheetEngine {
     ) -> Option<RenderStatistics> {
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
+            engine: "sheets",
             simd: crate::level_name(run.level),
             ..RenderStatistics::default()
         };
