@@ -141,7 +141,7 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Renders slice by slice, with analytic gradients, slabs, or maxima.
+    /// Renders slice by slice: what the sheets do not.
     fn render_slices(
         &mut self,
         scene: &VolumeScene<'_>,

@@ -123,8 +123,10 @@ impl SheetEngine {
         frame: &mut Frame,
     ) -> Option<RenderStatistics> {
         let start = Instant::now();
-        // The mean of two classified values is not the mean classified: labels would become others.
-        let detail = if Wanted::of(settings) == Wanted::Classified {
+        // The mean of two classified values is not the mean classified: labels would become others. Analytic gradients are asked
+        // for the field as it is.
+        let of_voxels = Wanted::of(settings) == Wanted::Classified;
+        let detail = if of_voxels || settings.gradient == Gradient::Analytic {
             Detail::FINEST
         } else {
             Detail::new(&scene.volume, camera, settings.size)

@@ -2,7 +2,8 @@
 //!
 //! A level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume; within a quarter of an octave
 //! of the change both levels are rendered and blended, so that no change is seen. Minified volumes are anti-aliased by their
-//! mips, and cost what their pixels cost. Classified voxels have no levels: they are anti-aliased by the filter alone.
+//! mips, and cost what their pixels cost. Classified voxels and analytic gradients have no levels: they are anti-aliased by the
+//! filter alone.
 
 use std::sync::Arc;
 
