@@ -320,8 +320,6 @@ fn flags_that_cannot_apply_are_refused() {
         ("render a.txt --level 1", vec!["--level", "points"]),
         ("render a.txt --gaussians 3dgs", vec!["--gaussians"]),
         ("render a.txt --texture marble", vec!["effects"]),
-        ("render a.txt --clip-box 0,1,0,1,0,1", vec!["clips"]),
-        ("render a.txt --spin 5", vec!["motion"]),
         ("render a.txt --radius 0", vec!["--radius", "0"]),
         ("render a.txt --point-opacity 2", vec!["--point-opacity", "2"]),
         ("render a.txt --point-color 2,0,0", vec!["--point-color"]),

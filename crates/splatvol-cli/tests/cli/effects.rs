@@ -57,17 +57,17 @@ fn every_effect_changes_the_picture_and_is_remembered() {
 fn combinations_without_meaning_are_refused() {
     let sandbox = with_picture();
     for (flags, code, words) in [
-        ("--texture marble --compositing mip", 4, "one value of a ray"),
+        ("--texture marble --compositing mip", 2, "one value of a ray"),
         (
             "--environment p.png --compositing xray",
-            4,
+            2,
             "X-rays have no sheets",
         ),
-        ("--bump p.png --classification pre", 4, "post-classification"),
-        ("--texture wood --preset best", 4, "gradients by differences"),
+        ("--bump p.png --classification pre", 2, "post-classification"),
+        ("--texture wood --preset best", 2, "gradients by differences"),
         (
             "--clip-plane 0,0,0:0,0,1 --compositing mip",
-            4,
+            2,
             "a clip cannot be rendered",
         ),
         ("--texture-scale 0.1", 2, "no meaning without --texture"),
