@@ -49,7 +49,9 @@ pub struct RenderStatistics {
     pub seconds: StageSeconds,
     /// Threads of the pool.
     pub threads: usize,
-    /// SIMD level chosen at run time.
+    /// Which engine rendered it: `sheets`, `slices`, `footprints` or `gaussians`.
+    pub engine: &'static str,
+    /// Vector instructions that it used; `scalar` for none.
     pub simd: &'static str,
     /// Level of detail: 0 is the volume itself, each further one half of it.
     pub level: usize,
