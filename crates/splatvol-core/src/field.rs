@@ -10,6 +10,7 @@
 //! transfer functions before. [`crate::visibility`] says which voxels are needed.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use splatvol_scene::{Volume, with_samples};
@@ -120,6 +121,11 @@ impl FieldStore {
 
     /// Takes another transfer function: finds what is needed under it, and solves for what is not there.
     pub fn update(&mut self, levels: &VisibleLevels) {
+        self.update_unless(&AtomicBool::new(false), levels);
+    }
+
+    /// The same; given up, half done, where `stop` is set meanwhile: then the store is good for nothing any more.
+    pub fn update_unless(&mut self, stop: &AtomicBool, levels: &VisibleLevels) {
         let background = self.histogram.background(levels);
         let levels = &levels.beyond(background);
         let first_time = self.levels.is_none();
@@ -138,6 +144,9 @@ impl FieldStore {
         .enumerate()
         .with_max_len(4)
         .for_each_init(Scratch::default, |scratch, (index, chunk)| {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
             let job = ChunkJob { store, data, touched: &touched, all_again };
             job.update(index, chunk, scratch);
         }));

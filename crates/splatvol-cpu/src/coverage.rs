@@ -10,6 +10,7 @@
 //! Footprints are filtered for the pixels of the larger picture, so that the low-pass of an edge is the square pixel, and
 //! a little of the filter's own.
 
+use crate::control::Task;
 use splatvol_core::bin::TileRect;
 use splatvol_scene::{Coverage, Frame, ImageSize, RenderSettings, SceneError};
 
@@ -78,6 +79,20 @@ impl Edges {
             coverage: Coverage::Off,
             ..*settings
         })
+    }
+
+    /// The making of the larger picture: of the same part.
+    pub(crate) fn task<'a>(&self, task: Task<'a>) -> Task<'a> {
+        let larger = |TileRect { x0, y0, x1, y1 }| TileRect {
+            x0: x0 * self.samples,
+            y0: y0 * self.samples,
+            x1: x1.saturating_mul(self.samples),
+            y1: y1.saturating_mul(self.samples),
+        };
+        Task {
+            part: task.part.map(larger),
+            ..task
+        }
     }
 
     /// Whether a rectangle of the larger picture has samples of an edge.

@@ -1,5 +1,7 @@
 //! The plan of a frame: everything that tiles share and only read.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_core::bin::{Projector, TileGrid, TileLists};
@@ -33,6 +35,15 @@ pub(crate) struct FramePlan<'a> {
     pub active_bricks: usize,
     /// The volume's box, for the coverage of post-classified values.
     pub cover: BoxCover,
+    /// Set where the picture is given up.
+    pub stop: Option<&'a AtomicBool>,
+}
+
+impl FramePlan<'_> {
+    /// Whether the picture has been given up.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
 }
 
 /// Grid, kernel and camera of a frame, before anything is projected.
@@ -174,6 +185,7 @@ impl<'a> FramePlan<'a> {
             unit_distance,
             active_bricks: active.len(),
             cover: BoxCover::new(&projector, coefficients),
+            stop: None,
         }
     }
 }

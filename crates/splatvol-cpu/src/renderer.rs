@@ -10,14 +10,16 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_gaussians::Placed;
-use splatvol_scene::{Camera, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
+use splatvol_scene::{Camera, Coverage, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::check::{check, too_close};
 use crate::clock::Instant;
 use crate::clouds;
 use crate::config::{EngineConfig, EngineError, level_name};
+use crate::control::{Control, Progress, Task};
 use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
+use crate::part;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::pool::Pool;
 use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
@@ -137,8 +139,37 @@ impl Renderer {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Frame, SceneError> {
         let mut frame = Frame::empty(settings.size);
-        self.render_into_with_progress(scene, camera, settings, &mut frame, progress)?;
+        let control = Control {
+            progress: Some(progress),
+            ..Control::default()
+        };
+        self.render_with(scene, camera, settings, &mut frame, &control)?;
         Ok(frame)
+    }
+
+    /// Renders one frame into memory that is there, or a part of it, and can be stopped.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; and [`SceneError::Stopped`], which leaves nonsense in the frame.
+    pub fn render_with(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        frame: &mut Frame,
+        control: &Control<'_>,
+    ) -> Result<(), SceneError> {
+        let progress = Progress::new(control);
+        progress.report(0.0);
+        let report = |share| progress.report(share);
+        let task = Task::new(control, &report);
+        self.render_whole(scene, (camera, settings), frame, task)?;
+        if let Some(part) = &control.part {
+            part::keep(frame, part);
+        }
+        task.show_all(frame);
+        progress.report(1.0);
+        Ok(())
     }
 
     /// Renders slice by slice: what the sheets do not.
@@ -146,7 +177,7 @@ impl Renderer {
         &mut self,
         scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
-        (progress, only): (&(dyn Fn(f64) + Sync), Option<&Edges>),
+        (task, only): (Task<'_>, Option<&Edges>),
     ) -> Frame {
         let start = Instant::now();
         let mut seconds = StageSeconds::default();
@@ -175,7 +206,7 @@ impl Renderer {
             camera,
             settings,
         );
-        let plan = self.pool.install(|| {
+        let mut plan = self.pool.install(|| {
             FramePlan::new(
                 &geometry,
                 (&prepared.coefficients, &prepared.bricks),
@@ -187,10 +218,11 @@ impl Renderer {
         seconds.bin = binned.elapsed().as_secs_f64();
 
         let tiled = Instant::now();
+        plan.stop = Some(task.stop);
         let run = TileRun {
             plan: &plan,
             level: self.level,
-            progress,
+            task,
             only,
             done: AtomicUsize::new(0),
         };
@@ -237,20 +269,19 @@ impl Renderer {
         settings: &RenderSettings,
         frame: &mut Frame,
     ) -> Result<(), SceneError> {
-        self.render_into_with_progress(scene, camera, settings, frame, &|_| {})
+        self.render_with(scene, camera, settings, frame, &Control::default())
     }
 
-    fn render_into_with_progress(
+    fn render_whole(
         &mut self,
         scene: &Scene,
-        camera: &Camera,
-        settings: &RenderSettings,
+        (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
-        progress: &(dyn Fn(f64) + Sync),
+        task: Task<'_>,
     ) -> Result<(), SceneError> {
         check(scene, camera, settings)?;
         if let Some(exposed) = shutter::sub_frames(scene, camera, settings)? {
-            return self.render_mean(&exposed, settings, frame, progress);
+            return self.render_mean(&exposed, settings, frame, task);
         }
         let route = Route::of(scene, settings, &mut self.placed)?;
         let settings = &route.settings(settings);
@@ -259,9 +290,20 @@ impl Renderer {
             route: &route,
             camera,
         };
-        self.render_once(&shot, settings, frame, (progress, None))?;
+        if settings.coverage == Coverage::Off {
+            return self.render_once(&shot, settings, frame, (task, None));
+        }
+        let first = |done: f64| (task.progress)(0.5 * done);
+        let second = |done: f64| (task.progress)(0.5 + 0.5 * done);
+        let around = Task {
+            progress: &first,
+            // Edges are differences from neighbours.
+            part: task.part.map(part::with_neighbors),
+            ..task
+        };
+        self.render_once(&shot, settings, frame, (around, None))?;
         if let Some(edges) = Edges::of(frame, settings.coverage) {
-            self.refine(&shot, settings, frame, (progress, &edges))?;
+            self.refine(&shot, settings, frame, (task.unseen(&second), &edges))?;
         }
         Ok(())
     }
@@ -272,12 +314,12 @@ impl Renderer {
         shot: &Shot<'_>,
         settings: &RenderSettings,
         frame: &mut Frame,
-        (progress, edges): (&(dyn Fn(f64) + Sync), &Edges),
+        (task, edges): (Task<'_>, &Edges),
     ) -> Result<(), SceneError> {
         let first = self.statistics.clone();
         let settings = edges.settings(settings)?;
         let mut fine = self.fine.take().unwrap_or_else(|| Frame::empty(settings.size));
-        self.render_once(shot, &settings, &mut fine, (progress, Some(edges)))?;
+        self.render_once(shot, &settings, &mut fine, (edges.task(task), Some(edges)))?;
         edges.refine(frame, &fine);
         self.fine = Some(fine);
         let seconds = first.seconds.plus(&self.statistics.seconds);
@@ -295,7 +337,7 @@ impl Renderer {
         shot: &Shot<'_>,
         settings: &RenderSettings,
         frame: &mut Frame,
-        (progress, only): (&(dyn Fn(f64) + Sync), Option<&Edges>),
+        (task, only): (Task<'_>, Option<&Edges>),
     ) -> Result<(), SceneError> {
         if !frame.fits(settings.size) {
             *frame = Frame::empty(settings.size);
@@ -305,7 +347,7 @@ impl Renderer {
             pool: &pool,
             level: self.level,
             tile_edge: self.tile_edge,
-            progress,
+            task,
             only,
         };
         let view = (shot.camera, settings);
@@ -319,7 +361,7 @@ impl Renderer {
                     self.statistics = statistics;
                 } else {
                     too_close(scene.asks_for_sheets())?;
-                    *frame = self.render_slices(scene, view, (progress, only));
+                    *frame = self.render_slices(scene, view, (task, only));
                 }
             }
             Route::Published(clouds) => self.render_published(shot, clouds, settings, frame),
@@ -328,7 +370,7 @@ impl Renderer {
                 self.statistics = self.footprints.render_items(run, shot.scene, view, frame)?;
             }
         }
-        Ok(())
+        task.go_on()
     }
 
     /// Renders a scene in layers. Where a volume is too close to the camera for that, all of it is classified.
@@ -395,13 +437,18 @@ impl Renderer {
         exposed: &[Exposed<'_>],
         settings: &RenderSettings,
         frame: &mut Frame,
-        progress: &(dyn Fn(f64) + Sync),
+        task: Task<'_>,
     ) -> Result<(), SceneError> {
         let mut exposure = Exposure::new(settings.size);
         let mut total = StageSeconds::default();
         for (index, Exposed { scene, camera }) in exposed.iter().enumerate() {
-            let share = |done: f64| progress((index as f64 + done) / exposed.len() as f64);
-            self.render_into_with_progress(scene, camera, &shutter::still(settings), frame, &share)?;
+            let share = |done: f64| (task.progress)((index as f64 + done) / exposed.len() as f64);
+            self.render_whole(
+                scene,
+                (camera, &shutter::still(settings)),
+                frame,
+                task.unseen(&share),
+            )?;
             exposure.add(frame)?;
             total = total.plus(&self.statistics.seconds);
         }
@@ -443,7 +490,7 @@ fn prepare<'a>(kept: &'a mut Option<Prepared>, volume: &Arc<Volume>, content: Co
 struct TileRun<'a> {
     plan: &'a FramePlan<'a>,
     level: Level,
-    progress: &'a (dyn Fn(f64) + Sync),
+    task: Task<'a>,
     only: Option<&'a Edges>,
     done: AtomicUsize,
 }
@@ -458,14 +505,18 @@ impl TileRun<'_> {
                 || Scratch::new(self.plan.tiles.edge),
                 |scratch, index| {
                     let rect = self.plan.tiles.rect(index);
-                    let pixels = if self.only.is_none_or(|edges| edges.meets(&rect)) {
-                        dispatch!(self.level, simd => tile::render(simd, self.plan, index, mode, scratch))
+                    let wanted = self.task.wants(&rect) && self.only.is_none_or(|edges| edges.meets(&rect));
+                    let pixels = if wanted && !self.task.is_stopped() {
+                        let tile =
+                            dispatch!(self.level, simd => tile::render(simd, self.plan, index, mode, scratch));
+                        self.task.show(&rect, || Resolved::colors(&tile.0));
+                        tile
                     } else {
                         let count = (rect.x1 - rect.x0) * (rect.y1 - rect.y0);
                         (vec![Resolved::EMPTY; count], TileWork::default())
                     };
                     let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-                    (self.progress)(done as f64 / count as f64);
+                    self.task.report(done as f64 / count as f64);
                     pixels
                 },
             )

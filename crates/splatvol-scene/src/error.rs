@@ -30,6 +30,9 @@ pub enum SceneError {
         /// Samples present.
         count: usize,
     },
+    /// A picture that was given up while it was made.
+    #[error("stopped before the picture was finished")]
+    Stopped,
     /// Parts of a scene, or of a scene and the settings, that do not go together.
     #[error("{what} cannot be rendered: {why}")]
     Combination {

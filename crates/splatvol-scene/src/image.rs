@@ -1,5 +1,7 @@
 //! What comes out: float images, linear light, premultiplied alpha.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
@@ -159,5 +161,30 @@ impl Frame {
                 self.depth.len(),
                 self.optical_depth.len(),
             ] == [count; 3]
+    }
+
+    /// Takes the pixels of some columns and rows from another frame of the same size, such as a part that somebody else made.
+    ///
+    /// # Errors
+    /// A frame of another size.
+    pub fn paste(
+        &mut self,
+        other: &Self,
+        columns: Range<usize>,
+        rows: Range<usize>,
+    ) -> Result<(), SceneError> {
+        let size = self.image.size();
+        if other.image.size() != size {
+            let size = <[u32; 2]>::from(other.image.size());
+            return Err(SceneError::invalid("size", size, "the size of the frame"));
+        }
+        let [width, height] = <[u32; 2]>::from(size).map(|side| side as usize);
+        for y in rows.start..rows.end.min(height) {
+            let row = y * width + columns.start.min(width)..y * width + columns.end.min(width);
+            self.image.pixels[row.clone()].copy_from_slice(&other.image.pixels[row.clone()]);
+            self.depth[row.clone()].copy_from_slice(&other.depth[row.clone()]);
+            self.optical_depth[row.clone()].copy_from_slice(&other.optical_depth[row]);
+        }
+        Ok(())
     }
 }

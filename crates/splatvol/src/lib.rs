@@ -1,10 +1,12 @@
 //! Volume rendering by splatting.
 #![forbid(unsafe_code)]
 
+pub use splatvol_core::bin::TileRect;
 pub use splatvol_core::radial;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub use splatvol_cpu::set_clock;
 pub use splatvol_cpu::{
-    EngineConfig, EngineError, Pass, Pool, RenderStatistics, Renderer, SimdLevel, StageSeconds, check,
+    Control, EngineConfig, EngineError, OnProgress, OnTile, Pass, Pool, RenderStatistics, Renderer,
+    SimdLevel, StageSeconds, check,
 };
 pub use splatvol_scene::*;

@@ -87,7 +87,7 @@ fn demand_no_allocations(mode: &str, scene: &Scene, settings: &RenderSettings) {
     let cameras: Vec<Camera> = (0..22).map(|frame| camera(scene, frame)).collect();
     let mut frame = renderer.render(scene, &cameras[0], settings).unwrap();
     assert!(
-        renderer.statistics().seconds.tiles > 0.0 && renderer.statistics().seconds.activate > 0.0,
+        renderer.statistics().engine == "sheets",
         "{mode}: the fast engine rendered it"
     );
     renderer

@@ -44,6 +44,7 @@ use self::tile::{TileScratch, TileWork};
 use crate::clock::Instant;
 use crate::route::VolumeScene;
 use crate::sheets::engine::Run;
+use crate::stage::resolve::{Resolved, store};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Whether settings ask for something that the engines for grids do not have.
@@ -178,7 +179,7 @@ fn render_tiles<P: Profile>(
     let start = Instant::now();
     let done = AtomicUsize::new(0);
     let count = plan.tiles.len();
-    let wanted = |tile: &&u32| run.wants(&plan.tiles.rect(**tile as usize));
+    let wanted = |tile: &&u32| !run.task.is_stopped() && run.wants(&plan.tiles.rect(**tile as usize));
     let tiles: Vec<_> = run.pool.install(|| {
         plan.lists
             .longest_first()
@@ -186,15 +187,19 @@ fn render_tiles<P: Profile>(
             .with_max_len(1)
             .filter(wanted)
             .map_init(TileScratch::default, |scratch, &tile| {
-                let work = tile::render(plan, tile as usize, scratch);
+                let work = tile::render(plan, (tile as usize, run.task.stop), scratch);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-                (run.progress)(done as f64 / count as f64);
+                run.task.report(done as f64 / count as f64);
+                if !run.task.is_stopped() {
+                    let rect = plan.tiles.rect(tile as usize);
+                    run.task.show(&rect, || Resolved::colors(&work.0));
+                }
                 (tile as usize, work)
             })
             .collect()
     });
     for (tile, (pixels, _)) in &tiles {
-        crate::stage::resolve::store(frame, &plan.tiles.rect(*tile), pixels);
+        store(frame, &plan.tiles.rect(*tile), pixels);
     }
     let sum = |pick: fn(&TileWork) -> u64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<u64>();
     let time = |pick: fn(&TileWork) -> f64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<f64>();

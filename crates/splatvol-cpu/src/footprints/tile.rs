@@ -5,6 +5,7 @@
 //! * *slices* (axis-aligned sheets) and *all at once* (X-ray): a turn's whole footprints are added up first;
 //! * *per splat*: each footprint goes behind, or before, the pixels as it comes.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use splatvol_core::bin::{ProjectedBrick, TileRect};
@@ -65,12 +66,14 @@ pub(crate) struct Tile<'a, P> {
     pub rect: TileRect,
     pub scratch: &'a mut TileScratch,
     pub work: TileWork,
+    /// Set where the picture is given up.
+    pub stop: &'a AtomicBool,
 }
 
 /// Renders one tile: its pixels, row by row.
 pub(crate) fn render<P: Profile>(
     plan: &Plan<'_, P>,
-    tile: usize,
+    (tile, stop): (usize, &AtomicBool),
     scratch: &mut TileScratch,
 ) -> (Vec<Resolved>, TileWork) {
     let rect = plan.tiles.rect(tile);
@@ -85,6 +88,7 @@ pub(crate) fn render<P: Profile>(
         rect,
         scratch,
         work: TileWork::default(),
+        stop,
     };
     run.reset();
     run.all_turns(tile);
@@ -117,7 +121,8 @@ impl<P: Profile> Tile<'_, P> {
         let plan = self.plan;
         let mut chunks = plan.lists.of(tile).peekable();
         let mut turn = 0;
-        while turn < plan.order.count() && !self.scratch.finished.all() {
+        while turn < plan.order.count() && !self.scratch.finished.all() && !self.stop.load(Ordering::Relaxed)
+        {
             if self.is_idle(turn) {
                 // Nothing is open: the next chunk's first turn is the next that matters, or one that waits.
                 let next = chunks

@@ -1,7 +1,7 @@
 //! Frames from state that is kept between them: a new camera costs a frame, a new transfer function what it
 //! changes, a new volume everything.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fearless_simd::{Level, Simd, dispatch};
@@ -30,6 +30,7 @@ use super::scene::LayerStore;
 use super::shaded::Shaded;
 use super::tile::{SheetFrame, SheetScratch, SheetWork};
 use crate::clock::Instant;
+use crate::control::Task;
 use crate::coverage::Edges;
 use crate::phong::Phong;
 use crate::pool::Pool;
@@ -83,6 +84,9 @@ impl TileMemory {
         }
         let tiles = &self.tiles[..count];
         render_tiles(run, picture, &self.scratch, tiles);
+        if run.task.is_stopped() {
+            return;
+        }
         resolve(&plan.tiles, tiles, frame);
         statistics.seconds.tiles += start.elapsed().as_secs_f64();
         statistics.active_bricks += picture.bricks();
@@ -101,7 +105,7 @@ pub(crate) struct Run<'a> {
     pub pool: &'a Pool,
     pub level: Level,
     pub tile_edge: Option<usize>,
-    pub progress: &'a (dyn Fn(f64) + Sync),
+    pub task: Task<'a>,
     /// Tiles without any of these are left out.
     pub only: Option<&'a Edges>,
 }
@@ -109,7 +113,7 @@ pub(crate) struct Run<'a> {
 impl Run<'_> {
     /// Whether a tile's pixels are wanted.
     pub(crate) fn wants(&self, rect: &TileRect) -> bool {
-        self.only.is_none_or(|edges| edges.meets(rect))
+        self.task.wants(rect) && self.only.is_none_or(|edges| edges.meets(rect))
     }
 }
 
@@ -138,9 +142,19 @@ impl SheetEngine {
             level: detail.level,
             ..RenderStatistics::default()
         };
+        // The coarser level has a quarter of the pixels' voxels to splat.
+        let finest_share = if detail.coarser > 0.0 { 0.75 } else { 1.0 };
+        let finest = |done: f64| (run.task.progress)(finest_share * done);
+        let coarser_share = |done: f64| (run.task.progress)(finest_share + (1.0 - finest_share) * done);
         run.pool.install(|| {
             self.level(
-                run,
+                Run {
+                    task: Task {
+                        progress: &finest,
+                        ..run.task
+                    },
+                    ..run
+                },
                 scene,
                 (camera, settings),
                 detail.level,
@@ -153,7 +167,10 @@ impl SheetEngine {
                     coarser = frame.clone();
                 }
                 let rendered = self.level(
-                    run,
+                    Run {
+                        task: run.task.unseen(&coarser_share),
+                        ..run
+                    },
                     scene,
                     (camera, settings),
                     detail.level + 1,
@@ -162,6 +179,7 @@ impl SheetEngine {
                 );
                 if rendered.is_some() {
                     blend(frame, &coarser, detail.coarser);
+                    run.task.show_all(frame);
                 }
                 self.coarser = Some(coarser);
             }
@@ -194,7 +212,13 @@ impl SheetEngine {
             .pyramid
             .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
         let wanted = Wanted::of(settings);
-        pyramid.classify(level, (&scene.transfer_function, scene.unit_distance()), wanted);
+        let look = (&*scene.transfer_function, scene.unit_distance());
+        pyramid.classify(level, look, wanted, run.task.stop);
+        if run.task.is_stopped() {
+            // What was being prepared may be half done.
+            pyramid.forget(level);
+            return Some(());
+        }
         let level = pyramid.level(level)?;
         let sampling = match (wanted, settings.compositing) {
             (Wanted::Classified, Compositing::Xray) => Sampling::Rays,
@@ -351,11 +375,11 @@ pub(crate) trait Tiles: Sync {
     /// Bricks of all layers.
     fn bricks(&self) -> usize;
 
-    /// Renders a tile.
+    /// Renders a tile, unless the flag is set meanwhile.
     fn render<S: Simd>(
         &self,
         simd: S,
-        tile: usize,
+        tile: (usize, &AtomicBool),
         canvas: &mut Canvas,
         scratch: &mut Vec<SheetScratch>,
     ) -> SheetWork;
@@ -380,7 +404,7 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
     fn render<S: Simd>(
         &self,
         simd: S,
-        tile: usize,
+        (tile, stop): (usize, &AtomicBool),
         canvas: &mut Canvas,
         scratch: &mut Vec<SheetScratch>,
     ) -> SheetWork {
@@ -389,7 +413,7 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
         }
         let mut layer = ModeLayer::new((self.frame, self.mode), tile, &mut scratch[0]);
         let layers = &mut [&mut layer as &mut dyn TileLayer<S>];
-        render(simd, self.frame.termination, layers, canvas)
+        render(simd, (self.frame.termination, stop), layers, canvas)
     }
 }
 
@@ -407,14 +431,21 @@ fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetSc
             let index = index as usize;
             let (canvas, work) = &mut *lock(&tiles[index]);
             let rect = frame.tiles.rect(index);
+            if run.task.is_stopped() {
+                break;
+            }
             canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
             *work = if run.wants(&rect) {
-                dispatch!(run.level, simd => picture.render(simd, index, canvas, scratch))
+                let work = dispatch!(run.level, simd => picture.render(simd, (index, run.task.stop), canvas, scratch));
+                if !run.task.is_stopped() {
+                    run.task.show(&rect, || canvas.colors(rect.x1 - rect.x0));
+                }
+                work
             } else {
                 SheetWork::default()
             };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            (run.progress)(done as f64 / tiles.len() as f64);
+            run.task.report(done as f64 / tiles.len() as f64);
         }
     });
 }

@@ -4,6 +4,8 @@
 //! two planes each gives its material, which is put together on the canvas ([`Canvas::gather`]) and composited once. A layer
 //! that is alone goes straight to the canvas, and makes the same picture as among others that do not reach its pixels.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use fearless_simd::prelude::*;
 
 use super::canvas::Canvas;
@@ -183,10 +185,10 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
     }
 }
 
-/// Takes layers through a tile, plane by plane, front to back.
+/// Takes layers through a tile, plane by plane, front to back, unless `stop` is set meanwhile.
 pub(crate) fn render<S: Simd>(
     simd: S,
-    termination: f32,
+    (termination, stop): (f32, &AtomicBool),
     layers: &mut [&mut dyn TileLayer<S>],
     canvas: &mut Canvas,
 ) -> SheetWork {
@@ -196,7 +198,7 @@ pub(crate) fn render<S: Simd>(
     }
     let mut work = SheetWork::default();
     let mut plane = layers.iter().map(|layer| layer.first()).min().unwrap_or(0);
-    while layers.iter_mut().any(|layer| !layer.mask().none_left()) {
+    while !stop.load(Ordering::Relaxed) && layers.iter_mut().any(|layer| !layer.mask().none_left()) {
         let next = layers.iter().filter_map(|layer| layer.next(plane)).min();
         let Some(next) = next else { break };
         plane = next;

@@ -3,6 +3,8 @@
 //! A volume is a layer of its own, whatever its classification; what is classified already shares one, the cloud. A layer has
 //! its own raster, kernel, filter and table; common are the planes, the tiles and what pixels have in the end.
 
+use std::sync::atomic::AtomicBool;
+
 use fearless_simd::prelude::*;
 
 use super::analytic::Analytic;
@@ -68,7 +70,7 @@ impl Tiles for Layers<'_> {
     fn render<S: Simd>(
         &self,
         simd: S,
-        tile: usize,
+        (tile, stop): (usize, &AtomicBool),
         canvas: &mut Canvas,
         scratch: &mut Vec<SheetScratch>,
     ) -> SheetWork {
@@ -83,6 +85,6 @@ impl Tiles for Layers<'_> {
             .collect();
         let mut layers: Vec<&mut dyn TileLayer<S>> =
             layers.iter_mut().map(|layer| &mut **layer as _).collect();
-        render(simd, self.frame().termination, &mut layers, canvas)
+        render(simd, (self.frame().termination, stop), &mut layers, canvas)
     }
 }

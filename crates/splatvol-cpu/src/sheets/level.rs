@@ -6,6 +6,7 @@
 //! filter alone.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
@@ -69,7 +70,7 @@ impl Level {
         volume: Arc<Volume>,
         kernel: Kernel,
         (transfer_function, unit_distance): (&TransferFunction, f64),
-        wanted: Wanted,
+        (wanted, stop): (Wanted, &AtomicBool),
     ) -> Self {
         let range = volume.value_range();
         let mut level = Self {
@@ -80,11 +81,16 @@ impl Level {
             hull: [f32::INFINITY; 2],
             made_for: (transfer_function.clone(), unit_distance, wanted),
         };
-        level.find();
+        level.find(stop);
         level
     }
 
-    fn update(&mut self, (transfer_function, unit_distance): (&TransferFunction, f64), wanted: Wanted) {
+    fn update(
+        &mut self,
+        (transfer_function, unit_distance): (&TransferFunction, f64),
+        wanted: Wanted,
+        stop: &AtomicBool,
+    ) {
         let (old, old_distance, old_wanted) = &mut self.made_for;
         let same = old == transfer_function && *old_distance == unit_distance;
         if same && *old_wanted == wanted {
@@ -97,11 +103,11 @@ impl Level {
             self.classification = ClassificationTable::new(transfer_function, range, unit_distance);
         }
         *old_wanted = wanted;
-        self.find();
+        self.find(stop);
     }
 
     /// Finds what is needed.
-    fn find(&mut self) {
+    fn find(&mut self, stop: &AtomicBool) {
         let visible = VisibleLevels::new(&self.classification);
         self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
         let (_, _, wanted) = self.made_for;
@@ -109,10 +115,10 @@ impl Level {
             self.field.visible_bricks(&visible, &mut self.visible);
         } else {
             match wanted {
-                Wanted::Largest => self.field.update(&visible.and_larger()),
-                Wanted::Smallest => self.field.update(&visible.and_smaller()),
-                Wanted::All => self.field.update(&VisibleLevels::all()),
-                Wanted::Visible | Wanted::Classified => self.field.update(&visible),
+                Wanted::Largest => self.field.update_unless(stop, &visible.and_larger()),
+                Wanted::Smallest => self.field.update_unless(stop, &visible.and_smaller()),
+                Wanted::All => self.field.update_unless(stop, &VisibleLevels::all()),
+                Wanted::Visible | Wanted::Classified => self.field.update_unless(stop, &visible),
             }
             self.table
                 .update(&self.classification, &visible, self.field.background());
@@ -197,12 +203,25 @@ impl Pyramid {
     }
 
     /// Makes a level right for a transfer function, with its unit distance.
-    pub(crate) fn classify(&mut self, level: usize, look: (&TransferFunction, f64), wanted: Wanted) {
+    ///
+    /// Half done where `stop` is set meanwhile: then the level must be forgotten.
+    pub(crate) fn classify(
+        &mut self,
+        level: usize,
+        look: (&TransferFunction, f64),
+        wanted: Wanted,
+        stop: &AtomicBool,
+    ) {
         let volume = Arc::clone(self.volume(level));
         match &mut self.levels[level] {
-            Some(level) => level.update(look, wanted),
-            none => *none = Some(Level::new(volume, self.kernel, look, wanted)),
+            Some(level) => level.update(look, wanted, stop),
+            none => *none = Some(Level::new(volume, self.kernel, look, (wanted, stop))),
         }
+    }
+
+    /// Drops what is known of a level but its volume.
+    pub(crate) fn forget(&mut self, level: usize) {
+        self.levels[level] = None;
     }
 
     /// A classified level.

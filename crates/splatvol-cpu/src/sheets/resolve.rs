@@ -35,6 +35,17 @@ pub(crate) fn resolve(grid: &TileGrid, tiles: &[Tile], frame: &mut Frame) {
         });
 }
 
+impl Canvas {
+    /// Linear premultiplied colours, row by row.
+    pub(crate) fn colors(&self, width: usize) -> Vec<[f32; 4]> {
+        let [r, g, b] = &self.color;
+        (0..self.transmittance.len() / self.pitch)
+            .flat_map(|y| y * self.pitch..y * self.pitch + width)
+            .map(|i| [r[i], g[i], b[i], 1.0 - self.transmittance[i]])
+            .collect()
+    }
+}
+
 /// A row of a tile.
 fn row_of(
     canvas: &Canvas,

@@ -20,6 +20,7 @@ use super::resolve::blend;
 use super::ring::LANES;
 use super::shaded::Shaded;
 use crate::clock::Instant;
+use crate::control::Task;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::statistics::RenderStatistics;
@@ -118,9 +119,30 @@ impl SheetEngine {
                 .collect();
             let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
             let view = (camera, settings);
-            self.layers_once(run, (scene, &levels), view, frame, &mut statistics)?;
+            // A pass for the picture, and one for every coarser level that is blended in.
+            let passes = 1 + details.iter().filter(|detail| detail.coarser > 0.0).count();
+            let share = |pass: usize, done: f64| (run.task.progress)((pass as f64 + done) / passes as f64);
+            let first = |done: f64| share(0, done);
+            let task = Task {
+                progress: &first,
+                ..run.task
+            };
+            self.layers_once(
+                Run { task, ..run },
+                (scene, &levels),
+                view,
+                frame,
+                &mut statistics,
+            )?;
+            let mut pass = 0;
             for (at, detail) in details.iter().enumerate() {
                 if detail.coarser > 0.0 {
+                    pass += 1;
+                    let next = |done: f64| share(pass, done);
+                    let run = Run {
+                        task: run.task.unseen(&next),
+                        ..run
+                    };
                     levels[at] += 1;
                     let mut coarser = self.coarser.take().unwrap_or_else(|| frame.clone());
                     if coarser.image.size() != frame.image.size() {
@@ -159,7 +181,13 @@ impl SheetEngine {
             ..
         } = self;
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
-            pyramid.classify(level, (&volume.transfer_function, volume.unit_distance()), wanted);
+            let look = (&*volume.transfer_function, volume.unit_distance());
+            pyramid.classify(level, look, wanted, run.task.stop);
+            if run.task.is_stopped() {
+                // What was being prepared may be half done.
+                pyramid.forget(level);
+                return Some(());
+            }
         }
         let levels: Vec<&Level> = pyramids
             .iter()

@@ -16,6 +16,11 @@ pub(crate) struct Resolved {
 }
 
 impl Resolved {
+    /// Linear premultiplied colours.
+    pub(crate) fn colors(pixels: &[Self]) -> Vec<[f32; 4]> {
+        pixels.iter().map(|pixel| pixel.color).collect()
+    }
+
     /// A pixel that nothing was splatted to.
     pub(crate) const EMPTY: Self = Self {
         color: [0.0; 4],

@@ -154,7 +154,7 @@ pub(crate) fn render<S: Simd, M: Mode>(
     let mut work = TileWork::default();
     let mut bricks = plan.lists.of(tile).peekable();
     let mut index = 0;
-    while index <= plan.projector.sheets.count && !scratch.blocks.none_left() {
+    while index <= plan.projector.sheets.count && !scratch.blocks.none_left() && !plan.is_stopped() {
         if scratch.open.is_empty() && scratch.near.touched.is_empty() {
             // Nothing is open: the next brick's first sheet is the next that matters.
             let Some(next) = bricks.peek() else { break };

@@ -1,0 +1,174 @@
+//! What may be asked of a picture while it is made: to stop, how far it is, its tiles as they finish; or a part of it only.
+
+use std::fmt::{self, Debug, Formatter};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use splatvol_core::bin::TileRect;
+use splatvol_scene::{Frame, SceneError};
+
+/// Told the share of a picture that is finished.
+pub type OnProgress<'a> = &'a (dyn Fn(f64) + Sync);
+/// Told where finished pixels lie, and their linear premultiplied colours row by row.
+pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
+
+/// Says what is wanted of a picture, and hears how it is made.
+#[derive(Clone, Copy, Default)]
+pub struct Control<'a> {
+    /// Set by any thread at any time, gives the picture up: [`SceneError::Stopped`]. Looked at once per sheet of a tile.
+    pub stop: Option<&'a AtomicBool>,
+    /// Called by any thread, one at a time, with shares that grow from 0 to 1 once per picture.
+    pub progress: Option<OnProgress<'a>>,
+    /// Called by any thread as soon as pixels are there; later calls replace the pixels of earlier ones (where two levels of
+    /// detail are blended, edges sampled again, or several moments of a shutter averaged), and the last are the picture's.
+    pub tile: Option<OnTile<'a>>,
+    /// The pixels that are wanted, `None` for all: the others stay empty. Parts of a picture have its pixels, to the bit.
+    pub part: Option<TileRect>,
+}
+
+impl Debug for Control<'_> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            stop,
+            progress,
+            tile,
+            part,
+        } = self;
+        formatter
+            .debug_struct("Control")
+            .field("stop", stop)
+            .field("progress", &progress.is_some())
+            .field("tile", &tile.is_some())
+            .field("part", part)
+            .finish()
+    }
+}
+
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+/// Progress that only grows, whichever thread reports it.
+pub(crate) struct Progress<'a> {
+    told: Option<OnProgress<'a>>,
+    last: Mutex<f64>,
+}
+
+impl<'a> Progress<'a> {
+    pub(crate) fn new(control: &Control<'a>) -> Self {
+        Self {
+            told: control.progress,
+            last: Mutex::new(-1.0),
+        }
+    }
+
+    pub(crate) fn report(&self, share: f64) {
+        let Some(told) = self.told else { return };
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if share > *last {
+            *last = share;
+            told(share);
+        }
+    }
+}
+
+/// The making of a picture, or of one of the pictures that it is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Task<'a> {
+    pub stop: &'a AtomicBool,
+    /// Of this picture.
+    pub progress: OnProgress<'a>,
+    pub tile: Option<OnTile<'a>>,
+    pub part: Option<TileRect>,
+}
+
+impl<'a> Task<'a> {
+    pub(crate) fn new(control: &Control<'a>, progress: OnProgress<'a>) -> Self {
+        Self {
+            stop: control.stop.unwrap_or(&NEVER),
+            progress,
+            tile: control.tile,
+            part: control.part,
+        }
+    }
+
+    /// A picture whose pixels are not those of the whole one: nobody hears of its tiles.
+    pub(crate) fn unseen(self, progress: OnProgress<'a>) -> Self {
+        Self {
+            progress,
+            tile: None,
+            ..self
+        }
+    }
+
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// An error once the picture has been given up.
+    pub(crate) fn go_on(&self) -> Result<(), SceneError> {
+        if self.is_stopped() {
+            return Err(SceneError::Stopped);
+        }
+        Ok(())
+    }
+
+    /// Tells the share that is finished, unless the picture has been given up.
+    pub(crate) fn report(&self, share: f64) {
+        if !self.is_stopped() {
+            (self.progress)(share);
+        }
+    }
+
+    /// Whether pixels of a rectangle are wanted.
+    pub(crate) fn wants(&self, rect: &TileRect) -> bool {
+        self.part.is_none_or(|part| {
+            rect.x0 < part.x1 && part.x0 < rect.x1 && rect.y0 < part.y1 && part.y0 < rect.y1
+        })
+    }
+
+    /// Tells of all pixels of a frame.
+    pub(crate) fn show_all(&self, frame: &Frame) {
+        if let Some(tile) = self.tile {
+            let [x1, y1] = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
+            tile(&TileRect { x0: 0, y0: 0, x1, y1 }, &frame.image.pixels);
+        }
+    }
+
+    /// Tells of finished pixels.
+    pub(crate) fn show(&self, rect: &TileRect, colors: impl FnOnce() -> Vec<[f32; 4]>) {
+        if let Some(tile) = self.tile {
+            tile(rect, &colors());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_only_grows() {
+        let heard = Mutex::new(Vec::new());
+        let hear = |share: f64| heard.lock().unwrap().push(share);
+        let control = Control {
+            progress: Some(&hear),
+            ..Control::default()
+        };
+        let progress = Progress::new(&control);
+        [0.0, 0.3, 0.2, 0.3, 1.0, 1.0]
+            .iter()
+            .for_each(|&share| progress.report(share));
+        assert_eq!(*heard.lock().unwrap(), [0.0, 0.3, 1.0]);
+    }
+
+    #[test]
+    fn parts_want_the_tiles_that_they_meet() {
+        let rect = |x0, y0, x1, y1| TileRect { x0, y0, x1, y1 };
+        let control = Control {
+            part: Some(rect(10, 10, 20, 20)),
+            ..Control::default()
+        };
+        let task = Task::new(&control, &|_| {});
+        assert!(task.wants(&rect(0, 0, 11, 11)) && task.wants(&rect(19, 19, 40, 40)));
+        assert!(!task.wants(&rect(0, 0, 10, 40)) && !task.wants(&rect(12, 20, 14, 22)));
+    }
+}

@@ -1,0 +1,226 @@
+//! Pictures that are stopped, watched while they are made, and made in parts.
+
+#![allow(clippy::unwrap_used, reason = "a test")]
+
+mod common;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use common::PROJECTIONS;
+use glam::DVec3;
+use splatvol::{
+    Camera, Classification, Compositing, Control, Coverage, EngineConfig, Frame, Grid, ImageSize, Motion,
+    MotionBlur, RenderSettings, Renderer, Scene, SceneError, TileRect, View,
+};
+use splatvol_samples::{Sample, SampleSize};
+
+const WIDTH: u32 = 184;
+const HEIGHT: u32 = 136;
+
+struct Case {
+    name: &'static str,
+    scene: Scene,
+    camera: Camera,
+    settings: RenderSettings,
+}
+
+/// Every engine that renders volumes, and everything that makes a picture of several.
+fn cases() -> Vec<Case> {
+    let volume = Sample::Shells.generate(Some(SampleSize::Longest(48))).unwrap();
+    let grid = volume.grid().clone();
+    let bounds = grid.bounds();
+    let scene = Scene::new(volume, Sample::Shells.default_transfer_function().unwrap());
+    let moving = scene.clone().with_motion(&Motion::Spin {
+        axis: DVec3::Z,
+        centre: bounds.centre(),
+        angle: 0.3,
+    });
+    let camera = |zoom| Camera::framing(&bounds, View::Iso, PROJECTIONS[0], 1.35 / zoom).unwrap();
+    let sized = |settings| RenderSettings {
+        size: ImageSize::new(WIDTH, HEIGHT).unwrap(),
+        ..settings
+    };
+    let default = sized(RenderSettings::default());
+    let case = |name, settings| Case {
+        name,
+        scene: scene.clone(),
+        camera: camera(1.0),
+        settings,
+    };
+    let composited = |compositing| RenderSettings {
+        compositing,
+        ..default
+    };
+    let pre = RenderSettings {
+        classification: Classification::Pre,
+        ..default
+    };
+    vec![
+        case("default", default),
+        case("best", sized(RenderSettings::best())),
+        case("pre", pre),
+        case("xray", composited(Compositing::Xray)),
+        case("mip", composited(Compositing::Mip)),
+        case(
+            "per splat",
+            RenderSettings {
+                compositing: Compositing::PerSplat,
+                prefilter: false,
+                ..pre
+            },
+        ),
+        case(
+            "coverage",
+            RenderSettings {
+                coverage: Coverage::ADAPTIVE,
+                ..default
+            },
+        ),
+        Case {
+            scene: moving,
+            ..case(
+                "shutter",
+                RenderSettings {
+                    motion_blur: MotionBlur::Subframes { count: 3 },
+                    ..default
+                },
+            )
+        },
+        Case {
+            camera: far(&grid, default.size),
+            ..case("two levels", default)
+        },
+    ]
+}
+
+/// A camera for which two levels of detail are blended: voxels a little wider than .8 pixels.
+fn far(grid: &Grid, size: ImageSize) -> Camera {
+    let centre = grid.bounds().centre();
+    let mut distance = grid.bounds().diagonal();
+    loop {
+        let position = centre + distance * DVec3::new(0.6, 0.7, 0.4).normalize();
+        let camera = Camera::new(position, centre, DVec3::Z, PROJECTIONS[0]).unwrap();
+        if camera.screen_from_camera(size).scale_at(distance) * grid.mean_spacing() < 0.85 {
+            return camera;
+        }
+        distance *= 1.02;
+    }
+}
+
+fn renderer() -> Renderer {
+    let config = EngineConfig {
+        threads: Some(2),
+        tile_edge: Some(32),
+        ..EngineConfig::default()
+    };
+    Renderer::new(config).unwrap()
+}
+
+impl Case {
+    fn render(&self, renderer: &mut Renderer, control: &Control<'_>) -> Result<Frame, SceneError> {
+        let mut frame = Frame::empty(self.settings.size);
+        renderer.render_with(&self.scene, &self.camera, &self.settings, &mut frame, control)?;
+        Ok(frame)
+    }
+}
+
+#[test]
+fn stopped_pictures_are_given_up_and_leave_no_trace() {
+    for case in cases() {
+        let expected = case.render(&mut renderer(), &Control::default()).unwrap();
+        let mut renderer = renderer();
+        for share in [0.0, 0.3, 0.8] {
+            let stop = AtomicBool::new(false);
+            let heard = Mutex::new(0.0);
+            let progress = |done: f64| {
+                *heard.lock().unwrap() = done;
+                stop.fetch_or(done >= share, Ordering::Relaxed);
+            };
+            let control = Control {
+                stop: Some(&stop),
+                progress: Some(&progress),
+                ..Control::default()
+            };
+            let stopped = case.render(&mut renderer, &control);
+            assert_eq!(stopped, Err(SceneError::Stopped), "{} at {share}", case.name);
+            let heard = *heard.lock().unwrap();
+            assert!(heard < 1.0, "{} at {share}: {heard} done", case.name);
+        }
+        let again = case.render(&mut renderer, &Control::default()).unwrap();
+        assert!(again == expected, "{}: another picture after a stop", case.name);
+    }
+}
+
+#[test]
+fn progress_runs_once_from_nothing_to_all() {
+    for case in cases() {
+        let shares = Mutex::new(Vec::new());
+        let progress = |share: f64| shares.lock().unwrap().push(share);
+        let control = Control {
+            progress: Some(&progress),
+            ..Control::default()
+        };
+        case.render(&mut renderer(), &control).unwrap();
+        let shares = shares.into_inner().unwrap();
+        assert!(shares.is_sorted_by(|a, b| a < b), "{}: {shares:?}", case.name);
+        assert_eq!((shares[0], shares[shares.len() - 1]), (0.0, 1.0), "{}", case.name);
+        assert!(shares.len() > 10, "{}: {shares:?}", case.name);
+    }
+}
+
+#[test]
+fn tiles_that_were_reported_are_the_picture() {
+    let [width, height] = [WIDTH, HEIGHT].map(|side| side as usize);
+    for case in cases() {
+        let heard = Mutex::new((0, vec![[0.0f32; 4]; width * height]));
+        let tile = |rect: &TileRect, colors: &[[f32; 4]]| {
+            let (count, picture) = &mut *heard.lock().unwrap();
+            *count += 1;
+            for (y, row) in (rect.y0..rect.y1).zip(colors.chunks_exact(rect.x1 - rect.x0)) {
+                picture[y * width + rect.x0..y * width + rect.x1].copy_from_slice(row);
+            }
+        };
+        let control = Control {
+            tile: Some(&tile),
+            ..Control::default()
+        };
+        let frame = case.render(&mut renderer(), &control).unwrap();
+        let (count, picture) = heard.into_inner().unwrap();
+        assert!(picture == frame.image.pixels, "{}", case.name);
+        if case.name != "shutter" {
+            assert!(count > 10, "{}: {count} reports", case.name);
+        }
+    }
+}
+
+#[test]
+fn parts_that_are_put_together_are_the_whole_to_the_bit() {
+    let [width, height] = [WIDTH, HEIGHT].map(|side| side as usize);
+    for case in cases() {
+        let whole = case.render(&mut renderer(), &Control::default()).unwrap();
+        let mut together = Frame::empty(case.settings.size);
+        // Borders of no tile, each part by a worker of its own.
+        for (columns, rows) in [(0..70, 0..height), (70..width, 0..50), (70..width, 50..height)] {
+            let control = Control {
+                part: Some(TileRect {
+                    x0: columns.start,
+                    y0: rows.start,
+                    x1: columns.end,
+                    y1: rows.end,
+                }),
+                ..Control::default()
+            };
+            let part = case.render(&mut renderer(), &control).unwrap();
+            let seen = |i: usize| part.image.pixels[i] != [0.0; 4];
+            let is_inside = |i: usize| columns.contains(&(i % width)) && rows.contains(&(i / width));
+            assert!(
+                (0..width * height).all(|i| is_inside(i) || !seen(i)),
+                "{}: nothing outside",
+                case.name
+            );
+            together.paste(&part, columns, rows).unwrap();
+        }
+        assert!(together == whole, "{}", case.name);
+    }
+}
