@@ -215,10 +215,10 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume: analytic gradients in post-classified pictures only.
+/// Whether the sheet engine renders a volume. Its analytic gradients (`sheets::analytic`) do not keep all laws of
+/// docs/numerics.md yet: those are left to the slices.
 pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
-    let composites_data = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
-    (settings.gradient == Gradient::Differences || composites_data)
+    settings.gradient == Gradient::Differences
         && (settings.prefilter || splats_color(settings))
         && volume.statistics().non_finite == 0
 }
