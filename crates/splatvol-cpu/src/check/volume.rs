@@ -39,9 +39,7 @@ pub(super) fn check(
         );
     }
     if settings.gradient != Gradient::Differences {
-        return refuse(
-            "analytic gradients (preset best) light pieces of intervals without it, use gradients by differences",
-        );
+        return refuse("analytic gradients (preset best) go slice by slice, use gradients by differences");
     }
     if post && !settings.prefilter {
         return refuse("data that are not prefiltered go slice by slice, use the prefilter");
