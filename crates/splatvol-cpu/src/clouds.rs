@@ -1,17 +1,18 @@
 //! What clouds of splats need of scene and settings.
 //!
-//! Nothing but Gaussians goes the published renderer's way (`splatvol_gaussians`), unless sheets are asked for; everything
+//! Nothing but Gaussians goes the published renderer's way (`splats`), unless sheets are asked for; everything
 //! else but a volume alone is gathered into one cloud for the footprint engine. What it holds are colours, so data are
 //! classified first, and sheets integrate sections.
 
-use splatvol_gaussians::GaussianSettings;
 use splatvol_scene::{Alignment, Classification, Filter, ImageSize, RenderSettings, Scene, SheetContent};
 
+use crate::splats::SplatSettings;
+
 /// What the published renderer needs of the settings.
-pub(crate) fn published_settings(scene: &Scene, size: ImageSize) -> GaussianSettings {
-    GaussianSettings {
+pub(crate) fn published_settings(scene: &Scene, size: ImageSize) -> SplatSettings {
+    SplatSettings {
         background: scene.background,
-        ..GaussianSettings::new(size)
+        ..SplatSettings::new(size)
     }
 }
 

@@ -36,6 +36,7 @@ mod sheets;
 mod shutter;
 mod simd;
 mod splat_light;
+mod splats;
 mod stage;
 mod statistics;
 mod tile;

@@ -9,7 +9,6 @@ use splatvol_core::brick::BrickGrid;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
-use splatvol_gaussians::Placed;
 use splatvol_scene::{Camera, Coverage, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::check::{check, too_close};
@@ -26,6 +25,7 @@ use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
 use crate::sheets::engine::{Run, SheetEngine, TILE_EDGE};
 use crate::sheets::scene::LayeredScene;
 use crate::shutter::{self, Exposed};
+use crate::splats::{Placed, SplatEngine};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -59,7 +59,7 @@ pub struct Renderer {
     prepared: Option<Prepared>,
     data: SheetEngine,
     footprints: FootprintEngine,
-    gaussians: splatvol_gaussians::Engine,
+    gaussians: SplatEngine,
     /// The larger picture that edges are sampled from.
     fine: Option<Frame>,
     statistics: RenderStatistics,
@@ -103,7 +103,7 @@ impl Renderer {
             prepared: None,
             data: SheetEngine::default(),
             footprints: FootprintEngine::default(),
-            gaussians: splatvol_gaussians::Engine::default(),
+            gaussians: SplatEngine::default(),
             fine: None,
             statistics,
         })

@@ -3,7 +3,7 @@
 //! | scene | engine |
 //! |---|---|
 //! | one volume, wherever it lies | those for grids (`sheets`, `tile`), or `footprints` where a method needs whole ones |
-//! | nothing but Gaussians | the published renderer's way (`splatvol_gaussians`), unless sheets are asked for |
+//! | nothing but Gaussians | the published renderer's way (`splats`), unless sheets are asked for |
 //! | everything else on image sheets | `sheets`: every volume a layer, the rest a cloud, another |
 //! | everything else by another method | `footprints`: one cloud of classified splats |
 //!
@@ -13,7 +13,6 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DAffine3;
-use splatvol_gaussians::Placed;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
     Clip, Compositing, Content, GaussianMode, Gradient, Isosurface, Item, Motion, RenderSettings, Scene,
@@ -21,6 +20,7 @@ use splatvol_scene::{
 };
 
 use crate::plan::splats_color;
+use crate::splats::Placed;
 use crate::{clouds, footprints};
 
 /// Which way a scene goes.

@@ -13,7 +13,7 @@
 //! | order | `order` | all splats by the depth of their centres: stable radix sort, equal depths by index |
 //! | bin | `bin` | splats in the lists of 32 x 32-pixel tiles, in order |
 //! | cover | `cover` | which 4 x 4 blocks of a tile a splat's ellipse meets; SIMD over splats |
-//! | composite | `tile` | blocks of 16 pixels, SIMD over pixels; blocks without transmittance are left out |
+//! | composite | `composite` | blocks of 16 pixels, SIMD over pixels; blocks without transmittance are left out |
 //! | resolve | `resolve` | display colours to linear light |
 //!
 //! # Colours
@@ -35,23 +35,19 @@
 //! - Harmonics are evaluated in the Gaussians' frame, for a camera brought there; colours are cut at 1e4.
 //!
 //! Pictures are the same bytes for any number of threads and for any SIMD level.
-#![forbid(unsafe_code)]
-#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod bin;
+mod composite;
 mod cover;
 mod engine;
-mod math;
 mod order;
 mod project;
-mod renderer;
 mod resolve;
 mod settings;
-mod simd;
-mod tile;
 mod view;
 
-pub use engine::{Engine, Placed};
-pub use renderer::{Renderer, RendererConfig, RendererError};
-pub use settings::GaussianSettings;
-pub use simd::SimdLevel;
+pub(crate) use engine::{Placed, SplatEngine};
+pub(crate) use settings::SplatSettings;
+
+#[cfg(test)]
+mod tests;

@@ -2,10 +2,10 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
-use crate::bin::TILE;
-use crate::cover::{BLOCK, BLOCKS};
-use crate::math::{linear_from_srgb, log2};
-use crate::tile::{Block, LANES};
+use super::bin::TILE;
+use super::composite::{Block, LANES};
+use super::cover::{BLOCK, BLOCKS};
+use crate::simd::math::{linear_from_srgb, log2};
 
 /// Display colour and opacity behind the Gaussians.
 #[derive(Debug, Clone, Copy, PartialEq)]

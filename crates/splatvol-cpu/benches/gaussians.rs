@@ -1,7 +1,7 @@
 //! Time of a frame of 1024 x 1024 pixels: one figure, and three by three of it.
 //!
 //! ```text
-//! cargo bench -p splatvol-gaussians --bench gaussians
+//! cargo bench -p splatvol-cpu --bench gaussians
 //! ```
 //!
 //! The figure is made up: 152,746 Gaussians on an upright cylinder, flat on it, with the quantiles of scales and opacities
@@ -12,8 +12,10 @@ use std::fmt;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::{DAffine3, DQuat, DVec3};
-use splatvol_gaussians::{GaussianSettings, Renderer, RendererConfig, SimdLevel};
-use splatvol_scene::{Bounds, Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection, View};
+use splatvol_cpu::{EngineConfig, Renderer, SimdLevel};
+use splatvol_scene::{
+    Camera, GaussianAttributes, Gaussians, ImageSize, Item, Projection, RenderSettings, Scene, View,
+};
 
 const SPLATS: usize = 152_746;
 
@@ -99,25 +101,23 @@ fn cases() -> Vec<Case> {
 #[divan::bench(args = cases())]
 fn frame(bencher: Bencher<'_, '_>, case: Case) {
     let places = (0..case.figures).map(|i| 1.4 * DVec3::new((i % 3) as f64, (i / 3) as f64, 0.0));
-    let figures: Vec<Gaussians> = places.map(figure).collect();
-    let figures: Vec<&Gaussians> = figures.iter().collect();
-    let bounds = figures
-        .iter()
-        .skip(1)
-        .fold(figures[0].bounds(), |all, figure| Bounds {
-            min: all.min.min(figure.bounds().min),
-            max: all.max.max(figure.bounds().max),
-        });
+    let figures = places.map(|place| Item::gaussians(figure(place)));
+    let scene = Scene::of_items(figures.collect()).expect("valid items");
     let size = ImageSize::new(1024, 1024).expect("a valid size");
     let projection = Projection::Perspective { fov_degrees: 40.0 };
+    let bounds = scene.bounds().expect("a box of figures");
     let camera = Camera::framing(&bounds, View::Iso, projection, size.aspect()).expect("a valid camera");
-    let config = RendererConfig {
+    let mut renderer = Renderer::new(EngineConfig {
         threads: Some(case.threads),
         simd: case.simd,
+        ..EngineConfig::default()
+    })
+    .expect("threads");
+    let settings = RenderSettings {
+        size,
+        ..RenderSettings::default()
     };
-    let mut renderer = Renderer::new(config).expect("threads");
-    let (settings, mut frame) = (GaussianSettings::new(size), Frame::empty(size));
     bencher
         .counter(ItemsCount::new(case.figures * SPLATS))
-        .bench_local(|| renderer.render_into(&figures, &camera, &settings, &mut frame));
+        .bench_local(|| renderer.render(&scene, &camera, &settings));
 }

@@ -38,6 +38,7 @@ impl Keys {
     }
 
     /// Bytes held.
+    #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         (self.keys.capacity() + self.other.capacity()) * size_of::<AtomicU64>()
     }

@@ -8,13 +8,13 @@ use rayon::prelude::*;
 use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, Gaussians};
 
-use crate::bin::{Bins, Counted, TileGrid};
-use crate::order::Keys;
-use crate::project::{self, Rect, Splat, Target};
-use crate::resolve::{Background, fill, resolve, tile_rows};
-use crate::settings::{GaussianSettings, sane};
-use crate::tile::{self, Scratch};
-use crate::view::View;
+use super::bin::{Bins, Counted, TileGrid};
+use super::composite::{self, Scratch};
+use super::order::Keys;
+use super::project::{self, Rect, Splat, Target};
+use super::resolve::{Background, fill, resolve, tile_rows};
+use super::settings::{SplatSettings, sane};
+use super::view::View;
 
 /// Gaussians that a thread projects at a time.
 const CHUNK: usize = 4096;
@@ -23,7 +23,7 @@ const PARTS_PER_THREAD: usize = 2;
 
 /// Gaussians in a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Placed<'a> {
+pub(crate) struct Placed<'a> {
     /// The data.
     pub gaussians: &'a Gaussians,
     /// Where their own world lies.
@@ -36,6 +36,7 @@ impl Placed<'_> {
     }
 }
 
+#[cfg(test)]
 impl<'a> From<&'a Gaussians> for Placed<'a> {
     fn from(gaussians: &'a Gaussians) -> Self {
         Self {
@@ -47,7 +48,7 @@ impl<'a> From<&'a Gaussians> for Placed<'a> {
 
 /// Renders with the threads of the pool that it is called from; keeps its memory between frames.
 #[derive(Debug, Default)]
-pub struct Engine {
+pub(crate) struct SplatEngine {
     splats: Vec<Splat>,
     rects: Vec<Rect>,
     keys: Keys,
@@ -61,9 +62,10 @@ struct Chunk<'a> {
     target: Target<'a>,
 }
 
-impl Engine {
+impl SplatEngine {
     /// Bytes that are kept for the next frame.
-    pub fn memory(&self) -> usize {
+    #[cfg(test)]
+    pub(crate) fn memory(&self) -> usize {
         self.splats.capacity() * size_of::<Splat>()
             + self.rects.capacity() * size_of::<Rect>()
             + self.keys.bytes()
@@ -73,11 +75,11 @@ impl Engine {
     /// A picture of all clouds together, into a frame whose memory is used again if it has the size.
     ///
     /// Draws the first 2^32 - 1 Gaussians if there should be more.
-    pub fn render_into(
+    pub(crate) fn render_into(
         &mut self,
         level: Level,
         clouds: &[Placed<'_>],
-        (camera, settings): (&Camera, &GaussianSettings),
+        (camera, settings): (&Camera, &SplatSettings),
         frame: &mut Frame,
     ) {
         if frame.image.size() != settings.size
@@ -134,7 +136,7 @@ impl Engine {
                     }
                     let (place, alive) = ([tile % grid.columns, tile / grid.columns], rows.blocks());
                     dispatch!(level, simd => {
-                        tile::composite(simd, splats, entries, place, alive, scratch);
+                        composite::composite(simd, splats, entries, place, alive, scratch);
                         resolve(simd, &scratch.blocks, &background, rows);
                     });
                 });
@@ -183,7 +185,7 @@ fn chunks<'a>(
 }
 
 /// Display colour behind everything, and the pixel where nothing lies before it.
-fn background(settings: &GaussianSettings) -> (Background, [f32; 4]) {
+fn background(settings: &SplatSettings) -> (Background, [f32; 4]) {
     let [r, g, b, alpha] = settings.background.map(|value| sane(f64::from(value)));
     let alpha = alpha.min(1.0) as f32;
     let background = Background {

@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use fearless_simd::{f32x16, prelude::*};
 
-use crate::bin::TILE;
-use crate::cover::{BATCH, BLOCK, BLOCKS, cover};
-use crate::math::exp2;
-use crate::project::{LOG2_255, Splat};
+use super::bin::TILE;
+use super::cover::{BATCH, BLOCK, BLOCKS, cover};
+use super::project::{LOG2_255, Splat};
+use crate::simd::math::exp2_quick;
 
 /// Pixels of a block.
 pub(crate) const LANES: usize = BLOCK * BLOCK;
@@ -121,7 +121,7 @@ fn add<S: Simd>(
         if !counts.any_true() {
             continue;
         }
-        let alpha = exp2(simd, exponent.max(threshold)).min(most);
+        let alpha = exp2_quick(simd, exponent.max(threshold)).min(most);
         let alpha = counts.select(alpha, zero);
         let through = f32x16::simd_from(simd, block.through);
         let next = through * (one - alpha);

@@ -6,9 +6,9 @@
 use glam::{DMat3, DVec3};
 use splatvol_scene::Camera;
 
-use crate::engine::Placed;
+use super::engine::Placed;
 
-use crate::settings::{GaussianSettings, sane};
+use super::settings::{SplatSettings, sane};
 
 /// Pixels along an edge of the published renderer's tiles, to which it widens three standard deviations.
 pub(crate) const REFERENCE_TILE: u32 = 16;
@@ -41,7 +41,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    pub(crate) fn new(placed: &Placed<'_>, camera: &Camera, settings: &GaussianSettings) -> Self {
+    pub(crate) fn new(placed: &Placed<'_>, camera: &Camera, settings: &SplatSettings) -> Self {
         let gaussians = placed.gaussians;
         let world_from_local = placed.world_from_local();
         let local_from_world = world_from_local.inverse();

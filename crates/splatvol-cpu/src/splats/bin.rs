@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use rayon::prelude::*;
 use splatvol_scene::ImageSize;
 
-use crate::order::{even, grow, index, starts};
-use crate::project::Rect;
-use crate::view::REFERENCE_TILE;
+use super::order::{even, grow, index, starts};
+use super::project::Rect;
+use super::view::REFERENCE_TILE;
 
 /// Pixels along an edge of a tile.
 pub(crate) const TILE: usize = 32;
@@ -123,6 +123,7 @@ impl<'a> Counted<'a> {
 
 impl Bins {
     /// Bytes held.
+    #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         self.entries.capacity() * size_of::<AtomicU32>()
     }

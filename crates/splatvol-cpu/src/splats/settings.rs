@@ -1,12 +1,10 @@
 //! What can be chosen, with the published renderer's values as defaults.
 
-use serde::{Deserialize, Serialize};
 use splatvol_scene::ImageSize;
 
 /// How Gaussians are rendered. Values that make no sense (negative, not finite) count as zero.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct GaussianSettings {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SplatSettings {
     /// Pixels of the picture.
     pub size: ImageSize,
     /// Variance that is added to every footprint, pixels squared.
@@ -18,7 +16,7 @@ pub struct GaussianSettings {
     pub background: [f32; 4],
 }
 
-impl Default for GaussianSettings {
+impl Default for SplatSettings {
     fn default() -> Self {
         Self {
             size: ImageSize::default(),
@@ -29,9 +27,9 @@ impl Default for GaussianSettings {
     }
 }
 
-impl GaussianSettings {
+impl SplatSettings {
     /// The defaults for a picture of a size.
-    pub fn new(size: ImageSize) -> Self {
+    pub(crate) fn new(size: ImageSize) -> Self {
         Self {
             size,
             ..Self::default()

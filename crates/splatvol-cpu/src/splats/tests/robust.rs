@@ -1,21 +1,13 @@
 //! The same bytes everywhere, no panic whatever comes, memory within its bound.
 
-mod support;
-
 use glam::{DAffine3, DVec3};
-use splatvol_gaussians::{GaussianSettings, Renderer, RendererConfig, RendererError, SimdLevel};
-use splatvol_scene::{Camera, Frame, Gaussians, ImageSize, Projection};
-use support::{Random, attributes, cloud, perspective};
+use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
-fn renderer(threads: usize, simd: Option<SimdLevel>) -> Result<Renderer, RendererError> {
-    Renderer::new(RendererConfig {
-        threads: Some(threads),
-        simd,
-    })
-}
+use super::{Random, Renderer, SplatSettings, attributes, cloud, perspective, settings};
+use crate::config::SimdLevel;
 
-fn settings(width: u32, height: u32) -> GaussianSettings {
-    GaussianSettings::new(ImageSize::new(width, height).expect("a valid size"))
+fn renderer(threads: usize, simd: Option<SimdLevel>) -> Renderer {
+    Renderer::new(threads, simd).expect("instructions that are there")
 }
 
 fn bits(frame: &Frame) -> Vec<u32> {
@@ -29,21 +21,18 @@ fn bytes_do_not_depend_on_threads_or_instructions() {
     let (a, b) = (cloud(1, 30_000, 1, [0.002, 0.05]), cloud(2, 9000, 3, [0.01, 0.3]));
     let camera = perspective(DVec3::new(1.7, 1.0, 0.4), 70.0);
     let settings = settings(333, 222);
-    let expected = bits(&renderer(1, None).unwrap().render(&[&a, &b], &camera, &settings));
+    let expected = bits(&renderer(1, None).render(&[&a, &b], &camera, &settings));
     for threads in [2, 3, 7] {
-        let found = renderer(threads, None)
-            .unwrap()
-            .render(&[&a, &b], &camera, &settings);
+        let found = renderer(threads, None).render(&[&a, &b], &camera, &settings);
         assert!(bits(&found) == expected, "{threads} threads");
     }
     for simd in SimdLevel::ALL {
-        match renderer(2, Some(simd)) {
-            Ok(mut renderer) => {
-                let found = renderer.render(&[&a, &b], &camera, &settings);
-                assert!(bits(&found) == expected, "{simd:?}");
-            }
-            Err(error) => assert!(!simd.is_available(), "{error}"),
-        }
+        let Some(mut renderer) = Renderer::new(2, Some(simd)) else {
+            assert!(!simd.is_available());
+            continue;
+        };
+        let found = renderer.render(&[&a, &b], &camera, &settings);
+        assert!(bits(&found) == expected, "{simd:?}");
     }
 }
 
@@ -52,10 +41,10 @@ fn buffers_of_other_frames_leave_no_trace() {
     let (many, few) = (cloud(3, 20_000, 0, [0.01, 0.2]), cloud(4, 50, 2, [0.01, 0.2]));
     let camera = perspective(DVec3::new(2.0, 1.0, 0.4), 60.0);
     let (large, small) = (settings(300, 200), settings(60, 90));
-    let mut used = renderer(2, None).unwrap();
+    let mut used = renderer(2, None);
     let mut frame = used.render(&[&many], &camera, &large);
     used.render_into(&[&few], &camera, &small, &mut frame);
-    let fresh = renderer(2, None).unwrap().render(&[&few], &camera, &small);
+    let fresh = renderer(2, None).render(&[&few], &camera, &small);
     assert!(bits(&frame) == bits(&fresh));
     used.render_into(&[], &camera, &small, &mut frame);
     assert!(bits(&frame) == bits(&Frame::empty(small.size)));
@@ -75,9 +64,7 @@ fn equal_depths_are_drawn_in_the_order_of_the_file() {
     }
     let gaussians = Gaussians::new(made, 0, DAffine3::IDENTITY).unwrap();
     let camera = perspective(DVec3::new(0.05 + 4.0, 0.1, -0.1), 30.0);
-    let frame = renderer(2, None)
-        .unwrap()
-        .render(&[&gaussians], &camera, &settings(64, 64));
+    let frame = renderer(2, None).render(&[&gaussians], &camera, &settings(64, 64));
     let [r, g, _, _] = frame.image.pixel(32, 32);
     assert!(r > 5.0 * g && g > 0.0, "{r} {g}");
 }
@@ -110,10 +97,10 @@ fn hostile_numbers_make_finite_pictures() {
         perspective(DVec3::splat(1e25), 1e-3),
         Camera::new(DVec3::splat(2.0), DVec3::ZERO, DVec3::Z, orthographic).unwrap(),
     ];
-    let mut renderer = renderer(2, None).unwrap();
+    let mut renderer = renderer(2, None);
     for camera in &cameras {
         for low_pass in [0.3, 0.0, f32::NAN, -1.0, 1e30] {
-            let settings = GaussianSettings {
+            let settings = SplatSettings {
                 low_pass,
                 near: if low_pass == 0.0 { f64::NAN } else { 0.2 },
                 background: [f32::NAN, f32::INFINITY, -1.0, 0.5],
@@ -141,7 +128,7 @@ fn what_lies_behind_the_eye_or_cannot_be_seen_is_not_drawn() {
     let mut invisible = attributes(7, 500, 0, [0.01, 0.2]);
     invisible.opacities.fill(1.0 / 256.0);
     let invisible = Gaussians::new(invisible, 0, DAffine3::IDENTITY).unwrap();
-    let mut renderer = renderer(2, None).unwrap();
+    let mut renderer = renderer(2, None);
     for (gaussians, camera) in [
         (&gaussians, away.unwrap()),
         (&invisible, perspective(DVec3::new(3.0, 0.0, 0.0), 50.0)),
@@ -157,9 +144,9 @@ fn memory_is_bounded_however_large_the_splats() {
     let size = settings(1024, 1024);
     for scales in [[0.002, 0.01], [5.0, 9.0]] {
         let gaussians = cloud(8, 20_000, 0, scales);
-        let mut renderer = renderer(2, None).unwrap();
+        let mut renderer = renderer(2, None);
         let frame = renderer.render(&[&gaussians], &camera, &size);
-        let bytes = renderer.memory() as f64 / gaussians.len() as f64;
+        let bytes = renderer.engine.memory() as f64 / gaussians.len() as f64;
         println!("{scales:?}: {bytes:.1} bytes per splat");
         assert!(bytes <= 160.0, "{bytes}");
         let covered = frame.image.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();

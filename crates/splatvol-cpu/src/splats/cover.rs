@@ -6,9 +6,9 @@
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
-use crate::bin::TILE;
-use crate::project::{LOG2_255, Rect, Splat};
-use crate::view::REFERENCE_TILE;
+use super::bin::TILE;
+use super::project::{LOG2_255, Rect, Splat};
+use super::view::REFERENCE_TILE;
 
 /// Splats that are tested at once.
 pub(crate) const BATCH: usize = 16;

@@ -1,15 +1,62 @@
 //! Seeded clouds, and the published algorithm in f64, pixel by pixel, from its equations (Kerbl et al. 2023, Zwicker et al.
-//! 2002). Shares no code with the crate.
-#![allow(dead_code, reason = "every test takes its part")]
+//! 2002). Shares no code with the engine.
 
+mod published;
+mod robust;
+
+use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
-use splatvol_scene::{Camera, GaussianAttributes, Gaussians, ImageSize, Projection};
+use splatvol_scene::{Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection};
+
+use super::{Placed, SplatEngine, SplatSettings};
+use crate::config::SimdLevel;
+
+/// An engine with threads of its own.
+struct Renderer {
+    pool: rayon::ThreadPool,
+    level: Level,
+    engine: SplatEngine,
+}
+
+impl Renderer {
+    /// `None` where the processor lacks the instructions.
+    fn new(threads: usize, simd: Option<SimdLevel>) -> Option<Self> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        Some(Self {
+            pool: pool.expect("threads"),
+            level: simd.map_or(Some(Level::new()), SimdLevel::level)?,
+            engine: SplatEngine::default(),
+        })
+    }
+
+    fn render(&mut self, clouds: &[&Gaussians], camera: &Camera, settings: &SplatSettings) -> Frame {
+        let mut frame = Frame::empty(settings.size);
+        self.render_into(clouds, camera, settings, &mut frame);
+        frame
+    }
+
+    fn render_into(
+        &mut self,
+        clouds: &[&Gaussians],
+        camera: &Camera,
+        settings: &SplatSettings,
+        frame: &mut Frame,
+    ) {
+        let clouds: Vec<Placed<'_>> = clouds.iter().map(|&cloud| cloud.into()).collect();
+        let Self { pool, level, engine } = self;
+        pool.install(|| engine.render_into(*level, &clouds, (camera, settings), frame));
+    }
+}
+
+fn settings(width: u32, height: u32) -> SplatSettings {
+    SplatSettings::new(ImageSize::new(width, height).expect("a valid size"))
+}
 
 /// PCG (O'Neill 2014).
-pub(crate) struct Random(pub(crate) u64);
+struct Random(u64);
 
 impl Random {
-    pub(crate) fn unit(&mut self) -> f64 {
+    fn unit(&mut self) -> f64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -18,21 +65,21 @@ impl Random {
         f64::from(word.rotate_right((self.0 >> 59) as u32)) / f64::from(u32::MAX)
     }
 
-    pub(crate) fn signed(&mut self) -> f64 {
+    fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    pub(crate) fn vector(&mut self) -> DVec3 {
+    fn vector(&mut self) -> DVec3 {
         DVec3::new(self.signed(), self.signed(), self.signed())
     }
 }
 
 /// `count` Gaussians in the cube -1..1, of standard deviations spread over `scales` logarithmically.
-pub(crate) fn attributes(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> GaussianAttributes {
+fn attributes(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> GaussianAttributes {
     let mut random = Random(seed);
     let mut made = GaussianAttributes::default();
     for _ in 0..count {
@@ -50,7 +97,7 @@ pub(crate) fn attributes(seed: u64, count: usize, degree: u32, scales: [f64; 2])
     made
 }
 
-pub(crate) fn cloud(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> Gaussians {
+fn cloud(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> Gaussians {
     Gaussians::new(
         attributes(seed, count, degree, scales),
         degree,
@@ -59,7 +106,7 @@ pub(crate) fn cloud(seed: u64, count: usize, degree: u32, scales: [f64; 2]) -> G
     .expect("valid")
 }
 
-pub(crate) fn perspective(position: DVec3, fov_degrees: f64) -> Camera {
+fn perspective(position: DVec3, fov_degrees: f64) -> Camera {
     let up = DVec3::new(0.1, 0.05, 1.0);
     Camera::new(
         position,
@@ -72,10 +119,10 @@ pub(crate) fn perspective(position: DVec3, fov_degrees: f64) -> Camera {
 
 /// Premultiplied display colour, opacity, and mean depth of a pixel.
 #[derive(Clone, Copy)]
-pub(crate) struct Pixel {
-    pub(crate) color: DVec3,
-    pub(crate) through: f64,
-    pub(crate) depth_sum: f64,
+struct Pixel {
+    color: DVec3,
+    through: f64,
+    depth_sum: f64,
     ended: bool,
 }
 
@@ -88,14 +135,32 @@ struct Projected {
     tiles: [i64; 4],
 }
 
-pub(crate) struct Published {
-    pub(crate) size: ImageSize,
-    pub(crate) low_pass: f64,
-    pub(crate) near: f64,
+struct Published {
+    size: ImageSize,
+    low_pass: f64,
+    near: f64,
+}
+
+/// A covariance on the screen.
+struct Ellipse {
+    depth: f64,
+    centre: DVec2,
+    inverse: [f64; 3],
+    /// Determinants without the low-pass and with it.
+    determinants: [f64; 2],
+    tiles: [i64; 4],
 }
 
 impl Published {
-    pub(crate) fn render(&self, clouds: &[&Gaussians], camera: &Camera) -> Vec<Pixel> {
+    fn of(settings: &SplatSettings) -> Self {
+        Self {
+            size: settings.size,
+            low_pass: f64::from(settings.low_pass),
+            near: settings.near,
+        }
+    }
+
+    fn render(&self, clouds: &[&Gaussians], camera: &Camera) -> Vec<Pixel> {
         let mut splats: Vec<Projected> = Vec::new();
         for cloud in clouds {
             splats.extend((0..cloud.len()).filter_map(|i| self.project(cloud, i, camera)));
@@ -123,27 +188,24 @@ impl Published {
         pixels
     }
 
-    fn project(&self, cloud: &Gaussians, i: usize, camera: &Camera) -> Option<Projected> {
-        let a = cloud.attributes();
-        let world_from_local = cloud.world_from_local();
-        let mean = DVec3::from(a.means[i].map(f64::from));
-        let view = camera.camera_from_world();
-        let t = view.transform_point3(world_from_local.transform_point3(mean));
+    /// A covariance around `t`, both in camera space.
+    fn ellipse(&self, t: DVec3, sigma: DMat3, near: f64, camera: &Camera) -> Option<Ellipse> {
         let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
-        let w = view.matrix3 * world_from_local.matrix3;
         let (jacobian, screen) = match camera.projection() {
             Projection::Perspective { fov_degrees } => {
-                if t.z <= self.near * w.determinant().abs().cbrt() {
+                if t.z <= near {
                     return None;
                 }
                 let tan_y = (0.5 * fov_degrees.to_radians()).tan();
                 let tan_x = tan_y * width / height;
                 let focal = height / (2.0 * tan_y);
-                let x = (t.x / t.z).clamp(-1.3 * tan_x, 1.3 * tan_x) * t.z;
-                let y = (t.y / t.z).clamp(-1.3 * tan_y, 1.3 * tan_y) * t.z;
+                let slope = DVec2::new(
+                    (t.x / t.z).clamp(-1.3 * tan_x, 1.3 * tan_x),
+                    (t.y / t.z).clamp(-1.3 * tan_y, 1.3 * tan_y),
+                );
                 let rows = [
-                    DVec3::new(focal / t.z, 0.0, -focal * x / t.z.powi(2)),
-                    DVec3::new(0.0, focal / t.z, -focal * y / t.z.powi(2)),
+                    DVec3::new(focal / t.z, 0.0, -focal * slope.x / t.z),
+                    DVec3::new(0.0, focal / t.z, -focal * slope.y / t.z),
                 ];
                 (rows, focal * t.truncate() / t.z)
             }
@@ -155,21 +217,11 @@ impl Published {
                 ([DVec3::X * m, DVec3::Y * m], m * t.truncate())
             }
         };
-        let [x, y, z, r] = a.rotations[i].map(f64::from);
-        let rotation = DMat3::from_quat(DQuat::from_xyzw(x, y, z, r).normalize());
-        let scale = DMat3::from_diagonal(DVec3::from(a.scales[i].map(f64::from)));
-        let sigma = rotation * scale * scale * rotation.transpose();
-        let sigma = w * sigma * w.transpose();
         let v = |p: usize, q: usize| jacobian[p].dot(sigma * jacobian[q]);
         let (xx, xy, yy) = (v(0, 0), v(0, 1), v(1, 1));
         let before = xx * yy - xy * xy;
         let (xx, yy) = (xx + self.low_pass, yy + self.low_pass);
         let det = xx * yy - xy * xy;
-        let ratio = if cloud.antialiased() {
-            (before / det).max(0.000_025).sqrt()
-        } else {
-            1.0
-        };
         let middle = 0.5 * (xx + yy);
         let radius = (3.0 * (middle + (middle * middle - det).max(0.1).sqrt()).sqrt()).ceil();
         // Pixels are numbered by their centres.
@@ -181,6 +233,34 @@ impl Published {
             tile(centre.y - radius, height),
             tile(centre.y + radius + 15.0, height),
         ];
+        Some(Ellipse {
+            depth: t.z,
+            centre,
+            inverse: [yy / det, -xy / det, xx / det],
+            determinants: [before, det],
+            tiles,
+        })
+    }
+
+    fn project(&self, cloud: &Gaussians, i: usize, camera: &Camera) -> Option<Projected> {
+        let a = cloud.attributes();
+        let world_from_local = cloud.world_from_local();
+        let mean = DVec3::from(a.means[i].map(f64::from));
+        let view = camera.camera_from_world();
+        let t = view.transform_point3(world_from_local.transform_point3(mean));
+        let w = view.matrix3 * world_from_local.matrix3;
+        let [x, y, z, r] = a.rotations[i].map(f64::from);
+        let rotation = DMat3::from_quat(DQuat::from_xyzw(x, y, z, r).normalize());
+        let scale = DMat3::from_diagonal(DVec3::from(a.scales[i].map(f64::from)));
+        let sigma = rotation * scale * scale * rotation.transpose();
+        let near = self.near * w.determinant().abs().cbrt();
+        let ellipse = self.ellipse(t, w * sigma * w.transpose(), near, camera)?;
+        let [before, det] = ellipse.determinants;
+        let ratio = if cloud.antialiased() {
+            (before / det).max(0.000_025).sqrt()
+        } else {
+            1.0
+        };
         let count = (cloud.degree() as usize + 1).pow(2);
         let direction = match camera.projection() {
             Projection::Perspective { .. } => {
@@ -191,12 +271,12 @@ impl Published {
                 .transform_vector3(camera.target() - camera.position()),
         };
         Some(Projected {
-            depth: t.z,
-            centre,
-            inverse: [yy / det, -xy / det, xx / det],
+            depth: ellipse.depth,
+            centre: ellipse.centre,
+            inverse: ellipse.inverse,
             opacity: f64::from(a.opacities[i]) * ratio,
             color: color(&a.harmonics[i * count..(i + 1) * count], direction.normalize()),
-            tiles,
+            tiles: ellipse.tiles,
         })
     }
 }

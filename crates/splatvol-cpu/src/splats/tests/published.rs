@@ -1,18 +1,16 @@
 //! Pictures against an independent implementation of the published algorithm in f64.
 
-mod support;
-
 use glam::{DAffine3, DMat3, DVec3};
-use splatvol_gaussians::{GaussianSettings, Renderer, RendererConfig};
 use splatvol_scene::transfer_function::srgb_from_linear;
-use splatvol_scene::{Camera, Frame, Gaussians, ImageSize, Projection};
-use support::{Published, attributes, cloud, perspective};
+use splatvol_scene::{Camera, Frame, Gaussians, Projection};
+
+use super::{Pixel, Published, Renderer, SplatSettings, attributes, cloud, perspective, settings};
 
 /// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32 swaps them.
 const LEAST_PSNR: f64 = 58.0;
 
 fn renderer() -> Renderer {
-    Renderer::new(RendererConfig::default()).expect("threads")
+    Renderer::new(2, None).expect("the processor's best instructions")
 }
 
 /// Premultiplied display colour and opacity, as a PNG's reader has them.
@@ -28,18 +26,10 @@ fn display(pixel: [f32; 4]) -> [f64; 4] {
     [encode(r), encode(g), encode(b), alpha]
 }
 
-/// Renders both ways; returns the PSNR of premultiplied display colours and opacity, and the largest error of depths
-/// relative to the depth.
-fn compare(clouds: &[&Gaussians], camera: &Camera, settings: &GaussianSettings) -> (f64, f64, Frame) {
-    let frame = renderer().render(clouds, camera, settings);
-    let published = Published {
-        size: settings.size,
-        low_pass: f64::from(settings.low_pass),
-        near: settings.near,
-    };
-    let expected = published.render(clouds, camera);
+/// PSNR of premultiplied display colours and opacity, and the largest error of depths relative to the depth.
+fn errors(frame: &Frame, expected: &[Pixel]) -> (f64, f64) {
     let (mut squares, mut worst_depth) = (0.0, 0.0f64);
-    for (index, (pixel, expected)) in frame.image.pixels.iter().zip(&expected).enumerate() {
+    for (index, (pixel, expected)) in frame.image.pixels.iter().zip(expected).enumerate() {
         let alpha = 1.0 - expected.through;
         let want = [expected.color.x, expected.color.y, expected.color.z, alpha];
         squares += display(*pixel)
@@ -63,18 +53,15 @@ fn compare(clouds: &[&Gaussians], camera: &Camera, settings: &GaussianSettings) 
         covered * 10 > expected.len(),
         "a picture of {covered} pixels tests nothing"
     );
-    (-10.0 * mean.max(1e-30).log10(), worst_depth, frame)
+    (-10.0 * mean.max(1e-30).log10(), worst_depth)
 }
 
-fn demand(name: &str, clouds: &[&Gaussians], camera: &Camera, settings: &GaussianSettings) {
-    let (psnr, depth, _) = compare(clouds, camera, settings);
+fn demand(name: &str, clouds: &[&Gaussians], camera: &Camera, settings: &SplatSettings) {
+    let frame = renderer().render(clouds, camera, settings);
+    let (psnr, depth) = errors(&frame, &Published::of(settings).render(clouds, camera));
     println!("{name}: {psnr:.1} dB, depth {depth:.1e}");
     assert!(psnr >= LEAST_PSNR, "{name}: {psnr:.1} dB");
     assert!(depth < 0.02, "{name}: depth {depth}");
-}
-
-fn settings(width: u32, height: u32) -> GaussianSettings {
-    GaussianSettings::new(ImageSize::new(width, height).expect("a valid size"))
 }
 
 #[test]
@@ -167,7 +154,7 @@ fn antialiased_clouds_and_other_low_passes() {
     let gaussians = cloud(23, 6000, 0, [0.0005, 0.02]).with_antialiasing(true);
     let camera = perspective(DVec3::new(3.0, 1.0, 1.0), 45.0);
     demand("antialiased", &[&gaussians], &camera, &settings(128, 128));
-    let wide = GaussianSettings {
+    let wide = SplatSettings {
         low_pass: 1.5,
         ..settings(128, 128)
     };
@@ -184,7 +171,7 @@ fn a_background_is_composited_in_display_space() {
     let gaussians = cloud(29, 300, 0, [0.02, 0.2]);
     let camera = perspective(DVec3::new(3.0, 1.0, 1.0), 45.0);
     let transparent = settings(96, 64);
-    let opaque = GaussianSettings {
+    let opaque = SplatSettings {
         background: [0.2, 0.5, 0.9, 1.0],
         ..transparent
     };

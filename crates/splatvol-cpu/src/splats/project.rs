@@ -18,8 +18,8 @@ use splatvol_scene::Gaussians;
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::harmonics;
 
-use crate::math::log2;
-use crate::view::{REFERENCE_TILE, View};
+use super::view::{REFERENCE_TILE, View};
+use crate::simd::math::log2;
 
 /// Gaussians per SIMD step.
 const LANES: usize = 16;
