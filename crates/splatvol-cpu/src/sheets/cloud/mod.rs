@@ -8,7 +8,7 @@
 //!
 //! m the kernel's integral and g a Gaussian of variance v, cut and normalised. A plane of constant depth only scales, so
 //! footprints are exact in perspective, near the camera and far from the axis. The widening in depth is what lets flat splats,
-//! which would slip between two planes, be sampled by them: sums over planes ripple by less than a thousandth.
+//! which would slip between two planes, be sampled by them: sums over planes ripple by a thousandth to either side.
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
