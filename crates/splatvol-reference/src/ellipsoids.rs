@@ -113,14 +113,14 @@ fn integral(ellipsoids: &[Ellipsoid], origin: DVec3, direction: DVec3) -> [f64; 
             let z = (t - kernel.middle) / kernel.sigma;
             let density = kernel.peak * (-0.5 * z * z).exp();
             extinction += density;
-            for c in 0..3 {
-                emission[c] += density * kernel.color[c];
+            for (sum, level) in emission.iter_mut().zip(kernel.color) {
+                *sum += density * level;
             }
         }
         if extinction > 0.0 {
             let opacity = -(-extinction * step).exp_m1();
-            for c in 0..3 {
-                color[c] += through * opacity * emission[c] / extinction;
+            for (sum, emission) in color.iter_mut().zip(emission) {
+                *sum += through * opacity * emission / extinction;
             }
             through *= 1.0 - opacity;
         }

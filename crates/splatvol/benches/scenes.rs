@@ -95,7 +95,7 @@ fn frames(bencher: Bencher<'_, '_>, items: Vec<Item>) {
     bencher.bench_local(|| {
         renderer
             .render_into(&scene, &framed, &settings, &mut frame)
-            .unwrap()
+            .unwrap();
     });
 }
 

@@ -109,7 +109,7 @@ impl Footing {
             let [first, last] = self.blocks[axis];
             let from = block(low).floor().max(first as f32);
             let to = block(high).floor().min(last as f32);
-            (from <= to).then(|| [from as usize, to as usize])
+            (from <= to).then_some([from as usize, to as usize])
         };
         Some(Blocks {
             x: axis(0)?,
