@@ -118,12 +118,12 @@ fn renderer() -> Renderer {
 }
 
 impl Case {
-    /// Tiles at least: X-rays have tiles of 128 pixels, whatever is asked for.
+    /// Tiles at least: X-rays have tiles of 128 pixels and whole footprints of 64, whatever is asked for.
     fn tiles(&self) -> usize {
-        let edge = if self.settings.compositing == Compositing::Xray {
-            128
-        } else {
-            32
+        let edge = match self.settings.compositing {
+            Compositing::Xray => 128,
+            Compositing::PerSplat => 64,
+            _ => 32,
         };
         (WIDTH.div_ceil(edge) * HEIGHT.div_ceil(edge)) as usize
     }
