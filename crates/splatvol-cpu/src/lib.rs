@@ -1,15 +1,13 @@
-//! The CPU engine: tiles, sheets, SIMD splatting, shading and compositing.
+//! The CPU engine: which engine renders a scene, and the engines.
 //!
-//! A frame is planned once (`plan`): tables, sheets, bricks in tile lists. Then every 64 x 64-pixel tile runs on its
-//! own, with scratch memory of its thread, front to back, sheet by sheet (`tile`):
-//!
-//! | stage | module | what happens to a sheet |
-//! |---|---|---|
-//! | activate | `stage::activate` | bricks that reach the sheet become open voxels in camera space |
-//! | splat | `stage::splat` | slices of open voxels are added to the sheet buffer (SIMD) |
-//! | shade | `stage::shade` | post-classification: value, coverage, gradient of a pixel to extinction and lit colour |
-//! | composite | `stage::composite` | the sheet goes behind what the pixel has; finished blocks are noted |
-//! | resolve | `stage::resolve` | pixels to the frame |
+//! | module | what it renders |
+//! |---|---|
+//! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
+//! | `sheets` | grids, and scenes of several things in layers: the default |
+//! | `tile`, `stage` | grids slice by slice: `best`, missing samples, views too close for the sheets |
+//! | `splats` | 3-D Gaussians alone, as published |
+//! | `footprints` | whole footprints and sections of them: the papers' methods |
+//! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |
 //!
 //! Every pixel receives its contributions in one order (sheets by depth, then bricks and voxels by index) whatever
 //! the number of threads and the tile it lies in, so frames are the same to the bit.

@@ -30,7 +30,7 @@
 //! *screen*: pixels, origin top-left, pixel centres at +0.5. *depth* is camera z. `a_from_b` names a matrix that
 //! maps points of space b into space a.
 //!
-//! Constructors are fallible; what they return can be rendered without further errors.
+//! Constructors are fallible; what they return is valid by itself; what cannot be combined is said before rendering.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -8,7 +8,8 @@
 //! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |
 //! | what moves, and edges that are sampled | here |
 //!
-//! Rendering refuses nothing that passes here. `docs/scenes.md` has a table of the answers, made by asking.
+//! Rendering refuses nothing that passes here, but for views too close to a volume with operators, clips or isosurfaces, which
+//! are found when the frame is planned (`too_close`). `docs/scenes.md` has a table of the answers, made by asking.
 
 mod cloud;
 mod raster;

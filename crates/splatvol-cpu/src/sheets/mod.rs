@@ -1,4 +1,4 @@
-//! All sheets at once: the fast engine.
+//! Sheets: kernels summed on planes, which are then composited.
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
@@ -9,14 +9,15 @@
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
-//! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
+//! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece (no route takes this yet) |
 //! | | `intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
-//! `engine` keeps what lasts from frame to frame, `tile` runs the stages of a tile; what differs between
-//! post-classification and the others is a `mode`.
+//! `engine` keeps what lasts from frame to frame, `layer` takes the layers of a tile through these stages (several in a
+//! `scene`, as `layers`), `canvas` puts their material together, `cloud` splats kernels of their own shapes; what differs
+//! between post-classification and the others is a `mode`.
 #![allow(
     clippy::needless_range_loop,
     reason = "iterators over several arrays need closures, which do not inline into code for vectors"
