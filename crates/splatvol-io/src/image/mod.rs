@@ -9,6 +9,7 @@ pub mod depth;
 pub mod exr;
 pub mod metadata;
 pub mod png;
+mod srgb;
 
 use std::path::Path;
 

@@ -10,9 +10,10 @@ use std::path::Path;
 
 use png::text_metadata::{ITXtChunk, TEXtChunk};
 use png::{BitDepth, ColorType, DecodingError, SrgbRenderingIntent, Transformations};
-use splatvol_scene::transfer_function::{linear_from_srgb, srgb_from_linear};
+use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{Image, ImageSize};
 
+use super::srgb::{self, SrgbCodes};
 use super::{LoadedImage, check_size, metadata};
 use crate::IoError;
 use crate::error::Context;
@@ -31,6 +32,13 @@ impl Depth {
         match self {
             Self::Eight => 255.0,
             Self::Sixteen => 65_535.0,
+        }
+    }
+
+    fn srgb_codes(self) -> &'static SrgbCodes {
+        match self {
+            Self::Eight => &srgb::EIGHT,
+            Self::Sixteen => &srgb::SIXTEEN,
         }
     }
 }
@@ -100,7 +108,12 @@ pub(crate) fn write_texts<W: Write>(
 
 /// Codes of a picture: sRGB, straight alpha, row-major.
 pub(crate) fn codes(image: &Image, depth: Depth) -> Vec<[u16; 4]> {
-    image.pixels.iter().map(|&pixel| code(pixel, depth)).collect()
+    let srgb = depth.srgb_codes();
+    image
+        .pixels
+        .iter()
+        .map(|&pixel| code(pixel, depth, srgb))
+        .collect()
 }
 
 /// Codes as PNG orders their bytes; without alpha where opaque.
@@ -115,21 +128,20 @@ pub(crate) fn data(codes: &[[u16; 4]], depth: Depth, opaque: bool) -> Vec<u8> {
 
 /// A picture as 8-bit RGBA: sRGB, straight alpha, row-major; the codes of an 8-bit PNG.
 pub fn srgb8(image: &Image) -> Vec<[u8; 4]> {
-    let byte = |pixel: &[f32; 4]| code(*pixel, Depth::Eight).map(|code| code as u8);
-    image.pixels.iter().map(byte).collect()
+    let codes = codes(image, Depth::Eight).into_iter();
+    codes.map(|pixel| pixel.map(|code| code as u8)).collect()
 }
 
 /// Straight sRGB codes of a linear premultiplied pixel.
-fn code(pixel: [f32; 4], depth: Depth) -> [u16; 4] {
+fn code(pixel: [f32; 4], depth: Depth, srgb: &SrgbCodes) -> [u16; 4] {
     let alpha = f64::from(pixel[3]);
     // A conversion from float saturates, and NaN becomes 0.
-    let round = |value: f64| (value.clamp(0.0, 1.0) * depth.largest()).round() as u16;
-    let alpha_code = round(alpha);
+    let alpha_code = (alpha.clamp(0.0, 1.0) * depth.largest()).round() as u16;
     if alpha_code == 0 {
         return [0; 4];
     }
-    let color = |c: usize| round(srgb_from_linear((f64::from(pixel[c]) / alpha).clamp(0.0, 1.0)));
-    [color(0), color(1), color(2), alpha_code]
+    let [r, g, b] = [0, 1, 2].map(|c| srgb.code(f64::from(pixel[c]) / alpha));
+    [r, g, b, alpha_code]
 }
 
 /// A picture from the bytes of a PNG file; `path` is only named in errors.
