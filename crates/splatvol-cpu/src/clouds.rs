@@ -1,36 +1,94 @@
-//! What clouds of splats need of scene and settings.
+//! Scenes of whole splats: what is splatted as which cloud, and by which constants.
 //!
-//! Nothing but Gaussians goes the published renderer's way (`splats`), unless sheets are asked for; everything
-//! else but a volume alone is gathered into one cloud for the footprint engine. What it holds are colours, so data are
-//! classified first, and sheets integrate sections.
+//! As published (`3dgs`) Gaussians keep the colours and opacities that they were trained with, and points and samples of meshes
+//! are kernels among them. Otherwise everything, Gaussians too, is one cloud of optical depths.
 
-use splatvol_scene::{Alignment, Classification, Filter, ImageSize, RenderSettings, Scene, SheetContent};
+use splatvol_scene::{Compositing, Content, Filter, Item, RenderSettings, Scene};
 
-use crate::splats::SplatSettings;
+use crate::splats::{Cloud, LEAST_VARIANCE, LowPass, Manner, Near, SplatSettings};
 
-/// What the published renderer needs of the settings.
-pub(crate) fn published_settings(scene: &Scene, size: ImageSize) -> SplatSettings {
-    SplatSettings {
-        background: scene.background,
-        ..SplatSettings::new(size)
+/// A scene that is splatted one by one.
+pub(crate) struct SplatScene<'a> {
+    /// Gaussians as they were trained.
+    pub gaussians: Vec<Cloud<'a>>,
+    /// What is splatted with them, or alone: one cloud of kernels.
+    pub rest: Scene,
+    published: bool,
+}
+
+impl<'a> SplatScene<'a> {
+    /// As published.
+    pub(crate) fn published(scene: &'a Scene) -> Self {
+        let mut gaussians = Vec::new();
+        let mut rest = Vec::new();
+        for item in &scene.items {
+            match &item.content {
+                Content::Gaussians(own) => gaussians.push(Cloud::Gaussians(own, item.world_from_item)),
+                _ => rest.push(item.clone()),
+            }
+        }
+        Self {
+            gaussians,
+            rest: scene_of(rest),
+            published: true,
+        }
+    }
+
+    /// By optical depths.
+    pub(crate) fn of_depths(scene: &Scene) -> Self {
+        Self {
+            gaussians: Vec::new(),
+            rest: scene_of(scene.items.clone()),
+            published: false,
+        }
+    }
+
+    /// What the loop needs of scene and settings. `spacing`: of the rest, world length.
+    pub(crate) fn settings(&self, scene: &Scene, settings: &RenderSettings, spacing: f64) -> SplatSettings {
+        if self.published {
+            return SplatSettings {
+                lighting: settings.lighting,
+                manner: Manner::Published {
+                    background: scene.background,
+                },
+                ..SplatSettings::published(settings.size)
+            };
+        }
+        let cut = settings
+            .kernel
+            .gaussian()
+            .map_or(4.0, |(sigma, radius)| radius / sigma);
+        let integral = settings.compositing == Compositing::Xray;
+        SplatSettings {
+            size: settings.size,
+            low_pass: low_pass(settings.filter),
+            near: Near::World(0.5 * settings.sheet_thickness * spacing),
+            lighting: settings.lighting.filter(|_| !integral),
+            manner: if integral {
+                Manner::Integral { cut }
+            } else {
+                Manner::Light {
+                    cut,
+                    termination: settings.termination as f32,
+                }
+            },
+        }
     }
 }
 
-/// The settings with which the footprint engine renders a cloud.
-pub(crate) fn in_sheets(settings: &RenderSettings) -> RenderSettings {
-    let filter = match settings.filter {
-        Filter::Matched { pixel_sigma } => Filter::Ewa { pixel_sigma },
-        filter => filter,
-    };
-    RenderSettings {
-        classification: Classification::Pre,
-        sheet: Some(SheetContent::Section),
-        prefilter: false,
-        filter,
-        alignment: match settings.alignment {
-            Alignment::Sheet => Alignment::Affine,
-            alignment => alignment,
-        },
-        ..*settings
+fn scene_of(items: Vec<Item>) -> Scene {
+    Scene {
+        items,
+        ..Scene::default()
+    }
+}
+
+/// What footprints are widened by. Those of swan's filters are of the voxels of one grid, and go another way.
+fn low_pass(filter: Filter) -> LowPass {
+    let variance = |sigma: f64| (sigma * sigma) as f32 + LEAST_VARIANCE;
+    match filter {
+        Filter::None | Filter::Swan | Filter::SwanAlpha => LowPass::Added(LEAST_VARIANCE),
+        Filter::Ewa { pixel_sigma } => LowPass::Added(variance(pixel_sigma)),
+        Filter::Matched { pixel_sigma } => LowPass::Lacking(variance(pixel_sigma)),
     }
 }

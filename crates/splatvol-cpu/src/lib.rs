@@ -5,7 +5,7 @@
 //! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
 //! | `sheets` | grids, and scenes of several things in layers: the default |
 //! | `tile`, `stage` | grids slice by slice: `best`, missing samples, views too close for the sheets |
-//! | `splats` | 3-D Gaussians alone, as published |
+//! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `footprints` | whole footprints and sections of them: the papers' methods |
 //! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |
 //!
@@ -21,6 +21,7 @@ mod config;
 mod control;
 mod coverage;
 mod footprints;
+mod items;
 #[doc(hidden)]
 pub mod kernels;
 mod part;

@@ -13,11 +13,12 @@ use splatvol_scene::{Camera, Coverage, Exposure, Frame, Kernel, RenderSettings, 
 
 use crate::check::{check, too_close};
 use crate::clock::Instant;
-use crate::clouds;
+use crate::clouds::SplatScene;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::control::{Control, Progress, Task};
 use crate::coverage::Edges;
 use crate::footprints::{self, FootprintEngine};
+use crate::items::ItemStore;
 use crate::part;
 use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::pool::Pool;
@@ -25,7 +26,7 @@ use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
 use crate::sheets::engine::{Run, SheetEngine, TILE_EDGE};
 use crate::sheets::scene::LayeredScene;
 use crate::shutter::{self, Exposed};
-use crate::splats::{Placed, SplatEngine};
+use crate::splats::{Cloud, SplatEngine};
 use crate::stage::resolve::{Resolved, store};
 use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
@@ -59,7 +60,9 @@ pub struct Renderer {
     prepared: Option<Prepared>,
     data: SheetEngine,
     footprints: FootprintEngine,
-    gaussians: SplatEngine,
+    splats: SplatEngine,
+    /// Clouds of what is classified first.
+    items: ItemStore,
     /// The larger picture that edges are sampled from.
     fine: Option<Frame>,
     statistics: RenderStatistics,
@@ -103,7 +106,8 @@ impl Renderer {
             prepared: None,
             data: SheetEngine::default(),
             footprints: FootprintEngine::default(),
-            gaussians: SplatEngine::default(),
+            splats: SplatEngine::default(),
+            items: ItemStore::default(),
             fine: None,
             statistics,
         })
@@ -284,7 +288,6 @@ impl Renderer {
             return self.render_mean(&exposed, settings, frame, task);
         }
         let route = Route::of(scene, settings, &mut self.placed)?;
-        let settings = &route.settings(settings);
         let shot = Shot {
             scene,
             route: &route,
@@ -364,11 +367,8 @@ impl Renderer {
                     *frame = self.render_slices(scene, view, (task, only));
                 }
             }
-            Route::Published(clouds) => self.render_published(shot, clouds, settings, frame),
             Route::Layers(parts) => self.render_layers(run, shot, (parts, settings), frame)?,
-            Route::Cloud => {
-                self.statistics = self.footprints.render_items(run, shot.scene, view, frame)?;
-            }
+            Route::Splats(splats) => self.render_splats(run, shot, (splats, settings), frame),
         }
         task.go_on()
     }
@@ -384,10 +384,10 @@ impl Renderer {
         let view = (shot.camera, settings);
         for (volumes, rest) in [(&parts.volumes[..], &parts.rest), (&[], shot.scene)] {
             let start = Instant::now();
-            let footprints = &mut self.footprints;
+            let items = &mut self.items;
             let cloud = match rest.items.is_empty() {
                 true => None,
-                false => Some(run.pool.install(move || footprints.cloud_of(rest, view))?),
+                false => Some(run.pool.install(move || items.cloud(rest, shot.camera, settings))),
             };
             let scene = LayeredScene {
                 volumes,
@@ -403,32 +403,38 @@ impl Renderer {
         Ok(())
     }
 
-    /// Renders Gaussians as published.
-    fn render_published(
+    /// Renders splats one by one.
+    fn render_splats(
         &mut self,
+        run: Run<'_>,
         shot: &Shot<'_>,
-        clouds: &[Placed<'_>],
-        settings: &RenderSettings,
+        (drawn, settings): (&SplatScene<'_>, &RenderSettings),
         frame: &mut Frame,
     ) {
         let start = Instant::now();
-        let settings = clouds::published_settings(shot.scene, settings.size);
-        let Self {
-            pool,
-            gaussians,
-            level,
-            ..
-        } = self;
-        let view = (shot.camera, &settings);
-        pool.install(|| gaussians.render_into(*level, clouds, view, frame));
+        let mut clouds = drawn.gaussians.clone();
+        let mut spacing = 0.0;
+        if !drawn.rest.items.is_empty() {
+            let items = &mut self.items;
+            let cloud = run
+                .pool
+                .install(move || items.cloud(&drawn.rest, shot.camera, settings));
+            spacing = cloud.spacing;
+            clouds.push(Cloud::Kernels(cloud));
+        }
+        let classify = start.elapsed().as_secs_f64();
+        let settings = drawn.settings(shot.scene, settings, spacing);
+        let mut seconds = self.splats.render(run, &clouds, (shot.camera, &settings), frame);
+        seconds.classify = classify;
+        seconds.total = start.elapsed().as_secs_f64();
         self.statistics = RenderStatistics {
-            threads: self.pool.current_num_threads(),
-            engine: "gaussians",
+            seconds,
+            threads: run.pool.current_num_threads(),
+            engine: "splats",
             simd: level_name(self.level),
-            voxels: clouds.iter().map(|cloud| cloud.gaussians.len() as u64).sum(),
+            voxels: clouds.iter().map(|cloud| cloud.len() as u64).sum(),
             ..RenderStatistics::default()
         };
-        self.statistics.seconds.total = start.elapsed().as_secs_f64();
     }
 
     /// The mean of the pictures of a scene at rest: what a shutter sees while it is open.

@@ -3,9 +3,9 @@
 //! | scene | engine |
 //! |---|---|
 //! | one volume, wherever it lies | those for grids (`sheets`, `tile`), or `footprints` where a method needs whole ones |
-//! | nothing but Gaussians | the published renderer's way (`splats`), unless sheets are asked for |
+//! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
 //! | everything else on image sheets | `sheets`: every volume a layer, the rest a cloud, another |
-//! | everything else by another method | `footprints`: one cloud of classified splats |
+//! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |
 //!
 //! A volume is brought to its place by its grid: `world_from_voxel = world_from_item * item_from_voxel`.
 
@@ -15,13 +15,12 @@ use std::sync::Arc;
 use glam::DAffine3;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Clip, Compositing, Content, GaussianMode, Gradient, Isosurface, Item, Motion, RenderSettings, Scene,
-    SceneError, SingleVolume, TransferFunction, Volume,
+    Clip, Compositing, Content, Gradient, Isosurface, Item, Motion, RenderSettings, Scene, SceneError,
+    SingleVolume, TransferFunction, Volume,
 };
 
+use crate::clouds::SplatScene;
 use crate::plan::splats_color;
-use crate::splats::Placed;
-use crate::{clouds, footprints};
 
 /// Which way a scene goes.
 pub(crate) enum Way<'a> {
@@ -31,28 +30,20 @@ pub(crate) enum Way<'a> {
     Published,
     /// To the sheets, as layers.
     Layers,
-    /// By the papers' methods, as one cloud of splats.
-    Cloud,
+    /// Splat by splat, as one cloud.
+    Splats,
 }
 
 impl<'a> Way<'a> {
-    /// The way of a scene.
-    ///
-    /// # Errors
-    /// Things besides Gaussians, where the published way is asked for.
-    pub(crate) fn of(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, SceneError> {
-        match (settings.gaussians, scene.is_gaussians()) {
-            (GaussianMode::Published, false) => Err(SceneError::Combination {
-                what: "the published way to render Gaussians (3dgs)",
-                why: "it sorts whole Gaussians and knows nothing else; use volumetric, which composites them with \
-                      everything else sheet by sheet",
-            }),
-            (GaussianMode::Auto | GaussianMode::Published, true) => Ok(Self::Published),
-            (GaussianMode::Auto, false) | (GaussianMode::Volumetric, _) => Ok(match scene.single_volume() {
-                Ok(single) => Self::Volume(single),
-                Err(_) if on_planes(settings) => Self::Layers,
-                Err(_) => Self::Cloud,
-            }),
+    /// The way of a scene; `check` says whether it can be gone.
+    pub(crate) fn of(scene: &'a Scene, settings: &RenderSettings) -> Self {
+        if scene.is_published(settings) {
+            return Self::Published;
+        }
+        match scene.single_volume() {
+            Ok(single) => Self::Volume(single),
+            Err(_) if settings.compositing == Compositing::ImageSheets => Self::Layers,
+            Err(_) => Self::Splats,
         }
     }
 }
@@ -61,12 +52,10 @@ impl<'a> Way<'a> {
 pub(crate) enum Route<'a> {
     /// A volume where it lies.
     Volume(VolumeScene<'a>),
-    /// Gaussians where they lie.
-    Published(Vec<Placed<'a>>),
     /// Volumes where they lie, and the rest.
     Layers(Parts<'a>),
-    /// All as a cloud.
-    Cloud,
+    /// Splat by splat.
+    Splats(SplatScene<'a>),
 }
 
 /// The layers of a scene.
@@ -146,33 +135,20 @@ impl<'a> Route<'a> {
     /// A scene on the way that it goes.
     ///
     /// # Errors
-    /// As [`Way::of`], and places that cannot be inverted.
+    /// Places that cannot be inverted.
     pub(crate) fn of(
         scene: &'a Scene,
         settings: &RenderSettings,
         volumes: &mut PlacedVolumes,
     ) -> Result<Self, SceneError> {
         volumes.keep(scene);
-        match Way::of(scene, settings)? {
+        match Way::of(scene, settings) {
             Way::Volume(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
-            Way::Published => Ok(Self::Published(placed(scene))),
+            Way::Published => Ok(Self::Splats(SplatScene::published(scene))),
             Way::Layers => parts(scene, settings, volumes).map(Self::Layers),
-            Way::Cloud => Ok(Self::Cloud),
+            Way::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
         }
     }
-
-    /// The settings that this way takes.
-    pub(crate) fn settings(&self, settings: &RenderSettings) -> RenderSettings {
-        match self {
-            Self::Volume(_) | Self::Published(_) | Self::Layers(_) => *settings,
-            Self::Cloud => clouds::in_sheets(settings),
-        }
-    }
-}
-
-/// Whether scenes are splatted on planes: image sheets, and no paper's way to draw footprints.
-fn on_planes(settings: &RenderSettings) -> bool {
-    settings.compositing == Compositing::ImageSheets && !footprints::render(None, settings)
 }
 
 /// The layers of a scene. Volumes that only the slices render are classified with the rest.
@@ -221,17 +197,6 @@ pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool
     settings.gradient == Gradient::Differences
         && (settings.prefilter || splats_color(settings))
         && volume.statistics().non_finite == 0
-}
-
-fn placed(scene: &Scene) -> Vec<Placed<'_>> {
-    let placed = scene.items.iter().filter_map(|item| match &item.content {
-        Content::Gaussians(gaussians) => Some(Placed {
-            gaussians,
-            world_from_item: item.world_from_item,
-        }),
-        _ => None,
-    });
-    placed.collect()
 }
 
 fn volume_scene<'a>(

@@ -7,7 +7,10 @@ use std::sync::Arc;
 use glam::DAffine3;
 
 use crate::operator::PixelOperator;
-use crate::{Bounds, Clip, Content, Isosurface, Item, Motion, SceneError, TransferFunction, Volume};
+use crate::{
+    Bounds, Clip, Compositing, Content, GaussianMode, Isosurface, Item, Motion, RenderSettings, SceneError,
+    TransferFunction, Volume,
+};
 
 /// Things that are rendered together.
 #[derive(Debug, Clone, Default)]
@@ -102,6 +105,21 @@ impl Scene {
             .map(Item::bounds)
             .reduce(both)
             .ok_or_else(no_items)
+    }
+
+    /// Whether whole splats are composited one by one, as the published renderer of Gaussians does, not sheets.
+    pub fn is_published(&self, settings: &RenderSettings) -> bool {
+        let all = |of: fn(&Content) -> bool| self.items.iter().all(|item| of(&item.content));
+        match settings.gaussians {
+            GaussianMode::Published => true,
+            GaussianMode::Volumetric => false,
+            GaussianMode::Auto => {
+                let has_gaussians = !all(|content| !matches!(content, Content::Gaussians(_)));
+                let whole = all(|content| matches!(content, Content::Gaussians(_) | Content::Points { .. }));
+                let on_sheets = settings.compositing == Compositing::ImageSheets;
+                self.is_gaussians() || (has_gaussians && whole && on_sheets)
+            }
+        }
     }
 
     /// Whether all of it is Gaussians.

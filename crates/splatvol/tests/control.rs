@@ -8,12 +8,14 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::PROJECTIONS;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Classification, Compositing, Control, Coverage, EngineConfig, Frame, Grid, ImageSize, Motion,
-    MotionBlur, RenderSettings, Renderer, Scene, SceneError, TileRect, View,
+    Bounds, Camera, Classification, Compositing, Control, Coverage, EngineConfig, Frame, GaussianAttributes,
+    Gaussians, Grid, ImageSize, Item, Motion, MotionBlur, PointAttributes, PointLook, Points, RenderSettings,
+    Renderer, Scene, SceneError, TileRect, View,
 };
 use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::Random;
 
 const WIDTH: u32 = 184;
 const HEIGHT: u32 = 136;
@@ -23,9 +25,11 @@ struct Case {
     scene: Scene,
     camera: Camera,
     settings: RenderSettings,
+    /// Largest edge of a tile, whatever is asked for.
+    edge: u32,
 }
 
-/// Every engine that renders volumes, and everything that makes a picture of several.
+/// Every engine, and everything that makes a picture of several.
 fn cases() -> Vec<Case> {
     let volume = Sample::Shells.generate(Some(SampleSize::Longest(48))).unwrap();
     let grid = volume.grid().clone();
@@ -47,7 +51,15 @@ fn cases() -> Vec<Case> {
         scene: scene.clone(),
         camera: camera(1.0),
         settings,
+        edge: 32,
     };
+    let several = Scene::of_items(vec![
+        scene.items[0].clone(),
+        points(&bounds),
+        Item::gaussians(gaussians(&bounds)),
+    ])
+    .unwrap();
+    let cloud = Scene::of_items(vec![points(&bounds), Item::gaussians(gaussians(&bounds))]).unwrap();
     let composited = |compositing| RenderSettings {
         compositing,
         ..default
@@ -56,20 +68,40 @@ fn cases() -> Vec<Case> {
         classification: Classification::Pre,
         ..default
     };
+    let one_by_one = RenderSettings {
+        compositing: Compositing::PerSplat,
+        prefilter: false,
+        ..pre
+    };
     vec![
         case("default", default),
         case("best", sized(RenderSettings::best())),
         case("pre", pre),
-        case("xray", composited(Compositing::Xray)),
+        Case {
+            edge: 128,
+            ..case("xray", composited(Compositing::Xray))
+        },
         case("mip", composited(Compositing::Mip)),
-        case(
-            "per splat",
-            RenderSettings {
-                compositing: Compositing::PerSplat,
-                prefilter: false,
-                ..pre
-            },
-        ),
+        Case {
+            edge: 64,
+            ..case("per splat", one_by_one)
+        },
+        Case {
+            scene: cloud,
+            ..case("3dgs and points", default)
+        },
+        Case {
+            scene: several.clone(),
+            ..case("layers", default)
+        },
+        Case {
+            scene: several.clone(),
+            ..case("clouds per splat", one_by_one)
+        },
+        Case {
+            scene: several,
+            ..case("xray of clouds", composited(Compositing::Xray))
+        },
         case(
             "coverage",
             RenderSettings {
@@ -92,6 +124,42 @@ fn cases() -> Vec<Case> {
             ..case("two levels", default)
         },
     ]
+}
+
+/// A place in a box, by numbers from 0 to 1.
+fn place(bounds: &Bounds, at: DVec3) -> [f32; 3] {
+    (bounds.min + at * (bounds.max - bounds.min)).as_vec3().to_array()
+}
+
+/// Points all over a box.
+fn points(bounds: &Bounds) -> Item {
+    let mut random = Random::new(5);
+    let positions: Vec<_> = (0..2000)
+        .map(|_| place(bounds, random.point(DVec3::ZERO, DVec3::ONE)))
+        .collect();
+    let attributes = PointAttributes {
+        radii: vec![0.01 * bounds.diagonal() as f32; positions.len()],
+        ..PointAttributes::default()
+    };
+    let points = Points::new(positions, attributes, DAffine3::IDENTITY).unwrap();
+    Item::points(points, PointLook::default())
+}
+
+/// Gaussians all over a box.
+fn gaussians(bounds: &Bounds) -> Gaussians {
+    let mut random = Random::new(6);
+    let mut made = GaussianAttributes::default();
+    for _ in 0..2000 {
+        made.means
+            .push(place(bounds, random.point(DVec3::ZERO, DVec3::ONE)));
+        made.scales
+            .push([(); 3].map(|()| (bounds.diagonal() * random.range(0.002, 0.03)) as f32));
+        made.rotations.push([0.0, 0.0, 0.0, 1.0]);
+        made.opacities.push(random.range(0.1, 0.95) as f32);
+        made.harmonics
+            .push([(); 3].map(|()| random.range(-1.0, 1.0) as f32));
+    }
+    Gaussians::new(made, 0, DAffine3::IDENTITY).unwrap()
 }
 
 /// A camera for which two levels of detail are blended: voxels a little wider than .8 pixels.
@@ -118,14 +186,9 @@ fn renderer() -> Renderer {
 }
 
 impl Case {
-    /// Tiles at least: X-rays have tiles of 128 pixels and whole footprints of 64, whatever is asked for.
+    /// Tiles at least.
     fn tiles(&self) -> usize {
-        let edge = match self.settings.compositing {
-            Compositing::Xray => 128,
-            Compositing::PerSplat => 64,
-            _ => 32,
-        };
-        (WIDTH.div_ceil(edge) * HEIGHT.div_ceil(edge)) as usize
+        (WIDTH.div_ceil(self.edge) * HEIGHT.div_ceil(self.edge)) as usize
     }
 
     /// The largest share of the picture that is heard of before all of it.

@@ -61,9 +61,9 @@ pub(crate) enum UpAxis {
 /// How Gaussians are composited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum GaussianModeName {
-    /// 3dgs where there is nothing but Gaussians, else volumetric
+    /// 3dgs where there are Gaussians, alone or with points; else volumetric
     Auto,
-    /// As the published renderer: whole Gaussians, sorted by their centres
+    /// As the published renderer: whole Gaussians, and points and meshes among them, sorted by their centres
     #[value(name = "3dgs")]
     Published,
     /// In sheets, with everything else: no popping, linear light

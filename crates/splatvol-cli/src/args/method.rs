@@ -83,6 +83,23 @@ pub(crate) struct MethodArgs {
     pub(crate) light: Option<Triple>,
 }
 
+impl MethodArgs {
+    /// All but how things are lit.
+    pub(crate) fn without_light(&self) -> Self {
+        Self {
+            no_shade: false,
+            shade: false,
+            ambient: None,
+            diffuse: None,
+            specular: None,
+            specular_power: None,
+            gradient_floor: None,
+            light: None,
+            ..self.clone()
+        }
+    }
+}
+
 /// Whole settings by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetName {

@@ -145,7 +145,7 @@ impl Composed {
         if let Some(mode) = args.item.gaussians {
             settings.gaussians = mode.into();
         }
-        refuse::gaussians(args, &loaded.scene, settings.gaussians)?;
+        refuse::gaussians(args, &loaded.scene, &settings)?;
         let effects = like.map_or_else(|| args.effects.clone(), |like| args.effects.or(&like.effects));
         let applied = self.effects(&effects, &loaded.scene)?;
         let plain = applied.is_empty() && loaded.scene.single_volume().is_ok();

@@ -16,6 +16,7 @@
 
 use glam::{DAffine3, DMat3, DVec3, Mat3, Quat, Vec3};
 use rayon::prelude::*;
+use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{Gaussians, Points};
 
 use super::cloud::{Chunk, KernelShape, SplatCloud};
@@ -270,17 +271,8 @@ fn surface_depth(opacity: f64) -> f64 {
 }
 
 fn payload(depth: f64, color: [f64; 3]) -> [f32; 4] {
-    let [r, g, b] = color.map(|level| (depth * linear_light(level)) as f32);
+    let [r, g, b] = color.map(|level| (depth * linear_from_srgb(level.max(0.0))) as f32);
     [depth as f32, r, g, b]
-}
-
-/// sRGB to linear light (IEC 61966-2-1); brighter than white goes on along the curve.
-fn linear_light(level: f64) -> f64 {
-    if level <= 0.040_45 {
-        level.max(0.0) / 12.92
-    } else {
-        libm::pow((level + 0.055) / 1.055, 2.4)
-    }
 }
 
 fn vector(v: [f32; 3]) -> DVec3 {

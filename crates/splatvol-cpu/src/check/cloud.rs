@@ -1,12 +1,31 @@
 //! What clouds of splats cannot show: several things, meshes, points, Gaussians.
 
-use splatvol_scene::{Compositing, Filter, Rasterizer, Reconstruction, RenderSettings, Scene, SceneError};
+use splatvol_scene::{
+    Absorption, Alignment, Classification, Compositing, Content, Filter, Item, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
+};
 
 use super::{asked, asked_of, volume};
 use crate::route::own_layer;
 
 /// Refuses what the published way to render Gaussians does not have.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
+    let refuse = |why| {
+        Err(SceneError::Combination {
+            what: "the published way to render Gaussians (3dgs)",
+            why,
+        })
+    };
+    let any = |of: fn(&Item) -> bool| scene.items.iter().any(of);
+    if any(|item| matches!(item.content, Content::Volume { .. })) {
+        return refuse(
+            "it sorts whole splats, and a volume is a field that only sheets classify and light; use volumetric, which \
+             composites all of it sheet by sheet",
+        );
+    }
+    if any(|item| matches!(item.content, Content::Mesh { .. })) && settings.kernel.gaussian().is_none() {
+        return refuse("the kernels of a mesh's samples are Gaussians here; use the gaussian kernel");
+    }
     if settings.compositing != Compositing::ImageSheets {
         return Err(SceneError::invalid(
             "compositing",
@@ -14,18 +33,24 @@ pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), 
             "image-sheets, or Gaussians volumetric: as published they are composited over each other, one by one",
         ));
     }
+    one_volume(settings)?;
     footprints_in_motion(scene, settings)?;
-    match asked(scene) {
-        None => Ok(()),
-        Some(what) => Err(SceneError::Combination {
-            what,
-            why: "Gaussians are drawn whole, one by one, without it",
-        }),
-    }
+    nothing_asked(
+        scene,
+        "Gaussians, and what is splatted among them, are drawn whole, one by one, without it",
+    )
 }
 
 /// Refuses what layers do not have: volumes have what they have alone, and a cloud is cut by the clips of the scene.
 pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
+    one_volume(settings)?;
+    if settings.sheet == Some(SheetContent::Section) && settings.classification == Classification::Post {
+        return Err(SceneError::invalid(
+            "sheet",
+            SheetContent::Section,
+            "sample: sections of data are of the footprints of one volume alone",
+        ));
+    }
     footprints_in_motion(scene, settings)?;
     for item in &scene.items {
         if let Some(single) = own_layer(item, settings) {
@@ -40,40 +65,116 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
     Ok(())
 }
 
-/// Refuses what sheets of clouds do not have.
-pub(super) fn sheets(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
-    let refuse = |why| {
-        Err(SceneError::Combination {
-            what: "anything but one volume",
-            why,
-        })
-    };
-    if settings.compositing.shows_one_value() || settings.compositing == Compositing::AxisSheets {
+/// Refuses what whole splats do not have.
+pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
+    match settings.compositing {
+        Compositing::PerSplat | Compositing::Xray => {}
+        Compositing::PerSplatBackToFront => {
+            return Err(SceneError::invalid(
+                "compositing",
+                settings.compositing,
+                "per-splat, the same picture front to back: the other order is of one volume alone",
+            ));
+        }
+        _ => {
+            return Err(SceneError::Combination {
+                what: "anything but one volume",
+                why: "maxima, minima, means and the slices of a grid are of one volume; use image sheets, per-splat or X-ray",
+            });
+        }
+    }
+    let has_data = |item: &Item| matches!(item.content, Content::Volume { .. } | Content::Mesh { .. });
+    if scene.items.iter().any(has_data) {
+        settings.validate()?;
+    } else {
+        // Where nothing is classified, it does not matter when.
+        let classification = Classification::Pre;
+        RenderSettings {
+            classification,
+            ..*settings
+        }
+        .validate()?;
+    }
+    one_volume(settings)?;
+    footprints_in_motion(scene, settings)?;
+    nothing_asked(
+        scene,
+        "whole splats are drawn one by one, classified first, without it; use image sheets",
+    )
+}
+
+/// Refuses the methods whose footprints are of the voxels of one grid.
+fn one_volume(settings: &RenderSettings) -> Result<(), SceneError> {
+    let whole = matches!(settings.compositing, Compositing::PerSplat | Compositing::Xray);
+    let refuse =
+        |field, value: &dyn std::fmt::Debug, expected| Err(SceneError::invalid(field, value, expected));
+    if matches!(settings.filter, Filter::Swan | Filter::SwanAlpha) {
         return refuse(
-            "maxima, minima, means and the slices of a grid are of one volume; use image sheets, per-splat or X-ray",
+            "filter",
+            &settings.filter,
+            "ewa or matched: swan's filter compares the voxels of one grid with pixels",
         );
+    }
+    match settings.alignment {
+        Alignment::Sheet => {}
+        Alignment::Affine if whole => {}
+        _ => {
+            return refuse(
+                "alignment",
+                &settings.alignment,
+                "sheet: other footprints are of the voxels of one volume alone",
+            );
+        }
     }
     if settings.rasterizer != Rasterizer::Auto {
         return refuse(
-            "tables hold the footprints of one kernel, and each splat here has its own; use rasterizer auto",
+            "rasterizer",
+            &settings.rasterizer.name(),
+            "auto: tables hold the footprints of one kernel, and each splat here has its own",
         );
     }
-    if matches!(settings.filter, Filter::Swan | Filter::SwanAlpha) {
-        return refuse("swan's filter compares the voxels of one grid with pixels; use ewa or matched");
+    if settings.occlusion != Occlusion::Auto {
+        return refuse(
+            "occlusion",
+            &settings.occlusion,
+            "auto: the others are of one volume alone",
+        );
+    }
+    if settings.absorption != Absorption::Exp {
+        return refuse(
+            "absorption",
+            &settings.absorption,
+            "exp: the papers' approximation is of one volume alone",
+        );
     }
     if settings.kernel.gaussian().is_none() {
-        return refuse("kernels of ellipsoids are Gaussians; use the gaussian kernel");
+        return refuse(
+            "kernel",
+            &settings.kernel.name(),
+            "gaussian: kernels of ellipsoids are Gaussians",
+        );
     }
-    if settings.reconstruction != Reconstruction::Volume || settings.extraction.is_some() {
-        return refuse("flattening and ranges of interest are of one volume");
+    if settings.reconstruction != Reconstruction::Volume {
+        return refuse(
+            "reconstruction",
+            &settings.reconstruction,
+            "volume: flattening is of one volume alone",
+        );
     }
-    footprints_in_motion(scene, settings)?;
+    if settings.extraction.is_some() {
+        return refuse(
+            "extraction",
+            &settings.extraction,
+            "none: ranges of interest are of one volume alone",
+        );
+    }
+    Ok(())
+}
+
+fn nothing_asked(scene: &Scene, why: &'static str) -> Result<(), SceneError> {
     match asked(scene) {
         None => Ok(()),
-        Some(what) => Err(SceneError::Combination {
-            what,
-            why: "it is of a volume alone; several things, meshes, points and Gaussians are classified first, without it",
-        }),
+        Some(what) => Err(SceneError::Combination { what, why }),
     }
 }
 

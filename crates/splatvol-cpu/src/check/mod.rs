@@ -18,7 +18,7 @@ mod volume;
 use splatvol_scene::{Camera, Clip, Coverage, ImageSize, Item, RenderSettings, Scene, SceneError};
 
 use crate::route::Way;
-use crate::{clouds, footprints, shutter};
+use crate::{footprints, shutter};
 
 pub(crate) use volume::too_close;
 
@@ -28,8 +28,7 @@ pub(crate) use volume::too_close;
 /// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
 pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<(), SceneError> {
     scene.validate()?;
-    let way = Way::of(scene, settings)?;
-    match way {
+    match Way::of(scene, settings) {
         Way::Volume(single) => {
             settings.validate()?;
             volume::check(scene, &single, settings)?;
@@ -42,10 +41,7 @@ pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Resul
             settings.validate()?;
             cloud::layers(scene, settings)?;
         }
-        Way::Cloud => {
-            cloud::sheets(scene, settings)?;
-            clouds::in_sheets(settings).validate()?;
-        }
+        Way::Splats => cloud::splats(scene, settings)?,
     }
     coverage(settings)?;
     shutter::sub_frames(scene, camera, settings).map(|_| ())

@@ -4,7 +4,7 @@
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
-//! | extract | `cloud`, `items` | the volume's visible voxels, or all kernels of a scene, become a cloud, kept between frames |
+//! | extract | `cloud` | the volume's visible voxels become a cloud, kept between frames |
 //! | profile | `kernels` | the kernel's line integrals, as a function or as tables, kept between frames |
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
@@ -17,7 +17,6 @@
 
 mod cloud;
 mod data;
-mod items;
 mod kernels;
 mod occlusion;
 mod order;
@@ -30,14 +29,13 @@ mod turns;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use splatvol_core::splats::{Profile, SplatCloud};
+use splatvol_core::splats::Profile;
 use splatvol_scene::{
     Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Motion, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
+    Reconstruction, RenderSettings, SceneError, SheetContent,
 };
 
 use self::cloud::CloudStore;
-use self::items::ItemStore;
 use self::kernels::{Footprints, KernelStore};
 use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
@@ -73,7 +71,6 @@ pub(crate) fn render(motion: Option<&Motion>, settings: &RenderSettings) -> bool
 #[derive(Debug, Default)]
 pub(crate) struct FootprintEngine {
     store: CloudStore,
-    items: ItemStore,
     kernels: KernelStore,
 }
 
@@ -93,51 +90,7 @@ impl FootprintEngine {
         self.kernels.prepare(settings)?;
         let shape = self.kernels.shape(settings);
         let (cloud, bricks) = run.pool.install(|| self.store.cloud(scene, settings, shape));
-        let drawn = Drawn {
-            cloud,
-            bricks,
-            scene: Some(scene),
-        };
-        let view = (camera, settings);
-        Ok(draw(run, (drawn, self.kernels.footprints()), view, frame, start))
-    }
-
-    /// The cloud of a scene as a camera sees it.
-    ///
-    /// # Errors
-    /// Kernels outside their domain.
-    pub(crate) fn cloud_of(
-        &mut self,
-        scene: &Scene,
-        (camera, settings): (&Camera, &RenderSettings),
-    ) -> Result<&SplatCloud, SceneError> {
-        self.kernels.prepare(settings)?;
-        let shape = self.kernels.shape(settings);
-        Ok(self.items.cloud(scene, camera, (settings, shape)))
-    }
-
-    /// Renders a frame of several things: everything but `camera` and settings is kept between frames.
-    ///
-    /// # Errors
-    /// Kernels outside their domain.
-    pub(crate) fn render_items(
-        &mut self,
-        run: Run<'_>,
-        scene: &Scene,
-        (camera, settings): (&Camera, &RenderSettings),
-        frame: &mut Frame,
-    ) -> Result<RenderStatistics, SceneError> {
-        let start = Instant::now();
-        self.kernels.prepare(settings)?;
-        let shape = self.kernels.shape(settings);
-        let items = &mut self.items;
-        let drawn = Drawn {
-            cloud: run
-                .pool
-                .install(move || items.cloud(scene, camera, (settings, shape))),
-            bricks: 0,
-            scene: None,
-        };
+        let drawn = Drawn { cloud, bricks, scene };
         let view = (camera, settings);
         Ok(draw(run, (drawn, self.kernels.footprints()), view, frame, start))
     }

@@ -25,8 +25,8 @@ pub(crate) struct Drawn<'a> {
     pub cloud: &'a SplatCloud,
     /// Bricks of the volume that it is from.
     pub bricks: usize,
-    /// The volume, whose data are classified in sheets, and may move; `None` for several things.
-    pub scene: Option<&'a VolumeScene<'a>>,
+    /// The volume, whose data are classified in sheets, and may move.
+    pub scene: &'a VolumeScene<'a>,
 }
 
 /// Everything that tiles need.
@@ -71,10 +71,9 @@ impl<'a, P: Profile> Plan<'a, P> {
         };
         let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), profile)
             .with_stretch(settings.stretch);
-        let moving = scene.and_then(|scene| Some((scene.motion?, scene.volume.grid().dims())));
-        if let Some((motion, dims)) = moving.filter(|_| settings.motion_blur.moves_footprints()) {
+        if let Some(motion) = scene.motion.filter(|_| settings.motion_blur.moves_footprints()) {
             let capsule = settings.motion_blur == MotionBlur::Capsule;
-            projection = projection.moving(motion, dims, &view, capsule);
+            projection = projection.moving(motion, scene.volume.grid().dims(), &view, capsule);
         }
         let reach = projection.depth_reach();
         let corners = corners(cloud)
@@ -110,7 +109,7 @@ impl<'a, P: Profile> Plan<'a, P> {
             settings,
             cloud,
             light: lit.map(|lighting| SplatLight::new(lighting, cloud, camera)),
-            shading: scene.filter(|_| data).map(|scene| {
+            shading: data.then(|| {
                 let table = ClassificationTable::new(
                     &scene.transfer_function,
                     scene.volume.value_range(),

@@ -97,10 +97,21 @@ pub(crate) fn linear_from_srgb<S: Simd>(simd: S, encoded: f32x16<S>) -> f32x16<S
         .select(encoded * (1.0 / 12.92), power)
 }
 
+/// Linear light to sRGB (IEC 61966-2-1) per lane, from 0 to 1e6; relative error 1e-5.
+#[inline(always)]
+pub(crate) fn srgb_from_linear<S: Simd>(simd: S, linear: f32x16<S>) -> f32x16<S> {
+    let logarithm = log2(simd, linear.max(f32x16::splat(simd, f32::MIN_POSITIVE)));
+    let power = exp2_quick(simd, logarithm * (1.0 / 2.4)) * 1.055 - 0.055;
+    linear
+        .simd_le(f32x16::splat(simd, 0.003_130_8))
+        .select(linear * 12.92, power)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
+    use splatvol_scene::transfer_function;
 
     #[inline(always)]
     fn worst_relative_error<S: Simd>(simd: S) -> f64 {
@@ -133,12 +144,13 @@ mod tests {
         assert!(tail.is_normal() && tail < 1e-37, "{tail}");
     }
     #[inline(always)]
-    fn of_colors<S: Simd>(simd: S, x: f32) -> [f32; 3] {
+    fn of_colors<S: Simd>(simd: S, x: f32) -> [f32; 4] {
         let v = f32x16::splat(simd, x);
         [
             exp2_quick(simd, v - 8.0)[3],
             log2(simd, v + 1e-3)[5],
             linear_from_srgb(simd, v)[7],
+            srgb_from_linear(simd, v)[9],
         ]
     }
 
@@ -149,17 +161,17 @@ mod tests {
         };
         for i in 0..20_000 {
             let x = i as f32 * 4e-4;
-            let [power, logarithm, linear] = dispatch!(Level::new(), simd => of_colors(simd, x));
+            let [power, logarithm, linear, encoded] = dispatch!(Level::new(), simd => of_colors(simd, x));
             let exact = f64::from(x);
             assert!(near(power, f64::from(x - 8.0).exp2(), 4e-6), "{x}");
             assert!(near(logarithm, f64::from(x + 1e-3).log2(), 0.0), "{x}");
             assert!(
-                near(
-                    linear,
-                    splatvol_scene::transfer_function::linear_from_srgb(exact),
-                    2e-5
-                ),
-                "{x}"
+                near(linear, transfer_function::linear_from_srgb(exact), 2e-5),
+                "{x} {linear}"
+            );
+            assert!(
+                near(encoded, transfer_function::srgb_from_linear(exact), 2e-5),
+                "{x} {encoded}"
             );
         }
     }

@@ -4,42 +4,20 @@
 //! as many tiles at once as a fixed number of entries per splat allows, so memory is bounded however large splats are.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use rayon::prelude::*;
-use splatvol_scene::ImageSize;
+use splatvol_core::bin::TileGrid;
 
+use super::cover::TILE;
 use super::order::{even, grow, index, starts};
 use super::project::Rect;
 use super::view::REFERENCE_TILE;
 
-/// Pixels along an edge of a tile.
-pub(crate) const TILE: usize = 32;
 /// Reference tiles along an edge of a tile.
 const RATIO: u16 = (TILE as u32 / REFERENCE_TILE) as u16;
 /// Entries in lists per splat; a tile's list is made whole in any case.
 const ENTRIES_PER_SPLAT: usize = 16;
-
-/// Columns and rows of tiles.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TileGrid {
-    pub columns: usize,
-    pub rows: usize,
-}
-
-impl TileGrid {
-    pub(crate) fn new(size: ImageSize) -> Self {
-        let tiles = |pixels: u32| (pixels as usize).div_ceil(TILE);
-        Self {
-            columns: tiles(size.width()),
-            rows: tiles(size.height()),
-        }
-    }
-
-    pub(crate) fn count(&self) -> usize {
-        self.columns * self.rows
-    }
-}
 
 /// Lists of splats per tile, of some tiles at a time.
 #[derive(Debug, Default)]
@@ -54,6 +32,7 @@ pub(crate) struct Counted<'a> {
     rects: &'a [Rect],
     parts: Vec<Range<usize>>,
     counts: Vec<Vec<u32>>,
+    stop: &'a AtomicBool,
 }
 
 /// The lists of the tiles of a range.
@@ -80,10 +59,19 @@ fn tiles(rect: Rect) -> [Range<usize>; 2] {
 }
 
 impl<'a> Counted<'a> {
-    pub(crate) fn new(grid: TileGrid, order: &'a [AtomicU64], rects: &'a [Rect], parts: usize) -> Self {
+    /// Counts in so many parts; `None` once `stop` is set.
+    pub(crate) fn new(
+        grid: TileGrid,
+        (order, rects): (&'a [AtomicU64], &'a [Rect]),
+        parts: usize,
+        stop: &'a AtomicBool,
+    ) -> Option<Self> {
         let parts = even(0..order.len(), parts);
         let count = |part: &Range<usize>| {
-            let mut counts = vec![0u32; grid.count()];
+            let mut counts = vec![0u32; grid.len()];
+            if stop.load(Ordering::Relaxed) {
+                return counts;
+            }
             for key in &order[part.clone()] {
                 let [columns, rows] = tiles(rects[index(key)]);
                 for row in rows {
@@ -96,13 +84,14 @@ impl<'a> Counted<'a> {
             counts
         };
         let counts = parts.par_iter().with_max_len(1).map(count).collect();
-        Self {
+        (!stop.load(Ordering::Relaxed)).then_some(Self {
             grid,
             order,
             rects,
             parts,
             counts,
-        }
+            stop,
+        })
     }
 
     /// The tiles from `first` on whose lists are made at once, one at least.
@@ -110,7 +99,7 @@ impl<'a> Counted<'a> {
         let most = (self.order.len() * ENTRIES_PER_SPLAT).min(u32::MAX as usize);
         let mut sum = 0;
         let mut past = first;
-        while past < self.grid.count() {
+        while past < self.grid.len() {
             sum += self.counts.iter().map(|part| part[past] as usize).sum::<usize>();
             if sum > most && past > first {
                 break;
@@ -128,10 +117,11 @@ impl Bins {
         self.entries.capacity() * size_of::<AtomicU32>()
     }
 
-    /// Calls `consume` with the lists of all tiles, some at a time, in order.
+    /// Calls `consume` with the lists of all tiles, some at a time, in order, until the picture is given up: the last lists may
+    /// be wrong then.
     pub(crate) fn for_each(&mut self, mut counted: Counted<'_>, mut consume: impl FnMut(&Lists<'_>)) {
         let mut first = 0;
-        while first < counted.grid.count() {
+        while first < counted.grid.len() && !counted.stop.load(Ordering::Relaxed) {
             let tiles = counted.next_tiles(first);
             first = tiles.end;
             consume(&self.fill(&mut counted, tiles));
@@ -148,13 +138,17 @@ impl Bins {
         grow(&mut self.entries, sum);
         let (entries, columns) = (&self.entries[..sum], counted.grid.columns);
         let (order, rects) = (counted.order, counted.rects);
-        let all = range.len() == counted.grid.count();
+        let all = range.len() == counted.grid.len();
+        let stop = counted.stop;
         counted
             .parts
             .par_iter()
             .zip(&mut counted.counts)
             .with_max_len(1)
             .for_each(|(part, places)| {
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
                 for key in &order[part.clone()] {
                     let splat = index(key);
                     let [tile_columns, tile_rows] = tiles(rects[splat]);

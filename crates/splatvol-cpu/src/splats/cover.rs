@@ -6,12 +6,14 @@
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
-use super::bin::TILE;
-use super::project::{LOG2_255, Rect, Splat};
+use super::blend::Blend;
+use super::project::{Rect, Splat};
 use super::view::REFERENCE_TILE;
 
 /// Splats that are tested at once.
 pub(crate) const BATCH: usize = 16;
+/// Pixels along an edge of a tile.
+pub(crate) const TILE: usize = 32;
 /// Pixels along an edge of a block.
 pub(crate) const BLOCK: usize = 4;
 /// Blocks along an edge of a tile.
@@ -21,7 +23,13 @@ const SLACK: f32 = 0.02;
 
 /// Masks of blocks, bit `8 row + column`, of the splats in `batch`.
 #[inline(always)]
-pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], masks: &mut [u64; BATCH]) {
+pub(crate) fn cover<S: Simd>(
+    simd: S,
+    blend: impl Blend,
+    batch: &[Splat; BATCH],
+    tile: [usize; 2],
+    masks: &mut [u64; BATCH],
+) {
     let mut soa = [[0.0; BATCH]; 8];
     for (lane, splat) in batch.iter().enumerate() {
         let values = [
@@ -30,7 +38,7 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
             splat.conic[0],
             splat.conic[1],
             splat.conic[2],
-            splat.log2_opacity,
+            splat.peak,
             splat.reach[0],
             splat.reach[1],
         ];
@@ -42,9 +50,9 @@ pub(crate) fn cover<S: Simd>(simd: S, batch: &[Splat; BATCH], tile: [usize; 2], 
     for k in 0..8 {
         vectors[k] = f32x16::simd_from(simd, soa[k]);
     }
-    let [x, y, a, b, c, log2_opacity, width, height] = vectors;
+    let [x, y, a, b, c, peak, width, height] = vectors;
     let (x, y) = (x - (tile[0] * TILE) as f32, y - (tile[1] * TILE) as f32);
-    let half_width = ((log2_opacity + LOG2_255) / (-a)).sqrt();
+    let half_width = (blend.end(simd, peak) / (-a)).sqrt();
     let shear = b * -0.5 / a;
     let rightmost = b * -0.5 / c * width;
     let leftmost = -rightmost;

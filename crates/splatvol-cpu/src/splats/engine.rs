@@ -1,52 +1,104 @@
 //! The engine: all stages, and buffers that are kept between frames.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fearless_simd::{Level, dispatch};
 use glam::DAffine3;
 use rayon::prelude::*;
-use splatvol_scene::transfer_function::srgb_from_linear;
+use splatvol_core::bin::TileGrid;
+use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Frame, Gaussians};
 
-use super::bin::{Bins, Counted, TileGrid};
-use super::composite::{self, Scratch};
+use super::bin::{Bins, Counted};
+use super::blend::{Blend, Integral, Light, Profile, Published};
+use super::composite::{self, Place, Scratch};
+use super::cover::TILE;
+use super::kernels::Kernels;
 use super::order::Keys;
 use super::project::{self, Rect, Splat, Target};
-use super::resolve::{Background, fill, resolve, tile_rows};
-use super::settings::{SplatSettings, sane};
+use super::resolve::{TileRows, fill, resolve, tile_rows};
+use super::settings::{Manner, Near, SplatSettings, sane};
 use super::view::View;
+use crate::clock::Instant;
+use crate::sheets::engine::Run;
+use crate::statistics::StageSeconds;
 
-/// Gaussians that a thread projects at a time.
+/// Splats that a thread projects at a time.
 const CHUNK: usize = 4096;
 /// Parts per thread in which splats are sorted and binned.
 const PARTS_PER_THREAD: usize = 2;
 
-/// Gaussians in a scene.
+/// What is splatted, in the order in which equal depths are drawn.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Placed<'a> {
-    /// The data.
-    pub gaussians: &'a Gaussians,
-    /// Where their own world lies.
-    pub world_from_item: DAffine3,
+pub(crate) enum Cloud<'a> {
+    /// 3-D Gaussians, and where their own world lies.
+    Gaussians(&'a Gaussians, DAffine3),
+    /// Kernels with covariances of their own.
+    Kernels(&'a SplatCloud),
 }
 
-impl Placed<'_> {
-    pub(crate) fn world_from_local(&self) -> DAffine3 {
-        self.world_from_item * *self.gaussians.world_from_local()
+impl Cloud<'_> {
+    /// Number of splats.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Gaussians(gaussians, _) => gaussians.len(),
+            Self::Kernels(cloud) => cloud.len(),
+        }
     }
-}
 
-#[cfg(test)]
-impl<'a> From<&'a Gaussians> for Placed<'a> {
-    fn from(gaussians: &'a Gaussians) -> Self {
-        Self {
-            gaussians,
-            world_from_item: DAffine3::IDENTITY,
+    fn world_from_local(&self) -> DAffine3 {
+        match self {
+            Self::Gaussians(gaussians, world_from_item) => *world_from_item * *gaussians.world_from_local(),
+            Self::Kernels(cloud) => cloud.world_from_local,
+        }
+    }
+
+    /// The camera depth from which on it is drawn, world length; `None` where it has none of its own.
+    fn near(&self, settings: &SplatSettings) -> Option<f64> {
+        match settings.near {
+            Near::World(near) => Some(sane(near)),
+            Near::OfGaussians(near) => {
+                let unit = libm::cbrt(self.world_from_local().matrix3.determinant().abs());
+                matches!(self, Self::Gaussians(..)).then(|| sane(near) * unit)
+            }
         }
     }
 }
 
-/// Renders with the threads of the pool that it is called from; keeps its memory between frames.
+/// A cloud before a camera.
+struct SeenCloud<'a> {
+    view: View,
+    content: Content<'a>,
+}
+
+enum Content<'a> {
+    Gaussians(&'a Gaussians),
+    Kernels(Kernels<'a>),
+}
+
+impl SeenCloud<'_> {
+    /// Projects a range; returns how many splats can be seen.
+    fn project(
+        &self,
+        level: Level,
+        blend: impl Blend,
+        range: Range<usize>,
+        target: &mut Target<'_>,
+    ) -> usize {
+        let view = &self.view;
+        match &self.content {
+            Content::Gaussians(gaussians) => {
+                dispatch!(level, simd => project::project(simd, blend, (view, *gaussians), range, target))
+            }
+            Content::Kernels(kernels) => {
+                dispatch!(level, simd => project::project(simd, blend, (view, kernels), range, target))
+            }
+        }
+    }
+}
+
+/// Renders splats one by one; keeps its memory between frames.
 #[derive(Debug, Default)]
 pub(crate) struct SplatEngine {
     splats: Vec<Splat>,
@@ -72,55 +124,88 @@ impl SplatEngine {
             + self.bins.bytes()
     }
 
-    /// A picture of all clouds together, into a frame whose memory is used again if it has the size.
+    /// A picture of all clouds together, into a frame whose memory is used again if it has the size; nonsense once it is given up.
     ///
-    /// Draws the first 2^32 - 1 Gaussians if there should be more.
-    pub(crate) fn render_into(
+    /// Draws the first 2^32 - 1 splats if there should be more.
+    pub(crate) fn render(
         &mut self,
-        level: Level,
-        clouds: &[Placed<'_>],
+        run: Run<'_>,
+        clouds: &[Cloud<'_>],
         (camera, settings): (&Camera, &SplatSettings),
         frame: &mut Frame,
-    ) {
-        if frame.image.size() != settings.size
-            || frame.depth.len() != settings.size.pixel_count()
-            || frame.optical_depth.len() != settings.size.pixel_count()
-        {
+    ) -> StageSeconds {
+        if !frame.fits(settings.size) {
             *frame = Frame::empty(settings.size);
         }
+        let pool = run.pool;
+        let drawn = |profile| Clouds {
+            seen: seen(clouds, (camera, settings), profile),
+            clouds,
+        };
+        pool.install(|| match settings.manner {
+            Manner::Published { background } => {
+                self.draw(run, Published::new(background), &drawn(None), frame)
+            }
+            Manner::Light { cut, termination } => {
+                let profile = Profile::new(cut);
+                self.draw(
+                    run,
+                    Light::new(profile, termination),
+                    &drawn(Some(profile)),
+                    frame,
+                )
+            }
+            Manner::Integral { cut } => {
+                let profile = Profile::new(cut);
+                self.draw(run, Integral::new(profile), &drawn(Some(profile)), frame)
+            }
+        })
+        .unwrap_or_default()
+    }
+
+    /// All stages; `None` where the picture was given up before the last.
+    fn draw<B: Blend>(
+        &mut self,
+        run: Run<'_>,
+        blend: B,
+        drawn: &Clouds<'_>,
+        frame: &mut Frame,
+    ) -> Option<StageSeconds> {
+        let start = Instant::now();
         let Self {
             splats,
             rects,
             keys,
             bins,
         } = self;
-        let parts = PARTS_PER_THREAD * rayon::current_num_threads();
-        let count = clouds
-            .iter()
-            .map(|cloud| cloud.gaussians.len())
-            .sum::<usize>()
-            .min(u32::MAX as usize);
+        let parts = PARTS_PER_THREAD * run.pool.current_num_threads();
+        let stop = run.task.stop;
+        let count = drawn.clouds.iter().map(Cloud::len).sum::<usize>();
+        let count = count.min(u32::MAX as usize);
         grow(splats, count);
         grow(rects, count);
         keys.resize(count);
-        let views: Vec<View> = clouds
-            .iter()
-            .map(|cloud| View::new(cloud, camera, settings))
-            .collect();
-        let mut chunks = chunks(clouds, splats, rects, keys);
         let project = |chunk: &mut Chunk<'_>| {
-            let (view, range) = (&views[chunk.cloud], chunk.range.clone());
-            let cloud = clouds[chunk.cloud].gaussians;
             let first = chunk.target.first;
-            let target = &mut chunk.target;
-            let count = dispatch!(level, simd => project::project(simd, view, cloud, range, target));
-            first..first + count
+            if run.task.is_stopped() {
+                return first..first;
+            }
+            let seen = &drawn.seen[chunk.cloud];
+            first..first + seen.project(run.level, blend, chunk.range.clone(), &mut chunk.target)
         };
+        let mut chunks = chunks(drawn.clouds, splats, rects, keys);
         let ranges: Vec<Range<usize>> = chunks.par_iter_mut().with_max_len(1).map(project).collect();
-        let order = keys.sort(&ranges, parts);
-        let grid = TileGrid::new(settings.size);
-        let counted = Counted::new(grid, order, rects, parts);
-        let (background, empty) = background(settings);
+        let order = keys.sort(&ranges, parts, stop)?;
+        let grid = TileGrid::new(frame.image.size(), TILE);
+        let counted = Counted::new(grid, (order, rects), parts, stop)?;
+        let tiling = Tiling {
+            run,
+            blend,
+            splats,
+            grid,
+            done: AtomicUsize::new(0),
+        };
+        let bin = start.elapsed().as_secs_f64();
         let mut tiles = tile_rows(frame, grid.columns, grid.rows);
         bins.for_each(counted, |lists| {
             tiles[lists.tiles.clone()]
@@ -129,18 +214,60 @@ impl SplatEngine {
                 .with_max_len(1)
                 .for_each_init(Scratch::default, |scratch, (place, rows)| {
                     let tile = lists.tiles.start + place;
-                    let entries = lists.of(tile);
-                    if entries.is_empty() {
-                        fill(empty, rows);
-                        return;
-                    }
-                    let (place, alive) = ([tile % grid.columns, tile / grid.columns], rows.blocks());
-                    dispatch!(level, simd => {
-                        composite::composite(simd, splats, entries, place, alive, scratch);
-                        resolve(simd, &scratch.blocks, &background, rows);
-                    });
+                    tiling.render(tile, lists.of(tile), rows, scratch);
                 });
         });
+        Some(StageSeconds {
+            bin,
+            tiles: start.elapsed().as_secs_f64() - bin,
+            ..StageSeconds::default()
+        })
+    }
+}
+
+/// The tiles of a frame.
+struct Tiling<'a, B> {
+    run: Run<'a>,
+    blend: B,
+    splats: &'a [Splat],
+    grid: TileGrid,
+    done: AtomicUsize,
+}
+
+impl<B: Blend> Tiling<'_, B> {
+    /// Renders the splats of a list into a tile's rows, unless nobody wants them.
+    fn render(
+        &self,
+        tile: usize,
+        entries: &[std::sync::atomic::AtomicU32],
+        rows: &mut TileRows<'_>,
+        scratch: &mut Scratch,
+    ) {
+        let Self { run, blend, grid, .. } = self;
+        let rect = grid.rect(tile);
+        if run.task.is_stopped() {
+            return;
+        }
+        if run.wants(&rect) {
+            if entries.is_empty() {
+                fill(blend.empty(), rows);
+            } else {
+                let place = Place {
+                    tile: [tile % grid.columns, tile / grid.columns],
+                    blocks: rows.blocks(),
+                    stop: run.task.stop,
+                };
+                dispatch!(run.level, simd => {
+                    composite::composite(simd, *blend, self.splats, entries, place, scratch);
+                    resolve(simd, *blend, &scratch.blocks, rows);
+                });
+            }
+            if !run.task.is_stopped() {
+                run.task.show(&rect, || rows.colors());
+            }
+        }
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        run.task.report(done as f64 / grid.len() as f64);
     }
 }
 
@@ -152,18 +279,48 @@ fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
     }
 }
 
+/// Clouds, and each as it is seen.
+struct Clouds<'a> {
+    clouds: &'a [Cloud<'a>],
+    seen: Vec<SeenCloud<'a>>,
+}
+
+/// Clouds before a camera.
+fn seen<'a>(
+    clouds: &[Cloud<'a>],
+    (camera, settings): (&Camera, &SplatSettings),
+    profile: Option<Profile>,
+) -> Vec<SeenCloud<'a>> {
+    let nearest = clouds
+        .iter()
+        .filter_map(|cloud| cloud.near(settings))
+        .reduce(f64::min);
+    let lighting = settings.lighting.as_ref();
+    let seen = |cloud: &Cloud<'a>| {
+        let near = cloud.near(settings).or(nearest).unwrap_or(0.0);
+        SeenCloud {
+            view: View::new(&cloud.world_from_local(), near, camera, settings),
+            content: match *cloud {
+                Cloud::Gaussians(gaussians, _) => Content::Gaussians(gaussians),
+                Cloud::Kernels(cloud) => Content::Kernels(Kernels::new(cloud, lighting, camera, profile)),
+            },
+        }
+    };
+    clouds.iter().map(seen).collect()
+}
+
 /// Clouds in chunks, one after the other.
 fn chunks<'a>(
-    clouds: &[Placed<'_>],
+    clouds: &[Cloud<'_>],
     mut splats: &'a mut [Splat],
     mut rects: &'a mut [Rect],
     keys: &'a Keys,
 ) -> Vec<Chunk<'a>> {
     let mut chunks = Vec::new();
     let mut first = 0;
-    for (cloud, Placed { gaussians, .. }) in clouds.iter().enumerate() {
-        for start in (0..gaussians.len()).step_by(CHUNK) {
-            let count = CHUNK.min(gaussians.len() - start).min(splats.len());
+    for (cloud, content) in clouds.iter().enumerate() {
+        for start in (0..content.len()).step_by(CHUNK) {
+            let count = CHUNK.min(content.len() - start).min(splats.len());
             let (own_splats, rest) = splats.split_at_mut(count);
             splats = rest;
             let (own_rects, rest) = rects.split_at_mut(count);
@@ -182,16 +339,4 @@ fn chunks<'a>(
         }
     }
     chunks
-}
-
-/// Display colour behind everything, and the pixel where nothing lies before it.
-fn background(settings: &SplatSettings) -> (Background, [f32; 4]) {
-    let [r, g, b, alpha] = settings.background.map(|value| sane(f64::from(value)));
-    let alpha = alpha.min(1.0) as f32;
-    let background = Background {
-        color: [r, g, b].map(|channel| srgb_from_linear(channel) as f32),
-        alpha,
-    };
-    let [r, g, b] = [r, g, b].map(|channel| channel as f32 * alpha);
-    (background, [r, g, b, alpha])
 }

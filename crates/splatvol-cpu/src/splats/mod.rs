@@ -1,5 +1,9 @@
-//! 3-D Gaussians, splat by splat, with the constants and the result of the published renderer (Kerbl, Kopanas,
-//! Leimkuehler and Drettakis 2023, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", sections 4 and 6).
+//! Splats: whole footprints, sorted by the depth of their centres, and composited one by one.
+//!
+//! 3-D Gaussians have the constants and the result of the published renderer (Kerbl, Kopanas, Leimkuehler and Drettakis 2023,
+//! "3D Gaussian Splatting for Real-Time Radiance Field Rendering", sections 4 and 6), points and samples of meshes beside them
+//! included. Without Gaussians, or where these are to be volumetric, splats are optical depths in linear light (Westover 1989;
+//! Zwicker et al. 2001), or are added up to X-rays (`blend`).
 //!
 //! ```text
 //! V     = J M Sigma M^T J^T + low_pass I                       (Zwicker et al. 2002, "EWA Splatting", eq. 31)
@@ -9,12 +13,12 @@
 //!
 //! | stage | module | what |
 //! |---|---|---|
-//! | project | `project`, `view`, `splatvol_scene::harmonics` | Gaussians to splats: centre, conic, colour, extent; SIMD over Gaussians |
+//! | project | `project`, `view`; `gaussians`, `kernels` | what is splatted to ellipses on the screen; SIMD over splats |
 //! | order | `order` | all splats by the depth of their centres: stable radix sort, equal depths by index |
 //! | bin | `bin` | splats in the lists of 32 x 32-pixel tiles, in order |
 //! | cover | `cover` | which 4 x 4 blocks of a tile a splat's ellipse meets; SIMD over splats |
-//! | composite | `composite` | blocks of 16 pixels, SIMD over pixels; blocks without transmittance are left out |
-//! | resolve | `resolve` | display colours to linear light |
+//! | composite | `composite`, `blend` | blocks of 16 pixels, SIMD over pixels; finished blocks are left out |
+//! | resolve | `resolve` | blocks to the frame |
 //!
 //! # Colours
 //!
@@ -28,26 +32,31 @@
 //!
 //! - Splats are cut off where their opacity falls below 1/255 instead of at the tiles that three standard deviations
 //!   reach, *and* at these: the same pixels get the same contributions.
-//! - The determinant of V is summed up from squares (Cauchy-Binet), without cancellation. What f32 cannot hold, splats of
-//!   more than some 1e9 pixels, is left out.
+//! - The determinant of V is summed up without cancellation. What f32 cannot hold, splats of more than some 1e9 pixels, is
+//!   left out.
 //! - The near limit, 0.2 there, is in the Gaussians' own units: scaling scene and camera changes nothing.
 //! - Orthographic cameras (J constant, no limit of the angle, nothing behind the camera) do not exist there.
 //! - Harmonics are evaluated in the Gaussians' frame, for a camera brought there; colours are cut at 1e4.
 //!
-//! Pictures are the same bytes for any number of threads and for any SIMD level.
+//! Pictures are the same bytes for any number of threads and for any SIMD level. A picture that is given up stops between
+//! chunks, parts and tiles, and within long lists.
 
 mod bin;
+mod blend;
 mod composite;
 mod cover;
 mod engine;
+mod gaussians;
+mod kernels;
 mod order;
 mod project;
 mod resolve;
 mod settings;
 mod view;
 
-pub(crate) use engine::{Placed, SplatEngine};
-pub(crate) use settings::SplatSettings;
+pub(crate) use engine::{Cloud, SplatEngine};
+pub(crate) use settings::{LowPass, Manner, Near, SplatSettings};
+pub(crate) use view::LEAST_VARIANCE;
 
 #[cfg(test)]
 mod tests;

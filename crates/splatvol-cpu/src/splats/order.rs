@@ -5,7 +5,7 @@
 //! so the number of parts does not matter. Keys lie in atomics, since parts write anywhere; relaxed stores cost nothing.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
@@ -43,8 +43,13 @@ impl Keys {
         (self.keys.capacity() + self.other.capacity()) * size_of::<AtomicU64>()
     }
 
-    /// Sorts the keys that lie in `ranges` (ascending, apart); returns them without gaps.
-    pub(crate) fn sort(&mut self, ranges: &[Range<usize>], parts: usize) -> &[AtomicU64] {
+    /// Sorts the keys that lie in `ranges` (ascending, apart); returns them without gaps, or `None` once `stop` is set.
+    pub(crate) fn sort(
+        &mut self,
+        ranges: &[Range<usize>],
+        parts: usize,
+        stop: &AtomicBool,
+    ) -> Option<&[AtomicU64]> {
         let count = ranges.iter().map(Range::len).sum::<usize>();
         let (least, differing) = depth_bits(&self.keys, ranges);
         let bits = 32 - differing.leading_zeros();
@@ -53,6 +58,9 @@ impl Keys {
         let digit_bits = bits.div_ceil(passes);
         let whole = even(0..count, parts);
         for pass in 0..passes {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
             let digits = Digits {
                 least,
                 shift: 32 + pass * digit_bits,
@@ -68,7 +76,7 @@ impl Keys {
             }
             std::mem::swap(&mut self.keys, &mut self.other);
         }
-        &self.keys[..count]
+        Some(&self.keys[..count])
     }
 }
 
@@ -180,7 +188,8 @@ mod tests {
                 .collect();
             expected.sort_unstable();
             let found: Vec<u64> = keys
-                .sort(&ranges, 3)
+                .sort(&ranges, 3, &AtomicBool::new(false))
+                .expect("nobody stops it")
                 .iter()
                 .map(|key| key.load(Ordering::Relaxed))
                 .collect();

@@ -1,19 +1,10 @@
-//! Resolve: blocks of premultiplied display colours to rows of premultiplied linear colours, depth and optical depth.
+//! Resolve: blocks to rows of premultiplied linear colours, depth and optical depth.
 
-use fearless_simd::{f32x16, prelude::*};
+use fearless_simd::prelude::*;
 
-use super::bin::TILE;
+use super::blend::Blend;
 use super::composite::{Block, LANES};
-use super::cover::{BLOCK, BLOCKS};
-use crate::simd::math::{linear_from_srgb, log2};
-
-/// Display colour and opacity behind the Gaussians.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Background {
-    /// Straight.
-    pub color: [f32; 3],
-    pub alpha: f32,
-}
+use super::cover::{BLOCK, BLOCKS, TILE};
 
 /// Rows of the frame that a tile owns; as many as it has in the picture.
 #[derive(Debug, Default)]
@@ -24,6 +15,11 @@ pub(crate) struct TileRows<'a> {
 }
 
 impl TileRows<'_> {
+    /// The tile's pixels, row by row.
+    pub(crate) fn colors(&self) -> Vec<[f32; 4]> {
+        self.pixels.iter().flat_map(|row| row.iter().copied()).collect()
+    }
+
     /// Blocks of the tile that have pixels in the picture.
     pub(crate) fn blocks(&self) -> u64 {
         let columns = self.pixels.first().map_or(0, |row| row.len()).div_ceil(BLOCK);
@@ -33,46 +29,19 @@ impl TileRows<'_> {
 }
 
 /// A block's pixels as a frame wants them.
-struct Resolved {
-    color: [[f32; LANES]; 4],
-    depth: [f32; LANES],
-    optical_depth: [f32; LANES],
-}
-
-#[inline(always)]
-fn resolve_block<S: Simd>(simd: S, block: &Block, background: &Background) -> Resolved {
-    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let through = f32x16::simd_from(simd, block.through).abs();
-    let covered = one - through;
-    let behind = through * background.alpha;
-    let alpha = covered + behind;
-    let seen = alpha.simd_gt(zero);
-    let inverse = one / seen.select(alpha, one);
-    let mut color = [[0.0; LANES]; 4];
-    let (sums, unders) = (block.sums.iter(), background.color);
-    for (channel, (sum, under)) in color.iter_mut().zip(sums.zip(unders)) {
-        let sum = f32x16::simd_from(simd, *sum) + behind * under;
-        let linear = linear_from_srgb(simd, sum * inverse) * alpha;
-        *channel = seen.select(linear, zero).to_array();
-    }
-    color[3] = alpha.to_array();
-    let touched = covered.simd_gt(zero);
-    let depth = f32x16::simd_from(simd, block.sums[3]) / touched.select(covered, one);
-    let depth = touched.select(depth, f32x16::splat(simd, f32::INFINITY));
-    let optical_depth = log2(simd, through) * -std::f32::consts::LN_2;
-    Resolved {
-        color,
-        depth: depth.to_array(),
-        optical_depth: touched.select(optical_depth, zero).to_array(),
-    }
+pub(crate) struct Resolved {
+    /// Linear, premultiplied.
+    pub color: [[f32; LANES]; 4],
+    pub depth: [f32; LANES],
+    pub optical_depth: [f32; LANES],
 }
 
 /// Writes a tile's blocks to its rows.
 #[inline(always)]
 pub(crate) fn resolve<S: Simd>(
     simd: S,
+    blend: impl Blend,
     blocks: &[Block; BLOCKS * BLOCKS],
-    background: &Background,
     rows: &mut TileRows<'_>,
 ) {
     for (index, block) in blocks.iter().enumerate() {
@@ -80,7 +49,7 @@ pub(crate) fn resolve<S: Simd>(
         if top >= rows.pixels.len() || left >= rows.pixels[top].len() {
             continue;
         }
-        let resolved = resolve_block(simd, block, background);
+        let resolved = blend.resolve(simd, block);
         for y in 0..BLOCK.min(rows.pixels.len() - top) {
             let width = BLOCK.min(rows.pixels[top + y].len() - left);
             let (target, source) = (left..left + width, BLOCK * y..BLOCK * y + width);
@@ -97,7 +66,7 @@ pub(crate) fn resolve<S: Simd>(
     }
 }
 
-/// Writes the background, display colour over nothing, where a tile has no splats.
+/// Writes the same pixel everywhere, where a tile has no splats.
 pub(crate) fn fill(pixel: [f32; 4], rows: &mut TileRows<'_>) {
     for row in &mut rows.pixels {
         row.fill(pixel);

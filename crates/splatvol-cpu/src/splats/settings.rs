@@ -1,38 +1,73 @@
-//! What can be chosen, with the published renderer's values as defaults.
+//! What can be chosen of splats that are composited one by one.
 
-use splatvol_scene::ImageSize;
+use splatvol_scene::{ImageSize, Lighting};
 
-/// How Gaussians are rendered. Values that make no sense (negative, not finite) count as zero.
+/// How splats are rendered. Values that make no sense (negative, not finite) count as zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SplatSettings {
     /// Pixels of the picture.
     pub size: ImageSize,
-    /// Variance that is added to every footprint, pixels squared.
-    pub low_pass: f32,
-    /// Centres at this camera depth or nearer are not drawn; in the Gaussians' own units, that is before
-    /// `world_from_local`. Perspective only: orthographic cameras draw everything before them.
-    pub near: f64,
-    /// What lies behind: linear light, straight alpha. Composited in display space.
-    pub background: [f32; 4],
+    /// What footprints are widened by.
+    pub low_pass: LowPass,
+    /// Centres at this camera depth or nearer are not drawn. Perspective only: orthographic cameras draw everything before
+    /// them.
+    pub near: Near,
+    /// Light on what is no Gaussian; `None` leaves colours as they are.
+    pub lighting: Option<Lighting>,
+    /// How splats add up.
+    pub manner: Manner,
 }
 
-impl Default for SplatSettings {
-    fn default() -> Self {
-        Self {
-            size: ImageSize::default(),
-            low_pass: 0.3,
-            near: 0.2,
-            background: [0.0; 4],
-        }
-    }
+/// How splats add up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Manner {
+    /// As the published renderer of Gaussians has it: opacities, over each other in display colours.
+    Published {
+        /// What lies behind: linear light, straight alpha. Composited in display space.
+        background: [f32; 4],
+    },
+    /// Optical depths, in linear light: each splat a slab of `1 - exp(-tau)`, front to back.
+    Light {
+        /// Where footprints end, standard deviations.
+        cut: f64,
+        /// Pixels end where their transmittance falls to this.
+        termination: f32,
+    },
+    /// The same optical depths added up, whatever their order: line integrals.
+    Integral {
+        /// Where footprints end, standard deviations.
+        cut: f64,
+    },
+}
+
+/// Variance that footprints get, pixels squared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum LowPass {
+    /// As much for all.
+    Added(f32),
+    /// What the narrower axis of each lacks to it.
+    Lacking(f32),
+}
+
+/// From which camera depth on splats are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Near {
+    /// In the Gaussians' own units, that is before `world_from_local`; of what is no Gaussian, the nearest at which any cloud of
+    /// Gaussians begins counts.
+    OfGaussians(f64),
+    /// World length.
+    World(f64),
 }
 
 impl SplatSettings {
-    /// The defaults for a picture of a size.
-    pub(crate) fn new(size: ImageSize) -> Self {
+    /// The published values for a picture of a size.
+    pub(crate) fn published(size: ImageSize) -> Self {
         Self {
             size,
-            ..Self::default()
+            low_pass: LowPass::Added(0.3),
+            near: Near::OfGaussians(0.2),
+            lighting: None,
+            manner: Manner::Published { background: [0.0; 4] },
         }
     }
 }

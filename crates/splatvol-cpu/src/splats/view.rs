@@ -1,19 +1,20 @@
-//! A camera as one cloud of Gaussians sees it: everything constant that projection needs, in f32, from f64.
+//! A camera as one cloud sees it: everything constant that projection needs, in f32, from f64.
 //!
 //! The camera is brought into the cloud's frame, so that offsets are small numbers near the camera wherever the cloud
 //! lies; its position is kept in two f32, high and low part.
 
-use glam::{DMat3, DVec3};
+use fearless_simd::{f32x16, prelude::*};
+use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::Camera;
 
-use super::engine::Placed;
-
-use super::settings::{SplatSettings, sane};
+use super::settings::{LowPass, SplatSettings, sane};
 
 /// Pixels along an edge of the published renderer's tiles, to which it widens three standard deviations.
 pub(crate) const REFERENCE_TILE: u32 = 16;
 /// Tangents beyond this many times the picture's are cut in the derivative of the projection.
 const TANGENT_LIMIT: f64 = 1.3;
+/// What is narrower, pixels squared, is no ellipse any more in f32.
+pub(crate) const LEAST_VARIANCE: f32 = 1e-6;
 
 /// A camera before a cloud.
 #[derive(Debug, Clone, Copy)]
@@ -33,23 +34,24 @@ pub(crate) struct View {
     pub tangent_limit: [f32; 2],
     /// Camera depth, world length.
     pub near: f32,
-    pub low_pass: f32,
+    pub low_pass: LowPass,
     /// Columns and rows of the published renderer's tiles.
     pub reference_tiles: [u32; 2],
-    /// Opacities are lowered by what the low-pass widens.
-    pub antialiased: bool,
 }
 
 impl View {
-    pub(crate) fn new(placed: &Placed<'_>, camera: &Camera, settings: &SplatSettings) -> Self {
-        let gaussians = placed.gaussians;
-        let world_from_local = placed.world_from_local();
+    /// Of a cloud in a space of its own, nothing of which is drawn before the camera depth `near`, world length.
+    pub(crate) fn new(
+        world_from_local: &DAffine3,
+        near: f64,
+        camera: &Camera,
+        settings: &SplatSettings,
+    ) -> Self {
         let local_from_world = world_from_local.inverse();
         let linear = camera.camera_from_world().matrix3 * world_from_local.matrix3;
         let eye = local_from_world.transform_point3(camera.position());
         let high = eye.as_vec3();
         let screen = camera.screen_from_camera(settings.size);
-        let unit = libm::cbrt(world_from_local.matrix3.determinant().abs());
         let limit = |pixels: u32| {
             if screen.perspective {
                 (TANGENT_LIMIT * 0.5 * f64::from(pixels) / screen.scale) as f32
@@ -70,18 +72,38 @@ impl View {
             scale: screen.scale as f32,
             centre: screen.centre.as_vec2().to_array(),
             tangent_limit: [limit(width), limit(height)],
-            near: if screen.perspective {
-                (sane(settings.near) * unit) as f32
-            } else {
-                0.0
-            },
-            low_pass: sane(f64::from(settings.low_pass)) as f32,
+            near: if screen.perspective { near as f32 } else { 0.0 },
+            low_pass: settings.low_pass.sane(),
             reference_tiles: [width, height].map(|pixels| pixels.div_ceil(REFERENCE_TILE)),
-            antialiased: gaussians.antialiased(),
         }
     }
 }
 
-fn rows(matrix: DMat3) -> [[f32; 3]; 3] {
+impl LowPass {
+    fn sane(self) -> Self {
+        let sane = |variance| sane(f64::from(variance)) as f32;
+        match self {
+            Self::Added(variance) => Self::Added(sane(variance)),
+            Self::Lacking(variance) => Self::Lacking(sane(variance)),
+        }
+    }
+
+    /// Variance to be added to covariances xx, xy, yy of this determinant.
+    #[inline(always)]
+    pub(super) fn added<S: Simd>(self, simd: S, [xx, xy, yy, determinant]: [f32x16<S>; 4]) -> f32x16<S> {
+        let variance = match self {
+            Self::Added(variance) => return f32x16::splat(simd, variance),
+            Self::Lacking(variance) => f32x16::splat(simd, variance),
+        };
+        // The smaller eigenvalue as determinant over the larger one, without cancellation.
+        let half = (xx - yy) * 0.5;
+        let larger = (xx + yy) * 0.5 + (half * half + xy * xy).sqrt();
+        let smaller = determinant / larger.max(f32x16::splat(simd, f32::MIN_POSITIVE));
+        (variance - smaller).max(f32x16::splat(simd, LEAST_VARIANCE))
+    }
+}
+
+/// A matrix by rows, f32.
+pub(crate) fn rows(matrix: DMat3) -> [[f32; 3]; 3] {
     [0, 1, 2].map(|row| matrix.row(row).as_vec3().to_array())
 }

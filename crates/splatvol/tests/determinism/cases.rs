@@ -290,6 +290,11 @@ fn of_several() -> Vec<Case> {
         gaussians: GaussianMode::Volumetric,
         ..unlit
     };
+    let everything = || vec![fog(), mesh(), surfels(300), gaussians(100)];
+    let xray = RenderSettings {
+        compositing: Compositing::Xray,
+        ..unlit
+    };
     let per_splat = RenderSettings {
         compositing: Compositing::PerSplat,
         classification: Classification::Pre,
@@ -302,12 +307,11 @@ fn of_several() -> Vec<Case> {
         case("3dgs", vec![gaussians(400)], default),
         case("volumetric gaussians", vec![gaussians(400)], volumetric),
         case("surfels one by one", vec![surfels(900)], per_splat),
+        case("points among 3dgs", vec![gaussians(400), surfels(300)], default),
+        case("everything one by one", everything(), per_splat),
+        case("x-ray of everything", everything(), xray),
         case("volume and points", vec![fog(), surfels(300)], default),
-        case(
-            "everything",
-            vec![fog(), mesh(), surfels(300), gaussians(100)],
-            unlit,
-        ),
+        case("everything", everything(), unlit),
     ]
 }
 

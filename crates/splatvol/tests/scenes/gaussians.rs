@@ -2,13 +2,13 @@
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, EngineConfig, Filter, Frame, GaussianAttributes, GaussianMode, Gaussians, Item, RenderSettings,
-    Renderer, Scene,
+    Camera, EngineConfig, Filter, Frame, GaussianAttributes, GaussianMode, Gaussians, Item, Lighting,
+    PointLook, RenderSettings, Renderer, Scene,
 };
 use splatvol_testing::Comparison;
 
 use crate::common::{orthographic, perspective};
-use crate::support::{cloud, picture, unlit};
+use crate::support::{self, cloud, picture, unlit};
 
 fn item(gaussians: Gaussians) -> Item {
     Item::gaussians(gaussians)
@@ -63,6 +63,70 @@ fn small_gaussians_keep_their_energy() {
     };
     let (near, far) = (energy(8.0), energy(200.0));
     assert!((far / near - 1.0).abs() < 0.02, "{near} {far}");
+}
+
+/// Points beside Gaussians are splatted among them: the picture is that of the Gaussians alone where they do not reach.
+#[test]
+fn points_beside_gaussians_change_what_they_reach_alone() {
+    let gaussians = item(cloud(3000, [0.02, 0.1], 11));
+    let look = PointLook {
+        color: [1.0, 0.8, 0.2],
+        ..PointLook::default()
+    };
+    let points = || support::item(support::sphere(200), look, 0.3);
+    let camera = perspective(DVec3::ZERO, DVec3::new(1.0, -2.0, 0.5), 7.0, 40.0);
+    for mode in [GaussianMode::Auto, GaussianMode::Published] {
+        let settings = RenderSettings {
+            lighting: Some(Lighting::default()),
+            ..of(mode, 160)
+        };
+        let alone = picture(vec![gaussians.clone()], &camera, &settings);
+        let beside = picture(vec![points(), gaussians.clone()], &camera, &settings);
+        let published = RenderSettings {
+            gaussians: GaussianMode::Published,
+            ..settings
+        };
+        let reach = picture(vec![points()], &camera, &published);
+        let (mut same, mut changed) = (0, 0);
+        for (index, reached) in reach.image.pixels.iter().enumerate() {
+            let (a, b) = (alone.image.pixels[index], beside.image.pixels[index]);
+            if reached[3] == 0.0 {
+                assert!(a.map(f32::to_bits) == b.map(f32::to_bits), "{mode:?} {index}");
+                same += 1;
+            } else if a != b {
+                changed += 1;
+            }
+        }
+        assert!(same > 10_000 && changed > 200, "{mode:?} {same} {changed}");
+    }
+}
+
+/// A sphere of points has no hole when its discs are composited one by one, and is lit as in sheets.
+#[test]
+fn a_sphere_of_whole_splats_looks_as_in_sheets() {
+    let sphere = || support::item(support::sphere(8000), PointLook::default(), 1.0);
+    let camera = orthographic(DVec3::ZERO, DVec3::new(0.3, -1.0, 0.2), 3.0);
+    let [whole, sheets] = [GaussianMode::Published, GaussianMode::Volumetric].map(|mode| {
+        let settings = RenderSettings {
+            lighting: Some(Lighting::default()),
+            ..of(mode, 240)
+        };
+        picture(vec![sphere()], &camera, &settings)
+    });
+    // Well inside the outline, whose softness differs.
+    let mut worst = 0.0f32;
+    for y in 0..240 {
+        for x in 0..240 {
+            let place = DVec3::new(x as f64 - 119.5, y as f64 - 119.5, 0.0) / 80.0;
+            if place.length() < 0.9 {
+                let (a, b) = (whole.image.pixel(x, y), sheets.image.pixel(x, y));
+                assert!(a[3] > 0.99, "{x} {y}: {}", a[3]);
+                worst = worst.max((a[0] - b[0]).abs());
+            }
+        }
+    }
+    println!("largest difference {worst:.4}");
+    assert!(worst < 0.03, "{worst}");
 }
 
 fn frames(mode: GaussianMode) -> Vec<Frame> {

@@ -3,8 +3,7 @@
 use glam::{DAffine3, DVec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    Alignment, Classification, EngineConfig, Filter, Grid, Item, Mesh, RenderSettings, Renderer, Scene,
-    SheetContent, TransferFunction,
+    Classification, EngineConfig, Filter, Grid, Item, Mesh, RenderSettings, Renderer, Scene, TransferFunction,
 };
 use splatvol_testing::fields::{Ball, Constant, Field};
 use splatvol_testing::transfer::linear_extinction;
@@ -61,9 +60,6 @@ fn a_rectilinear_grid_shows_what_a_regular_one_shows() {
     });
     let settings = RenderSettings {
         classification: Classification::Pre,
-        sheet: Some(SheetContent::Section),
-        alignment: Alignment::Affine,
-        prefilter: false,
         filter: Filter::Ewa { pixel_sigma: 0.55 },
         ..unlit(96, 96)
     };

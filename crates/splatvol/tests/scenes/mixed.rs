@@ -2,8 +2,9 @@
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Alignment, Classification, Compositing, EngineConfig, Filter, Grid, Item, PointLook, RenderSettings,
-    Renderer, Scene, SheetContent, TransferFunction,
+    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, Grid, Item, Kernel,
+    Occlusion, PointLook, Rasterizer, Reconstruction, RenderSettings, Renderer, Scene, TransferFunction,
+    check,
 };
 use splatvol_testing::fields::{Ball, Noise};
 use splatvol_testing::transfer::linear_extinction;
@@ -92,35 +93,46 @@ fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
     }
 }
 
-/// A volume beside others is the volume that it is alone.
+/// Splat by splat and in X-rays, where all is one cloud, a volume beside others is the volume that it is alone: `splats` against
+/// `classic`.
 #[test]
 fn a_volume_beside_others_is_the_volume() {
     let grid = Grid::centred([24, 20, 28], DVec3::new(1.0, 1.3, 0.8)).unwrap();
     let data = sample(&Noise::new(5, 20, DVec3::splat(0.6)), &grid);
     let look = linear_extinction([-1.0, 1.0], 0.2, [0.9, 0.5, 0.2]);
     let camera = perspective(DVec3::ZERO, DVec3::new(0.4, 1.0, 0.3), 60.0, 40.0);
-    let settings = RenderSettings {
-        classification: Classification::Pre,
-        sheet: Some(SheetContent::Section),
-        alignment: Alignment::Affine,
-        prefilter: false,
-        filter: Filter::Ewa { pixel_sigma: 0.55 },
-        ..RenderSettings {
-            size: unlit(96, 80).size,
-            ..RenderSettings::default()
+    for (compositing, alignment) in [
+        (Compositing::PerSplat, Alignment::Sheet),
+        (Compositing::Xray, Alignment::Affine),
+    ] {
+        for filter in [
+            Filter::Ewa { pixel_sigma: 0.55 },
+            Filter::Matched { pixel_sigma: 2.0 },
+        ] {
+            let settings = RenderSettings {
+                compositing,
+                classification: Classification::Pre,
+                alignment,
+                filter,
+                ..RenderSettings {
+                    size: unlit(96, 80).size,
+                    ..RenderSettings::default()
+                }
+            };
+            let alone = picture(vec![volume((data.clone(), look.clone()))], &camera, &settings);
+            let unseen = item(sphere(100), PointLook::default(), 1.0);
+            let unseen = unseen.at(DAffine3::from_translation(DVec3::new(0.0, 0.0, 500.0)));
+            let beside = vec![volume((data.clone(), look.clone())), unseen];
+            let found = picture(beside, &camera, &settings);
+            let figures = Comparison::of(&found.image, &alone.image);
+            println!("{compositing:?} {filter:?}: {:.1} dB", figures.psnr);
+            assert!(
+                figures.psnr > 60.0,
+                "{compositing:?} {filter:?}: {}",
+                figures.psnr
+            );
         }
-    };
-    let alone = {
-        let scene = Scene::new(data.clone(), look.clone());
-        let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
-        renderer.render(&scene, &camera, &settings).unwrap()
-    };
-    let unseen = item(sphere(100), PointLook::default(), 1.0);
-    let unseen = unseen.at(DAffine3::from_translation(DVec3::new(0.0, 0.0, 500.0)));
-    let found = picture(vec![volume((data, look)), unseen], &camera, &settings);
-    let figures = Comparison::of(&found.image, &alone.image);
-    println!("a volume beside others: {:.1} dB", figures.psnr);
-    assert!(figures.psnr > 60.0, "{}", figures.psnr);
+    }
 }
 
 /// Twice as large and twice as far is the same picture.
@@ -150,6 +162,7 @@ fn pictures_do_not_depend_on_threads() {
     for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {
         let settings = RenderSettings {
             compositing,
+            classification: Classification::Pre,
             ..unlit(150, 130)
         };
         let bits = |threads| {
@@ -165,39 +178,94 @@ fn pictures_do_not_depend_on_threads() {
     }
 }
 
+/// What only one volume has is refused beside others, by the name of the field, and nothing else is done in its place.
 #[test]
-fn what_is_of_one_grid_is_refused() {
-    let scene = Scene::from(item(sphere(100), PointLook::default(), 1.0));
+fn what_is_of_one_volume_is_refused() {
+    let points = || item(sphere(100), PointLook::default(), 1.0);
+    let scenes = [
+        Scene::from(points()),
+        Scene::of_items(vec![fog(), points()]).unwrap(),
+    ];
     let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
-    let base = unlit(16, 16);
+    let base = RenderSettings {
+        classification: Classification::Pre,
+        ..unlit(16, 16)
+    };
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
-    for (settings, words) in [
-        (
+    let mut refused = |settings: RenderSettings, words: &str| {
+        for scene in &scenes {
+            let expected = check(scene, &camera, &settings).expect_err(words).to_string();
+            let found = renderer.render(scene, &camera, &settings).unwrap_err();
+            assert_eq!(found.to_string(), expected);
+            assert!(expected.contains(words), "{words}: {expected}");
+        }
+    };
+    let of = |compositing| RenderSettings { compositing, ..base };
+    refused(of(Compositing::Mip), "one volume");
+    refused(of(Compositing::AxisSheets), "one volume");
+    refused(of(Compositing::PerSplatBackToFront), "per-splat");
+    for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {
+        let base = of(compositing);
+        let filter = Filter::Swan;
+        refused(RenderSettings { filter, ..base }, "ewa or matched");
+        let alignment = Alignment::Exact;
+        refused(RenderSettings { alignment, ..base }, "alignment");
+        let occlusion = Occlusion::None;
+        refused(RenderSettings { occlusion, ..base }, "occlusion");
+        let absorption = Absorption::Linear;
+        refused(RenderSettings { absorption, ..base }, "absorption");
+        let rasterizer = Rasterizer::Ellipse1d;
+        refused(RenderSettings { rasterizer, ..base }, "rasterizer");
+        let kernel = Kernel::CubicBspline;
+        refused(RenderSettings { kernel, ..base }, "kernel");
+        let reconstruction = Reconstruction::Surface { flatness: 4.0 };
+        refused(
             RenderSettings {
-                compositing: Compositing::Mip,
+                reconstruction,
                 ..base
             },
-            "one volume",
-        ),
-        (
-            RenderSettings {
-                filter: Filter::Swan,
-                ..base
-            },
-            "ewa or matched",
-        ),
-        (
-            RenderSettings {
-                gaussians: splatvol::GaussianMode::Published,
-                ..base
-            },
-            "volumetric",
-        ),
-    ] {
-        let error = renderer
-            .render(&scene, &camera, &settings)
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains(words), "{error}");
+            "reconstruction",
+        );
+        let extraction = Some(Extraction {
+            density: Some([0.2, 0.8]),
+            gradient: 0.0,
+        });
+        refused(RenderSettings { extraction, ..base }, "extraction");
     }
+}
+
+/// Data are classified before their splats are composited one by one: never without being asked.
+#[test]
+fn data_are_not_classified_first_unasked() {
+    let points = item(sphere(100), PointLook::default(), 1.0);
+    let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
+    let settings = RenderSettings {
+        compositing: Compositing::PerSplat,
+        ..unlit(16, 16)
+    };
+    let both = Scene::of_items(vec![fog(), points.clone()]).unwrap();
+    let error = check(&both, &camera, &settings).unwrap_err().to_string();
+    assert!(error.starts_with("classification: Post"), "{error}");
+    // Points have nothing to classify.
+    check(&Scene::from(points), &camera, &settings).unwrap();
+}
+
+#[test]
+fn volumes_are_refused_where_whole_splats_are_asked_for() {
+    let items = vec![fog(), item(sphere(100), PointLook::default(), 1.0)];
+    let scene = Scene::of_items(items).unwrap();
+    let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
+    let settings = RenderSettings {
+        gaussians: splatvol::GaussianMode::Published,
+        ..unlit(16, 16)
+    };
+    let error = Renderer::new(EngineConfig::default())
+        .unwrap()
+        .render(&scene, &camera, &settings)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("3dgs") && error.contains("a volume") && error.contains("volumetric"),
+        "{error}"
+    );
 }

@@ -47,6 +47,7 @@ enum Feature {
     Coverage,
     SubFrames,
     ExactBlur,
+    PerSplat,
     Xray,
     Maximum,
 }
@@ -76,7 +77,7 @@ const KINDS: [(Kind, &str); 6] = [
     (Kind::Several, "several things"),
 ];
 
-const FEATURES: [(Feature, &str); 11] = [
+const FEATURES: [(Feature, &str); 12] = [
     (Feature::Animation, "animation"),
     (Feature::Depth, "depth"),
     (Feature::ClipBox, "clip box"),
@@ -86,6 +87,7 @@ const FEATURES: [(Feature, &str); 11] = [
     (Feature::Coverage, "coverage"),
     (Feature::SubFrames, "motion blur by sub-frames"),
     (Feature::ExactBlur, "motion blur in closed form"),
+    (Feature::PerSplat, "splat by splat"),
     (Feature::Xray, "X-ray"),
     (Feature::Maximum, "maximum (MIP)"),
 ];
@@ -191,6 +193,14 @@ impl Feature {
                 scene: scene.with_motion(&motion),
                 settings: RenderSettings {
                     motion_blur: MotionBlur::Exact,
+                    classification: Classification::Pre,
+                    ..settings
+                },
+            },
+            Self::PerSplat => Asked {
+                scene,
+                settings: RenderSettings {
+                    compositing: Compositing::PerSplat,
                     classification: Classification::Pre,
                     ..settings
                 },

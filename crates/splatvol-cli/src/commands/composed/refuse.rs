@@ -1,6 +1,6 @@
 //! What has no meaning for what is rendered is refused, and named.
 
-use splatvol::{Content, GaussianMode, Item, Scene};
+use splatvol::{Content, Item, RenderSettings, Scene};
 
 use crate::args::{ItemArgs, LookArgs, MethodArgs, RenderArgs};
 use crate::failure::Failure;
@@ -46,15 +46,20 @@ pub(super) fn no_volume_flags(args: &ItemArgs, reference: &str) -> Result<(), Fa
 }
 
 /// Flags about Gaussians need Gaussians; flags about sheets need sheets.
-pub(super) fn gaussians(args: &RenderArgs, scene: &Scene, mode: GaussianMode) -> Result<(), Failure> {
+pub(super) fn gaussians(args: &RenderArgs, scene: &Scene, settings: &RenderSettings) -> Result<(), Failure> {
     let has = |item: &Item| matches!(item.content, Content::Gaussians(_));
     if args.item.gaussians.is_some() && !scene.items.iter().any(has) {
         return Err(Failure::usage("--gaussians: there are none"));
     }
-    let sorted = scene.is_gaussians() && mode != GaussianMode::Volumetric;
-    if sorted && args.method != MethodArgs::default() {
+    let method = if scene.is_gaussians() {
+        args.method.clone()
+    } else {
+        args.method.without_light()
+    };
+    if scene.is_published(settings) && method != MethodArgs::default() {
         return Err(Failure::usage(
-            "Gaussians are composited as published, where methods and lighting of sheets have no meaning",
+            "Gaussians are composited as published, where methods of sheets have no meaning, and light none but for points and \
+             meshes beside them",
         )
         .hint("--gaussians volumetric composites them in sheets"));
     }

@@ -1,19 +1,26 @@
 //! Seeded clouds, and the published algorithm in f64, pixel by pixel, from its equations (Kerbl et al. 2023, Zwicker et al.
 //! 2002). Shares no code with the engine.
 
+mod depths;
+mod kernels;
 mod published;
 mod robust;
 
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use splatvol_core::splats::Splat;
+use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection};
 
-use super::{Placed, SplatEngine, SplatSettings};
+use super::{Cloud, LowPass, Manner, Near, SplatEngine, SplatSettings};
 use crate::config::SimdLevel;
+use crate::control::{Control, Task};
+use crate::pool::Pool;
+use crate::sheets::engine::Run;
 
 /// An engine with threads of its own.
 struct Renderer {
-    pool: rayon::ThreadPool,
+    pool: Pool,
     level: Level,
     engine: SplatEngine,
 }
@@ -21,9 +28,8 @@ struct Renderer {
 impl Renderer {
     /// `None` where the processor lacks the instructions.
     fn new(threads: usize, simd: Option<SimdLevel>) -> Option<Self> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         Some(Self {
-            pool: pool.expect("threads"),
+            pool: Pool::new(Some(threads)).expect("threads"),
             level: simd.map_or(Some(Level::new()), SimdLevel::level)?,
             engine: SplatEngine::default(),
         })
@@ -42,14 +48,31 @@ impl Renderer {
         settings: &SplatSettings,
         frame: &mut Frame,
     ) {
-        let clouds: Vec<Placed<'_>> = clouds.iter().map(|&cloud| cloud.into()).collect();
-        let Self { pool, level, engine } = self;
-        pool.install(|| engine.render_into(*level, &clouds, (camera, settings), frame));
+        let own = |cloud| Cloud::Gaussians(cloud, DAffine3::IDENTITY);
+        let clouds: Vec<Cloud<'_>> = clouds.iter().copied().map(own).collect();
+        self.render_clouds(&clouds, camera, settings, frame);
+    }
+
+    fn render_clouds(
+        &mut self,
+        clouds: &[Cloud<'_>],
+        camera: &Camera,
+        settings: &SplatSettings,
+        frame: &mut Frame,
+    ) {
+        let run = Run {
+            pool: &self.pool,
+            level: self.level,
+            tile_edge: None,
+            task: Task::new(&Control::default(), &|_| {}),
+            only: None,
+        };
+        self.engine.render(run, clouds, (camera, settings), frame);
     }
 }
 
 fn settings(width: u32, height: u32) -> SplatSettings {
-    SplatSettings::new(ImageSize::new(width, height).expect("a valid size"))
+    SplatSettings::published(ImageSize::new(width, height).expect("a valid size"))
 }
 
 /// PCG (O'Neill 2014).
@@ -148,23 +171,41 @@ struct Ellipse {
     inverse: [f64; 3],
     /// Determinants without the low-pass and with it.
     determinants: [f64; 2],
+    /// Pixels per world length, and slopes of the rays.
+    scale: f64,
+    slopes: DVec2,
     tiles: [i64; 4],
 }
 
 impl Published {
     fn of(settings: &SplatSettings) -> Self {
+        let (LowPass::Added(low_pass), Near::OfGaussians(near)) = (settings.low_pass, settings.near) else {
+            panic!("not as published: {settings:?}");
+        };
         Self {
             size: settings.size,
-            low_pass: f64::from(settings.low_pass),
-            near: settings.near,
+            low_pass: f64::from(low_pass),
+            near,
         }
     }
 
     fn render(&self, clouds: &[&Gaussians], camera: &Camera) -> Vec<Pixel> {
+        self.render_with(clouds, &[], camera)
+    }
+
+    /// With kernels of other things behind Gaussians of the same depth.
+    fn render_with(&self, clouds: &[&Gaussians], kernels: &[Splat], camera: &Camera) -> Vec<Pixel> {
         let mut splats: Vec<Projected> = Vec::new();
         for cloud in clouds {
             splats.extend((0..cloud.len()).filter_map(|i| self.project(cloud, i, camera)));
         }
+        let unit = |cloud: &&Gaussians| cloud.world_from_local().matrix3.determinant().abs().cbrt();
+        let near = clouds.iter().map(unit).reduce(f64::min).unwrap_or(0.0) * self.near;
+        splats.extend(
+            kernels
+                .iter()
+                .filter_map(|kernel| self.project_kernel(kernel, near, camera)),
+        );
         splats.sort_by(|a, b| a.depth.total_cmp(&b.depth));
         let empty = Pixel {
             color: DVec3::ZERO,
@@ -191,7 +232,7 @@ impl Published {
     /// A covariance around `t`, both in camera space.
     fn ellipse(&self, t: DVec3, sigma: DMat3, near: f64, camera: &Camera) -> Option<Ellipse> {
         let (width, height) = (f64::from(self.size.width()), f64::from(self.size.height()));
-        let (jacobian, screen) = match camera.projection() {
+        let (jacobian, screen, scale, slopes) = match camera.projection() {
             Projection::Perspective { fov_degrees } => {
                 if t.z <= near {
                     return None;
@@ -207,14 +248,14 @@ impl Published {
                     DVec3::new(focal / t.z, 0.0, -focal * slope.x / t.z),
                     DVec3::new(0.0, focal / t.z, -focal * slope.y / t.z),
                 ];
-                (rows, focal * t.truncate() / t.z)
+                (rows, focal * t.truncate() / t.z, focal / t.z, slope)
             }
             Projection::Orthographic { height: extent } => {
                 if t.z <= 0.0 {
                     return None;
                 }
                 let m = height / extent;
-                ([DVec3::X * m, DVec3::Y * m], m * t.truncate())
+                ([DVec3::X * m, DVec3::Y * m], m * t.truncate(), m, DVec2::ZERO)
             }
         };
         let v = |p: usize, q: usize| jacobian[p].dot(sigma * jacobian[q]);
@@ -238,6 +279,8 @@ impl Published {
             centre,
             inverse: [yy / det, -xy / det, xx / det],
             determinants: [before, det],
+            scale,
+            slopes,
             tiles,
         })
     }
@@ -276,6 +319,26 @@ impl Published {
             inverse: ellipse.inverse,
             opacity: f64::from(a.opacities[i]) * ratio,
             color: color(&a.harmonics[i * count..(i + 1) * count], direction.normalize()),
+            tiles: ellipse.tiles,
+        })
+    }
+
+    /// A kernel that holds a mass, unlit: what a ray through its middle meets.
+    fn project_kernel(&self, kernel: &Splat, near: f64, camera: &Camera) -> Option<Projected> {
+        let view = camera.camera_from_world();
+        let t = view.transform_point3(kernel.centre);
+        let sigma = view.matrix3 * kernel.covariance * view.matrix3.transpose();
+        let ellipse = self.ellipse(t, sigma, near, camera)?;
+        let [mass, emission @ ..] = kernel.payload.map(f64::from);
+        let path = (1.0 + ellipse.slopes.length_squared()).sqrt();
+        let mass_on_screen = mass * ellipse.scale.powi(2) * path;
+        let depth = mass_on_screen / (std::f64::consts::TAU * ellipse.determinants[1].sqrt());
+        Some(Projected {
+            depth: ellipse.depth,
+            centre: ellipse.centre,
+            inverse: ellipse.inverse,
+            opacity: -(-depth).exp_m1(),
+            color: DVec3::from(emission.map(|e| srgb_from_linear(e / mass))),
             tiles: ellipse.tiles,
         })
     }

@@ -4,7 +4,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
-use super::{Pixel, Published, Renderer, SplatSettings, attributes, cloud, perspective, settings};
+use super::{
+    LowPass, Manner, Pixel, Published, Renderer, SplatSettings, attributes, cloud, perspective, settings,
+};
 
 /// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32 swaps them.
 const LEAST_PSNR: f64 = 58.0;
@@ -14,7 +16,7 @@ fn renderer() -> Renderer {
 }
 
 /// Premultiplied display colour and opacity, as a PNG's reader has them.
-fn display(pixel: [f32; 4]) -> [f64; 4] {
+pub(super) fn display(pixel: [f32; 4]) -> [f64; 4] {
     let [r, g, b, alpha] = pixel.map(f64::from);
     let encode = |c: f64| {
         if alpha > 0.0 {
@@ -27,7 +29,7 @@ fn display(pixel: [f32; 4]) -> [f64; 4] {
 }
 
 /// PSNR of premultiplied display colours and opacity, and the largest error of depths relative to the depth.
-fn errors(frame: &Frame, expected: &[Pixel]) -> (f64, f64) {
+pub(super) fn errors(frame: &Frame, expected: &[Pixel]) -> (f64, f64) {
     let (mut squares, mut worst_depth) = (0.0, 0.0f64);
     for (index, (pixel, expected)) in frame.image.pixels.iter().zip(expected).enumerate() {
         let alpha = 1.0 - expected.through;
@@ -155,7 +157,7 @@ fn antialiased_clouds_and_other_low_passes() {
     let camera = perspective(DVec3::new(3.0, 1.0, 1.0), 45.0);
     demand("antialiased", &[&gaussians], &camera, &settings(128, 128));
     let wide = SplatSettings {
-        low_pass: 1.5,
+        low_pass: LowPass::Added(1.5),
         ..settings(128, 128)
     };
     demand(
@@ -171,8 +173,9 @@ fn a_background_is_composited_in_display_space() {
     let gaussians = cloud(29, 300, 0, [0.02, 0.2]);
     let camera = perspective(DVec3::new(3.0, 1.0, 1.0), 45.0);
     let transparent = settings(96, 64);
+    let background = [0.2, 0.5, 0.9, 1.0];
     let opaque = SplatSettings {
-        background: [0.2, 0.5, 0.9, 1.0],
+        manner: Manner::Published { background },
         ..transparent
     };
     let mut renderer = renderer();
@@ -181,7 +184,7 @@ fn a_background_is_composited_in_display_space() {
     for (alone, over) in alone.image.pixels.iter().zip(&over.image.pixels) {
         let (alone, over) = (display(*alone), display(*over));
         for c in 0..3 {
-            let under = srgb_from_linear(f64::from(opaque.background[c]));
+            let under = srgb_from_linear(f64::from(background[c]));
             assert!((alone[c] + (1.0 - alone[3]) * under - over[c]).abs() < 2e-5);
         }
         assert!((over[3] - 1.0).abs() < 1e-6);

@@ -3,14 +3,16 @@
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
-use super::{Random, Renderer, SplatSettings, attributes, cloud, perspective, settings};
+use super::{
+    LowPass, Manner, Near, Random, Renderer, SplatSettings, attributes, cloud, perspective, settings,
+};
 use crate::config::SimdLevel;
 
 fn renderer(threads: usize, simd: Option<SimdLevel>) -> Renderer {
     Renderer::new(threads, simd).expect("instructions that are there")
 }
 
-fn bits(frame: &Frame) -> Vec<u32> {
+pub(super) fn bits(frame: &Frame) -> Vec<u32> {
     let planes = frame.depth.iter().chain(&frame.optical_depth);
     let values = frame.image.pixels.iter().flatten().chain(planes);
     values.map(|value| value.to_bits()).collect()
@@ -101,9 +103,11 @@ fn hostile_numbers_make_finite_pictures() {
     for camera in &cameras {
         for low_pass in [0.3, 0.0, f32::NAN, -1.0, 1e30] {
             let settings = SplatSettings {
-                low_pass,
-                near: if low_pass == 0.0 { f64::NAN } else { 0.2 },
-                background: [f32::NAN, f32::INFINITY, -1.0, 0.5],
+                low_pass: LowPass::Added(low_pass),
+                near: Near::OfGaussians(if low_pass == 0.0 { f64::NAN } else { 0.2 }),
+                manner: Manner::Published {
+                    background: [f32::NAN, f32::INFINITY, -1.0, 0.5],
+                },
                 ..settings(67, 45)
             };
             for clouds in [&[&antialiased][..], &[&placed], &[&antialiased, &placed]] {

@@ -1,4 +1,5 @@
-//! Extract: the cloud of a scene, made again where an item, its look or its place has changed.
+//! Extract: one cloud of all kernels of a scene, kept between frames, made again where an item, its look or its place has
+//! changed. Sheets (`sheets::cloud`) and whole splats (`splats`) are made of the same.
 //!
 //! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
 
@@ -42,13 +43,9 @@ struct Kept {
 
 impl ItemStore {
     /// The cloud of a scene, as this camera sees it.
-    pub(crate) fn cloud(
-        &mut self,
-        scene: &Scene,
-        camera: &Camera,
-        (settings, shape): (&RenderSettings, KernelShape),
-    ) -> &SplatCloud {
-        let key = (shape, settings.lighting.is_some());
+    pub(crate) fn cloud(&mut self, scene: &Scene, camera: &Camera, settings: &RenderSettings) -> &SplatCloud {
+        let sigma = settings.kernel.gaussian().map_or(1.0, |(sigma, _)| sigma);
+        let key = (KernelShape::Sphere { sigma }, settings.lighting.is_some());
         let same = |kept: &Kept| {
             kept.key == key
                 && kept.items.len() == scene.items.len()

@@ -1,0 +1,61 @@
+//! Blend: what a splat does to the pixels of a block, and what they show in the end.
+//!
+//! | | at d from its centre a splat gives a pixel | which ends |
+//! |---|---|---|
+//! | [`Published`] | `alpha = min(0.99, o exp(-d^T V^-1 d / 2))`, nothing below 1/255; `C += T alpha c`, `T *= 1 - alpha`, c in display colours | before T falls below 1e-4 |
+//! | [`Light`] | `tau = tau_0 (exp(-d^T V^-1 d / 2) - e) / (1 - e)`, e what is left at the cut; `C += T (1 - exp(-tau)) c`, `T *= exp(-tau)` | where T has fallen to the termination |
+//! | [`Integral`] | the same tau; `D += tau`, `C += tau c`, shown as one slab | never |
+//!
+//! Kerbl et al. 2023, eq. 3; Westover 1989 and zwicker2001 eq. 4, without the linear approximation of its exponential.
+
+mod integral;
+mod light;
+mod published;
+
+use fearless_simd::{f32x16, mask32x16, prelude::*};
+
+use super::composite::Block;
+use super::project::Splat;
+use super::resolve::Resolved;
+
+pub(crate) use integral::Integral;
+pub(crate) use light::{Light, Profile};
+pub(crate) use published::Published;
+
+/// How splats become pixels.
+pub(crate) trait Blend: Copy + Send + Sync {
+    /// A block that nothing was splatted to.
+    const EMPTY: Block;
+
+    /// Whether a splat of this peak is seen at all; its source says what the peak is.
+    fn is_seen<S: Simd>(self, simd: S, peak: f32x16<S>) -> mask32x16<S>;
+
+    /// What the splat keeps of its peak.
+    fn kept<S: Simd>(self, simd: S, peak: f32x16<S>) -> f32x16<S>;
+
+    /// Where a splat ends, given what it keeps: `log2(e) d^T V^-1 d / 2`.
+    fn end<S: Simd>(self, simd: S, kept: f32x16<S>) -> f32x16<S>;
+
+    /// Half of the square around a splat outside which it is not drawn, pixels; covariance: xx, xy, yy.
+    #[inline(always)]
+    fn square<S: Simd>(self, simd: S, _covariance: [f32x16<S>; 3]) -> f32x16<S> {
+        f32x16::splat(simd, f32::MAX)
+    }
+
+    /// What is added to a splat's exponents, `-log2(e) d^T V^-1 d / 2`, before [`Blend::add`] sees them.
+    #[inline(always)]
+    fn offset(self, _: &Splat) -> f32 {
+        0.0
+    }
+
+    /// Puts a splat behind the pixels of a block; whether any of them goes on.
+    fn add<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>, block: &mut Block) -> bool;
+
+    /// What the pixels of a block show.
+    fn resolve<S: Simd>(self, simd: S, block: &Block) -> Resolved;
+
+    /// The pixel where there is no splat.
+    fn empty(self) -> [f32; 4] {
+        [0.0; 4]
+    }
+}
