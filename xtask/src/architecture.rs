@@ -1,8 +1,8 @@
 //! `ARCHITECTURE.md` against the workspace.
 //!
 //! The first table below "## Crates" has a row per crate: its name, what it holds, which crates of the workspace it
-//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `stage::NAME` ``, `` `sheets::NAME` `` and
-//! `` `splats::NAME` ``.
+//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `stage::NAME` ``, `` `sheets::NAME` ``,
+//! `` `splats::NAME` `` and `` `classic::NAME` ``.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -30,6 +30,7 @@ pub(crate) fn check(root: &Path) -> Result<String> {
             "crates/splatvol-cpu/src/sheets/mod.rs",
         ),
         ("splats::", "mod ", "crates/splatvol-cpu/src/splats/mod.rs"),
+        ("classic::", "mod ", "crates/splatvol-cpu/src/classic/mod.rs"),
     ] {
         let source = read(file)?;
         let modules = modules(&source, declaration);

@@ -10,7 +10,7 @@
 //! | extract | [`irregular`] | meshes | kernels with covariances, masses and gradients |
 //! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
-//! [`kernel`], [`radial`] and [`normal`] hold the mathematics below them. An engine takes footprints and sheets from here and
+//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics below them. An engine takes footprints and sheets from here and
 //! knows nothing of where they came from.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -20,6 +20,7 @@ pub mod brick;
 pub mod classification;
 pub mod coefficients;
 mod eigen;
+pub mod exponential;
 pub mod field;
 pub mod footprint;
 pub mod irregular;

@@ -1,4 +1,4 @@
-//! Time of a frame of 1024 x 1024 pixels: one figure, and three by three of it.
+//! Time of a frame of 1024 x 1024 pixels: one figure, three by three of it (1.37 million), and these with a point beside.
 //!
 //! ```text
 //! cargo bench -p splatvol-cpu --bench gaussians
@@ -14,7 +14,8 @@ use divan::counter::ItemsCount;
 use glam::{DAffine3, DQuat, DVec3};
 use splatvol_cpu::{EngineConfig, Renderer, SimdLevel};
 use splatvol_scene::{
-    Camera, GaussianAttributes, Gaussians, ImageSize, Item, Projection, RenderSettings, Scene, View,
+    Camera, GaussianAttributes, Gaussians, ImageSize, Item, PointAttributes, PointLook, Points, Projection,
+    RenderSettings, Scene, View,
 };
 
 const SPLATS: usize = 152_746;
@@ -67,9 +68,21 @@ fn figure(place: DVec3) -> Gaussians {
     Gaussians::new(made, 0, DAffine3::from_translation(place)).expect("a valid cloud")
 }
 
+/// One point in front of them.
+fn point() -> Item {
+    let attributes = PointAttributes {
+        radii: vec![0.1],
+        ..PointAttributes::default()
+    };
+    let point = Points::new(vec![[0.5, 0.5, 3.0]], attributes, DAffine3::IDENTITY);
+    Item::points(point.expect("a valid point"), PointLook::default())
+}
+
 #[derive(Clone, Copy)]
 struct Case {
     figures: usize,
+    /// With a point beside them.
+    point: bool,
     threads: usize,
     simd: Option<SimdLevel>,
 }
@@ -77,22 +90,31 @@ struct Case {
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let simd = self.simd.map_or("best".to_owned(), |simd| format!("{simd:?}"));
-        write!(f, "{} figures, {} threads, {simd}", self.figures, self.threads)
+        let beside = if self.point { " and a point" } else { "" };
+        write!(
+            f,
+            "{} figures{beside}, {} threads, {simd}",
+            self.figures, self.threads
+        )
     }
 }
 
 fn cases() -> Vec<Case> {
     let case = |figures, threads, simd| Case {
         figures,
+        point: false,
         threads,
         simd,
     };
+    let with_point = |case| Case { point: true, ..case };
     let levels = SimdLevel::ALL.into_iter().filter(|level| level.is_available());
     let mut cases = vec![
         case(1, 1, None),
         case(1, 2, None),
         case(9, 1, None),
         case(9, 2, None),
+        with_point(case(9, 1, None)),
+        with_point(case(9, 2, None)),
     ];
     cases.extend(levels.map(|level| case(1, 1, Some(level))));
     cases
@@ -102,7 +124,8 @@ fn cases() -> Vec<Case> {
 fn frame(bencher: Bencher<'_, '_>, case: Case) {
     let places = (0..case.figures).map(|i| 1.4 * DVec3::new((i % 3) as f64, (i / 3) as f64, 0.0));
     let figures = places.map(|place| Item::gaussians(figure(place)));
-    let scene = Scene::of_items(figures.collect()).expect("valid items");
+    let point = case.point.then(point);
+    let scene = Scene::of_items(figures.chain(point).collect()).expect("valid items");
     let size = ImageSize::new(1024, 1024).expect("a valid size");
     let projection = Projection::Perspective { fov_degrees: 40.0 };
     let bounds = scene.bounds().expect("a box of figures");

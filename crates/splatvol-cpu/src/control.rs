@@ -15,7 +15,8 @@ pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
 /// Says what is wanted of a picture, and hears how it is made.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Set by any thread at any time, gives the picture up: [`SceneError::Stopped`]. Looked at once per sheet of a tile.
+    /// Set by any thread at any time, gives the picture up: [`SceneError::Stopped`]. Looked at once per sheet of a tile,
+    /// or every few thousand splats; some milliseconds pass at most once an engine has prepared what it keeps of a scene.
     pub stop: Option<&'a AtomicBool>,
     /// Called by any thread, one at a time, with shares that grow from 0 to 1 once per picture.
     pub progress: Option<OnProgress<'a>>,

@@ -3,6 +3,8 @@
 //!
 //! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_core::brick::BrickGrid;
@@ -42,8 +44,14 @@ struct Kept {
 }
 
 impl ItemStore {
-    /// The cloud of a scene, as this camera sees it.
-    pub(crate) fn cloud(&mut self, scene: &Scene, camera: &Camera, settings: &RenderSettings) -> &SplatCloud {
+    /// The cloud of a scene, as this camera sees it; `None` where it has to be made and `stop` is set meanwhile.
+    pub(crate) fn cloud(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        stop: &AtomicBool,
+    ) -> Option<&SplatCloud> {
         let sigma = settings.kernel.gaussian().map_or(1.0, |(sigma, _)| sigma);
         let key = (KernelShape::Sphere { sigma }, settings.lighting.is_some());
         let same = |kept: &Kept| {
@@ -55,15 +63,32 @@ impl ItemStore {
             // First, so that the memory of two clouds is never needed.
             self.kept = None;
         }
-        let kept = self.kept.get_or_insert_with(|| Kept::new(scene, key));
+        if self.kept.is_none() {
+            self.kept = Some(Kept::new(scene, key, Patience(stop))?);
+        }
+        let kept = self.kept.as_mut()?;
         kept.color(camera);
-        &kept.gathered.cloud
+        Some(&kept.gathered.cloud)
+    }
+}
+
+/// What says that a cloud is not wanted any more; looked at between the steps of making one.
+#[derive(Clone, Copy)]
+struct Patience<'a>(&'a AtomicBool);
+
+impl Patience<'_> {
+    fn go_on(self) -> Option<()> {
+        (!self.0.load(Ordering::Relaxed)).then_some(())
     }
 }
 
 impl Kept {
-    fn new(scene: &Scene, key: (KernelShape, bool)) -> Self {
-        let completed: Vec<Item> = scene.items.iter().map(|item| completed(item, key.1)).collect();
+    fn new(scene: &Scene, key: (KernelShape, bool), patience: Patience<'_>) -> Option<Self> {
+        let mut completed = Vec::new();
+        for item in &scene.items {
+            patience.go_on()?;
+            completed.push(self::completed(item, key.1, patience)?);
+        }
         let bounds = scene.bounds().ok();
         let extent = bounds.map_or(0.0, |b| b.diagonal());
         let finest = completed.iter().map(spacing).filter(|s| *s > 0.0);
@@ -75,23 +100,28 @@ impl Kept {
             .partition(|item| matches!(item.content, Content::Gaussians(_)));
         // Item by item: what was estimated of one is not needed for the next.
         for item in others {
-            add(&mut gather, &item, key);
+            patience.go_on()?;
+            add(&mut gather, &item, key, patience)?;
         }
         let mut colored = Vec::new();
         for item in gaussians {
+            patience.go_on()?;
             let first = gather.len();
             if let Content::Gaussians(gaussians) = &item.content {
                 gather.add_gaussians(gaussians, &item.world_from_item, |_| [0.0; 3]);
                 colored.push((first, item));
             }
         }
-        Self {
+        patience.go_on()?;
+        let gathered = gather.finish();
+        patience.go_on()?;
+        Some(Self {
             items: scene.items.clone(),
             key,
-            gathered: gather.finish(),
+            gathered,
             colored,
             camera: None,
-        }
+        })
     }
 
     /// Gives Gaussians their colours from this camera.
@@ -121,17 +151,18 @@ impl Kept {
 }
 
 /// An item whose points have radii, and normals where they are lit.
-fn completed(item: &Item, lit: bool) -> Item {
+fn completed(item: &Item, lit: bool, patience: Patience<'_>) -> Option<Item> {
     let Content::Points { points, look } = &item.content else {
-        return item.clone();
+        return Some(item.clone());
     };
     let own = points.attributes();
     let (radii, normals) = (!own.radii.is_empty(), !own.normals.is_empty() || !lit);
     if radii && normals && look.radius.is_none() {
-        return item.clone();
+        return Some(item.clone());
     }
     let neighbors = (!normals || (!radii && look.radius.is_none()))
         .then(|| Neighborhoods::new(points.positions(), NEIGHBORS));
+    patience.go_on()?;
     let attributes = PointAttributes {
         colors: own.colors.clone(),
         normals: match &neighbors {
@@ -146,7 +177,7 @@ fn completed(item: &Item, lit: bool) -> Item {
     };
     // What was estimated is as good as what was read; where it is not (all points in one place), there is nothing to see.
     let points = Points::clone(points).with_attributes(attributes);
-    match points {
+    Some(match points {
         Ok(points) => Item {
             content: Content::Points {
                 points: points.into(),
@@ -155,7 +186,7 @@ fn completed(item: &Item, lit: bool) -> Item {
             ..item.clone()
         },
         Err(_) => item.clone(),
-    }
+    })
 }
 
 /// How far apart an item's samples are, world length; zero for what does not say.
@@ -192,14 +223,19 @@ fn median(mut values: Vec<f32>) -> f64 {
     f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
+fn add(
+    gather: &mut Gather,
+    item: &Item,
+    (shape, lit): (KernelShape, bool),
+    patience: Patience<'_>,
+) -> Option<()> {
     match &item.content {
         Content::Volume {
             volume,
             transfer_function,
             ..
         } => {
-            let mut cloud = classified(volume, transfer_function, (shape, lit));
+            let mut cloud = classified(volume, transfer_function, (shape, lit), patience)?;
             let scale = item.world_from_item.matrix3.determinant().abs();
             cloud.world_from_local = item.world_from_item * cloud.world_from_local;
             cloud.mass *= scale;
@@ -222,6 +258,7 @@ fn add(gather: &mut Gather, item: &Item, (shape, lit): (KernelShape, bool)) {
         } => add_mesh(gather, item, (mesh, transfer_function), shape.sigma()),
         Content::Gaussians(_) => {}
     }
+    Some(())
 }
 
 /// The visible samples of a mesh.
@@ -269,13 +306,15 @@ fn classified(
     volume: &Volume,
     transfer_function: &TransferFunction,
     (shape, lit): (KernelShape, bool),
-) -> SplatCloud {
+    patience: Patience<'_>,
+) -> Option<SplatCloud> {
     let (samples, bricks): (Coefficients, BrickGrid) = Coefficients::new(volume, Use::Samples);
+    patience.go_on()?;
     let unit_distance = transfer_function
         .unit_distance
         .unwrap_or_else(|| volume.grid().mean_spacing());
     let table = ClassificationTable::new(transfer_function, volume.value_range(), unit_distance);
-    splats::classified(&Extract {
+    let cloud = splats::classified(&Extract {
         grid: volume.grid(),
         samples: &samples,
         bricks: &bricks,
@@ -283,7 +322,9 @@ fn classified(
         shape: KernelShape::Sphere { sigma: shape.sigma() },
         gradients: lit,
         interest: None,
-    })
+    });
+    patience.go_on()?;
+    Some(cloud)
 }
 
 /// Gaussians from a camera.

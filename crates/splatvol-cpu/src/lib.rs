@@ -6,7 +6,7 @@
 //! | `sheets` | grids, and scenes of several things in layers: the default |
 //! | `tile`, `stage` | grids slice by slice: `best`, missing samples, views too close for the sheets |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
-//! | `footprints` | whole footprints and sections of them: the papers' methods |
+//! | `classic` | one volume by the papers' methods, which are asked for by name |
 //! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |
 //!
 //! Every pixel receives its contributions in one order (sheets by depth, then bricks and voxels by index) whatever
@@ -15,12 +15,12 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod check;
+mod classic;
 mod clock;
 mod clouds;
 mod config;
 mod control;
 mod coverage;
-mod footprints;
 mod items;
 #[doc(hidden)]
 pub mod kernels;

@@ -12,12 +12,12 @@ use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{Camera, Coverage, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
 use crate::check::{check, too_close};
+use crate::classic::{self, ClassicEngine};
 use crate::clock::Instant;
 use crate::clouds::SplatScene;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::control::{Control, Progress, Task};
 use crate::coverage::Edges;
-use crate::footprints::{self, FootprintEngine};
 use crate::items::ItemStore;
 use crate::part;
 use crate::plan::{FramePlan, Geometry, splats_color};
@@ -59,7 +59,7 @@ pub struct Renderer {
     placed: PlacedVolumes,
     prepared: Option<Prepared>,
     data: SheetEngine,
-    footprints: FootprintEngine,
+    classic: ClassicEngine,
     splats: SplatEngine,
     /// Clouds of what is classified first.
     items: ItemStore,
@@ -105,7 +105,7 @@ impl Renderer {
             placed: PlacedVolumes::default(),
             prepared: None,
             data: SheetEngine::default(),
-            footprints: FootprintEngine::default(),
+            classic: ClassicEngine::default(),
             splats: SplatEngine::default(),
             items: ItemStore::default(),
             fine: None,
@@ -356,8 +356,8 @@ impl Renderer {
         let view = (shot.camera, settings);
         match shot.route {
             Route::Volume(scene) => {
-                if footprints::render(scene.motion, settings) {
-                    self.statistics = self.footprints.render(run, scene, view, frame)?;
+                if classic::render(scene.motion, settings) {
+                    self.statistics = self.classic.render(run, scene, view, frame)?;
                 } else if splats_at_once(&scene.volume, settings)
                     && let Some(statistics) = self.data.render(run, scene, view, frame)
                 {
@@ -368,7 +368,7 @@ impl Renderer {
                 }
             }
             Route::Layers(parts) => self.render_layers(run, shot, (parts, settings), frame)?,
-            Route::Splats(splats) => self.render_splats(run, shot, (splats, settings), frame),
+            Route::Splats(splats) => self.render_splats(run, shot, (splats, settings), frame)?,
         }
         task.go_on()
     }
@@ -387,7 +387,11 @@ impl Renderer {
             let items = &mut self.items;
             let cloud = match rest.items.is_empty() {
                 true => None,
-                false => Some(run.pool.install(move || items.cloud(rest, shot.camera, settings))),
+                false => Some(
+                    run.pool
+                        .install(move || items.cloud(rest, shot.camera, settings, run.task.stop))
+                        .ok_or(SceneError::Stopped)?,
+                ),
             };
             let scene = LayeredScene {
                 volumes,
@@ -410,7 +414,7 @@ impl Renderer {
         shot: &Shot<'_>,
         (drawn, settings): (&SplatScene<'_>, &RenderSettings),
         frame: &mut Frame,
-    ) {
+    ) -> Result<(), SceneError> {
         let start = Instant::now();
         let mut clouds = drawn.gaussians.clone();
         let mut spacing = 0.0;
@@ -418,7 +422,8 @@ impl Renderer {
             let items = &mut self.items;
             let cloud = run
                 .pool
-                .install(move || items.cloud(&drawn.rest, shot.camera, settings));
+                .install(move || items.cloud(&drawn.rest, shot.camera, settings, run.task.stop))
+                .ok_or(SceneError::Stopped)?;
             spacing = cloud.spacing;
             clouds.push(Cloud::Kernels(cloud));
         }
@@ -435,6 +440,7 @@ impl Renderer {
             voxels: clouds.iter().map(|cloud| cloud.len() as u64).sum(),
             ..RenderStatistics::default()
         };
+        Ok(())
     }
 
     /// The mean of the pictures of a scene at rest: what a shutter sees while it is open.

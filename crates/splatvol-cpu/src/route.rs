@@ -2,7 +2,7 @@
 //!
 //! | scene | engine |
 //! |---|---|
-//! | one volume, wherever it lies | those for grids (`sheets`, `tile`), or `footprints` where a method needs whole ones |
+//! | one volume, wherever it lies | those for grids (`sheets`, `tile`), or `classic` where a method needs whole ones |
 //! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
 //! | everything else on image sheets | `sheets`: every volume a layer, the rest a cloud, another |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |

@@ -6,12 +6,13 @@
 //!
 //! Sums are the same at every SIMD level: no operation is fused, and terms are added in the order of the kernels.
 
-use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
+use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use glam::DVec3;
 
 use super::Sample;
 use super::normalise::REACH_SQUARED;
 use super::whitening::whitening;
+use crate::exponential::exp2;
 
 /// Kernels of a packet, and places of a block.
 pub(super) const LANES: usize = 16;
@@ -257,20 +258,6 @@ fn squared<S: Simd>([x, y, z]: [f32x16<S>; 3], factor: [f32x16<S>; 6]) -> f32x16
     let second = yx * x + yy * y;
     let third = zx * x + zy * y + zz * z;
     first * first + second * second + third * third
-}
-
-/// `2^x` per lane for x from -126 to 126, relative error 2e-7: a polynomial for the fraction, the nearest integer by what
-/// adding `1.5 * 2^23` leaves in the lowest bits.
-#[inline(always)]
-fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
-    const ROUND: f32 = 12_582_912.0;
-    let shifted = x + ROUND;
-    let r = x - (shifted - ROUND);
-    let mut p = f32x16::splat(simd, 1.327_647_2e-3);
-    for coefficient in [9.675_541e-3, 5.550_713e-2, 2.402_212e-1, 6.931_472e-1, 1.0] {
-        p = p * r + coefficient;
-    }
-    (p.bitcast::<u32x16<S>>() + (shifted.bitcast::<u32x16<S>>() << 23)).bitcast::<f32x16<S>>()
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ mod volume;
 use splatvol_scene::{Camera, Clip, Coverage, ImageSize, Item, RenderSettings, Scene, SceneError};
 
 use crate::route::Way;
-use crate::{footprints, shutter};
+use crate::{classic, shutter};
 
 pub(crate) use volume::too_close;
 
@@ -32,7 +32,7 @@ pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Resul
         Way::Volume(single) => {
             settings.validate()?;
             volume::check(scene, &single, settings)?;
-            if footprints::render(single.item.motion.as_ref(), settings) {
+            if classic::render(single.item.motion.as_ref(), settings) {
                 raster::check(&single, camera, settings)?;
             }
         }

@@ -5,7 +5,7 @@ use splatvol_scene::{
 };
 
 use super::asked_of;
-use crate::footprints;
+use crate::classic;
 
 /// Refuses what the scene asks for where the settings cannot show it.
 pub(super) fn check(
@@ -18,7 +18,7 @@ pub(super) fn check(
     };
     let refuse = |why| Err(SceneError::Combination { what, why });
     let operated = !single.item.operators.is_empty() || !single.isosurfaces.is_empty();
-    if footprints::render(single.item.motion.as_ref(), settings) {
+    if classic::render(single.item.motion.as_ref(), settings) {
         return refuse(
             "whole footprints and sections of them are drawn without it, use image sheets and the usual filters",
         );

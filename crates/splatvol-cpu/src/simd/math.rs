@@ -1,9 +1,12 @@
-//! `exp` of vectors, for exponents from -87 to 0.
+//! Transcendental functions of vectors; powers of two are `splatvol_core::exponential`'s.
 //!
-//! `exp(x) = 2^n exp(r)`, n the nearest integer to `x log2(e)`, `|r| <= ln(2) / 2`, a polynomial for `exp(r)` (Cephes'
+//! `exp`, for exponents from -87 to 0: `exp(x) = 2^n exp(r)`, n the nearest integer to `x log2(e)`, `|r| <= ln(2) / 2`, a polynomial for `exp(r)` (Cephes'
 //! expf, relative error 2e-7). Smaller exponents are clamped: denormal results would slow everything behind.
 
 use fearless_simd::{f32x16, i32x16, prelude::*, u32x16};
+use splatvol_core::exponential;
+
+pub(crate) use splatvol_core::exponential::{exp2_of, exp2_quick};
 
 const LN2_HIGH: f32 = 0.693_359_4;
 const LN2_LOW: f32 = -2.121_944_4e-4;
@@ -27,42 +30,7 @@ pub(crate) fn exp<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
 /// `2^max(x, -126)` per lane for x up to 126; relative error 2e-7.
 #[inline(always)]
 pub(crate) fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
-    let x = x.max(f32x16::splat(simd, -126.0));
-    let n = x.round_ties_even();
-    let r = x - n;
-    let mut p = f32x16::splat(simd, 1.327_647_2e-3);
-    for coefficient in [9.675_541e-3, 5.550_713e-2, 2.402_212e-1, 6.931_472e-1, 1.0] {
-        p = p * r + coefficient;
-    }
-    let power: u32x16<S> = (n + 127.0).to_int();
-    p * (power << 23).bitcast::<f32x16<S>>()
-}
-
-/// `2^max(x, -126)` of one number up to 126; the same as [`exp2`].
-pub(crate) fn exp2_of(x: f32) -> f32 {
-    let x = x.clamp(-126.0, 126.0);
-    let n = x.round_ties_even();
-    let r = x - n;
-    let mut p = 1.327_647_2e-3;
-    for coefficient in [9.675_541e-3, 5.550_713e-2, 2.402_212e-1, 6.931_472e-1, 1.0] {
-        p = p * r + coefficient;
-    }
-    p * f32::from_bits(((n + 127.0) as u32) << 23)
-}
-
-/// `2^x` per lane for x from -126 to 126, not clamped; relative error 3e-6, and 1 for 0.
-///
-/// Adding 1.5 * 2^23 leaves the nearest integer in the lowest bits, from where it is shifted into the exponent.
-#[inline(always)]
-pub(crate) fn exp2_quick<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
-    const ROUND: f32 = 12_582_912.0;
-    let shifted = x + ROUND;
-    let r = x - (shifted - ROUND);
-    let mut p = f32x16::splat(simd, 9.582_853e-3);
-    for coefficient in [5.590_642_5e-2, 2.402_41e-1, 6.931_242e-1, 1.0] {
-        p = p * r + coefficient;
-    }
-    (p.bitcast::<u32x16<S>>() + (shifted.bitcast::<u32x16<S>>() << 23)).bitcast::<f32x16<S>>()
+    exponential::exp2(simd, x.max(f32x16::splat(simd, -126.0)))
 }
 
 /// `log2` per lane of positive normal numbers; absolute error 3e-6.

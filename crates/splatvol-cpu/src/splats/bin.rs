@@ -68,10 +68,10 @@ impl<'a> Counted<'a> {
     ) -> Option<Self> {
         let parts = even(0..order.len(), parts);
         let count = |part: &Range<usize>| {
-            let mut counts = vec![0u32; grid.len()];
             if stop.load(Ordering::Relaxed) {
-                return counts;
+                return None;
             }
+            let mut counts = vec![0u32; grid.len()];
             for key in &order[part.clone()] {
                 let [columns, rows] = tiles(rects[index(key)]);
                 for row in rows {
@@ -81,10 +81,14 @@ impl<'a> Counted<'a> {
                     }
                 }
             }
-            counts
+            Some(counts)
         };
-        let counts = parts.par_iter().with_max_len(1).map(count).collect();
-        (!stop.load(Ordering::Relaxed)).then_some(Self {
+        let counts = parts
+            .par_iter()
+            .with_max_len(1)
+            .map(count)
+            .collect::<Option<_>>()?;
+        Some(Self {
             grid,
             order,
             rects,

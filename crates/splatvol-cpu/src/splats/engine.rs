@@ -1,7 +1,7 @@
 //! The engine: all stages, and buffers that are kept between frames.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use fearless_simd::{Level, dispatch};
 use glam::DAffine3;
@@ -26,8 +26,10 @@ use crate::statistics::StageSeconds;
 
 /// Splats that a thread projects at a time.
 const CHUNK: usize = 4096;
-/// Parts per thread in which splats are sorted and binned.
+/// Parts per thread, at least, in which splats are sorted and binned.
 const PARTS_PER_THREAD: usize = 2;
+/// Splats of such a part at most: what a thread does before it looks whether the picture is given up.
+const PART: usize = 1 << 16;
 
 /// What is splatted, in the order in which equal depths are drawn.
 #[derive(Debug, Clone, Copy)]
@@ -178,10 +180,10 @@ impl SplatEngine {
             keys,
             bins,
         } = self;
-        let parts = PARTS_PER_THREAD * run.pool.current_num_threads();
         let stop = run.task.stop;
         let count = drawn.clouds.iter().map(Cloud::len).sum::<usize>();
         let count = count.min(u32::MAX as usize);
+        let parts = (PARTS_PER_THREAD * run.pool.current_num_threads()).max(count.div_ceil(PART));
         grow(splats, count);
         grow(rects, count);
         keys.resize(count);
@@ -236,13 +238,7 @@ struct Tiling<'a, B> {
 
 impl<B: Blend> Tiling<'_, B> {
     /// Renders the splats of a list into a tile's rows, unless nobody wants them.
-    fn render(
-        &self,
-        tile: usize,
-        entries: &[std::sync::atomic::AtomicU32],
-        rows: &mut TileRows<'_>,
-        scratch: &mut Scratch,
-    ) {
+    fn render(&self, tile: usize, entries: &[AtomicU32], rows: &mut TileRows<'_>, scratch: &mut Scratch) {
         let Self { run, blend, grid, .. } = self;
         let rect = grid.rect(tile);
         if run.task.is_stopped() {

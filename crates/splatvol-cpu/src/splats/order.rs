@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use rayon::prelude::*;
 
 /// At most this many bits are sorted by at once.
-const DIGIT_BITS: u32 = 11;
+const DIGIT_BITS: u32 = 12;
 /// Keys per part at least.
 const PART: usize = 1 << 13;
 
@@ -58,9 +58,6 @@ impl Keys {
         let digit_bits = bits.div_ceil(passes);
         let whole = even(0..count, parts);
         for pass in 0..passes {
-            if stop.load(Ordering::Relaxed) {
-                return None;
-            }
             let digits = Digits {
                 least,
                 shift: 32 + pass * digit_bits,
@@ -69,10 +66,10 @@ impl Keys {
             if pass == 0 {
                 let groups: Vec<&[Range<usize>]> =
                     ranges.chunks(ranges.len().div_ceil(parts).max(1)).collect();
-                digits.sort(&self.keys, &self.other, &groups);
+                digits.sort(&self.keys, &self.other, &groups, stop)?;
             } else {
                 let groups: Vec<&[Range<usize>]> = whole.chunks(1).collect();
-                digits.sort(&self.keys, &self.other, &groups);
+                digits.sort(&self.keys, &self.other, &groups, stop)?;
             }
             std::mem::swap(&mut self.keys, &mut self.other);
         }
@@ -114,29 +111,44 @@ impl Digits {
         ((key - (u64::from(self.least) << 32)) >> self.shift) as usize & (self.count - 1)
     }
 
-    /// Sorts by the digit, stably, from `source` to `target`.
-    fn sort(&self, source: &[AtomicU64], target: &[AtomicU64], groups: &[&[Range<usize>]]) {
+    /// Sorts by the digit, stably, from `source` to `target`; `None` once `stop` is set.
+    fn sort(
+        &self,
+        source: &[AtomicU64],
+        target: &[AtomicU64],
+        groups: &[&[Range<usize>]],
+        stop: &AtomicBool,
+    ) -> Option<()> {
+        let go_on = || (!stop.load(Ordering::Relaxed)).then_some(());
         let count = |group: &&[Range<usize>]| {
+            go_on()?;
             let mut counts = vec![0u32; self.count];
             for key in group.iter().flat_map(|range| &source[range.clone()]) {
                 counts[self.of(key.load(Ordering::Relaxed))] += 1;
             }
-            counts
+            Some(counts)
         };
-        let mut places: Vec<Vec<u32>> = groups.par_iter().with_max_len(1).map(count).collect();
+        let mut places: Vec<Vec<u32>> = groups
+            .par_iter()
+            .with_max_len(1)
+            .map(count)
+            .collect::<Option<_>>()?;
         starts(&mut places, 0..self.count);
         groups
             .par_iter()
             .zip(&mut places)
             .with_max_len(1)
-            .for_each(|(group, places)| {
+            .map(|(group, places)| {
+                go_on()?;
                 for key in group.iter().flat_map(|range| &source[range.clone()]) {
                     let key = key.load(Ordering::Relaxed);
                     let place = &mut places[self.of(key)];
                     target[*place as usize].store(key, Ordering::Relaxed);
                     *place += 1;
                 }
-            });
+                Some(())
+            })
+            .collect()
     }
 }
 

@@ -1,6 +1,13 @@
-//! The footprint engine: renders what is projected to footprints, by the methods of the papers.
+//! The papers' methods: whole footprints of one volume, or sections of them, one kernel at a time.
 //!
-//! It knows [`SplatCloud`]s and [`splatvol_core::splats::Footprint`]s, and nothing of where they came from. A picture is
+//! What they reproduce - kernels that are no Gaussians, rasterisers with their tables, alignments, swan's filters, the
+//! summed-area table of what is hidden, slices of the grid, `1 - tau`, flattened kernels, ranges of interest, motion
+//! blur in closed form (swan1997, mueller1998, huang2000, zwicker2001) - is asked for by name. No default comes here: grids and
+//! scenes go to `sheets`, and splats of anything but one volume to `splats`. It is scalar code, slower than both by one to two
+//! orders of magnitude, and keeps its pictures to the bit.
+//!
+//! It knows [`SplatCloud`](splatvol_core::splats::SplatCloud)s and [`Footprint`](splatvol_core::splats::Footprint)s, and nothing of
+//! where they came from. A picture is
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
@@ -69,12 +76,12 @@ pub(crate) fn render(motion: Option<&Motion>, settings: &RenderSettings) -> bool
 
 /// Keeps the cloud between frames.
 #[derive(Debug, Default)]
-pub(crate) struct FootprintEngine {
+pub(crate) struct ClassicEngine {
     store: CloudStore,
     kernels: KernelStore,
 }
 
-impl FootprintEngine {
+impl ClassicEngine {
     /// Renders a frame.
     ///
     /// # Errors
@@ -163,7 +170,7 @@ fn render_tiles<P: Profile>(
     RenderStatistics {
         seconds,
         threads: run.pool.current_num_threads(),
-        engine: "footprints",
+        engine: "classic",
         simd: "scalar",
         bricks: plan.bricks,
         active_bricks: plan.cloud.chunks.len(),

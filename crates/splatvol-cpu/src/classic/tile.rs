@@ -23,6 +23,9 @@ use crate::clock::Instant;
 use crate::stage::composite::Pixel;
 use crate::stage::resolve::Resolved;
 
+/// Splats between two looks at whether the picture is given up.
+const PATIENCE: usize = 64;
+
 /// A thread's memory.
 #[derive(Debug, Default)]
 pub(crate) struct TileScratch {
@@ -121,8 +124,7 @@ impl<P: Profile> Tile<'_, P> {
         let plan = self.plan;
         let mut chunks = plan.lists.of(tile).peekable();
         let mut turn = 0;
-        while turn < plan.order.count() && !self.scratch.finished.all() && !self.stop.load(Ordering::Relaxed)
-        {
+        while turn < plan.order.count() && !self.scratch.finished.all() && !self.is_stopped() {
             if self.is_idle(turn) {
                 // Nothing is open: the next chunk's first turn is the next that matters, or one that waits.
                 let next = chunks
@@ -157,6 +159,16 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether the picture is given up; looked at before every so many splats.
+    #[inline(always)]
+    fn gives_up(&self, splats: usize) -> bool {
+        splats.is_multiple_of(PATIENCE) && self.is_stopped()
+    }
+
     /// True where no sheet that was begun is left.
     fn is_idle(&self, turn: usize) -> bool {
         let Self { scratch, plan, .. } = self;
@@ -174,6 +186,9 @@ impl<P: Profile> Tile<'_, P> {
     ) {
         let mut refreshed = false;
         while let Some(chunk) = chunks.next_if(|chunk| chunk.front_sheet as usize <= turn) {
+            if self.is_stopped() {
+                return;
+            }
             let finished = &mut self.scratch.finished;
             if let Some(area) = own_area(&self.rect, chunk.rect) {
                 let mut hidden = finished.hide(area);
@@ -262,7 +277,10 @@ impl<P: Profile> Tile<'_, P> {
 
     fn open_splats(&mut self, turn: usize) {
         let mut turns = std::mem::take(&mut self.scratch.turns);
-        for &(_, splat) in turns.take(turn, |splat| splat) {
+        for (count, &(_, splat)) in turns.take(turn, |splat| splat).iter().enumerate() {
+            if self.gives_up(count) {
+                break;
+            }
             if let Some(open) = self.project(splat) {
                 self.scratch.open.push(open);
             }
@@ -279,9 +297,12 @@ impl<P: Profile> Tile<'_, P> {
             finished,
             ..
         } = &mut *self.scratch;
-        let brush = &self.brush;
+        let (brush, stop) = (&self.brush, self.stop);
         let work = &mut self.work;
         open.retain(|splat| {
+            if work.slices.is_multiple_of(PATIENCE as u64) && stop.load(Ordering::Relaxed) {
+                return false;
+            }
             // The apron is only there for data, so areas are the tile's own pixels.
             if finished.hide(splat.area) {
                 return false;
@@ -300,7 +321,10 @@ impl<P: Profile> Tile<'_, P> {
     /// Adds a turn's whole footprints to the sheet.
     fn splat_whole(&mut self, turn: usize) {
         let mut turns = std::mem::take(&mut self.scratch.turns);
-        for &(_, splat) in turns.take(turn, |splat| splat) {
+        for (count, &(_, splat)) in turns.take(turn, |splat| splat).iter().enumerate() {
+            if self.gives_up(count) {
+                break;
+            }
             let Some(open) = self.project(splat) else { continue };
             self.work.slices += 1;
             let TileScratch { sheet, row, .. } = &mut *self.scratch;
@@ -323,7 +347,10 @@ impl<P: Profile> Tile<'_, P> {
             let depth = ordered(plan.projection.centre(splat as usize).z);
             if reversed { !depth } else { depth }
         };
-        for &(_, splat) in turns.take(turn, key) {
+        for (count, &(_, splat)) in turns.take(turn, key).iter().enumerate() {
+            if self.gives_up(count) {
+                break;
+            }
             let Some(open) = self.project(splat) else { continue };
             self.work.slices += 1;
             let [extinction, r, g, b] = open.payload;
