@@ -49,7 +49,7 @@ pub struct RenderStatistics {
     pub seconds: StageSeconds,
     /// Threads of the pool.
     pub threads: usize,
-    /// Which engine rendered it: `sheets`, `slices`, `classic` or `gaussians`.
+    /// Which engine rendered it: `sheets`, `slices`, `splats` or `classic`.
     pub engine: &'static str,
     /// Vector instructions that it used; `scalar` for none.
     pub simd: &'static str,
@@ -67,12 +67,12 @@ pub struct RenderStatistics {
     pub voxels: u64,
     /// Footprint slices splatted, summed over tiles and sheets.
     pub slices: u64,
-    /// Bricks left out for being hidden, summed over tiles (footprint engine).
+    /// Bricks left out for being hidden, summed over tiles (the papers' methods).
     pub hidden_bricks: u64,
-    /// Voxels left out for being hidden, summed over tiles: those of hidden bricks, and hidden ones of others (footprint
-    /// engine).
+    /// Voxels left out for being hidden, summed over tiles: those of hidden bricks, and hidden ones of others (the
+    /// papers' methods).
     pub hidden_voxels: u64,
-    /// Share of them among the voxels that could be seen, hidden and drawn (footprint engine).
+    /// Share of them among the voxels that could be seen, hidden and drawn (the papers' methods).
     pub hidden_share: f64,
     /// Pixels that are means of several samples ([`splatvol_scene::Coverage`]). Times include theirs, other counts do not.
     pub sampled_pixels: u64,

@@ -173,10 +173,7 @@ impl<'a> Projection<'a> {
     pub fn project(&self, splat: usize) -> Option<Footprint> {
         let u = self.centre(splat).as_dvec3();
         let covariance = self.covariance(splat);
-        let mut still = self.still(u, covariance)?;
-        if splat >= self.cloud.peaks_from {
-            still.weight /= self.peak(u, covariance);
-        }
+        let still = self.still(u, covariance)?;
         match &self.sweep {
             None => Some(still),
             Some(sweep) => self.moved(sweep, splat, (still, u, covariance)),
@@ -206,18 +203,6 @@ impl<'a> Projection<'a> {
                 }
             }
         }
-    }
-
-    /// Line integral of a kernel that is not filtered, through its centre.
-    #[inline(always)]
-    fn peak(&self, u: DVec3, covariance: Covariance) -> f32 {
-        let ray = if self.perspective {
-            u.truncate() / u.z
-        } else {
-            DVec2::ZERO
-        };
-        let screen = determinant(seen_along(covariance, ray)).max(f64::MIN_POSITIVE);
-        (self.mass * ((1.0 + ray.length_squared()) / screen).sqrt()) as f32
     }
 
     /// Camera covariance of a splat.
