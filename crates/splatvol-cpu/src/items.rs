@@ -112,8 +112,7 @@ impl Kept {
                 colored.push((first, item));
             }
         }
-        patience.go_on()?;
-        let gathered = gather.finish();
+        let gathered = gather.finish_while(|| patience.go_on().is_some())?;
         patience.go_on()?;
         Some(Self {
             items: scene.items.clone(),

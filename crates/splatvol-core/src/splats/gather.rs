@@ -205,14 +205,19 @@ impl Gather {
 
     /// The cloud: splats in the order of a space-filling curve.
     pub fn finish(self) -> Gathered {
+        self.finish_while(|| true).expect("nobody gives it up")
+    }
+
+    /// The same, unless it is given up: `go_on` is asked between steps of some milliseconds per million splats.
+    pub fn finish_while(self, go_on: impl Fn() -> bool + Sync) -> Option<Gathered> {
         let peaks_from = self.peaks_from.unwrap_or(self.len());
-        let order = self.order(peaks_from);
+        let order = self.order(peaks_from, &go_on)?;
         let sources: Vec<u32> = order.par_iter().map(|key| *key as u32).collect();
         // One after the other, so that one field at a time is there twice.
-        let positions = permuted(&sources, self.positions);
-        let covariances = permuted(&sources, self.covariances);
-        let payloads = permuted(&sources, self.payloads);
-        let gradients = permuted(&sources, self.gradients);
+        let positions = permuted(&sources, self.positions, &go_on)?;
+        let covariances = permuted(&sources, self.covariances, &go_on)?;
+        let payloads = permuted(&sources, self.payloads, &go_on)?;
+        let gradients = permuted(&sources, self.gradients, &go_on)?;
         let chunks = chunks(&positions, &covariances, &order, peaks_from);
         let largest = chunks.iter().map(|chunk| chunk.sigma).fold(0.0, f32::max);
         let cloud = SplatCloud {
@@ -229,11 +234,11 @@ impl Gather {
             spacing: self.spacing,
             chunks,
         };
-        Gathered { cloud, sources }
+        Some(Gathered { cloud, sources })
     }
 
     /// Keys by which splats are sorted, sorted: size and place, then index. Those that carry optical depths stay last.
-    fn order(&self, peaks_from: usize) -> Vec<u64> {
+    fn order(&self, peaks_from: usize, go_on: impl Fn() -> bool) -> Option<Vec<u64>> {
         let (low, high) = extent(&self.positions);
         let width = (high - low).max_element().max(f32::MIN_POSITIVE);
         let key = |index: usize| {
@@ -245,18 +250,28 @@ impl Gather {
         };
         let mut keys: Vec<u64> = (0..self.len()).into_par_iter().map(key).collect();
         let (masses, peaks) = keys.split_at_mut(peaks_from);
-        masses.par_sort_unstable();
-        peaks.par_sort_unstable();
-        keys
+        for part in [masses, peaks] {
+            if !go_on() {
+                return None;
+            }
+            part.par_sort_unstable();
+        }
+        Some(keys)
     }
 }
 
 /// Values in the order of the cloud.
-fn permuted<T: Copy + Send + Sync>(sources: &[u32], values: Vec<T>) -> Vec<T> {
-    sources
-        .par_iter()
-        .map(|&source| values[source as usize])
-        .collect()
+fn permuted<T: Copy + Send + Sync>(
+    sources: &[u32],
+    values: Vec<T>,
+    go_on: impl Fn() -> bool,
+) -> Option<Vec<T>> {
+    go_on().then(|| {
+        sources
+            .par_iter()
+            .map(|&source| values[source as usize])
+            .collect()
+    })
 }
 
 /// What a Gaussian of this opacity and colour (sRGB) carries.

@@ -158,7 +158,7 @@ fn render_tiles<P: Profile>(
             })
             .collect()
     });
-    for (tile, (pixels, _)) in &tiles {
+    for (tile, (pixels, _)) in tiles.iter().filter(|_| !run.task.is_stopped()) {
         store(frame, &plan.tiles.rect(*tile), pixels);
     }
     let sum = |pick: fn(&TileWork) -> u64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<u64>();

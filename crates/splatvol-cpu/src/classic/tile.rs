@@ -73,7 +73,7 @@ pub(crate) struct Tile<'a, P> {
     pub stop: &'a AtomicBool,
 }
 
-/// Renders one tile: its pixels, row by row.
+/// Renders one tile: its pixels, row by row; none where the picture is given up.
 pub(crate) fn render<P: Profile>(
     plan: &Plan<'_, P>,
     (tile, stop): (usize, &AtomicBool),
@@ -95,6 +95,9 @@ pub(crate) fn render<P: Profile>(
     };
     run.reset();
     run.all_turns(tile);
+    if run.is_stopped() {
+        return (Vec::new(), run.work);
+    }
     let resolve = |pixel: &Pixel| {
         crate::stage::resolve::resolve_plain(pixel, plan.settings.compositing == Compositing::Xray)
     };
@@ -146,6 +149,9 @@ impl<P: Profile> Tile<'_, P> {
             self.open_chunks(&mut chunks, turn);
             self.take_turn(turn);
             turn += 1;
+        }
+        if self.is_stopped() {
+            return;
         }
         // What was never opened, or never drawn, is hidden by finished pixels.
         for chunk in chunks {
