@@ -79,12 +79,12 @@ pub struct Planes {
 
 impl Planes {
     /// Planes before, within and behind camera-space points grown by `reach` in depth, as far as they lie in front of the
-    /// camera: from depth 0 on where rays are parallel, else from one spacing on. Farther apart than `spacing` where these
-    /// were too many.
+    /// camera: where rays are parallel from the one before depth 0 on, else from one spacing on. Farther apart than `spacing`
+    /// where these were too many.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [low, high] = extent(corners, reach);
         let spacing = spacing.max((high - low) / MOST);
-        let first = ((low / spacing).floor() as i64).max(i64::from(screen.perspective));
+        let first = ((low / spacing).floor() as i64).max(if screen.perspective { 1 } else { -1 });
         let last = (high / spacing).ceil() as i64;
         Self {
             first,

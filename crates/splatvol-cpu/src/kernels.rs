@@ -2,10 +2,10 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 
+use crate::sheets::place::blocks_of;
 use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
 use crate::sheets::splat::{self, Coefficient, Powers, Records, SplatConstants, Stencil};
-use crate::sheets::tile::blocks_of;
 
 /// Every SIMD level of this machine, the best first, with its name. Scalar code exists in builds with the feature
 /// `scalar` only, or where the processor has no SIMD.

@@ -11,7 +11,7 @@ use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_scene::{Camera, Coverage, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
 
-use crate::check::{check, too_close};
+use crate::check::check;
 use crate::classic::{self, ClassicEngine};
 use crate::clock::Instant;
 use crate::clouds::SplatScene;
@@ -358,12 +358,9 @@ impl Renderer {
             Route::Volume(scene) => {
                 if classic::render(scene.motion, settings) {
                     self.statistics = self.classic.render(run, scene, view, frame)?;
-                } else if splats_at_once(&scene.volume, settings)
-                    && let Some(statistics) = self.data.render(run, scene, view, frame)
-                {
-                    self.statistics = statistics;
+                } else if splats_at_once(&scene.volume, settings) {
+                    self.statistics = self.data.render(run, scene, view, frame);
                 } else {
-                    too_close(scene.asks_for_sheets())?;
                     *frame = self.render_slices(scene, view, (task, only));
                 }
             }
@@ -373,7 +370,7 @@ impl Renderer {
         task.go_on()
     }
 
-    /// Renders a scene in layers. Where a volume is too close to the camera for that, all of it is classified.
+    /// Renders a scene in layers.
     fn render_layers(
         &mut self,
         run: Run<'_>,
@@ -382,28 +379,22 @@ impl Renderer {
         frame: &mut Frame,
     ) -> Result<(), SceneError> {
         let view = (shot.camera, settings);
-        for (volumes, rest) in [(&parts.volumes[..], &parts.rest), (&[], shot.scene)] {
-            let start = Instant::now();
-            let items = &mut self.items;
-            let cloud = match rest.items.is_empty() {
-                true => None,
-                false => Some(
-                    run.pool
-                        .install(move || items.cloud(rest, shot.camera, settings, run.task.stop))
-                        .ok_or(SceneError::Stopped)?,
-                ),
-            };
-            let scene = LayeredScene {
-                volumes,
-                cloud,
-                clips: &shot.scene.clips,
-            };
-            if let Some(statistics) = self.data.render_layers(run, &scene, view, (frame, start)) {
-                self.statistics = statistics;
-                return Ok(());
-            }
-            too_close(volumes.iter().any(VolumeScene::asks_for_sheets))?;
-        }
+        let start = Instant::now();
+        let items = &mut self.items;
+        let cloud = match parts.rest.items.is_empty() {
+            true => None,
+            false => Some(
+                run.pool
+                    .install(move || items.cloud(&parts.rest, shot.camera, settings, run.task.stop))
+                    .ok_or(SceneError::Stopped)?,
+            ),
+        };
+        let scene = LayeredScene {
+            volumes: &parts.volumes,
+            cloud,
+            clips: &shot.scene.clips,
+        };
+        self.statistics = self.data.render_layers(run, &scene, view, (frame, start));
         Ok(())
     }
 

@@ -84,11 +84,6 @@ pub(crate) struct VolumeScene<'a> {
 }
 
 impl VolumeScene<'_> {
-    /// Whether it has what only sheets of values show.
-    pub(crate) fn asks_for_sheets(&self) -> bool {
-        !(self.operators.is_empty() && self.isosurfaces.is_empty() && self.clips.is_empty())
-    }
-
     /// World length to which the transfer function's opacities refer.
     pub(crate) fn unit_distance(&self) -> f64 {
         self.transfer_function

@@ -61,6 +61,8 @@ pub struct RenderStatistics {
     pub active_bricks: usize,
     /// Sheets from front to back.
     pub sheets: usize,
+    /// Runs of sheets with a raster of their own.
+    pub zones: usize,
     /// Tiles of the picture.
     pub tiles: usize,
     /// Voxels activated, summed over tiles.

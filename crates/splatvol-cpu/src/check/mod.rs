@@ -8,8 +8,7 @@
 //! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |
 //! | what moves, and edges that are sampled | here |
 //!
-//! Rendering refuses nothing that passes here, but for views too close to a volume with operators, clips or isosurfaces, which
-//! are found when the frame is planned (`too_close`). `docs/scenes.md` has a table of the answers, made by asking.
+//! Rendering refuses nothing that passes here. `docs/scenes.md` has a table of the answers, made by asking.
 
 mod cloud;
 mod raster;
@@ -19,8 +18,6 @@ use splatvol_scene::{Camera, Clip, Coverage, ImageSize, Item, RenderSettings, Sc
 
 use crate::route::Way;
 use crate::{classic, shutter};
-
-pub(crate) use volume::too_close;
 
 /// Whether a scene can be rendered from a camera with these settings.
 ///

@@ -49,14 +49,3 @@ pub(super) fn check(
     }
     Ok(())
 }
-
-/// The error where the camera sees footprints of too different size for all sheets at once.
-pub(crate) fn too_close(asks: bool) -> Result<(), SceneError> {
-    if !asks {
-        return Ok(());
-    }
-    Err(SceneError::Combination {
-        what: "this view of a scene with operators, clips or isosurfaces",
-        why: "the camera is too close to the volume or its angle too wide, move it away or make the angle smaller",
-    })
-}

@@ -117,6 +117,8 @@ pub(crate) struct Window {
     pub high: [f32; 2],
     /// Raster point of the ring's first block, x and y.
     pub ring: [f32; 2],
+    /// Voxels enter wherever they lie: those that splat them find out whether they touch the tile.
+    pub anywhere: bool,
 }
 
 /// Moves a brick's voxels that enter a sheet to the records.
@@ -134,7 +136,7 @@ pub(crate) fn activate<S: Simd>(
     let limit = f32x16::splat(simd, window.depths[1] - z0);
     // From a footprint's middle to its first point, less the nearest even one.
     let before = -(window.blocks as f32 + 0.5);
-    let test = mask.any_finished && !mask.all(brick.blocks);
+    let test = !window.anywhere && mask.any_finished && !mask.all(brick.blocks);
     let scale = f32x16::splat(simd, window.scale);
     loop {
         let next = (brick.next as usize).min(BRICK_VOXELS);
@@ -146,7 +148,7 @@ pub(crate) fn activate<S: Simd>(
         }
         brick.next += count;
         let value = f32x16::from_slice(simd, &voxels.value[next..next + 16]);
-        let needed = entering & depth.simd_ge(first);
+        let needed = entering & depth.simd_gt(first);
         let last = count < 16 || brick.next as usize >= voxels.len;
         if !needed.any_true() {
             if last {
@@ -167,11 +169,11 @@ pub(crate) fn activate<S: Simd>(
             ((v + before) * 0.5).ceil() * 2.0,
         );
         let extent = (2 * window.blocks - 1) as f32;
-        let mut wanted = needed
-            & (first_x + extent).simd_ge(f32x16::splat(simd, window.low[0]))
+        let touches = (first_x + extent).simd_ge(f32x16::splat(simd, window.low[0]))
             & first_x.simd_le(f32x16::splat(simd, window.high[0]))
             & (first_y + extent).simd_ge(f32x16::splat(simd, window.low[1]))
             & first_y.simd_le(f32x16::splat(simd, window.high[1]));
+        let mut wanted = if window.anywhere { needed } else { needed & touches };
         let (column, row) = ((first_x - window.ring[0]) * 0.5, (first_y - window.ring[1]) * 0.5);
         let (blocks_x, blocks_y) = (column.to_int::<u32x16<S>>(), row.to_int::<u32x16<S>>());
         if test {

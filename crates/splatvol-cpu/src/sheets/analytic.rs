@@ -12,12 +12,13 @@ use super::gradients::Moments;
 use super::hermite::{End, Hermite, Rays, pieces};
 use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
 use super::mode::Mode;
+use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::shade::{MIDDLES, PlaneShader};
 use super::shaded::filled;
 use super::sheet::SheetShape;
 use super::table::Segment;
-use super::tile::{MAX_CHANNELS, Place, SheetFrame, SheetScratch};
+use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
 
 /// Post-classification with analytic gradients.
 #[derive(Debug)]
@@ -66,6 +67,8 @@ impl Derivative {
 struct Interval<'a> {
     planes: [&'a [Plane; MAX_CHANNELS]; 2],
     derivatives: [Derivative; 2],
+    /// The gradient at the nearer plane where that is at the eye, which has no sums of moments.
+    at_eye: Option<[f32; 3]>,
     faces: [WeightPlane; 2],
     is_near_face: bool,
     /// Camera depth of the nearer plane.
@@ -114,7 +117,10 @@ impl<'a> Analytic<'a> {
         };
         End {
             sum: channel(0),
-            gradient: interval.derivatives[which].gradient([channel(1), channel(2), channel(3)]),
+            gradient: match interval.at_eye {
+                Some(gradient) if which == 0 => gradient.map(|along| f32x16::splat(simd, along)),
+                _ => interval.derivatives[which].gradient([channel(1), channel(2), channel(3)]),
+            },
             weights,
         }
     }
@@ -238,7 +244,9 @@ impl Mode<4> for Analytic<'_> {
         place: &Place,
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        let SheetScratch { planes, mask, .. } = scratch;
+        let SheetScratch {
+            planes, mask, at_eye, ..
+        } = scratch;
         let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
             return;
         };
@@ -252,6 +260,7 @@ impl Mode<4> for Analytic<'_> {
         let interval = Interval {
             planes: [&planes[1], &planes[2]],
             derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
+            at_eye: *at_eye,
             is_near_face: faces
                 .iter()
                 .any(|plane| self.weights.is_near_any(plane, &place.rect)),

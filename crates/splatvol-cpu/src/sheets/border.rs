@@ -179,7 +179,7 @@ fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
 }
 
 /// The same of one number.
-fn cumulative_of(x: f32) -> f32 {
+pub(crate) fn cumulative_of(x: f32) -> f32 {
     let x = x.clamp(-5.0, 5.0);
     1.0 / (1.0 + exp2_of((x * x * -0.1018 - 2.3048) * x))
 }

@@ -10,11 +10,12 @@ use splatvol_core::visibility::BRICK_VOXELS;
 use super::canvas::{Canvas, Material};
 use super::classified::{Classified, ClassifiedBricks};
 use super::mode::Mode;
+use super::place::Place;
 use super::plane::{HALO, Plane};
 
 use super::shaded::filled;
 use super::splat::Payload;
-use super::tile::{MAX_CHANNELS, Place, SheetFrame, SheetScratch};
+use super::tile::{MAX_CHANNELS, Rays, SheetFrame, SheetScratch};
 use crate::simd::math::exp2_quick;
 
 /// Pre-classification.
@@ -65,9 +66,9 @@ const LANES: [f32; 16] = [
 
 /// Length of the rays of sixteen pixels per depth, from image x, y on.
 #[inline(always)]
-pub(crate) fn ray_length<S: Simd>(simd: S, frame: &SheetFrame<'_>, [x, y]: [usize; 2]) -> f32x16<S> {
-    let [cx, cy] = frame.rays.principal;
-    let per_pixel = frame.rays.per_pixel;
+pub(crate) fn ray_length<S: Simd>(simd: S, rays: &Rays, [x, y]: [usize; 2]) -> f32x16<S> {
+    let [cx, cy] = rays.principal;
+    let per_pixel = rays.per_pixel;
     let across = (f32x16::from_slice(simd, &LANES) + (x as f32 + 0.5 - cx)) * per_pixel;
     let down = (y as f32 + 0.5 - cy) * per_pixel;
     (across * across + (1.0 + down * down)).sqrt()
@@ -106,7 +107,7 @@ fn composite<S: Simd, const CUBIC: bool>(
         return 0;
     }
     let spacing = frame.stack.spacing as f32;
-    let length = ray_length(simd, frame, [place.rect.x0 + x, place.rect.y0 + y]) * spacing;
+    let length = ray_length(simd, &frame.rays, [place.rect.x0 + x, place.rect.y0 + y]) * spacing;
     let optical_depth = extinction * length;
     let (through, opacity) = through_and_opacity(simd, optical_depth);
     let opacity = seen.select(opacity, zero);

@@ -28,7 +28,7 @@ use super::pixel::Units;
 use super::resolve::{blend, resolve};
 use super::scene::LayerStore;
 use super::shaded::Shaded;
-use super::tile::{SheetFrame, SheetScratch, SheetWork};
+use super::tile::{SheetScratch, SheetWork, ZonedFrame};
 use crate::clock::Instant;
 use crate::control::Task;
 use crate::coverage::Edges;
@@ -90,7 +90,8 @@ impl TileMemory {
         resolve(&plan.tiles, tiles, frame);
         statistics.seconds.tiles += start.elapsed().as_secs_f64();
         statistics.active_bricks += picture.bricks();
-        statistics.sheets += plan.stack.count;
+        statistics.sheets += plan.sheets();
+        statistics.zones += plan.zones.len();
         statistics.tiles += count;
         for tile in tiles {
             let (_, work) = &*lock(tile);
@@ -118,14 +119,14 @@ impl Run<'_> {
 }
 
 impl SheetEngine {
-    /// Renders into a frame of the settings' size; `None` where footprints of one frame would differ too much in size.
+    /// Renders into a frame of the settings' size.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
-    ) -> Option<RenderStatistics> {
+    ) -> RenderStatistics {
         let start = Instant::now();
         // The mean of two classified values is not the mean classified: labels would become others. Analytic gradients are asked
         // for the field as it is.
@@ -160,13 +161,13 @@ impl SheetEngine {
                 detail.level,
                 frame,
                 &mut statistics,
-            )?;
+            );
             if detail.coarser > 0.0 {
                 let mut coarser = self.coarser.take().unwrap_or_else(|| frame.clone());
                 if coarser.image.size() != frame.image.size() {
                     coarser = frame.clone();
                 }
-                let rendered = self.level(
+                self.level(
                     Run {
                         task: run.task.unseen(&coarser_share),
                         ..run
@@ -177,16 +178,13 @@ impl SheetEngine {
                     &mut coarser,
                     &mut statistics,
                 );
-                if rendered.is_some() {
-                    blend(frame, &coarser, detail.coarser);
-                    run.task.show_all(frame);
-                }
+                blend(frame, &coarser, detail.coarser);
+                run.task.show_all(frame);
                 self.coarser = Some(coarser);
             }
-            Some(())
-        })?;
+        });
         statistics.seconds.total = start.elapsed().as_secs_f64();
-        Some(statistics)
+        statistics
     }
 
     /// Renders one level of the volume.
@@ -198,7 +196,7 @@ impl SheetEngine {
         level: usize,
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
-    ) -> Option<()> {
+    ) {
         let prepared = Instant::now();
         if !self
             .pyramid
@@ -213,20 +211,16 @@ impl SheetEngine {
             .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
         let wanted = Wanted::of(settings);
         let look = (&*scene.transfer_function, scene.unit_distance());
-        pyramid.classify(level, look, wanted, run.task.stop);
-        if run.task.is_stopped() {
-            // What was being prepared may be half done.
-            pyramid.forget(level);
-            return Some(());
-        }
-        let level = pyramid.level(level)?;
+        let Some(level) = pyramid.classify(level, look, wanted, run.task.stop) else {
+            return;
+        };
         let sampling = match (wanted, settings.compositing) {
             (Wanted::Classified, Compositing::Xray) => Sampling::Rays,
             (Wanted::Classified, _) => Sampling::Planes,
             _ => Sampling::Field,
         };
         let grid = level.field.volume().grid();
-        let view = View::new(grid, (camera, settings), sampling, None)?;
+        let view = View::new(grid, (camera, settings), sampling, None);
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let mut job = Job {
@@ -256,14 +250,12 @@ impl SheetEngine {
         let shader = || view.shader((store, &level.table), (settings, spacing));
         match (wanted, sampling) {
             (Wanted::Classified, Sampling::Rays) => {
-                let (shapes, raster) = view.along_rays();
                 let mode = Integral {
                     bricks: bricks.clone(),
-                    shapes,
-                    raster,
+                    shapes: view.ray_shapes(),
+                    depth_reach: view.depth_reach(),
                 };
-                // Footprints are those of the tile's middle: tiles have one size, so that it changes no picture.
-                job.run.tile_edge = None;
+                job.run.tile_edge = Some(view.ray_tile_edge());
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Classified, _) => {
@@ -300,7 +292,6 @@ impl SheetEngine {
                 job.render(store, &mode, frame, statistics);
             }
         }
-        Some(())
     }
 }
 
@@ -370,7 +361,7 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// What a frame's tiles show.
 pub(crate) trait Tiles: Sync {
     /// The frame, or that of any of several layers: they share tiles and planes.
-    fn frame(&self) -> &SheetFrame<'_>;
+    fn frame(&self) -> &ZonedFrame<'_>;
 
     /// Bricks of all layers.
     fn bricks(&self) -> usize;
@@ -388,12 +379,12 @@ pub(crate) trait Tiles: Sync {
 /// One mode's picture of one frame.
 #[derive(Debug)]
 pub(crate) struct Single<'a, M, const N: usize> {
-    pub frame: &'a SheetFrame<'a>,
+    pub frame: &'a ZonedFrame<'a>,
     pub mode: &'a M,
 }
 
 impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
-    fn frame(&self) -> &SheetFrame<'_> {
+    fn frame(&self) -> &ZonedFrame<'_> {
         self.frame
     }
 
@@ -411,7 +402,9 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
         if scratch.is_empty() {
             scratch.push(SheetScratch::default());
         }
-        let mut layer = ModeLayer::new((self.frame, self.mode), tile, &mut scratch[0]);
+        let Some(mut layer) = ModeLayer::new((self.frame, self.mode), tile, &mut scratch[0], canvas) else {
+            return SheetWork::default();
+        };
         let layers = &mut [&mut layer as &mut dyn TileLayer<S>];
         render(simd, (self.frame.termination, stop), layers, canvas)
     }
@@ -423,11 +416,7 @@ fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetSc
     let frame = picture.frame();
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
-        loop {
-            let order = frame.lists.longest_first();
-            let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) else {
-                break;
-            };
+        while let Some(&index) = frame.longest_first.get(next.fetch_add(1, Ordering::Relaxed)) {
             let index = index as usize;
             let (canvas, work) = &mut *lock(&tiles[index]);
             let rect = frame.tiles.rect(index);

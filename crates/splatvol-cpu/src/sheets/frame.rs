@@ -1,43 +1,32 @@
 //! A frame: kernel and camera to sheets, bricks to tiles.
 
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
-use splatvol_core::brick::{ActiveBrick, BRICK};
 use splatvol_core::field::FieldStore;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::normal::mass_within;
-use splatvol_core::sheets::Planes;
-use splatvol_scene::{Camera, Filter, Gradient, Grid, RenderSettings, ScreenFromCamera};
+use splatvol_scene::{Camera, Grid, RenderSettings};
 
 use super::border::Border;
+use super::engine::TILE_EDGE;
+use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
+use super::eye::Eye;
 use super::integral::RayShapes;
 use super::lattice_weights::LatticeWeights;
 use super::mode::Bricks;
 use super::order::DepthOrder;
+use super::place::{pixel_reach, room_of};
+use super::project::BrickProjection;
 use super::ring::LANES;
 use super::shade::PlaneShader;
-use super::sheet::{Raster, SheetShape};
+use super::sheet::SheetShape;
 use super::splat::SplatConstants;
 use super::table::ShadeTable;
-use super::tile::{Rays, SheetFrame, blocks_of, pixel_reach};
+use super::tile::{Rays, ZonedFrame};
+use super::zones::{Cutting, Kernels, Sheets, Zone};
 use crate::phong::Phong;
-
-/// Standard deviations at which footprints are cut where a low-pass or a coarse raster has changed their width.
-const CUT: f64 = 3.4;
-/// Widest standard deviation of a footprint, raster points, that the largest blocks hold.
-const WIDEST: f64 = 4.6;
-/// Standard deviation of the nearest footprints beyond which a coarser raster costs less, raster points.
-const COMFORTABLE: f64 = 2.3;
-/// Narrowest standard deviation of a footprint, raster points, that a spline of a coarse raster reproduces.
-const NARROWEST: f64 = 0.8;
-/// The same where gradients are analytic: to the last digits.
-const NARROWEST_EXACT: f64 = 1.2;
-/// Standard deviations at which footprints are cut where gradients are analytic: what is left out on one side alone tilts them.
-const CUT_EXACT: f64 = 4.2;
-/// Widest angle between a pixel's ray and the axis, as a tangent.
-const STEEPEST: f64 = 0.75;
 
 /// How voxels are sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,35 +39,35 @@ pub(crate) enum Sampling {
     Rays,
 }
 
+/// Tangent that rays within a tile differ by at most where footprints along rays are those of its middle.
+const WIDEST_TILE: f64 = 0.25;
+/// Smallest edge of such tiles, pixels.
+const LEAST_TILE: usize = 4;
+
 /// What of a frame does not depend on the volume's content.
 #[derive(Debug, Clone)]
 pub(crate) struct View {
     camera_from_lattice: DAffine3,
-    screen: ScreenFromCamera,
     shape: FootprintShape,
     kernel: GaussianKernel,
-    stack: Planes,
-    raster: Raster,
+    sheets: Sheets,
+    extents: Extents,
+    /// How far a voxel reaches in depth, world length.
     reach: f64,
-    spread: f64,
     groups: usize,
     round: bool,
-    cut: f64,
     margin: [usize; 3],
     ray_shapes: RayShapes,
-    /// Voxels are integrated, not sampled on planes.
-    along_rays: bool,
 }
 
 impl View {
-    /// `None` where footprints of one frame differ too much in size to share a raster: close to the camera, or seen at
-    /// too wide an angle. `spacing`: of the planes, world length, where other layers demand one.
+    /// `spacing`: of the planes, world length, where other layers demand one.
     pub(crate) fn new(
         grid: &Grid,
         (camera, settings): (&Camera, &RenderSettings),
         sampling: Sampling,
         spacing: Option<f64>,
-    ) -> Option<Self> {
+    ) -> Self {
         let margin = grid.dims().map(|n| usize::from(n > 1));
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
@@ -94,99 +83,69 @@ impl View {
         let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
         let corners = corners(grid, margin, camera_from_lattice);
         let reach = kernel.radius * per_voxel;
-        let stack = match sampling {
+        let along_rays = sampling == Sampling::Rays;
+        let steepest = steepest(&screen, settings.size);
+        let (spacing, groups) = if along_rays {
             // A slab per voxel tells enough of depth.
-            Sampling::Rays => Planes::covering(&corners, 0.0, per_voxel, &screen),
-            _ => {
-                let own = settings.sheet_thickness * per_voxel;
-                Planes::covering(&corners, reach, spacing.unwrap_or(own), &screen)
-            }
-        };
-        let groups = match sampling {
-            Sampling::Rays => {
-                let nearest = corners
-                    .iter()
-                    .fold(f64::INFINITY, |near, corner| near.min(corner.z));
-                // Half a voxel cannot be left out.
-                if nearest - reach < stack.spacing {
-                    return None;
-                }
-                1
-            }
-            _ => {
-                let thickness = spacing.map_or(settings.sheet_thickness, |spacing| spacing / per_voxel);
-                ((2.0 * kernel.radius / thickness / LANES as f64) - 1e-9).ceil() as usize
-            }
-        };
-        let steepest = if screen.perspective {
-            let corner = screen
-                .centre
-                .max(DVec2::new(settings.size.width() as f64, settings.size.height() as f64) - screen.centre);
-            corner.length() / screen.scale
+            (per_voxel, 1)
         } else {
-            0.0
+            let thickness = match spacing {
+                Some(spacing) => spacing / per_voxel,
+                None => settings.sheet_thickness * thinner_where_steep(steepest),
+            };
+            let groups = (2.0 * kernel.radius / thickness / LANES as f64 - 1e-9).ceil();
+            (spacing.unwrap_or(thickness * per_voxel), groups as usize)
         };
         let ray_shapes = RayShapes {
             shape,
             screen,
             cell_volume: grid.cell_volume(),
         };
-        let [xx, xy, yy] = shape.lateral_covariance;
-        let drift = shape.lateral_slope.abs().max_element();
-        let (shape, covariances, round) = match sampling {
-            Sampling::Rays => {
-                let (bounding, covariances) = ray_shapes.over(settings.size);
-                (bounding, covariances, ray_shapes.is_round())
-            }
-            _ => {
-                let round = xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6;
-                (shape, [shape.lateral_covariance; 9], round)
-            }
+        let (shape, covariances, round) = if along_rays {
+            let (bounding, covariances) = ray_shapes.over(settings.size);
+            (bounding, covariances, ray_shapes.is_round())
+        } else {
+            (shape, [shape.lateral_covariance; 9], is_round(&shape))
         };
-        let nearest = stack.plane(0)
-            - if sampling == Sampling::Rays {
-                stack.spacing
-            } else {
-                0.0
-            };
-        let raster = raster(
-            settings,
-            peak(&kernel, sampling),
-            &covariances,
-            [nearest, stack.plane(stack.count)].map(|z| screen.scale_at(z)),
-        )?;
-        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
-        let cut = match sampling {
-            _ if is_exact(settings) => CUT_EXACT,
-            Sampling::Rays => CUT.max(kernel.cut()),
-            _ if changed || !round => CUT,
-            _ => kernel.cut(),
-        };
-        let ends =
-            [nearest, stack.plane(stack.count)].map(|depth| SheetShape::new(&shape, &screen, &raster, depth));
-        let reach = if sampling == Sampling::Rays { 0.0 } else { reach };
-        let drift_of_centres = (steepest * reach) as f32;
-        let within = steepest <= STEEPEST
-            && groups <= MAX_GROUPS
-            && stack.count <= MAX_SHEETS
-            && (round || powers_fit(&ends, drift_of_centres, cut as f32));
-        within.then_some(Self {
+        Self {
             camera_from_lattice,
-            screen,
             shape,
             kernel,
-            stack,
-            raster,
+            sheets: Sheets::covering(&corners, reach, spacing, (&screen, along_rays)),
+            extents: Extents {
+                screen,
+                variances: variances(&covariances),
+                low_pass: low_pass(settings.filter),
+                widths: Widths::of(settings),
+                peak: peak(&kernel, sampling),
+                steepest,
+                along_rays,
+                reach,
+            },
             reach,
-            spread: 0.5 * steepest * stack.spacing,
             groups,
             round,
-            cut,
             margin,
             ray_shapes,
-            along_rays: sampling == Sampling::Rays,
-        })
+        }
     }
+}
+
+/// Thickness of sheets relative to what the settings ask for: rays of slope t meet planes `sqrt(1 + t^2)` times as far apart,
+/// which is made up for beyond a slope of [`THINNER_FROM`].
+fn thinner_where_steep(steepest: f64) -> f64 {
+    let along = |slope: f64| (1.0 + slope * slope).sqrt();
+    (along(THINNER_FROM) / along(steepest)).min(1.0)
+}
+
+/// Tangent of the angle between ray and axis, 45 degrees, up to which sheets are as thick along the axis as the settings ask for.
+const THINNER_FROM: f64 = 1.0;
+
+/// Whether footprints are circles, and each sheet's lie behind each other.
+fn is_round(shape: &FootprintShape) -> bool {
+    let [xx, xy, yy] = shape.lateral_covariance;
+    let drift = shape.lateral_slope.abs().max_element();
+    xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6
 }
 
 impl View {
@@ -197,17 +156,36 @@ impl View {
 
     /// Distance between planes, world length.
     pub(crate) fn spacing(&self) -> f64 {
-        self.stack.spacing
+        self.sheets.planes.spacing
     }
 
-    /// Pixels from one raster point to the next.
-    pub(crate) fn step(&self) -> usize {
-        self.raster.step
+    /// How far a voxel reaches in depth, world length.
+    pub(crate) fn depth_reach(&self) -> f64 {
+        self.reach
     }
 
-    /// Footprints along rays, and how they are rasterised.
-    pub(crate) fn along_rays(&self) -> (RayShapes, Raster) {
-        (self.ray_shapes, self.raster)
+    /// Footprints along rays.
+    pub(crate) fn ray_shapes(&self) -> RayShapes {
+        self.ray_shapes
+    }
+
+    /// Edge of tiles whose footprints along rays are those of the middle, whatever tiles are asked for, so that these change no
+    /// picture: smaller ones at wide angles, where rays differ more.
+    pub(crate) fn ray_tile_edge(&self) -> usize {
+        if self.extents.steepest <= STEEP {
+            return TILE_EDGE;
+        }
+        let pixels = WIDEST_TILE * self.extents.screen.scale;
+        (pixels as usize / LEAST_TILE * LEAST_TILE).clamp(LEAST_TILE, TILE_EDGE)
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels {
+            shape: self.shape,
+            round: self.round,
+            sheets: self.groups * LANES,
+            cut: self.kernel.cut(),
+        }
     }
 
     /// Matrix of camera from voxel.
@@ -221,10 +199,11 @@ impl View {
     }
 
     fn rays(&self) -> Rays {
-        let per_pixel = 1.0 / self.screen.scale as f32;
+        let screen = &self.extents.screen;
+        let per_pixel = 1.0 / screen.scale as f32;
         Rays {
-            principal: self.screen.centre.as_vec2().to_array(),
-            per_pixel: if self.screen.perspective { per_pixel } else { 0.0 },
+            principal: screen.centre.as_vec2().to_array(),
+            per_pixel: if screen.perspective { per_pixel } else { 0.0 },
             plane_per_pixel: per_pixel,
         }
     }
@@ -253,7 +232,7 @@ impl View {
         PlaneShader {
             table,
             phong: settings.lighting.as_ref().map(|l| Phong::new(l, mean_spacing)),
-            spacing: self.stack.spacing as f32,
+            spacing: self.sheets.planes.spacing as f32,
             background: store.background(),
             principal,
             per_pixel,
@@ -262,28 +241,6 @@ impl View {
             border: Border::new(camera_from_voxel, dims, self.margin, self.kernel.sigma),
         }
     }
-}
-
-/// Whether the powers of ellipses between those of the nearest and the farthest sheet are floats: those of long and thin
-/// ones on a fine raster may not be. `drift`: how far centres move within a voxel's sheets, world length; `cut`: standard
-/// deviations at which footprints are cut.
-fn powers_fit([near, far]: &[SheetShape; 2], drift: f32, cut: f32) -> bool {
-    let [xx, xy, yy] = far.exponent;
-    let steepest = 0.5 * (xx + yy + libm::hypotf(xx - yy, xy));
-    // Centres lie up to a point and a half off the middle of their blocks along both axes.
-    let offset = 1.5 * std::f32::consts::SQRT_2 + drift * near.scale;
-    let points = blocks_of(near.half_extent(cut)) as f32;
-    2.0 * steepest * offset * points < 126.0
-}
-
-/// Groups of four sheets that a voxel may reach.
-const MAX_GROUPS: usize = 8;
-/// Sheets of a frame.
-const MAX_SHEETS: usize = 1 << 16;
-
-/// Whether footprints carry analytic gradients.
-fn is_exact(settings: &RenderSettings) -> bool {
-    settings.gradient == Gradient::Analytic
 }
 
 /// Peak of a kernel's samples on planes.
@@ -298,144 +255,6 @@ fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
     1.0 / (lateral * lateral * along)
 }
 
-/// How footprints are rasterised between the nearest and the farthest scale, pixels per world length.
-fn raster(
-    settings: &RenderSettings,
-    peak: f64,
-    covariances: &[[f64; 3]],
-    scales: [f64; 2],
-) -> Option<Raster> {
-    let (low_pass, matched) = match settings.filter {
-        // Footprints that are scaled belong to another engine.
-        Filter::None | Filter::Swan | Filter::SwanAlpha => (0.0, false),
-        Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
-        Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
-    };
-    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-    for [xx, xy, yy] in covariances {
-        let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
-        (least, most) = (least.min(mean - difference), most.max(mean + difference));
-    }
-    let filtered = |variance: f64| {
-        if matched {
-            variance.max(low_pass)
-        } else {
-            variance + low_pass
-        }
-    };
-    let widest = filtered(most * scales[0] * scales[0]).sqrt();
-    let narrowest = filtered(least * scales[1] * scales[1]).sqrt();
-    // As coarse as the far end allows, but not coarser than the near end wants: then footprints are small.
-    let (finest, wanted) = (
-        libm::log2(widest / WIDEST).ceil(),
-        libm::log2(widest / COMFORTABLE).ceil(),
-    );
-    let coarsest = |least: f64| libm::log2(narrowest / least).floor();
-    let step_of = |least: f64| wanted.min(coarsest(least)).clamp(0.0, 6.0);
-    let mut step = step_of(NARROWEST);
-    if is_exact(settings) {
-        step = step_of(NARROWEST_EXACT).max(finest).min(step);
-    }
-    if step < finest {
-        return None;
-    }
-    let step = libm::exp2(step);
-    // Without low-pass a footprint narrower than this would fall between the pixels.
-    if low_pass == 0.0 && narrowest / step < 0.4 {
-        return None;
-    }
-    Some(Raster {
-        step: step as usize,
-        low_pass,
-        matched,
-        peak,
-    })
-}
-
-/// A frame's plan in memory that the next one uses again.
-#[derive(Debug, Default)]
-pub(crate) struct Plan {
-    order: DepthOrder,
-    sheets: Vec<SheetShape>,
-    projected: Vec<Option<ProjectedBrick>>,
-    lists: TileLists,
-}
-
-impl Plan {
-    /// Plans a frame.
-    pub(crate) fn update<'a>(
-        &'a mut self,
-        view: &View,
-        bricks: &'a dyn Bricks,
-        settings: &RenderSettings,
-        tile_edge: usize,
-    ) -> SheetFrame<'a> {
-        let View {
-            camera_from_lattice,
-            screen,
-            ref shape,
-            kernel,
-            stack,
-            raster,
-            reach,
-            spread,
-            groups,
-            round,
-            cut,
-            along_rays,
-            ..
-        } = *view;
-        self.sheets.clear();
-        // Slabs have the size of their middle.
-        let before = if along_rays { 0.5 * stack.spacing } else { 0.0 };
-        self.sheets.extend(
-            (0..=stack.count).map(|i| SheetShape::new(shape, &screen, &raster, stack.plane(i) - before)),
-        );
-        let sheets = &self.sheets;
-        let half_extent = sheets[0]
-            .half_extent(cut as f32)
-            .map(|half| half + spread as f32 * sheets[0].scale);
-        let projection = BrickProjection {
-            camera_from_lattice,
-            screen,
-            shape,
-            stack,
-            reach,
-            margin: f64::from(pixel_reach(half_extent, raster.step)),
-        };
-        // Tiles begin at even raster points, as blocks do.
-        let tiles = TileGrid::new(settings.size, tile_edge.next_multiple_of(2 * raster.step));
-        self.projected.resize(bricks.len(), None);
-        let projected = self.projected.par_iter_mut().enumerate().with_min_len(256);
-        projected.for_each(|(i, brick)| *brick = projection.project(bricks.first(i), i));
-        self.lists.fill(self.projected.iter().flatten().copied(), &tiles);
-        self.order.update(camera_from_lattice.matrix3);
-        SheetFrame {
-            bricks,
-            order: &self.order,
-            camera_from_lattice,
-            stack,
-            sheets,
-            tiles,
-            lists: &self.lists,
-            constants: SplatConstants {
-                slope: shape.lateral_slope.as_vec2().to_array(),
-                principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
-                depth_exponent: (-0.5 * std::f64::consts::LOG2_E / shape.depth_sigma.powi(2)) as f32,
-                depth_edge: if along_rays { 0.0 } else { kernel.edge as f32 },
-            },
-            rays: view.rays(),
-            termination: settings.termination as f32,
-            step: raster.step,
-            depth_reach: reach as f32,
-            cut: cut as f32,
-            spread: spread as f32,
-            ellipses: !round,
-            groups,
-        }
-    }
-}
-
 /// Corners of a grid's lattice, camera space: not those of what is needed of it, which a transfer function changes.
 fn corners(grid: &Grid, margin: [usize; 3], camera_from_lattice: DAffine3) -> [DVec3; 8] {
     let dims = grid.dims();
@@ -446,48 +265,164 @@ fn corners(grid: &Grid, margin: [usize; 3], camera_from_lattice: DAffine3) -> [D
     })
 }
 
-/// Bricks to screen rectangles and front sheets.
-struct BrickProjection<'a> {
-    camera_from_lattice: DAffine3,
-    screen: ScreenFromCamera,
-    shape: &'a FootprintShape,
-    stack: Planes,
-    reach: f64,
-    /// Reach of a voxel around the centre of its nearest footprint, pixels.
-    margin: f64,
+/// A frame's plan in memory that the next one uses again.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    order: DepthOrder,
+    zones: Vec<Zone>,
+    /// Those of this frame's zones first.
+    plans: Vec<ZonePlan>,
+    projected: Vec<Option<ProjectedBrick>>,
+    longest_first: Vec<u32>,
 }
 
-impl BrickProjection<'_> {
-    fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
-        let first = DVec3::from_array(first.map(f64::from));
-        let corner = self.camera_from_lattice.transform_point3(first);
-        let linear = self.camera_from_lattice.matrix3 * (BRICK as f64 - 1.0);
-        let (mut low, mut high) = (corner, corner);
-        for axis in [linear.x_axis, linear.y_axis, linear.z_axis] {
-            low += axis.min(DVec3::ZERO);
-            high += axis.max(DVec3::ZERO);
-        }
-        let drift = (self.shape.lateral_slope.abs() * self.reach).extend(self.reach);
-        let (low, high) = (low - drift, high + drift);
-        let first = self.stack.plane(0);
-        if high.z < first {
-            return None;
-        }
-        let near = low.z.max(first);
-        let scales = [self.screen.scale_at(near), self.screen.scale_at(high.z.max(near))];
-        let bound = |value: DVec2, pick: fn(f64, f64) -> f64| {
-            let [a, b] = scales.map(|scale| value * scale);
-            DVec2::new(pick(a.x, b.x), pick(a.y, b.y)) + self.screen.centre
+/// What a zone's tiles are rendered from.
+#[derive(Debug, Default)]
+pub(crate) struct ZonePlan {
+    pub sheets: Vec<SheetShape>,
+    pub lists: TileLists,
+    pub constants: SplatConstants,
+    /// What the first interval needs of the eye, where it begins there.
+    pub eye: Eye,
+}
+
+impl Plan {
+    /// Plans a frame.
+    pub(crate) fn update<'a>(
+        &'a mut self,
+        view: &View,
+        bricks: &'a dyn Bricks,
+        settings: &RenderSettings,
+        tile_edge: usize,
+    ) -> ZonedFrame<'a> {
+        let tiles = TileGrid::new(settings.size, tile_edge);
+        let Self {
+            order,
+            zones,
+            plans,
+            projected,
+            longest_first,
+        } = self;
+        order.update(view.camera_from_lattice.matrix3);
+        zones.clear();
+        let cutting = Cutting {
+            extents: &view.extents,
+            sheets: &view.sheets,
+            kernels: view.kernels(),
         };
-        let from = bound(low.truncate(), f64::min) - self.margin;
-        let to = bound(high.truncate(), f64::max) + self.margin;
-        Some(ProjectedBrick {
-            active: ActiveBrick {
-                brick: index as u32,
-                blocks: u8::MAX,
+        cutting.cut(|zone| zones.push(zone));
+        if plans.len() < zones.len() {
+            plans.resize_with(zones.len(), ZonePlan::default);
+        }
+        for (zone, plan) in zones.iter().zip(&mut *plans) {
+            plan.project(view, zone);
+            plan.bin((view, zone), bricks, (&tiles, projected));
+        }
+        let plans = &plans[..zones.len()];
+        busiest_first(plans, &tiles, longest_first);
+        ZonedFrame {
+            bricks,
+            order,
+            tiles,
+            zones,
+            plans,
+            longest_first,
+            camera_from_lattice: view.camera_from_lattice,
+            rays: view.rays(),
+            termination: settings.termination as f32,
+            groups: view.groups,
+            reach: if view.extents.along_rays {
+                0.0
+            } else {
+                view.reach as f32
             },
-            front_sheet: self.stack.first_touched(low.z) as u32,
-            rect: [from.x as f32, from.y as f32, to.x as f32, to.y as f32],
-        })
+            room: view.extents.room_of_footprints(view.sheets.planes.spacing),
+        }
+    }
+}
+
+/// Tiles by their bricks in all zones, those with most first: taken in this order, threads end at nearly the same time.
+fn busiest_first(plans: &[ZonePlan], tiles: &TileGrid, order: &mut Vec<u32>) {
+    order.clear();
+    order.extend(0..tiles.len() as u32);
+    order.sort_unstable_by_key(|&tile| {
+        let bricks = plans
+            .iter()
+            .map(|plan| plan.lists.of(tile as usize).len())
+            .sum::<usize>();
+        (std::cmp::Reverse(bricks), tile)
+    });
+}
+
+impl ZonePlan {
+    /// Footprints on the zone's sheets.
+    fn project(&mut self, view: &View, zone: &Zone) {
+        let Extents {
+            screen, along_rays, ..
+        } = view.extents;
+        let Zone { planes, raster, .. } = *zone;
+        // Slabs have the size of their middle.
+        let before = if along_rays { 0.5 * planes.spacing } else { 0.0 };
+        self.sheets.clear();
+        self.sheets.extend(
+            (zone.first_made..=planes.count)
+                .map(|i| SheetShape::new(&view.shape, &screen, &raster, planes.plane(i) - before)),
+        );
+        // Before the first plane there is none: its scale stands for theirs.
+        let first = self.sheets[0];
+        let none = |i| SheetShape {
+            depth: planes.plane(i) as f32,
+            peak: 0.0,
+            ..first
+        };
+        self.sheets.splice(0..0, (0..zone.first_made).map(none));
+        self.constants = SplatConstants {
+            slope: view.shape.lateral_slope.as_vec2().to_array(),
+            principal: ((screen.centre - 0.5) / raster.step as f64).as_vec2().to_array(),
+            depth_exponent: (-0.5 * std::f64::consts::LOG2_E / view.shape.depth_sigma.powi(2)) as f32,
+            depth_edge: if along_rays { 0.0 } else { view.kernel.edge as f32 },
+        };
+    }
+
+    /// Sorts the bricks that the zone's sheets meet into tiles.
+    fn bin(
+        &mut self,
+        (view, zone): (&View, &Zone),
+        bricks: &dyn Bricks,
+        (tiles, projected): (&TileGrid, &mut Vec<Option<ProjectedBrick>>),
+    ) {
+        let Extents {
+            screen, along_rays, ..
+        } = view.extents;
+        let Zone {
+            planes, raster, cut, ..
+        } = *zone;
+        let room = view.extents.room_of_footprints(planes.spacing);
+        let half_extent = room_of(&self.sheets[zone.first_made], cut as f32, room);
+        let projection = BrickProjection {
+            camera_from_lattice: view.camera_from_lattice,
+            screen,
+            shape: &view.shape,
+            planes,
+            nearest: zone.nearest(view.extents.along_rays),
+            farthest: planes.plane(planes.count),
+            // Of voxels along rays only those at the eye move.
+            reach: if along_rays && zone.eye.is_none() {
+                0.0
+            } else {
+                view.reach
+            },
+            margin: f64::from(pixel_reach(half_extent, raster.step)),
+        };
+        projected.clear();
+        projected.resize(bricks.len(), None);
+        let each = projected.par_iter_mut().enumerate().with_min_len(256);
+        each.for_each(|(i, brick)| *brick = projection.project(bricks.first(i), i));
+        self.lists.fill(projected.iter().flatten().copied(), tiles);
+        if zone.begins_at_eye() {
+            let kernel = (&view.kernel, raster.peak);
+            self.eye
+                .update(&view.shape, kernel, view.camera_from_lattice, bricks);
+        }
     }
 }

@@ -21,6 +21,17 @@ impl Payload<4> for Moments {
     }
 
     #[inline(always)]
+    fn in_block<S: Simd>(
+        &self,
+        [weight, ..]: &[f32x16<S>; 4],
+        share: f32x16<S>,
+        [x, y, z]: [f32x16<S>; 3],
+    ) -> [f32x16<S>; 4] {
+        let value = *weight * share;
+        [value, value * x, value * y, value * z]
+    }
+
+    #[inline(always)]
     fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
         &self,
         simd: S,

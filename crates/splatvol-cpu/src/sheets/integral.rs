@@ -12,19 +12,23 @@
 
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
 use glam::{DMat2, DVec2};
+use splatvol_core::bin::TileRect;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::visibility::BRICK_VOXELS;
 use splatvol_scene::{ImageSize, ScreenFromCamera};
 
+use super::border::cumulative_of;
 use super::canvas::Canvas;
 use super::classified::{Classified, ClassifiedBricks};
 use super::compose::{ray_length, through_and_opacity};
 use super::mode::Mode;
+use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::ring::LANES;
 use super::sheet::{GroupShape, Raster, SheetShape};
-use super::splat::Payload;
-use super::tile::{Place, SheetFrame, SheetScratch, take};
+use super::splat::{Payload, Records};
+use super::tile::{SheetFrame, SheetScratch, ZonedFrame, take};
+use crate::simd::math::exp2_of;
 
 /// Projected footprints of all rays of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -103,7 +107,8 @@ fn middle(place: &Place) -> DVec2 {
 pub(crate) struct Integral<'a> {
     pub bricks: ClassifiedBricks<'a>,
     pub shapes: RayShapes,
-    pub raster: Raster,
+    /// How far a voxel reaches in depth, world length.
+    pub depth_reach: f64,
 }
 
 /// Extinction and emission of classified voxels, in the lanes of a pixel.
@@ -149,15 +154,24 @@ impl Mode<1> for Integral<'_> {
         LANES
     }
 
-    fn shape(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
-        self.shapes.at(&self.raster, place, slab_depth(frame, sheet))
+    fn begin(&self, canvas: &mut Canvas) {
+        // It holds extinction until all zones have added theirs.
+        canvas.transmittance.fill(0.0);
     }
 
+    fn shape(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
+        self.shapes
+            .at(&frame.zone.raster, place, slab_depth(frame, sheet))
+    }
+
+    /// A voxel belongs to one slab: what lies on a plane to the one before it, in another zone, too.
     fn depths(&self, frame: &SheetFrame<'_>, sheet: usize) -> [f32; 2] {
-        let last = frame.stack.plane(sheet);
-        // What rounding puts in front of the first slab belongs to it.
-        let first = if sheet == 0 { 2.0 } else { 1.001 } * frame.stack.spacing;
-        [(last - first) as f32, last as f32]
+        let before = (frame.stack.first + sheet as i64 - 1) as f64 * frame.stack.spacing;
+        let first = match frame.zone.eye {
+            Some(eye) if before <= eye => eye - self.depth_reach,
+            _ => before,
+        };
+        [first as f32, frame.stack.plane(sheet) as f32]
     }
 
     fn group(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize, _: usize) -> GroupShape {
@@ -185,17 +199,11 @@ impl Mode<1> for Integral<'_> {
             }
             ring.last_sheet = sheet as f32;
         }
-        // To the slab's depth along their own rays.
-        let depth = f32x16::splat(simd, slab_depth(frame, sheet) as f32);
-        for n in (0..records.len).step_by(16) {
-            let range = n..n + 16;
-            if frame.rays.per_pixel > 0.0 {
-                let ratio = depth / load(simd, &records.z, n);
-                for axis in [&mut records.x, &mut records.y] {
-                    (load(simd, axis, n) * ratio).store_slice(&mut axis[range.clone()]);
-                }
+        match frame.zone.eye {
+            Some(eye) if slab_depth(frame, sheet) < eye + self.depth_reach => {
+                self.leave_out_before_eye(frame, sheet, (records, eye as f32));
             }
-            depth.store_slice(&mut records.z[range]);
+            _ => along_rays(simd, frame, sheet, records),
         }
     }
 
@@ -214,7 +222,7 @@ impl Mode<1> for Integral<'_> {
     }
 
     #[inline(always)]
-    fn finish<S: Simd>(
+    fn leave<S: Simd>(
         &self,
         simd: S,
         frame: &SheetFrame<'_>,
@@ -259,8 +267,8 @@ impl Mode<1> for Integral<'_> {
             slope: shape.lateral_slope.as_vec2().to_array(),
             depth_sigma: shape.depth_sigma as f32,
             own: [xx as f32, yy as f32],
-            least: if self.raster.matched {
-                self.raster.low_pass as f32
+            least: if frame.zone.raster.matched {
+                frame.zone.raster.low_pass as f32
             } else {
                 0.0
             },
@@ -273,12 +281,83 @@ impl Mode<1> for Integral<'_> {
                 if seen.any_true() {
                     let index = extinction * last - load(simd, &depths.values, at);
                     let index = index / seen.select(extinction, f32x16::splat(simd, 1.0));
-                    pixels.resolve(simd, (sums, at), (seen, index), [x, y]);
+                    pixels.add(simd, (sums, at), (seen, index), [x, y]);
                 }
             }
         }
     }
+
+    /// Line integrals per depth become pixels, as homogeneous slabs.
+    #[inline(always)]
+    fn finish<S: Simd>(&self, simd: S, frame: &ZonedFrame<'_>, rect: &TileRect, canvas: &mut Canvas) {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        for y in 0..rect.y1 - rect.y0 {
+            for x in (0..rect.x1 - rect.x0).step_by(16) {
+                let pixel = y * canvas.pitch + x;
+                let extinction = load(simd, &canvas.transmittance, pixel);
+                let seen = extinction.simd_gt(zero);
+                let length = ray_length(simd, &frame.rays, [rect.x0 + x, rect.y0 + y]);
+                let (through, opacity) = through_and_opacity(simd, extinction * length);
+                let per_extinction = opacity / seen.select(extinction, one);
+                for plane in &mut canvas.color {
+                    let emission = load(simd, plane, pixel);
+                    (emission * per_extinction).store_slice(&mut plane[pixel..pixel + 16]);
+                }
+                let depth = load(simd, &canvas.depth_sum, pixel);
+                (depth * opacity).store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
+                through.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+            }
+        }
+    }
 }
+
+impl Integral<'_> {
+    /// Of voxels at the eye only what lies behind its depth is seen: a share of them, which the profile in depth stands for,
+    /// at the mean depth of that share.
+    fn leave_out_before_eye(
+        &self,
+        frame: &SheetFrame<'_>,
+        sheet: usize,
+        (records, eye): (&mut Records, f32),
+    ) {
+        let depth = slab_depth(frame, sheet) as f32;
+        let sigma = self.shapes.shape.depth_sigma as f32;
+        let slope = self.shapes.shape.lateral_slope.as_vec2();
+        for n in 0..records.len {
+            let before = (eye - records.z[n]) / sigma;
+            let share = cumulative_of(-before);
+            let density = exp2_of(-0.5 * std::f32::consts::LOG2_E * before * before) * PER_ROOT_TWO_PI;
+            let moved = (sigma * density / share).max(sigma * before);
+            let ratio = if frame.rays.per_pixel > 0.0 {
+                depth / (records.z[n] + moved)
+            } else {
+                1.0
+            };
+            records.x[n] = (records.x[n] + slope.x * moved) * ratio;
+            records.y[n] = (records.y[n] + slope.y * moved) * ratio;
+            records.z[n] = depth - (libm::log2f(share).max(-60.0) / frame.constants.depth_exponent).sqrt();
+        }
+    }
+}
+
+/// Moves voxels to their slab's depth along their own rays.
+#[inline(always)]
+fn along_rays<S: Simd>(simd: S, frame: &SheetFrame<'_>, sheet: usize, records: &mut Records) {
+    let depth = f32x16::splat(simd, slab_depth(frame, sheet) as f32);
+    for n in (0..records.len).step_by(16) {
+        let range = n..n + 16;
+        if frame.rays.per_pixel > 0.0 {
+            let ratio = depth / load(simd, &records.z, n);
+            for axis in [&mut records.x, &mut records.y] {
+                (load(simd, axis, n) * ratio).store_slice(&mut axis[range.clone()]);
+            }
+        }
+        depth.store_slice(&mut records.z[range]);
+    }
+}
+
+/// `1 / sqrt(2 pi)`.
+const PER_ROOT_TWO_PI: f32 = 0.398_942_3;
 
 #[inline(always)]
 fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
@@ -337,9 +416,9 @@ impl Pixels<'_> {
         [xx + filter, (across * down - own_x * own_y) * square, yy + filter]
     }
 
-    /// Sixteen line integrals per depth, as homogeneous slabs, of those `seen`; `index`: mean index of the slab.
+    /// Adds sixteen line integrals per depth, of those `seen`; `index`: mean index of the slab.
     #[inline(always)]
-    fn resolve<S: Simd>(
+    fn add<S: Simd>(
         &mut self,
         simd: S,
         (sums, at): (&[Plane; LANES], usize),
@@ -364,18 +443,20 @@ impl Pixels<'_> {
             }
         }
         let [extinction, emission @ ..] = channels;
-        let origin = [self.place.rect.x0 + x, self.place.rect.y0 + y];
-        let length = ray_length(simd, frame, origin);
-        let optical_depth = seen.select(extinction * length, zero);
-        let (through, opacity) = through_and_opacity(simd, optical_depth);
-        let per_extinction = opacity / seen.select(extinction, one);
+        let extinction = seen.select(extinction, zero);
         let canvas = &mut *self.canvas;
         let pixel = y * canvas.pitch + x;
+        let all = load(simd, &canvas.transmittance, pixel) + extinction;
+        all.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
         for c in 0..3 {
-            (emission[c] * per_extinction).store_slice(&mut canvas.color[c][pixel..pixel + 16]);
+            let emission = seen.select(emission[c], zero) + load(simd, &canvas.color[c], pixel);
+            emission.store_slice(&mut canvas.color[c][pixel..pixel + 16]);
         }
-        (depth * opacity).store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
-        through.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+        // The mean depth moves towards this zone's by its share.
+        let share = extinction / all.simd_gt(zero).select(all, one);
+        let before = load(simd, &canvas.depth_sum, pixel);
+        let depth = (seen.select(depth, zero) - before) * share + before;
+        depth.store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
     }
 }
 

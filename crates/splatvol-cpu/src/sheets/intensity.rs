@@ -4,6 +4,7 @@
 use std::marker::PhantomData;
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::bin::TileRect;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
@@ -13,11 +14,12 @@ use super::canvas::Canvas;
 use super::classified::Classified;
 use super::cubic::{Cubic, Parabola};
 use super::mode::Mode;
+use super::place::Place;
 use super::plane::HALO;
 use super::shade::{Interval, PlaneShader};
 use super::shaded::interval;
 use super::splat::Coefficient;
-use super::tile::{Place, SheetFrame, SheetScratch};
+use super::tile::{SheetFrame, SheetScratch, ZonedFrame};
 use crate::sheets::extremum::Extremum;
 use crate::simd::math::exp2;
 
@@ -259,7 +261,8 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
         let planes = scratch.planes.each_ref().map(|plane| &plane[0]);
-        let Some((interval, span)) = interval(&self.shader, frame, (near, place), planes) else {
+        let Some((interval, span)) = interval(&self.shader, frame, (near, place), (planes, scratch.at_eye))
+        else {
             return;
         };
         let [near, far] = interval.depths;
@@ -280,13 +283,7 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
 
     /// The value in its colour, as thick as the unit distance.
     #[inline(always)]
-    fn finish<S: Simd>(
-        &self,
-        simd: S,
-        _: &SheetFrame<'_>,
-        _: &Place,
-        (canvas, _): (&mut Canvas, &mut SheetScratch),
-    ) {
+    fn finish<S: Simd>(&self, simd: S, _: &ZonedFrame<'_>, _: &TileRect, canvas: &mut Canvas) {
         for pixel in (0..canvas.depth_sum.len()).step_by(16) {
             K::settle(simd, canvas, pixel);
             let depth = load(simd, &canvas.depth_sum, pixel);

@@ -3,6 +3,9 @@
 //! All layers of a scene lie on the same planes. Sheet by sheet each takes in what its splats leave there; of what lies between
 //! two planes each gives its material, which is put together on the canvas ([`Canvas::gather`]) and composited once. A layer
 //! that is alone goes straight to the canvas, and makes the same picture as among others that do not reach its pixels.
+//!
+//! Layers are cut into zones of depth (`zones`) each by itself: one that enters its next zone makes the planes before the one
+//! at hand again, in that zone's raster, while the others wait.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,8 +14,9 @@ use fearless_simd::prelude::*;
 use super::canvas::Canvas;
 use super::mask::OpenMask;
 use super::mode::Mode;
+use super::place::Place;
 use super::ring::LANES;
-use super::tile::{Place, SheetFrame, SheetScratch, SheetWork};
+use super::tile::{SheetFrame, SheetScratch, SheetWork, ZonedFrame};
 use crate::clock::Instant;
 
 /// Sheets whose bricks are fetched from memory together.
@@ -25,6 +29,10 @@ pub(crate) trait TileLayer<S: Simd> {
 
     /// The first plane, from this one on, at which there is anything to do.
     fn next(&self, plane: i64) -> Option<i64>;
+
+    /// Goes on to the zone of a plane: what is left of the last zone comes to the canvas, and the planes before this one that
+    /// both need are made again.
+    fn go_on_to(&mut self, simd: S, plane: i64, canvas: &mut Canvas, work: &mut SheetWork);
 
     /// Splats what enters a plane, and takes the plane out of the ring.
     fn splat(&mut self, simd: S, plane: i64, work: &mut SheetWork);
@@ -40,13 +48,16 @@ pub(crate) trait TileLayer<S: Simd> {
     fn mask(&mut self) -> &mut OpenMask;
 }
 
-/// What a [`Mode`] makes of a frame, in a tile.
+/// What a [`Mode`] makes of a picture, in a tile.
 #[derive(Debug)]
 pub(crate) struct ModeLayer<'a, M, const N: usize> {
-    frame: &'a SheetFrame<'a>,
+    picture: &'a ZonedFrame<'a>,
     mode: &'a M,
     scratch: &'a mut SheetScratch,
     tile: usize,
+    /// Which zone it is in, and what tiles share there.
+    zone: usize,
+    frame: SheetFrame<'a>,
     place: Place,
     /// The first of the tile's bricks that is not open yet, and the first that is not fetched.
     next: usize,
@@ -56,31 +67,79 @@ pub(crate) struct ModeLayer<'a, M, const N: usize> {
 }
 
 impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
-    /// The layer at the beginning of a tile.
+    /// The layer at the beginning of a tile; `None` where all of it is behind the camera.
     pub(crate) fn new(
-        (frame, mode): (&'a SheetFrame<'a>, &'a M),
+        (picture, mode): (&'a ZonedFrame<'a>, &'a M),
         tile: usize,
         scratch: &'a mut SheetScratch,
-    ) -> Self {
-        let place = Place::new(frame, tile);
-        scratch.reset(frame, &place, mode.ring_groups(frame), mode.planes());
-        mode.reset(frame, scratch);
-        Self {
-            frame,
+        canvas: &mut Canvas,
+    ) -> Option<Self> {
+        let frame = picture.zone(0)?;
+        let place = Place::new(picture.tiles.rect(tile), frame.step);
+        scratch.reset(place.size);
+        mode.begin(canvas);
+        let mut layer = Self {
+            picture,
             mode,
             scratch,
             tile,
+            zone: 0,
+            frame,
             place,
             next: 0,
             fetched: 0,
             idle: usize::MAX,
-        }
+        };
+        layer.begin_zone();
+        Some(layer)
     }
 
-    /// What a plane is called in this layer's frame; none before its first and behind the last that anything may be on.
+    /// Gets ready for the zone at hand.
+    fn begin_zone(&mut self) {
+        let Self { frame, mode, .. } = self;
+        self.place = Place::new(self.picture.tiles.rect(self.tile), frame.step);
+        let groups = mode.ring_groups(frame);
+        self.scratch.begin_zone(frame, &self.place, groups, mode.planes());
+        mode.reset(frame, self.scratch);
+        (self.next, self.fetched, self.idle) = (0, 0, usize::MAX);
+    }
+
+    /// What a plane is called in this zone; none before its first and behind the last that anything may be on.
     fn sheet(&self, plane: i64) -> Option<usize> {
         let sheet = usize::try_from(plane - self.frame.stack.first).ok()?;
-        (sheet <= self.frame.stack.count + 1).then_some(sheet)
+        (sheet <= self.frame.zone.last_sheet).then_some(sheet)
+    }
+
+    /// The first plane of this zone, from this one on, at which there is anything to do.
+    fn next_here(&self, plane: i64) -> Option<i64> {
+        let first = self.frame.stack.first;
+        let plane = plane.max(first);
+        let lasting = self.frame.groups * LANES + self.scratch.planes.len();
+        let next = if self.mode.waits(self.scratch) || self.idle <= lasting {
+            plane
+        } else {
+            let next = self.frame.lists.brick(self.tile, self.next)?;
+            plane.max(first + i64::from(next.front_sheet))
+        };
+        (next <= self.frame.zone.last_plane()).then_some(next)
+    }
+
+    /// The same of the zones behind it.
+    fn next_behind(&self, plane: i64) -> Option<i64> {
+        let behind = self
+            .picture
+            .zones
+            .iter()
+            .zip(self.picture.plans)
+            .skip(self.zone + 1);
+        behind
+            .filter_map(|(zone, plan)| {
+                let brick = plan.lists.brick(self.tile, 0)?;
+                let first = zone.planes.first + i64::from(brick.front_sheet);
+                let next = plane.max(first).max(zone.first_shown());
+                (next <= zone.last_plane()).then_some(next)
+            })
+            .next()
     }
 
     /// Opens the bricks that a sheet is the first to meet, unless finished pixels hide them.
@@ -106,9 +165,20 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
             {
                 let around = (&self.place, sheet);
                 self.mode
-                    .open_brick(simd, self.frame, brick, around, self.scratch);
+                    .open_brick(simd, &self.frame, brick, around, self.scratch);
             }
         }
+    }
+
+    /// Leaves a zone: what it has left goes to the canvas.
+    fn leave<S: Simd>(&mut self, simd: S, canvas: &mut Canvas) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let target = (canvas, &mut *self.scratch);
+                self.mode.leave(simd, &self.frame, &self.place, target);
+            },
+        );
     }
 }
 
@@ -118,17 +188,29 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
     }
 
     fn next(&self, plane: i64) -> Option<i64> {
-        let first = self.frame.stack.first;
-        let plane = plane.max(first);
-        if plane > first + self.frame.stack.count as i64 + 1 {
-            return None;
+        self.next_here(plane).or_else(|| self.next_behind(plane))
+    }
+
+    fn go_on_to(&mut self, simd: S, plane: i64, canvas: &mut Canvas, work: &mut SheetWork) {
+        let zones = self.picture.zones;
+        let behind = |zone: usize| zone + 1 < zones.len() && plane > zones[zone].last_plane();
+        if !behind(self.zone) {
+            return;
         }
-        let lasting = self.frame.groups * LANES + self.scratch.planes.len();
-        if self.mode.waits(self.scratch) || self.idle <= lasting {
-            return Some(plane);
+        self.leave(simd, canvas);
+        while behind(self.zone) {
+            self.zone += 1;
         }
-        let next = self.frame.lists.brick(self.tile, self.next)?;
-        Some(plane.max(first + i64::from(next.front_sheet)))
+        let Some(frame) = self.picture.zone(self.zone) else {
+            return;
+        };
+        self.frame = frame;
+        self.begin_zone();
+        let mut next = frame.stack.first;
+        while let Some(before) = self.next_here(next).filter(|&before| before < plane) {
+            self.splat(simd, before, work);
+            next = before + 1;
+        }
     }
 
     fn splat(&mut self, simd: S, plane: i64, work: &mut SheetWork) {
@@ -138,11 +220,11 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
             || {
                 let start = Instant::now();
                 let before = *work;
-                let window = self.mode.window(self.frame, &self.place, sheet);
+                let window = self.mode.window(&self.frame, &self.place, sheet);
                 self.scratch.mask.refresh(window.blocks);
                 self.open(simd, sheet);
                 let around = (&self.place, &window, sheet);
-                self.mode.enter(simd, self.frame, around, self.scratch, work);
+                self.mode.enter(simd, &self.frame, around, self.scratch, work);
                 let entered = Instant::now();
                 self.idle = if work.voxels > before.voxels {
                     0
@@ -150,7 +232,8 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
                     self.idle.saturating_add(1)
                 };
                 self.scratch.planes.rotate_left(1);
-                self.mode.take(simd, self.frame, &self.place, sheet, self.scratch);
+                self.mode
+                    .take(simd, &self.frame, &self.place, sheet, self.scratch);
                 work.activate += (entered - start).saturating_sub(work.splat - before.splat);
                 work.take += entered.elapsed();
             },
@@ -161,22 +244,30 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
         let Some(near) = self.sheet(plane).and_then(|sheet| sheet.checked_sub(2)) else {
             return;
         };
+        let zone = self.frame.zone;
+        if !zone.shown.contains(&near) {
+            return;
+        }
+        let at_eye = near == zone.shown.start && zone.begins_at_eye();
         simd.vectorize(
             #[inline(always)]
             || {
+                if at_eye {
+                    let of = (&self.frame, self.mode);
+                    self.frame.eye.make_planes(simd, of, &self.place, self.scratch);
+                }
                 let target = (canvas, &mut *self.scratch);
-                self.mode.shade(simd, self.frame, near, &self.place, target);
+                self.mode.shade(simd, &self.frame, near, &self.place, target);
             },
         );
+        self.scratch.at_eye = None;
     }
 
     fn finish(&mut self, simd: S, canvas: &mut Canvas) {
+        self.leave(simd, canvas);
         simd.vectorize(
             #[inline(always)]
-            || {
-                let target = (canvas, &mut *self.scratch);
-                self.mode.finish(simd, self.frame, &self.place, target);
-            },
+            || self.mode.finish(simd, self.picture, &self.place.rect, canvas),
         );
     }
 
@@ -203,6 +294,7 @@ pub(crate) fn render<S: Simd>(
         let Some(next) = next else { break };
         plane = next;
         for layer in layers.iter_mut() {
+            layer.go_on_to(simd, plane, canvas, &mut work);
             layer.splat(simd, plane, &mut work);
         }
         let start = Instant::now();

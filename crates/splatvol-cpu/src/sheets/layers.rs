@@ -13,24 +13,25 @@ use super::cloud::emission::CloudEmission;
 use super::compose::Compose;
 use super::engine::Tiles;
 use super::layer::{ModeLayer, TileLayer, render};
+use super::mode::Mode;
 use super::shaded::Shaded;
-use super::tile::{SheetFrame, SheetScratch, SheetWork};
+use super::tile::{SheetScratch, SheetWork, ZonedFrame};
 
 /// A part of a scene, and its frame.
 #[derive(Debug)]
 pub(crate) enum Layer<'a> {
     /// A volume, post-classified.
-    Shaded(SheetFrame<'a>, Shaded<'a>),
+    Shaded(ZonedFrame<'a>, Shaded<'a>),
     /// A volume, post-classified with analytic gradients.
-    Analytic(SheetFrame<'a>, Analytic<'a>),
+    Analytic(ZonedFrame<'a>, Analytic<'a>),
     /// A volume, pre-classified.
-    Compose(SheetFrame<'a>, Compose<'a>),
+    Compose(ZonedFrame<'a>, Compose<'a>),
     /// A cloud of classified splats.
-    Cloud(SheetFrame<'a>, CloudEmission<'a>),
+    Cloud(ZonedFrame<'a>, CloudEmission<'a>),
 }
 
 impl Layer<'_> {
-    fn frame(&self) -> &SheetFrame<'_> {
+    fn frame(&self) -> &ZonedFrame<'_> {
         match self {
             Self::Shaded(frame, _)
             | Self::Analytic(frame, _)
@@ -39,19 +40,28 @@ impl Layer<'_> {
         }
     }
 
-    /// The layer at the beginning of a tile.
+    /// The layer at the beginning of a tile; `None` where all of it is behind the camera.
     fn begin<'t, S: Simd>(
         &'t self,
         tile: usize,
-        scratch: &'t mut SheetScratch,
-    ) -> Box<dyn TileLayer<S> + 't> {
+        (scratch, canvas): (&'t mut SheetScratch, &mut Canvas),
+    ) -> Option<Box<dyn TileLayer<S> + 't>> {
         match self {
-            Self::Shaded(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
-            Self::Analytic(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
-            Self::Compose(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
-            Self::Cloud(frame, mode) => Box::new(ModeLayer::new((frame, mode), tile, scratch)),
+            Self::Shaded(frame, mode) => begin((frame, mode), tile, scratch, canvas),
+            Self::Analytic(frame, mode) => begin((frame, mode), tile, scratch, canvas),
+            Self::Compose(frame, mode) => begin((frame, mode), tile, scratch, canvas),
+            Self::Cloud(frame, mode) => begin((frame, mode), tile, scratch, canvas),
         }
     }
+}
+
+fn begin<'t, S: Simd, M: Mode<N>, const N: usize>(
+    picture: (&'t ZonedFrame<'t>, &'t M),
+    tile: usize,
+    scratch: &'t mut SheetScratch,
+    canvas: &mut Canvas,
+) -> Option<Box<dyn TileLayer<S> + 't>> {
+    Some(Box::new(ModeLayer::new(picture, tile, scratch, canvas)?))
 }
 
 /// Layers of one scene; at least one.
@@ -59,7 +69,7 @@ impl Layer<'_> {
 pub(crate) struct Layers<'a>(pub Vec<Layer<'a>>);
 
 impl Tiles for Layers<'_> {
-    fn frame(&self) -> &SheetFrame<'_> {
+    fn frame(&self) -> &ZonedFrame<'_> {
         self.0[0].frame()
     }
 
@@ -81,7 +91,7 @@ impl Tiles for Layers<'_> {
             .0
             .iter()
             .zip(scratch)
-            .map(|(layer, scratch)| layer.begin::<S>(tile, scratch))
+            .filter_map(|(layer, scratch)| layer.begin::<S>(tile, (scratch, canvas)))
             .collect();
         let mut layers: Vec<&mut dyn TileLayer<S>> =
             layers.iter_mut().map(|layer| &mut **layer as _).collect();

@@ -6,7 +6,7 @@
 //! filter alone.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
@@ -202,30 +202,24 @@ impl Pyramid {
         &self.volumes[level]
     }
 
-    /// Makes a level right for a transfer function, with its unit distance.
-    ///
-    /// Half done where `stop` is set meanwhile: then the level must be forgotten.
+    /// A level, made right for a transfer function with its unit distance; `None` where `stop` is set meanwhile, and the level
+    /// forgotten, for it may be half done.
     pub(crate) fn classify(
         &mut self,
         level: usize,
         look: (&TransferFunction, f64),
         wanted: Wanted,
         stop: &AtomicBool,
-    ) {
+    ) -> Option<&Level> {
         let volume = Arc::clone(self.volume(level));
-        match &mut self.levels[level] {
+        let slot = &mut self.levels[level];
+        match slot.as_mut() {
             Some(level) => level.update(look, wanted, stop),
-            none => *none = Some(Level::new(volume, self.kernel, look, (wanted, stop))),
+            None => *slot = Some(Level::new(volume, self.kernel, look, (wanted, stop))),
         }
-    }
-
-    /// Drops what is known of a level but its volume.
-    pub(crate) fn forget(&mut self, level: usize) {
-        self.levels[level] = None;
-    }
-
-    /// A classified level.
-    pub(crate) fn level(&self, level: usize) -> Option<&Level> {
-        self.levels.get(level)?.as_ref()
+        if stop.load(Ordering::Relaxed) {
+            *slot = None;
+        }
+        slot.as_ref()
     }
 }

@@ -26,6 +26,8 @@ pub(crate) struct OpenMask {
     open: usize,
     /// Octaves from raster points to pixels.
     octaves: u32,
+    /// Pixels from the first raster point to the tile.
+    phase: [usize; 2],
     /// Blocks of the ring that an open pixel's value or derivatives need.
     needed: [u128; ROWS],
     /// First blocks of footprints that reach a needed block, in words of 32.
@@ -42,6 +44,7 @@ impl Default for OpenMask {
             pixels: [0; MAX_EDGE],
             open: 0,
             octaves: 0,
+            phase: [0; 2],
             needed: [0; ROWS],
             reached: [0; ROWS * WORDS],
             size: 0,
@@ -51,14 +54,19 @@ impl Default for OpenMask {
 }
 
 impl OpenMask {
-    /// All pixels of a tile are open; a raster point every `step` pixels, a power of two.
-    pub(crate) fn reset(&mut self, [width, height]: [usize; 2], step: usize) {
+    /// All pixels of a tile are open.
+    pub(crate) fn reset(&mut self, [width, height]: [usize; 2]) {
         self.pixels = [0; MAX_EDGE];
         self.pixels[..height].fill(u128::MAX >> (MAX_EDGE - width));
         self.open = width * height;
-        self.octaves = step.ilog2();
-        self.size = 0;
         self.any_finished = false;
+    }
+
+    /// A raster point every `step` pixels, a power of two, the first of them `phase` pixels before the tile.
+    pub(crate) fn set_raster(&mut self, step: usize, phase: [usize; 2]) {
+        self.octaves = step.ilog2();
+        self.phase = phase;
+        self.size = 0;
         self.find_needed();
     }
 
@@ -139,17 +147,34 @@ impl OpenMask {
     fn find_needed_points(&mut self) {
         const FIRST: usize = MAX_BLOCKS + RASTER_HALO / BLOCK_EDGE;
         for (y, &row) in self.pixels.iter().enumerate().filter(|(_, row)| **row != 0) {
-            let mut points = row;
-            for _ in 0..=self.octaves {
-                points = u128::from(every_other(points | points >> 1));
-            }
-            let blocks = points << FIRST;
+            let blocks = self.blocks_of(row) << FIRST;
             let blocks = blocks | blocks >> 1 | blocks << 1 | blocks << 2;
-            let at = FIRST + (y >> (self.octaves + 1));
+            let at = FIRST + ((y + self.phase[1]) >> (self.octaves + 1));
             for row in &mut self.needed[at - 1..=at + 2] {
                 *row |= blocks;
             }
         }
+    }
+
+    /// Blocks of raster points that begin at or before the open pixels of a row.
+    fn blocks_of(&self, row: u128) -> u128 {
+        let octaves = self.octaves + 1;
+        if self.phase[0] == 0 && octaves <= MAX_EDGE.ilog2() {
+            let mut points = row;
+            for _ in 0..octaves {
+                points = u128::from(every_other(points | points >> 1));
+            }
+            return points;
+        }
+        let mut blocks = 0;
+        let mut left = row;
+        while left != 0 {
+            let block = (left.trailing_zeros() as usize + self.phase[0]) >> octaves;
+            blocks |= 1 << block;
+            let end = ((block + 1) << octaves) - self.phase[0];
+            left &= u128::MAX.checked_shl(end as u32).unwrap_or(0);
+        }
+        blocks
     }
 
     /// Whether a needed block lies within a rectangle of blocks of the ring (ends included).
@@ -238,7 +263,8 @@ mod tests {
     fn footprints_that_reach_an_open_pixel_are_never_left_out() {
         for step in [1usize, 2, 8] {
             let mut mask = OpenMask::default();
-            mask.reset([128, 96], step);
+            mask.reset([128, 96]);
+            mask.set_raster(step, [0; 2]);
             let left = [(0, 0), (127, 3), (64, 50), (65, 51), (17, 95)];
             for y in 0..96 {
                 for x in (0..128).step_by(16) {
@@ -269,7 +295,8 @@ mod tests {
     #[test]
     fn a_tile_is_done_when_all_its_pixels_are() {
         let mut mask = OpenMask::default();
-        mask.reset([20, 2], 1);
+        mask.reset([20, 2]);
+        mask.set_raster(1, [0; 2]);
         for (x, y, bits) in [(0, 0, u16::MAX), (16, 0, 0xf), (0, 1, u16::MAX), (16, 1, 7)] {
             mask.finish(x, y, bits);
             assert!(!mask.none_left());

@@ -3,9 +3,10 @@
 //! | stage | module | what happens |
 //! |---|---|---|
 //! | level | `level` | the volume, or a half of it that suits the picture's scale, with what a transfer function needs of it |
-//! | plan | `frame` | kernel and camera to sheets and their raster; bricks to tiles |
+//! | plan | `frame` | kernel and camera to sheets |
+//! | | `zones`, `project` | sheets to runs of one raster each; bricks to tiles |
 //! | activate | `activate`, `order`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
-//! | splat | `splat`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
+//! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
@@ -33,8 +34,11 @@ pub(crate) mod compose;
 pub(crate) mod crossing;
 pub(crate) mod cubic;
 pub(crate) mod cut;
+pub(crate) mod direct;
 pub(crate) mod engine;
+pub(crate) mod extents;
 pub(crate) mod extremum;
+pub(crate) mod eye;
 pub(crate) mod frame;
 pub(crate) mod gradients;
 pub(crate) mod hermite;
@@ -49,7 +53,9 @@ pub(crate) mod mode;
 pub(crate) mod operated;
 pub(crate) mod order;
 pub(crate) mod pixel;
+pub(crate) mod place;
 pub(crate) mod plane;
+pub(crate) mod project;
 pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;
@@ -60,3 +66,4 @@ pub(crate) mod splat;
 pub(crate) mod table;
 pub(crate) mod tile;
 pub(crate) mod upsample;
+pub(crate) mod zones;

@@ -8,17 +8,18 @@
 //! | `integral` | the same, unlit, integrated along the ray | - |
 
 use fearless_simd::prelude::*;
-use splatvol_core::bin::ProjectedBrick;
+use splatvol_core::bin::{ProjectedBrick, TileRect};
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::Window;
 use super::canvas::Canvas;
 use super::classified::Classified;
+use super::place::Place;
 use super::ring::LANES;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::Payload;
-use super::tile::{Place, SheetFrame, SheetScratch, SheetWork, enter_lattice, lattice_window, take};
+use super::tile::{SheetFrame, SheetScratch, SheetWork, ZonedFrame, enter_lattice, lattice_window, take};
 
 /// Bricks with voxels to splat.
 pub(crate) trait Bricks: std::fmt::Debug + Sync {
@@ -46,6 +47,9 @@ pub(crate) trait Mode<const N: usize>: Sync {
 
     /// What records' values stand for, given what the open bricks hold.
     fn payload(classified: &Classified) -> Self::Payload<'_>;
+
+    /// Gets an empty canvas ready.
+    fn begin(&self, _: &mut Canvas) {}
 
     /// Opens a brick of a grid: values of its voxels, NaN where there is nothing to splat; and into the memory of its slot
     /// what values stand for.
@@ -76,7 +80,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         scratch.open_lattice(simd, (frame, self), brick, blocks);
     }
 
-    /// Gets memory of its own ready for a tile.
+    /// Gets memory of its own ready for a zone of a tile.
     fn reset(&self, _: &SheetFrame<'_>, _: &mut SheetScratch) {}
 
     /// Whether anything that was opened has not been splatted altogether.
@@ -187,9 +191,9 @@ pub(crate) trait Mode<const N: usize>: Sync {
         canvas_and_scratch: (&mut Canvas, &mut SheetScratch),
     );
 
-    /// Makes pixels of what the canvas has in the end.
+    /// Takes what a zone leaves in the ring to the canvas.
     #[inline(always)]
-    fn finish<S: Simd>(
+    fn leave<S: Simd>(
         &self,
         _: S,
         _: &SheetFrame<'_>,
@@ -197,4 +201,8 @@ pub(crate) trait Mode<const N: usize>: Sync {
         (_canvas, _scratch): (&mut Canvas, &mut SheetScratch),
     ) {
     }
+
+    /// Makes pixels of what the canvas has in the end.
+    #[inline(always)]
+    fn finish<S: Simd>(&self, _: S, _: &ZonedFrame<'_>, _: &TileRect, _: &mut Canvas) {}
 }

@@ -237,8 +237,8 @@ impl<'a> Operated<'a> {
             let piece = Piece::between([from.1, to.1], [&point, &next]);
             let extinction = piece.extinction * pixel.coverage(0.5 * (from.0 + to.0));
             let mut place = piece.place;
-            if face.share > 0.0 {
-                // Material from the cut on fills the piece.
+            if face.share > 0.0 || pixel.from_eye {
+                // Material from the cut, or the eye, on fills the piece.
                 place *= 2.0 * mean_place(extinction * pixel.length * width);
             }
             let u = from.0 + place * (to.0 - from.0);

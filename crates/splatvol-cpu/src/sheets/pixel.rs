@@ -46,6 +46,8 @@ pub(crate) struct Pixel {
     pub segment: Segment,
     /// World length of the ray's part.
     pub length: f32,
+    /// It begins at the eye.
+    pub from_eye: bool,
 }
 
 impl Pixels<'_> {
@@ -77,11 +79,14 @@ impl Pixels<'_> {
         if high < first || low > last {
             return None;
         }
-        let across = [0, 1].map(|end| {
+        let mut across = [0, 1].map(|end| {
             let (plane, scale) = ([near, far][end], 0.5 * interval.scales[end]);
             let difference = |step: usize| (plane.values[at + step] - plane.values[at - step]) * scale;
             [difference(1), difference(plane.pitch)]
         });
+        if let Some([x, y, _]) = interval.at_eye {
+            across[0] = [x, y];
+        }
         let from_middle = [0, 1].map(|a| in_picture[a] as f32 + 0.5 - shader.principal[a]);
         let ray = from_middle.map(|d| d * shader.per_pixel);
         let [start, end] = interval.depths.map(|depth| {
@@ -104,6 +109,7 @@ impl Pixels<'_> {
                 from: start,
                 step: end - start,
             },
+            from_eye: interval.at_eye.is_some(),
             length: (ray[0] * ray[0] + (1.0 + ray[1] * ray[1])).sqrt() * shader.spacing,
         })
     }

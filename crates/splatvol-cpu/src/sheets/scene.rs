@@ -62,26 +62,19 @@ impl LayerStore {
     }
 }
 
-/// A view of every volume, on the planes of the one whose sheets are thinnest; `None` where one cannot be seen so.
-fn views(
-    levels: &[&Level],
-    (camera, settings): (&Camera, &RenderSettings),
-    sampling: Sampling,
-) -> Option<Vec<View>> {
+/// A view of every volume, on the planes of the one whose sheets are thinnest.
+fn views(levels: &[&Level], (camera, settings): (&Camera, &RenderSettings), sampling: Sampling) -> Vec<View> {
     let view = |level: &&Level, spacing| {
         let grid = level.field.volume().grid();
         View::new(grid, (camera, settings), sampling, spacing)
     };
-    let own: Vec<View> = levels
-        .iter()
-        .map(|level| view(level, None))
-        .collect::<Option<_>>()?;
+    let own: Vec<View> = levels.iter().map(|level| view(level, None)).collect();
     let spacing = own.iter().map(View::spacing).fold(f64::INFINITY, f64::min);
     own.into_iter()
         .zip(levels)
         .map(|(own, level)| {
             if own.spacing() == spacing {
-                Some(own)
+                own
             } else {
                 view(level, Some(spacing))
             }
@@ -90,15 +83,14 @@ fn views(
 }
 
 impl SheetEngine {
-    /// Renders a scene of several layers; `None` where a volume is too close to the camera. `start`: when work on the frame
-    /// began.
+    /// Renders a scene of several layers. `start`: when work on the frame began.
     pub(crate) fn render_layers(
         &mut self,
         run: Run<'_>,
         scene: &LayeredScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         (frame, start): (&mut Frame, Instant),
-    ) -> Option<RenderStatistics> {
+    ) -> RenderStatistics {
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             engine: "sheets",
@@ -133,7 +125,7 @@ impl SheetEngine {
                 view,
                 frame,
                 &mut statistics,
-            )?;
+            );
             let mut pass = 0;
             for (at, detail) in details.iter().enumerate() {
                 if detail.coarser > 0.0 {
@@ -148,19 +140,15 @@ impl SheetEngine {
                     if coarser.image.size() != frame.image.size() {
                         coarser = frame.clone();
                     }
-                    let rendered =
-                        self.layers_once(run, (scene, &levels), view, &mut coarser, &mut statistics);
-                    if rendered.is_some() {
-                        blend(frame, &coarser, detail.coarser);
-                    }
+                    self.layers_once(run, (scene, &levels), view, &mut coarser, &mut statistics);
+                    blend(frame, &coarser, detail.coarser);
                     self.coarser = Some(coarser);
                     levels[at] -= 1;
                 }
             }
-            Some(())
-        })?;
+        });
         statistics.seconds.total = start.elapsed().as_secs_f64();
-        Some(statistics)
+        statistics
     }
 
     /// Renders every volume at one of its levels, and the cloud.
@@ -171,7 +159,7 @@ impl SheetEngine {
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
-    ) -> Option<()> {
+    ) {
         let prepared = Instant::now();
         let wanted = Wanted::of(settings);
         let Self {
@@ -180,29 +168,23 @@ impl SheetEngine {
             memory,
             ..
         } = self;
+        let mut classified: Vec<&Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let look = (&*volume.transfer_function, volume.unit_distance());
-            pyramid.classify(level, look, wanted, run.task.stop);
-            if run.task.is_stopped() {
-                // What was being prepared may be half done.
-                pyramid.forget(level);
-                return Some(());
-            }
+            let Some(level) = pyramid.classify(level, look, wanted, run.task.stop) else {
+                return;
+            };
+            classified.push(level);
         }
-        let levels: Vec<&Level> = pyramids
-            .iter()
-            .zip(levels)
-            .map(|(pyramid, &level)| pyramid.level(level))
-            .collect::<Option<_>>()?;
+        let levels = classified;
         let sampling = match wanted {
             Wanted::Classified => Sampling::Planes,
             _ => Sampling::Field,
         };
-        let views = views(&levels, (camera, settings), sampling)?;
+        let views = views(&levels, (camera, settings), sampling);
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
-        let coarsest = views.iter().map(View::step).max().unwrap_or(1);
-        let edge = run.tile_edge.unwrap_or(TILE_EDGE).next_multiple_of(2 * coarsest);
+        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
         let cuts: Vec<Cut> = scene
             .volumes
             .iter()
@@ -272,6 +254,5 @@ impl SheetEngine {
         if !layers.is_empty() {
             memory.render(run, &Layers(layers), LANES as u64, frame, statistics);
         }
-        Some(())
     }
 }

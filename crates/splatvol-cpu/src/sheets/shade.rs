@@ -25,6 +25,8 @@ pub(crate) struct Interval<'a> {
     /// Camera depths of the second and third plane, and pixels per world length there.
     pub depths: [f32; 2],
     pub scales: [f32; 2],
+    /// Gradient at the second plane where that is at the eye, which has no differences.
+    pub at_eye: Option<[f32; 3]>,
     /// Where they leave the volume, and whether they do within the tile.
     pub borders: [BorderPlane; 2],
     pub is_near_border: bool,
@@ -346,7 +348,7 @@ impl PlaneShader<'_> {
         if in_halves {
             let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
             let middle = self.table.classify(simd, vm);
-            let halves = [
+            let mut halves = [
                 Segment::between(simd, [v0, vm], [&ends[0], &middle]),
                 Segment::between(simd, [vm, v1], [&middle, &ends[1]]),
             ];
@@ -356,6 +358,10 @@ impl PlaneShader<'_> {
             let front = exp2_quick(simd, (first * half).max(splat(simd, -100.0)));
             let back = exp2_quick(simd, (second * half).max(splat(simd, -100.0)));
             through = front * back;
+            if interval.at_eye.is_some() {
+                halves[0].move_forward(simd, [v0, vm], (first * length * 0.5, front));
+                halves[1].move_forward(simd, [vm, v1], (second * length * 0.5, back));
+            }
             let opacities = [1.0 - front, front * (1.0 - back)];
             let [a, b] = [
                 self.table.color(simd, halves[0].value),
@@ -393,8 +399,11 @@ impl PlaneShader<'_> {
         behind.store_slice(&mut batch.behind[n].0);
         batch.halves[n] = in_halves;
         let sharpness = interval.sharpness(self.spacing);
-        let [x_near, x_far] = across(simd, [near, far], interval.scales, (here, 1));
-        let [y_near, y_far] = across(simd, [near, far], interval.scales, (here, pitch));
+        let [mut x_near, x_far] = across(simd, [near, far], interval.scales, (here, 1));
+        let [mut y_near, y_far] = across(simd, [near, far], interval.scales, (here, pitch));
+        if let Some([x, y, _]) = interval.at_eye {
+            (x_near, y_near) = (splat(simd, x), splat(simd, y));
+        }
         for half in 0..1 + usize::from(in_halves) {
             let u = places[half];
             let gx = (x_far - x_near) * u + x_near;

@@ -8,10 +8,11 @@ use super::canvas::Canvas;
 use super::classified::Classified;
 use super::mode::Mode;
 use super::operated::Operated;
+use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Interval, PlaneShader, ShadeTarget};
 use super::splat::Coefficient;
-use super::tile::{Place, SheetFrame, SheetScratch};
+use super::tile::{SheetFrame, SheetScratch};
 
 /// Post-classification.
 #[derive(Debug)]
@@ -59,14 +60,11 @@ impl Mode<1> for Shaded<'_> {
             mask,
             batch,
             faces,
+            at_eye,
             ..
         } = scratch;
-        let Some((interval, span)) = interval(
-            &self.shader,
-            frame,
-            (near, place),
-            planes.each_ref().map(|p| &p[0]),
-        ) else {
+        let planes = planes.each_ref().map(|p| &p[0]);
+        let Some((interval, span)) = interval(&self.shader, frame, (near, place), (planes, *at_eye)) else {
             return;
         };
         let mut target = ShadeTarget {
@@ -78,7 +76,10 @@ impl Mode<1> for Shaded<'_> {
         };
         match &self.operated {
             None => self.shader.shade(simd, &interval, &mut target),
-            Some(operated) => operated.shade((&self.shader, &interval), near, &mut target, faces),
+            Some(operated) => {
+                let sheet = (frame.stack.first + near as i64) as usize;
+                operated.shade((&self.shader, &interval), sheet, &mut target, faces);
+            }
         }
     }
 }
@@ -95,12 +96,12 @@ pub(crate) fn filled(planes: [&Plane; 4], place: &Place) -> Option<Span> {
     })
 }
 
-/// The interval behind a sheet, and the pixels where it holds something.
+/// The interval behind a sheet, and the pixels where it holds something. `at_eye`: as [`SheetScratch::at_eye`].
 pub(crate) fn interval<'a>(
     shader: &PlaneShader<'_>,
     frame: &SheetFrame<'_>,
     (near, place): (usize, &Place),
-    planes: [&'a Plane; 4],
+    (planes, at_eye): ([&'a Plane; 4], Option<[f32; 3]>),
 ) -> Option<(Interval<'a>, Span)> {
     let span = filled(planes, place)?;
     let sheets = frame.sheets.get(near..near + 2)?;
@@ -113,6 +114,7 @@ pub(crate) fn interval<'a>(
             .any(|plane| shader.border.is_near_any(plane, &place.rect)),
         borders,
         planes,
+        at_eye,
         depths,
         scales: [sheets[0].scale * step, sheets[1].scale * step],
     };

@@ -35,6 +35,22 @@ pub(crate) struct Raster {
     pub peak: f64,
 }
 
+impl Raster {
+    /// A raster point per pixel, without a low-pass.
+    pub(crate) const PIXELS: Self = Self {
+        step: 1,
+        low_pass: 0.0,
+        matched: false,
+        peak: 1.0,
+    };
+}
+
+/// Variance that a cubic spline adds, raster points squared.
+const SPLINE_VARIANCE: f64 = 1.0 / 3.0;
+/// Least variance that footprints of a coarse raster have with the spline; narrower ones, the thin sides of long voxels, are
+/// widened to it.
+const LEAST_VARIANCE: f64 = 0.5;
+
 impl SheetShape {
     pub(crate) fn new(
         shape: &FootprintShape,
@@ -52,8 +68,12 @@ impl SheetShape {
         } else {
             wanted
         };
-        let smoother = if raster.step > 1 { 1.0 / 3.0 } else { 0.0 };
-        let (xx, yy) = (xx + add - smoother, yy + add - smoother);
+        let (mut xx, mut yy) = (xx + add, yy + add);
+        if raster.step > 1 {
+            let narrowest = 0.5 * (xx + yy - libm::hypot(xx - yy, 2.0 * xy));
+            let lacking = (LEAST_VARIANCE - narrowest).max(0.0) - SPLINE_VARIANCE;
+            (xx, yy) = (xx + lacking, yy + lacking);
+        }
         let determinant = xx * yy - xy * xy;
         let half = 0.5 * std::f64::consts::LOG2_E / determinant;
         Self {
@@ -67,11 +87,16 @@ impl SheetShape {
 
     /// Half widths of the box around the ellipse at `cut` standard deviations, raster points.
     pub(crate) fn half_extent(&self, cut: f32) -> [f32; 2] {
-        let [xx, xy, yy] = self.exponent.map(|e| e * 2.0 * std::f32::consts::LN_2);
-        let xy = 0.5 * xy;
-        let determinant = xx * yy - xy * xy;
-        [(yy / determinant).sqrt() * cut, (xx / determinant).sqrt() * cut]
+        half_extent(self.exponent, cut)
     }
+}
+
+/// Half widths of the box around an ellipse with these exponents, given as [`SheetShape::exponent`], at `cut` standard deviations.
+pub(crate) fn half_extent(exponent: [f32; 3], cut: f32) -> [f32; 2] {
+    let [xx, xy, yy] = exponent.map(|e| e * 2.0 * std::f32::consts::LN_2);
+    let xy = 0.5 * xy;
+    let determinant = xx * yy - xy * xy;
+    [(yy / determinant).sqrt() * cut, (xx / determinant).sqrt() * cut]
 }
 
 /// A vector of sixteen numbers in memory.

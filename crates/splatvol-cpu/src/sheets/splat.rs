@@ -213,6 +213,19 @@ pub(crate) trait Payload<const N: usize>: Copy {
     /// A footprint's weight (per peak) and peak times each of them.
     fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; N];
 
+    /// What a block of pixels takes of a voxel where each weight is computed by itself, given [`Payload::weights`] at the
+    /// footprint's centre and the block's share of those. `offset`: raster points from the centre, and the profile's moment in
+    /// depth relative to the profile.
+    #[inline(always)]
+    fn in_block<S: Simd>(
+        &self,
+        weights: &[f32x16<S>; N],
+        share: f32x16<S>,
+        _offset: [f32x16<S>; 3],
+    ) -> [f32x16<S>; N] {
+        weights.map(|weight| weight * share)
+    }
+
     /// Adds a voxel's footprint to each ring.
     #[inline(always)]
     fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(

@@ -48,6 +48,28 @@ pub(crate) struct Segment<S: Simd> {
     pub value: f32x16<S>,
 }
 
+impl<S: Simd> Segment<S> {
+    /// Material that fills the segment, of this optical depth and transmittance, hides itself: what is seen of it lies on average
+    /// `1 / t - 1 / (e^t - 1)` behind its beginning. `ends`: values at both ends.
+    #[inline(always)]
+    pub(crate) fn move_forward(
+        &mut self,
+        simd: S,
+        [from, to]: [f32x16<S>; 2],
+        (optical_depth, through): (f32x16<S>, f32x16<S>),
+    ) {
+        let thin = optical_depth.simd_lt(splat(simd, 0.1));
+        let thick = thin.select(splat(simd, 1.0), optical_depth);
+        let opacity = thin.select(splat(simd, 1.0), 1.0 - through);
+        let mean = thin.select(
+            0.5 - optical_depth * (1.0 / 12.0),
+            1.0 / thick - through / opacity,
+        );
+        self.place *= mean * 2.0;
+        self.value = (to - from) * self.place + from;
+    }
+}
+
 #[inline(always)]
 fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
     f32x16::splat(simd, value)

@@ -1,40 +1,100 @@
-//! A tile's memory, and how the voxels of a grid come into its ring. The loop over sheets is [`super::layer`]'s.
+//! What a picture's tiles share, a tile's memory, and how the voxels of a grid come into its ring. The loop over sheets is [`super::layer`]'s.
 
 use std::time::Duration;
 
 use fearless_simd::prelude::*;
 use glam::DAffine3;
-use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
+use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
 use splatvol_core::sheets::Planes;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, OpenVoxels, Window, activate};
 use super::classified::Classified;
 use super::cloud::open::Waiting;
+use super::direct::DirectGroup;
+use super::eye::Eye;
+use super::frame::ZonePlan;
 use super::mask::OpenMask;
 use super::mode::{Bricks, Mode};
 use super::operated::Faces;
 use super::order::DepthOrder;
+use super::place::{Place, blocks_of, room_of};
 use super::plane::{HALO, Plane};
-use super::ring::{BLOCK_EDGE, SheetRing};
+use super::ring::{Area, BLOCK_EDGE, SheetRing};
 use super::shade::ShadeBatch;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::{
     CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
 };
-use super::upsample::{RASTER_HALO, Upsampler};
+use super::upsample::Upsampler;
+use super::zones::{Footprints, Zone};
 use crate::clock::Instant;
 
-/// What the tiles of a frame share.
+/// What the tiles of a picture share, zone by zone.
 #[derive(Debug)]
+pub(crate) struct ZonedFrame<'a> {
+    pub bricks: &'a dyn Bricks,
+    pub order: &'a DepthOrder,
+    pub tiles: TileGrid,
+    /// Front to back.
+    pub zones: &'a [Zone],
+    pub plans: &'a [ZonePlan],
+    /// Tiles, those with most bricks first.
+    pub longest_first: &'a [u32],
+    pub camera_from_lattice: DAffine3,
+    pub rays: Rays,
+    pub termination: f32,
+    pub groups: usize,
+    /// How far a voxel reaches in depth, world length.
+    pub reach: f32,
+    /// Room for footprints of neighbouring sheets: a world length, and a factor.
+    pub room: [f32; 2],
+}
+
+impl<'a> ZonedFrame<'a> {
+    /// What the tiles of a zone share.
+    pub(crate) fn zone(&self, index: usize) -> Option<SheetFrame<'a>> {
+        let zone = self.zones.get(index)?;
+        let plan = self.plans.get(index)?;
+        Some(SheetFrame {
+            bricks: self.bricks,
+            order: self.order,
+            camera_from_lattice: self.camera_from_lattice,
+            stack: zone.planes,
+            zone,
+            sheets: &plan.sheets,
+            lists: &plan.lists,
+            eye: &plan.eye,
+            constants: plan.constants,
+            rays: self.rays,
+            termination: self.termination,
+            step: zone.raster.step,
+            depth_reach: self.reach,
+            cut: zone.cut as f32,
+            room: self.room,
+            ellipses: zone.footprints != Footprints::Round,
+            groups: self.groups,
+        })
+    }
+
+    /// Sheets from front to back.
+    pub(crate) fn sheets(&self) -> usize {
+        self.zones.iter().map(|zone| zone.shown.len()).sum()
+    }
+}
+
+/// What the tiles of a zone share.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct SheetFrame<'a> {
     pub bricks: &'a dyn Bricks,
     pub order: &'a DepthOrder,
     pub camera_from_lattice: DAffine3,
     pub stack: Planes,
+    pub zone: &'a Zone,
     pub sheets: &'a [SheetShape],
-    pub tiles: TileGrid,
     pub lists: &'a TileLists,
+    /// What the first interval needs of the eye, where it begins there.
+    pub eye: &'a Eye,
     pub constants: SplatConstants,
     pub rays: Rays,
     pub termination: f32,
@@ -44,9 +104,9 @@ pub(crate) struct SheetFrame<'a> {
     pub depth_reach: f32,
     /// Standard deviations at which footprints are cut.
     pub cut: f32,
-    /// How far apart a voxel's footprints on neighbouring sheets are at the picture's corner, raster points on a sheet of
-    /// one raster point per world length.
-    pub spread: f32,
+    /// Room for footprints of neighbouring sheets: a world length, and a factor.
+    pub room: [f32; 2],
+    /// Powers count from the block in the middle.
     pub ellipses: bool,
     pub groups: usize,
 }
@@ -70,35 +130,8 @@ impl SheetFrame<'_> {
 
     /// How far footprints reach on a sheet, raster points.
     pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
-        shape
-            .half_extent(self.cut)
-            .map(|half| half + self.spread * shape.scale)
+        room_of(shape, self.cut, self.room)
     }
-}
-
-/// Blocks along the edge of footprints that reach so far, raster points. What lies in the outermost twentieth of the
-/// reach, less than a hundredth of the peak, may be left out where a footprint lies unfavourably.
-pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
-    let points = (1.88 * x.max(y)).floor() as usize + 1;
-    let blocks = (points + 1).div_ceil(2);
-    SIZES
-        .into_iter()
-        .find(|&size| size >= blocks)
-        .unwrap_or(MAX_BLOCKS)
-}
-
-/// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
-/// it touches, for footprints that reach so far, raster points.
-pub(crate) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
-    // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
-    let blocks = blocks_of(half_extent) as f32 + 0.75;
-    let spline = if step > 1 { 2.0 } else { 0.0 };
-    (blocks + spline) * step as f32 + 1.0
-}
-
-/// Raster points around a tile that its pixels need.
-fn halo(step: usize) -> usize {
-    if step == 1 { HALO } else { RASTER_HALO }
 }
 
 /// A brick's values.
@@ -139,6 +172,8 @@ pub(crate) struct SheetScratch {
     pub classified: Classified,
     /// Splats of a cloud that wait for their next plane.
     pub waiting: Waiting,
+    /// Gradient of what is splatted, camera space per world length, while the nearer of two planes lies at the eye.
+    pub at_eye: Option<[f32; 3]>,
 }
 
 /// Work done by a tile.
@@ -151,48 +186,15 @@ pub(crate) struct SheetWork {
     pub shade: Duration,
 }
 
-/// Where a tile lies.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Place {
-    pub rect: TileRect,
-    /// Pixels.
-    pub size: [usize; 2],
-    /// Raster points of a sheet, those around the tile included.
-    pub raster: [usize; 2],
-    /// Raster points around the tile that its pixels need.
-    pub halo: usize,
-    /// First raster point of the tile.
-    pub first: [i32; 2],
-}
-
-impl Place {
-    pub(crate) fn new(frame: &SheetFrame<'_>, tile: usize) -> Self {
-        let rect = frame.tiles.rect(tile);
-        let size = [rect.x1 - rect.x0, rect.y1 - rect.y0];
-        let halo = halo(frame.step);
-        Self {
-            rect,
-            size,
-            raster: size.map(|n| n.div_ceil(frame.step) + 2 * halo),
-            halo,
-            first: [rect.x0, rect.y0].map(|first| (first / frame.step) as i32),
-        }
-    }
-
-    /// Blocks of the ring that this rectangle of the picture covers: first and last, x and y.
-    pub(crate) fn blocks(&self, [x0, y0, x1, y1]: [f32; 4], step: usize) -> [u8; 4] {
-        let block = |pixel: f32, first: usize| {
-            let points = (pixel - first as f32) / step as f32 + self.halo as f32;
-            (points / BLOCK_EDGE as f32 + MAX_BLOCKS as f32).clamp(0.0, 127.0) as u8
-        };
-        let (x, y) = (self.rect.x0, self.rect.y0);
-        [block(x0, x), block(y0, y), block(x1, x), block(y1, y)]
-    }
-}
-
 impl SheetScratch {
-    /// Gets ready for a tile.
-    pub(crate) fn reset(
+    /// Gets ready for a tile of so many pixels.
+    pub(crate) fn reset(&mut self, size: [usize; 2]) {
+        self.mask.reset(size);
+        self.faces.clear();
+    }
+
+    /// Gets ready for a zone of a tile.
+    pub(crate) fn begin_zone(
         &mut self,
         frame: &SheetFrame<'_>,
         place: &Place,
@@ -210,10 +212,23 @@ impl SheetScratch {
             self.raster.reset(place.raster);
         }
         self.free.extend(self.open.drain(..).map(|brick| brick.voxels));
-        self.mask.reset(place.size, frame.step);
-        self.faces.clear();
+        self.mask.set_raster(frame.step, place.phase);
+        self.at_eye = None;
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
+    }
+
+    /// Memory for a brick's voxels that is free.
+    pub(crate) fn take_slot(&mut self) -> u32 {
+        self.free.pop().unwrap_or_else(|| {
+            self.voxels.push(OpenVoxels::default());
+            self.voxels.len() as u32 - 1
+        })
+    }
+
+    /// Frees it again.
+    pub(crate) fn give_slot(&mut self, slot: u32) {
+        self.free.push(slot);
     }
 
     /// Opens a brick of a grid: its voxels in depth order.
@@ -226,10 +241,7 @@ impl SheetScratch {
         blocks: [u8; 4],
     ) {
         let index = brick.active.brick as usize;
-        let voxels = self.free.pop().unwrap_or_else(|| {
-            self.voxels.push(OpenVoxels::default());
-            self.voxels.len() as u32 - 1
-        });
+        let voxels = self.take_slot();
         let [values, sorted] = &mut self.brick;
         mode.open(simd, (index, voxels), &mut values.0, &mut self.classified);
         self.voxels[voxels as usize].fill(simd, frame.order, &values.0, &mut sorted.0);
@@ -254,9 +266,14 @@ pub(crate) fn lattice_window(
     let needed = place.halo as f32;
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
-    let points = place.size.map(|n| n.div_ceil(frame.step) as f32);
-    let blocks = blocks_of(frame.half_extent(shape));
+    let points = place.raster.map(|n| (n - 2 * place.halo) as f32);
+    let anywhere = frame.zone.footprints == Footprints::Direct;
+    let blocks = match anywhere {
+        true => SIZES[0],
+        false => blocks_of(frame.half_extent(shape)),
+    };
     Window {
+        anywhere,
         blocks,
         origin: (BLOCK_EDGE * origin_block(blocks, frame.ellipses)) as f32,
         depths,
@@ -357,7 +374,9 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     if !std::mem::replace(prepared, true) {
         for (group, (shape, stencil)) in scratch.groups.iter_mut().zip(&mut scratch.stencils).enumerate() {
             *shape = mode.group(frame, place, sheet, group);
-            stencil.prepare(simd, shape, size, frame.ellipses);
+            if frame.zone.footprints != Footprints::Direct {
+                stencil.prepare(simd, shape, size, frame.ellipses);
+            }
         }
     }
     let SheetScratch {
@@ -367,19 +386,32 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
         stencils,
         groups,
         classified,
+        mask,
         ..
     } = scratch;
     work.voxels += records.len as u64;
-    let area = records.take_area(size);
-    for touched in &mut ring.touched {
-        *touched = touched.join(area);
-    }
+    let direct = frame.zone.footprints == Footprints::Direct;
+    let around = records.take_area(size);
+    let mut area = if direct { Area::EMPTY } else { around };
     let records_of = (&*records, M::payload(classified));
     for group in 0..frame.groups {
         let shapes = (&frame.constants, &groups[group], &stencils[group]);
         let rings = &mut ring.groups::<N>(group, frame.groups);
-        let size = (size, frame.ellipses);
-        splat_sized(simd, size, shapes, records_of, powers, rings);
+        if direct {
+            let shapes = (&frame.constants, &groups[group]);
+            let group = DirectGroup::new(shapes, place, frame.cut);
+            let of = (frame.zone.depth_reach, &*mask);
+            area = area.join(simd.vectorize(
+                #[inline(always)]
+                || group.splat(simd, records_of, of, rings),
+            ));
+        } else {
+            let size = (size, frame.ellipses);
+            splat_sized(simd, size, shapes, records_of, powers, rings);
+        }
+    }
+    for touched in &mut ring.touched {
+        *touched = touched.join(area);
     }
     records.len = 0;
     work.splat += start.elapsed();
@@ -399,6 +431,6 @@ pub(crate) fn take<S: Simd>(
         plane.take(simd, ring, slot, MAX_BLOCKS, place.raster);
     } else {
         raster.take(simd, ring, slot, MAX_BLOCKS, place.raster);
-        upsampler.run(simd, raster, plane, (place.size, step));
+        upsampler.run(simd, raster, plane, (place, step));
     }
 }

@@ -8,6 +8,7 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
+use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 
 /// Raster points around a tile that its pixels need, at every step of the subdivision; even, as blocks are.
@@ -31,49 +32,84 @@ fn around(plane: &Plane, y: usize) -> [&[f32]; 3] {
 }
 
 impl Upsampler {
-    /// Pixels of a tile of `size`, with a halo, from its raster of every `step`-th pixel.
+    /// Pixels of a tile, with a halo, from its raster of every `step`-th pixel.
     #[inline(always)]
     pub(crate) fn run<S: Simd>(
         &mut self,
         simd: S,
         raster: &Plane,
         pixels: &mut Plane,
-        (size, step): ([usize; 2], usize),
+        (place, step): (&Place, usize),
     ) {
         pixels.clear();
         if raster.filled.is_none() {
             return;
         }
         let [even, odd] = &mut self.planes;
-        let sized = |step: usize| size.map(|n| n.div_ceil(step) + 2 * RASTER_HALO);
-        even.reset(sized(step / 2));
-        subdivide(simd, raster, even, sized(step / 2));
-        let (mut from, mut to, mut step) = (even, odd, step / 2);
-        while step > 1 {
-            step /= 2;
-            to.reset(sized(step));
-            subdivide(simd, from, to, sized(step));
+        let mut finer = Finer::than(place, step);
+        subdivide(simd, raster, even, &finer);
+        let (mut from, mut to) = (even, odd);
+        while finer.step > 1 {
+            finer = finer.next(place);
+            subdivide(simd, from, to, &finer);
             std::mem::swap(&mut from, &mut to);
         }
-        evaluate(simd, from, pixels, size.map(|n| n + 2 * HALO));
+        evaluate(simd, from, pixels, place.size.map(|n| n + 2 * HALO));
+    }
+}
+
+/// A raster twice as fine as another. Both begin at an even point: where the tile begins within the coarse one's first points,
+/// the finer one begins later.
+#[derive(Debug, Clone, Copy)]
+struct Finer {
+    step: usize,
+    /// Pixels from the first point to the tile.
+    phase: [usize; 2],
+    /// Coarse points left out before the tile, 0 or 1.
+    skipped: [usize; 2],
+    /// Points, those around the tile included.
+    size: [usize; 2],
+}
+
+impl Finer {
+    /// The raster twice as fine as a tile's own.
+    fn than(place: &Place, step: usize) -> Self {
+        Self::after(place, step, place.phase)
+    }
+
+    fn next(&self, place: &Place) -> Self {
+        Self::after(place, self.step, self.phase)
+    }
+
+    fn after(place: &Place, coarse: usize, from: [usize; 2]) -> Self {
+        let step = coarse / 2;
+        let phase = from.map(|phase| phase % coarse);
+        Self {
+            step,
+            phase,
+            skipped: from.map(|phase| phase / coarse),
+            size: std::array::from_fn(|a| (phase[a] + place.size[a]).div_ceil(step) + 2 * RASTER_HALO),
+        }
     }
 }
 
 /// Coefficients of the raster twice as fine.
 #[inline(always)]
-fn subdivide<S: Simd>(simd: S, coarse: &Plane, fine: &mut Plane, [width, height]: [usize; 2]) {
+fn subdivide<S: Simd>(simd: S, coarse: &Plane, fine: &mut Plane, finer: &Finer) {
+    fine.reset(finer.size);
     let Some(span) = coarse.filled else { return };
-    // Point i of the coarse raster is point 2 i - RASTER_HALO of the fine one.
-    let first = |i: usize| (2 * i).saturating_sub(RASTER_HALO + 2);
-    let last = |i: usize, n: usize| (2 * i + 2).saturating_sub(RASTER_HALO).min(n);
-    let (y0, y1) = (first(span.y0), last(span.y1, height));
-    let (x0, x1) = (first(span.x0) / 32 * 32, last(span.x1, width));
+    let ([width, height], [skip_x, skip_y]) = (finer.size, finer.skipped);
+    // Point i of the coarse raster is point 2 (i - skipped) - RASTER_HALO of the fine one.
+    let first = |i: usize, skip: usize| (2 * i).saturating_sub(RASTER_HALO + 2 + 2 * skip);
+    let last = |i: usize, skip: usize, n: usize| (2 * i + 2).saturating_sub(RASTER_HALO + 2 * skip).min(n);
+    let (y0, y1) = (first(span.y0, skip_y), last(span.y1, skip_y, height));
+    let (x0, x1) = (first(span.x0, skip_x) / 32 * 32, last(span.x1, skip_x, width));
     for y in y0..y1 {
-        let [above, here, below] = around(coarse, y / 2 + RASTER_HALO / 2);
+        let [above, here, below] = around(coarse, y / 2 + RASTER_HALO / 2 + skip_y);
         let target = &mut fine.values[y * fine.pitch..(y + 1) * fine.pitch];
         let mut x = x0;
         while x < x1 {
-            let at = x / 2 + RASTER_HALO / 2;
+            let at = x / 2 + RASTER_HALO / 2 + skip_x;
             let (left, middle, right) = if y % 2 == 0 {
                 (
                     even(simd, [above, here, below], at - 1),

@@ -12,6 +12,7 @@ mod agreement;
 mod close_ups;
 mod detail;
 mod determinism;
+mod fly;
 mod laws;
 mod modes;
 mod standing;

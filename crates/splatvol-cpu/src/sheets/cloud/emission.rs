@@ -11,8 +11,9 @@ use crate::sheets::canvas::Canvas;
 use crate::sheets::classified::Classified;
 use crate::sheets::compose::{Emission, composite_planes};
 use crate::sheets::mode::Mode;
+use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, LANES};
-use crate::sheets::tile::{Place, SheetFrame, SheetScratch, SheetWork};
+use crate::sheets::tile::{SheetFrame, SheetScratch, SheetWork};
 
 /// Clouds of classified splats.
 #[derive(Debug)]
@@ -32,7 +33,7 @@ impl CloudEmission<'_> {
     /// Whether any footprint of a splat reaches the tile.
     fn reaches(&self, frame: &SheetFrame<'_>, place: &Place, splat: &OpenSplat) -> bool {
         let [.., depth] = splat.centre;
-        let first = f64::from(depth - splat.reach).max(frame.stack.plane(0));
+        let first = f64::from(depth - splat.reach).max(f64::from(frame.sheets[0].depth));
         let last = f64::from(depth + splat.reach).max(first);
         let ends = [first, last].map(|depth| [depth as f32, self.view.screen.scale_at(depth) as f32]);
         place.footing(frame.principal()).blocks_of(splat, ends).is_some()

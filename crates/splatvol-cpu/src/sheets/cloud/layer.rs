@@ -8,8 +8,7 @@ use splatvol_scene::{Camera, Clip, RenderSettings};
 use super::emission::CloudEmission;
 use super::plan::CloudPlan;
 use crate::sheets::mode::Bricks;
-use crate::sheets::splat::SplatConstants;
-use crate::sheets::tile::{Rays, SheetFrame};
+use crate::sheets::tile::{Rays, ZonedFrame};
 
 /// Chunks take the place of bricks.
 impl Bricks for SplatCloud {
@@ -30,31 +29,27 @@ impl CloudPlan {
         (camera, settings): (&Camera, &RenderSettings),
         tiles: TileGrid,
         spacing: Option<f64>,
-    ) -> (SheetFrame<'a>, CloudEmission<'a>) {
-        let (view, stack) = self.update(cloud, (camera, settings), &tiles, spacing);
+    ) -> (ZonedFrame<'a>, CloudEmission<'a>) {
+        let view = self.update(cloud, (camera, settings), &tiles, spacing);
         let screen = view.screen;
         let per_pixel = 1.0 / screen.scale as f32;
-        let frame = SheetFrame {
+        let frame = ZonedFrame {
             bricks: cloud,
             order: &self.order,
-            camera_from_lattice: DAffine3::IDENTITY,
-            stack,
-            sheets: &self.sheets,
             tiles,
-            lists: &self.lists,
-            constants: SplatConstants::default(),
+            zones: &self.zones,
+            plans: std::slice::from_ref(&self.plan),
+            longest_first: self.plan.lists.longest_first(),
+            camera_from_lattice: DAffine3::IDENTITY,
             rays: Rays {
                 principal: screen.centre.as_vec2().to_array(),
                 per_pixel: if screen.perspective { per_pixel } else { 0.0 },
                 plane_per_pixel: per_pixel,
             },
             termination: settings.termination as f32,
-            step: 1,
-            depth_reach: 0.0,
-            cut: 0.0,
-            spread: 0.0,
-            ellipses: true,
             groups: 1,
+            reach: 0.0,
+            room: [0.0, 1.0],
         };
         let view = view.cut(clips);
         (frame, CloudEmission { view })

@@ -2,15 +2,18 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
-use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
+use splatvol_core::bin::{ProjectedBrick, TileGrid};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::sheets::Planes;
 use splatvol_core::splats::{Chunk, KernelShape, SplatCloud};
-use splatvol_scene::{Camera, Filter, ImageSize, RenderSettings, ScreenFromCamera};
+use splatvol_scene::{Camera, ImageSize, RenderSettings, ScreenFromCamera};
 
 use super::open::{CUT, CloudView, DEPTH_CUT};
+use crate::sheets::extents::low_pass;
+use crate::sheets::frame::ZonePlan;
 use crate::sheets::order::DepthOrder;
 use crate::sheets::sheet::SheetShape;
+use crate::sheets::zones::Zone;
 use crate::splat_light::SplatLight;
 
 /// Pixels that rounding to whole blocks adds to a footprint on either side.
@@ -19,20 +22,12 @@ const ROUNDING: f64 = 2.0;
 /// A cloud's planes and lists, in memory that the next frame uses again.
 #[derive(Debug, Default)]
 pub(crate) struct CloudPlan {
-    pub sheets: Vec<SheetShape>,
+    /// One zone: splats are drawn on pixels, whatever their size.
+    pub zones: Vec<Zone>,
+    pub plan: ZonePlan,
     projected: Vec<Option<ProjectedBrick>>,
-    pub lists: TileLists,
     /// Of no grid: splats are put in order as they are opened.
     pub order: DepthOrder,
-}
-
-/// Widths of the low-pass: its variance, and whether it is only what footprints lack to it.
-fn low_pass(filter: Filter) -> (f64, bool) {
-    match filter {
-        Filter::None | Filter::Swan | Filter::SwanAlpha => (0.0, false),
-        Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
-        Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
-    }
 }
 
 impl CloudPlan {
@@ -43,7 +38,7 @@ impl CloudPlan {
         (camera, settings): (&Camera, &RenderSettings),
         tiles: &TileGrid,
         spacing: Option<f64>,
-    ) -> (CloudView<'a>, Planes) {
+    ) -> CloudView<'a> {
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_local = camera.camera_from_world() * cloud.world_from_local;
         let bounds = ChunkBounds::new(camera_from_local, cloud, settings, screen);
@@ -60,21 +55,41 @@ impl CloudPlan {
             camera_from_local,
             screen,
             low_pass(settings.filter),
-            (stack.plane(0), stack.spacing),
+            (stack.plane(usize::from(stack.first == 0)), stack.spacing),
         );
-        self.sheets.clear();
-        self.sheets.extend((0..=stack.count).map(|i| SheetShape {
-            depth: stack.plane(i) as f32,
-            scale: screen.scale_at(stack.plane(i)) as f32,
-            ..SheetShape::default()
+        let least = nearest(&stack, &screen);
+        let sheets = &mut self.plan.sheets;
+        sheets.clear();
+        sheets.extend((0..=stack.count).map(|i| {
+            let depth = stack.plane(i).max(least);
+            SheetShape {
+                depth: depth as f32,
+                scale: screen.scale_at(depth) as f32,
+                ..SheetShape::default()
+            }
         }));
         self.projected.resize(cloud.chunks.len(), None);
         let chunks = self.projected.par_iter_mut().zip(&cloud.chunks).enumerate();
         chunks.for_each(|(index, (brick, chunk))| *brick = bounds.project(chunk, index, &stack));
-        self.lists.fill(self.projected.iter().flatten().copied(), tiles);
-        (view, stack)
+        let lists = &mut self.plan.lists;
+        lists.fill(self.projected.iter().flatten().copied(), tiles);
+        self.zones.clear();
+        self.zones.push(Zone::of_pixels(stack));
+        view
     }
 }
+
+/// The least depth that planes have: one at the eye, where there is no scale, lies a little before it.
+fn nearest(stack: &Planes, screen: &ScreenFromCamera) -> f64 {
+    if screen.perspective {
+        stack.plane(0).max(AT_EYE * stack.spacing)
+    } else {
+        f64::NEG_INFINITY
+    }
+}
+
+/// Depth of the plane at the eye, distances of planes.
+const AT_EYE: f64 = 1e-3;
 
 /// Chunks to screen rectangles and first planes.
 struct ChunkBounds {
@@ -155,7 +170,12 @@ impl ChunkBounds {
         let pixel = 1.0 / self.screen.scale_at(middle.max(wanted));
         let spacing = spacing.unwrap_or(wanted.max(pixel));
         // Two planes more on either side, which the widening in depth reaches.
-        Planes::covering(&[low, high], 2.0 * spacing, spacing, &self.screen)
+        let mut planes = Planes::covering(&[low, high], 2.0 * spacing, spacing, &self.screen);
+        if self.screen.perspective && planes.first == 1 && low.z < spacing {
+            // What lies between the eye and the first plane is seen, too.
+            (planes.first, planes.count) = (0, planes.count + 1);
+        }
+        planes
     }
 
     /// Where a chunk's footprints can lie; `None` behind the camera, and outside the picture.
@@ -163,7 +183,7 @@ impl ChunkBounds {
         let [low, high] = self.centres(chunk);
         let sigma = self.sigma(chunk);
         let reach = DEPTH_CUT * CloudView::widened(sigma * sigma, stack.spacing).sqrt() * (1.0 + 1e-6);
-        let first = stack.plane(0);
+        let first = nearest(stack, &self.screen).max(stack.plane(0));
         let near = (low.z - reach).max(first);
         let far = high.z + reach;
         if far < first {

@@ -7,10 +7,10 @@
 use fearless_simd::{f32x16, prelude::*};
 
 use super::open::{DEPTH_EDGE, OpenSplat};
+use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, BLOCK_EDGE, LANES, Row};
 use crate::sheets::sheet::{Lanes16, SheetShape};
-use crate::sheets::splat::MAX_BLOCKS;
-use crate::sheets::tile::{Place, SheetFrame};
+use crate::sheets::tile::SheetFrame;
 use crate::simd::math::exp2_quick;
 
 /// Where a tile's ring lies in the picture.
@@ -20,7 +20,7 @@ pub(crate) struct Footing {
     pub principal: [f32; 2],
     /// Image coordinates of the first pixel of the ring's first block.
     pub first: [i32; 2],
-    /// Blocks that the tile needs: first and last, by axis.
+    /// Blocks that the tile needs: first and one behind the last, by axis.
     pub blocks: [[usize; 2]; 2],
 }
 
@@ -80,13 +80,11 @@ impl Blocks {
 impl Place {
     /// Where the ring of this tile lies, with a raster point per pixel.
     pub(crate) fn footing(&self, principal: [f32; 2]) -> Footing {
-        let apron = (BLOCK_EDGE * MAX_BLOCKS + self.halo) as i32;
+        let (first, blocks) = self.ring();
         Footing {
             principal,
-            first: self.first.map(|first| first - apron),
-            blocks: self
-                .raster
-                .map(|points| [MAX_BLOCKS, MAX_BLOCKS + points.div_ceil(BLOCK_EDGE) - 1]),
+            first,
+            blocks,
         }
     }
 }
@@ -105,10 +103,12 @@ impl Footing {
                 let middle = centre * scale + self.principal[axis];
                 (low, high) = (low.min(middle - half), high.max(middle + half));
             }
-            let block = |pixel: f32| (pixel - self.first[axis] as f32) * (1.0 / BLOCK_EDGE as f32);
-            let [first, last] = self.blocks[axis];
-            let from = block(low).floor().max(first as f32);
-            let to = block(high).floor().min(last as f32);
+            // Whole blocks from the picture's corner first: rounding must not depend on the tile.
+            let ring = self.first[axis] as f32 / BLOCK_EDGE as f32;
+            let block = |pixel: f32| (pixel * (1.0 / BLOCK_EDGE as f32)).floor() - ring;
+            let [first, end] = self.blocks[axis];
+            let from = block(low).max(first as f32);
+            let to = block(high).min((end - 1) as f32);
             (from <= to).then_some([from as usize, to as usize])
         };
         Some(Blocks {

@@ -1,0 +1,270 @@
+//! Extents: how wide the footprints of a frame are at each depth, and which rasters hold them.
+//!
+//! A raster point every 2^n pixels, splined to pixels (`upsample`), holds footprints between [`Widths::narrowest`] and
+//! [`Widths::widest`] points of standard deviation. In perspective footprints grow as 1 / z towards the camera: a frame whose
+//! nearest and farthest footprints differ by no more than that has one raster, others have zones (`zones`).
+
+use glam::DVec2;
+use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera};
+
+use super::place::blocks_of;
+use super::sheet::{Raster, SheetShape};
+
+/// Standard deviations of footprints, raster points, and those at which they are cut.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Widths {
+    /// The narrowest that a spline reproduces.
+    narrowest: f64,
+    /// The same where there are several zones: close to the eye raster points lie many pixels apart, and light shows it where
+    /// gradients ripple from one to the next.
+    narrowest_in_zones: f64,
+    /// The nearest beyond which a coarser raster costs less.
+    comfortable: f64,
+    /// The widest that the largest blocks hold.
+    widest: f64,
+    /// Where footprints are cut once a low-pass or a spline has changed their width.
+    pub cut: f64,
+    /// Whether footprints are cut there in any case.
+    pub is_exact: bool,
+}
+
+impl Widths {
+    const SPLINED: Self = Self {
+        narrowest: 0.8,
+        narrowest_in_zones: 1.0,
+        comfortable: 2.3,
+        widest: 4.6,
+        cut: 3.4,
+        is_exact: false,
+    };
+    /// Where gradients are analytic: to the last digits, and cut later, for what is left out on one side alone tilts them.
+    const EXACT: Self = Self {
+        narrowest: 1.2,
+        narrowest_in_zones: 1.2,
+        comfortable: 3.6,
+        widest: 3.7,
+        cut: 4.2,
+        is_exact: true,
+    };
+
+    pub(crate) fn of(settings: &RenderSettings) -> Self {
+        match settings.gradient {
+            Gradient::Analytic => Self::EXACT,
+            Gradient::Differences => Self::SPLINED,
+        }
+    }
+}
+
+/// Octaves of the coarsest raster of a frame that has but one.
+const MOST_OCTAVES: f64 = 6.0;
+/// Tangent of the angle between ray and axis up to which blocks hold a voxel's footprints on all its sheets.
+pub(crate) const STEEP: f64 = 0.75;
+/// The same up to which larger blocks do.
+const TOO_STEEP: f64 = 1.25;
+/// Reaches of a voxel within which its sheets differ much in scale.
+pub(crate) const NEAR: f64 = 4.0;
+/// Width below which footprints without a low-pass fall between raster points.
+const LEAST_UNFILTERED: f64 = 0.4;
+
+/// Footprints of all depths, and how far a voxel's are apart.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extents {
+    pub screen: ScreenFromCamera,
+    /// Least and largest variance of footprints, world length squared.
+    pub variances: [f64; 2],
+    /// Low-pass variance, pixels squared, and whether footprints are only widened to it.
+    pub low_pass: (f64, bool),
+    pub widths: Widths,
+    /// Peak of the kernel at its centre, without low-pass.
+    pub peak: f64,
+    /// Tangent of the widest angle between a pixel's ray and the axis.
+    pub steepest: f64,
+    /// Voxels are integrated along rays: a sheet is the slab before its plane.
+    pub along_rays: bool,
+    /// How far a voxel reaches in depth, world length.
+    pub reach: f64,
+}
+
+/// Low-pass of a filter: variance, pixels squared, and whether footprints are only widened to it.
+pub(crate) fn low_pass(filter: Filter) -> (f64, bool) {
+    match filter {
+        // Footprints that are scaled belong to another engine.
+        Filter::None | Filter::Swan | Filter::SwanAlpha => (0.0, false),
+        Filter::Ewa { pixel_sigma } => (pixel_sigma * pixel_sigma, false),
+        Filter::Matched { pixel_sigma } => (pixel_sigma * pixel_sigma, true),
+    }
+}
+
+/// Least and largest variance of covariances xx, xy, yy.
+pub(crate) fn variances(covariances: &[[f64; 3]]) -> [f64; 2] {
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for [xx, xy, yy] in covariances {
+        let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
+        (least, most) = (least.min(mean - difference), most.max(mean + difference));
+    }
+    [least, most]
+}
+
+/// Tangent of the widest angle between a pixel's ray and the axis.
+pub(crate) fn steepest(screen: &ScreenFromCamera, size: ImageSize) -> f64 {
+    if !screen.perspective {
+        return 0.0;
+    }
+    let size = DVec2::new(f64::from(size.width()), f64::from(size.height()));
+    screen.centre.max(size - screen.centre).length() / screen.scale
+}
+
+impl Extents {
+    /// Room for footprints, relative to their own: along a ray of slope t a round kernel is `sqrt(1 + t^2)` times as wide.
+    fn room(&self) -> f64 {
+        let steep = (1.0 + STEEP * STEEP).sqrt();
+        if self.along_rays || self.steepest <= STEEP || self.is_too_steep() {
+            1.0
+        } else {
+            (1.0 + self.steepest * self.steepest).sqrt() / steep
+        }
+    }
+
+    /// Whether footprints of a voxel's sheets lie too far apart for one square of blocks.
+    pub(crate) fn is_too_steep(&self) -> bool {
+        !self.along_rays && self.steepest > TOO_STEEP
+    }
+
+    /// Room for the footprints of a voxel's sheets: half the distance of those of neighbouring sheets, world length, as far
+    /// as rays are not steep, and a factor.
+    pub(crate) fn room_of_footprints(&self, spacing: f64) -> [f32; 2] {
+        let steepest = if self.along_rays {
+            self.steepest
+        } else {
+            self.steepest.min(STEEP)
+        };
+        [(0.5 * steepest * spacing) as f32, self.room() as f32]
+    }
+
+    /// How far centres of footprints move within a voxel's sheets along a ray of a slope, world length.
+    pub(crate) fn drift(&self, slope: f64) -> f32 {
+        if self.along_rays {
+            0.0
+        } else {
+            (slope * self.reach) as f32
+        }
+    }
+
+    /// The same of voxels whose footprints of so many blocks, on a sheet of this scale, just reach the picture from outside.
+    pub(crate) fn drift_of_footprints(&self, sheet: &SheetShape, blocks: f32) -> f32 {
+        let outside = std::f64::consts::SQRT_2 * f64::from((blocks + 2.0) / sheet.scale);
+        let slope = match self.screen.perspective {
+            true => self.steepest + outside / f64::from(sheet.depth),
+            false => 0.0,
+        };
+        self.drift(slope)
+    }
+
+    /// Standard deviation of footprints of a variance at a depth, pixels.
+    fn width(&self, variance: f64, depth: f64) -> f64 {
+        let scale = self.screen.scale_at(depth);
+        let variance = variance * scale * scale;
+        let (low_pass, matched) = self.low_pass;
+        let filtered = if matched {
+            variance.max(low_pass)
+        } else {
+            variance + low_pass
+        };
+        filtered.sqrt()
+    }
+
+    /// Standard deviation of the narrowest footprints at a depth, pixels.
+    pub(crate) fn narrowest(&self, depth: f64) -> f64 {
+        self.width(self.variances[0], depth)
+    }
+
+    /// Octaves of the raster that the footprints of a depth need at least, and that they had better have.
+    pub(crate) fn finest_and_comfortable(&self, depth: f64) -> [f64; 2] {
+        let widest = self.width(self.variances[1], depth) * self.room();
+        let Widths {
+            comfortable,
+            widest: most,
+            ..
+        } = self.widths;
+        [most, comfortable].map(|most| libm::log2(widest / most).ceil().max(0.0))
+    }
+
+    /// Narrowest footprints that a raster of so many octaves reproduces, pixels.
+    pub(crate) fn least(&self, octaves: f64) -> f64 {
+        self.widths.narrowest_in_zones * libm::exp2(octaves)
+    }
+
+    /// Whether the sheets of a voxel at a depth differ much in scale.
+    pub(crate) fn is_near(&self, depth: f64) -> bool {
+        self.screen.perspective && !self.along_rays && depth < NEAR * self.reach
+    }
+
+    pub(crate) fn raster(&self, octaves: f64) -> Raster {
+        let (low_pass, matched) = self.low_pass;
+        Raster {
+            step: libm::exp2(octaves) as usize,
+            low_pass,
+            matched,
+            peak: self.peak,
+        }
+    }
+
+    /// One raster for footprints between two depths, where there is one: as coarse as the far end allows, but not coarser
+    /// than the near end wants, for then footprints are small.
+    pub(crate) fn one_raster(&self, [near, far]: [f64; 2]) -> Option<Raster> {
+        let widest = self.width(self.variances[1], near) * self.room();
+        let narrowest = self.narrowest(far);
+        let octaves_to = |most: f64| libm::log2(widest / most).ceil();
+        let (finest, wanted) = (
+            octaves_to(Widths::SPLINED.widest),
+            octaves_to(Widths::SPLINED.comfortable),
+        );
+        let octaves = |narrowest_point: f64| {
+            let coarsest = libm::log2(narrowest / narrowest_point).floor();
+            wanted.min(coarsest).clamp(0.0, MOST_OCTAVES)
+        };
+        let octaves = octaves(self.widths.narrowest)
+            .max(finest)
+            .min(octaves(Widths::SPLINED.narrowest));
+        if octaves < finest {
+            return None;
+        }
+        let unfiltered = self.low_pass.0 == 0.0;
+        (!unfiltered || narrowest >= LEAST_UNFILTERED * libm::exp2(octaves)).then(|| self.raster(octaves))
+    }
+}
+
+/// Exponents to base 2 that floats hold, with room for a weight.
+const LARGEST_EXPONENT: f32 = 126.0;
+
+/// Whether powers of round footprints are floats, which count from their first block. `drift`: how far centres move within a
+/// voxel's sheets, world length.
+pub(crate) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
+    let steepest = shape.exponent[0].max(shape.exponent[2]);
+    // Centres lie up to half a point behind the middle.
+    let offset = blocks + 0.5 + drift * shape.scale;
+    2.0 * steepest * offset * offset.max(2.0 * blocks - 1.0) < LARGEST_EXPONENT
+}
+
+/// Whether powers of ellipses are, which count from the middle block: those of long and thin ones on a fine raster may not
+/// be.
+pub(crate) fn powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
+    let offset = largest_offset(shape.scale, drift);
+    2.0 * steepest_exponent(shape) * offset * offset.max(blocks) < LARGEST_EXPONENT
+}
+
+/// The same for all ellipses between the nearest and the farthest of a frame.
+pub(crate) fn powers_fit_between([near, far]: &[SheetShape; 2], drift: f32, cut: f32) -> bool {
+    let points = blocks_of(near.half_extent(cut)) as f32;
+    2.0 * steepest_exponent(far) * largest_offset(near.scale, drift) * points < LARGEST_EXPONENT
+}
+
+fn steepest_exponent(shape: &SheetShape) -> f32 {
+    let [xx, xy, yy] = shape.exponent;
+    0.5 * (xx + yy + libm::hypotf(xx - yy, xy))
+}
+
+/// Centres lie up to a point and a half off the middle of their blocks along both axes.
+fn largest_offset(scale: f32, drift: f32) -> f32 {
+    1.5 * std::f32::consts::SQRT_2 + drift * scale
+}

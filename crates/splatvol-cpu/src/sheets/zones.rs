@@ -1,0 +1,388 @@
+//! Zones: runs of sheets along depth, each with a raster of its own.
+//!
+//! Where footprints of a whole frame fit one raster there is one zone. Else zones follow each other from the eye on: each
+//! takes the raster that its nearest sheet wants, and ends where that is too coarse for its farthest one. An interval between
+//! planes belongs to one zone; the planes that it needs, those at its ends and the ones before and behind for its slopes, are
+//! made in that zone's raster. So two zones share no sum, and rasters differ by what a cubic spline does to a Gaussian of 0.8
+//! points, below what is seen.
+//!
+//! Within [`NEAR`] reaches of a voxel in front of the eye the sheets that one voxel meets differ much in scale: there weights are
+//! computed one by one (`direct`), and at wide angles. A perspective camera has no plane at depth 0, which would have no scale;
+//! the interval from there to the first plane is `eye`'s.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use splatvol_core::footprint::FootprintShape;
+use splatvol_core::sheets::Planes;
+use splatvol_scene::ScreenFromCamera;
+
+use super::extents::{Extents, NEAR, STEEP, powers_fit, powers_fit_between, round_powers_fit};
+use super::place::{blocks_of, room_of};
+use super::sheet::{Raster, SheetShape};
+
+/// Width of a zone's farthest footprints relative to its nearest ones, where those are too narrow already.
+const TOO_NARROW: f64 = 0.6;
+/// Intervals of a zone below which the voxels that two zones share cost more than large footprints.
+const SHORT: usize = 24;
+
+/// How powers of footprints are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Footprints {
+    /// Columns and rows of powers, counted from the first block.
+    Round,
+    /// Powers counted from the block in the middle.
+    Ellipses,
+    /// An exponential for each weight: their powers are no floats.
+    Direct,
+}
+
+/// A run of sheets.
+#[derive(Debug, Clone)]
+pub(crate) struct Zone {
+    /// Planes, from the one on at which the tile loop begins.
+    pub planes: Planes,
+    /// The first plane that is made. Before it nothing is: voxels that lie before it come in their turn.
+    pub first_made: usize,
+    /// Intervals that are shown, counted from the first of the planes.
+    pub shown: Range<usize>,
+    /// The last sheet of the tile loop.
+    pub last_sheet: usize,
+    pub raster: Raster,
+    pub footprints: Footprints,
+    /// Standard deviations at which footprints are cut.
+    pub cut: f64,
+    /// Depth of the eye, where the volume goes on before it: what lies nearer is not seen.
+    pub eye: Option<f64>,
+    /// How far a voxel's footprints lie from it in depth, world length.
+    pub depth_reach: f32,
+}
+
+/// Planes of a frame, and of which intervals between them something is seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sheets {
+    pub planes: Planes,
+    /// First interval in front of the camera.
+    pub first_shown: usize,
+    /// Depth before which nothing is seen, where the volume goes on there.
+    pub eye: Option<f64>,
+}
+
+impl Sheets {
+    /// Planes before, within and behind camera-space corners grown by `reach`, or the slabs of what lies between them.
+    pub(crate) fn covering(
+        corners: &[DVec3],
+        reach: f64,
+        spacing: f64,
+        (screen, along_rays): (&ScreenFromCamera, bool),
+    ) -> Self {
+        let planes = Planes::covering(corners, if along_rays { 0.0 } else { reach }, spacing, screen);
+        // Slabs lie before their planes.
+        let first_shown = i64::from(along_rays || screen.perspective) - planes.first;
+        let nearest = corners
+            .iter()
+            .fold(f64::INFINITY, |near, corner| near.min(corner.z))
+            - reach;
+        let eye = match (along_rays, screen.perspective) {
+            (true, true) => 0.5 * planes.spacing,
+            (false, true) => planes.spacing,
+            (_, false) => 0.0,
+        };
+        Self {
+            planes,
+            first_shown: first_shown.max(0) as usize,
+            eye: Some(eye).filter(|&eye| nearest < eye),
+        }
+    }
+
+    /// Where intervals, or slabs, end. Slabs before planes number one more than intervals between them.
+    fn end(&self, extents: &Extents) -> usize {
+        self.planes.count + usize::from(extents.along_rays)
+    }
+
+    /// Depth of a sheet's footprints.
+    fn depth(&self, extents: &Extents, sheet: usize) -> f64 {
+        let before = if extents.along_rays { 0.5 } else { 0.0 };
+        self.planes.plane(sheet) - before * self.planes.spacing
+    }
+
+    /// First and last plane that are made for intervals, or slabs.
+    fn made(&self, extents: &Extents, shown: &Range<usize>) -> [usize; 2] {
+        if extents.along_rays {
+            [shown.start, shown.end - 1]
+        } else {
+            [
+                shown.start.saturating_sub(1),
+                (shown.end + 1).min(self.planes.count),
+            ]
+        }
+    }
+}
+
+/// What the footprints of one voxel after the other have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kernels {
+    pub shape: FootprintShape,
+    pub round: bool,
+    /// Sheets that a voxel meets.
+    pub sheets: usize,
+    /// Standard deviations at which the kernel ends.
+    pub cut: f64,
+}
+
+/// What zones are cut from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cutting<'a> {
+    pub extents: &'a Extents,
+    pub sheets: &'a Sheets,
+    pub kernels: Kernels,
+}
+
+impl Cutting<'_> {
+    /// Cuts the sheets of a frame into zones, front to back; none where all is behind the camera.
+    pub(crate) fn cut(&self, mut add: impl FnMut(Zone)) {
+        let Self { extents, sheets, .. } = *self;
+        let Sheets {
+            planes, first_shown, ..
+        } = *sheets;
+        let end = sheets.end(extents);
+        if first_shown >= end {
+            return;
+        }
+        let nearest = planes.plane(0) - if extents.along_rays { planes.spacing } else { 0.0 };
+        let ends = [nearest, planes.plane(planes.count)];
+        if let Some(raster) = extents.one_raster(ends) {
+            if let Some(footprints) = self.plain_footprints(&raster, ends) {
+                let zone = self.zone(first_shown..end, raster);
+                add(Zone { footprints, ..zone });
+                return;
+            }
+            if !extents.is_near(nearest) {
+                add(self.any_footprints(self.zone(first_shown..end, raster)));
+                return;
+            }
+        }
+        let mut from = first_shown;
+        while from < end {
+            let [first, _] = sheets.made(extents, &(from..from + 1));
+            let [finest, comfortable] = extents.finest_and_comfortable(sheets.depth(extents, first));
+            let to = self.reach(comfortable, from);
+            let (octaves, to) = if to == end || to >= from + SHORT {
+                (comfortable, to)
+            } else {
+                (finest, self.reach(finest, from))
+            };
+            let zone = self.zone(from..to, extents.raster(octaves));
+            let near = extents.is_near(planes.plane(first));
+            add(if near { zone } else { self.any_footprints(zone) });
+            from = to;
+        }
+    }
+
+    /// Where intervals from one on end whose footprints a raster of so many octaves reproduces; one at least.
+    fn reach(&self, octaves: f64, from: usize) -> usize {
+        let Self { extents, sheets, .. } = *self;
+        let mut end = sheets.end(extents);
+        let [first, last_of_first] = sheets.made(extents, &(from..from + 1));
+        if extents.is_near(sheets.planes.plane(first)) {
+            // What is near ends where a zone may begin that is not.
+            let far = (NEAR * extents.reach / sheets.planes.spacing).ceil() as i64 + 1 - sheets.planes.first;
+            end = end.min((far.max(0) as usize).max(from + 1));
+        }
+        let narrowest = |plane: usize| extents.narrowest(sheets.depth(extents, plane));
+        // Where even the first sheet's are too narrow, being long ones, those behind may be somewhat narrower.
+        let wanted = extents.least(octaves);
+        let first = narrowest(last_of_first);
+        let least = if first < wanted {
+            TOO_NARROW * first
+        } else {
+            wanted
+        };
+        let holds = |to: usize| octaves <= 0.0 || narrowest(sheets.made(extents, &(from..to))[1]) >= least;
+        // Footprints shrink with depth.
+        let (mut low, mut high) = (from + 1, end);
+        while low < high {
+            let middle = (low + high).div_ceil(2);
+            if holds(middle) {
+                low = middle;
+            } else {
+                high = middle - 1;
+            }
+        }
+        low
+    }
+
+    /// The zone of some intervals, or slabs, whose footprints are still to be chosen.
+    fn zone(&self, shown: Range<usize>, raster: Raster) -> Zone {
+        let Self {
+            extents,
+            sheets,
+            kernels,
+        } = *self;
+        let [first, last] = sheets.made(extents, &shown);
+        let eye = sheets
+            .eye
+            .filter(|_| extents.along_rays || shown.start == sheets.first_shown);
+        // Where the volume goes on before the first plane, so does the loop, by the sheets that a voxel meets.
+        let goes_on = !extents.along_rays && (eye.is_some() || shown.start > sheets.first_shown);
+        let lead = if goes_on { kernels.sheets - 1 } else { 0 };
+        let planes = Planes {
+            first: sheets.planes.first + first as i64 - lead as i64,
+            count: last - first + lead,
+            ..sheets.planes
+        };
+        // The first interval begins at the eye, where there is no plane.
+        let at_eye = usize::from(eye.is_some() && extents.screen.perspective);
+        let (local, last_sheet) = if extents.along_rays {
+            // What rounding puts behind the last slab of all belongs to it.
+            let behind = usize::from(shown.end == sheets.end(extents));
+            (0..0, planes.count + behind)
+        } else {
+            let local = shown.start + lead - first - at_eye..shown.end + lead - first;
+            (local.clone(), local.end + 1)
+        };
+        Zone {
+            planes,
+            first_made: lead,
+            shown: local,
+            last_sheet,
+            raster,
+            footprints: Footprints::Direct,
+            cut: self.footprint_cut(&raster),
+            eye,
+            depth_reach: if extents.along_rays {
+                f32::INFINITY
+            } else {
+                extents.reach as f32
+            },
+        }
+    }
+
+    fn footprint_cut(&self, raster: &Raster) -> f64 {
+        let Self { extents, kernels, .. } = self;
+        let cut = extents.widths.cut;
+        let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
+        if extents.along_rays {
+            cut.max(kernels.cut)
+        } else if changed || !kernels.round || extents.widths.is_exact {
+            cut
+        } else {
+            kernels.cut
+        }
+    }
+
+    /// How footprints of a frame with one raster are splatted that is seen from afar and at no wide angle; none where it is
+    /// not, or their powers are no floats.
+    fn plain_footprints(&self, raster: &Raster, ends: [f64; 2]) -> Option<Footprints> {
+        let Self {
+            extents,
+            sheets,
+            kernels,
+        } = self;
+        let perspective = extents.screen.perspective;
+        if extents.steepest > STEEP || perspective && sheets.eye.is_some() {
+            return None;
+        }
+        if kernels.round {
+            return Some(Footprints::Round);
+        }
+        let shapes = ends.map(|depth| SheetShape::new(&kernels.shape, &extents.screen, raster, depth));
+        let cut = self.footprint_cut(raster) as f32;
+        powers_fit_between(&shapes, extents.drift(extents.steepest), cut).then_some(Footprints::Ellipses)
+    }
+
+    /// The zone with the cheapest powers that are floats for all its footprints.
+    fn any_footprints(&self, zone: Zone) -> Zone {
+        let Self { extents, kernels, .. } = self;
+        if extents.is_too_steep() {
+            return zone;
+        }
+        let before = if extents.along_rays {
+            0.5 * zone.planes.spacing
+        } else {
+            0.0
+        };
+        let depths = [zone.first_made, zone.planes.count].map(|sheet| zone.planes.plane(sheet) - before);
+        let room = extents.room_of_footprints(zone.planes.spacing);
+        // Along rays each tile has an ellipse of its own, none of them narrower or wider than this.
+        let [least, most] = extents.variances;
+        let narrow = FootprintShape {
+            lateral_covariance: [least, 0.0, most],
+            ..kernels.shape
+        };
+        let all = |fits: &dyn Fn(&SheetShape, f32, f32) -> bool| {
+            let probes = if extents.screen.perspective { PROBES } else { 0 };
+            (0..=probes).all(|i| {
+                let share = f64::from(i) / f64::from(PROBES);
+                let depth = depths[0] + share * share * (depths[1] - depths[0]);
+                let shape = |own| SheetShape::new(own, &extents.screen, &zone.raster, depth);
+                let bounding = shape(&kernels.shape);
+                let blocks = blocks_of(room_of(&bounding, zone.cut as f32, room)) as f32;
+                let own = if extents.along_rays {
+                    shape(&narrow)
+                } else {
+                    bounding
+                };
+                fits(&own, blocks, extents.drift_of_footprints(&own, blocks))
+            })
+        };
+        let footprints = if kernels.round && all(&round_powers_fit) {
+            Footprints::Round
+        } else if all(&powers_fit) {
+            Footprints::Ellipses
+        } else {
+            Footprints::Direct
+        };
+        Zone { footprints, ..zone }
+    }
+}
+
+/// Depths of a zone at which powers are tried.
+const PROBES: i32 = 8;
+
+impl Zone {
+    /// All planes of a frame, on a raster of pixels.
+    pub(crate) fn of_pixels(planes: Planes) -> Self {
+        Self {
+            planes,
+            first_made: 0,
+            shown: 0..planes.count,
+            last_sheet: planes.count + 1,
+            raster: Raster::PIXELS,
+            footprints: Footprints::Direct,
+            cut: 0.0,
+            eye: None,
+            depth_reach: 0.0,
+        }
+    }
+
+    /// Whether the first interval begins at the eye.
+    pub(crate) fn begins_at_eye(&self) -> bool {
+        self.shown.start < self.first_made && !self.shown.is_empty()
+    }
+
+    /// The last plane of the tile loop, counted from depth 0.
+    pub(crate) fn last_plane(&self) -> i64 {
+        self.planes.first + self.last_sheet as i64
+    }
+
+    /// The plane at which the first interval is shown, or the first slab is splatted.
+    pub(crate) fn first_shown(&self) -> i64 {
+        self.planes.first
+            + if self.shown.is_empty() {
+                0
+            } else {
+                self.shown.start as i64 + 2
+            }
+    }
+
+    /// Least depth that a footprint has.
+    pub(crate) fn nearest(&self, along_rays: bool) -> f64 {
+        let first = self.planes.plane(self.first_made);
+        if along_rays {
+            (first - self.planes.spacing).max(self.eye.unwrap_or(f64::NEG_INFINITY))
+        } else {
+            first
+        }
+    }
+}
