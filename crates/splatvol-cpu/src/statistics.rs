@@ -61,7 +61,7 @@ pub struct RenderStatistics {
     pub active_bricks: usize,
     /// Sheets from front to back.
     pub sheets: usize,
-    /// Runs of sheets with a raster of their own.
+    /// Runs of sheets with a raster of their own, of all layers.
     pub zones: usize,
     /// Tiles of the picture.
     pub tiles: usize,

@@ -91,7 +91,7 @@ impl TileMemory {
         statistics.seconds.tiles += start.elapsed().as_secs_f64();
         statistics.active_bricks += picture.bricks();
         statistics.sheets += plan.sheets();
-        statistics.zones += plan.zones.len();
+        statistics.zones += picture.zones();
         statistics.tiles += count;
         for tile in tiles {
             let (_, work) = &*lock(tile);
@@ -366,6 +366,9 @@ pub(crate) trait Tiles: Sync {
     /// Bricks of all layers.
     fn bricks(&self) -> usize;
 
+    /// Zones of all layers.
+    fn zones(&self) -> usize;
+
     /// Renders a tile, unless the flag is set meanwhile.
     fn render<S: Simd>(
         &self,
@@ -390,6 +393,10 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
 
     fn bricks(&self) -> usize {
         self.frame.bricks.len()
+    }
+
+    fn zones(&self) -> usize {
+        self.frame.zones.len()
     }
 
     fn render<S: Simd>(

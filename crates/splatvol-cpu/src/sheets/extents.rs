@@ -189,6 +189,12 @@ impl Extents {
         [most, comfortable].map(|most| libm::log2(widest / most).ceil().max(0.0))
     }
 
+    /// Octaves of the coarsest raster that reproduces the footprints of a depth.
+    pub(crate) fn coarsest(&self, depth: f64) -> f64 {
+        let points = self.narrowest(depth) / self.widths.narrowest_in_zones;
+        libm::log2(points).floor().max(0.0)
+    }
+
     /// Narrowest footprints that a raster of so many octaves reproduces, pixels.
     pub(crate) fn least(&self, octaves: f64) -> f64 {
         self.widths.narrowest_in_zones * libm::exp2(octaves)

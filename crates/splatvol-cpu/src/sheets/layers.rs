@@ -77,6 +77,10 @@ impl Tiles for Layers<'_> {
         self.0.iter().map(|layer| layer.frame().bricks.len()).sum()
     }
 
+    fn zones(&self) -> usize {
+        self.0.iter().map(|layer| layer.frame().zones.len()).sum()
+    }
+
     fn render<S: Simd>(
         &self,
         simd: S,

@@ -4,10 +4,11 @@
 //! |---|---|---|
 //! | level | `level` | the volume, or a half of it that suits the picture's scale, with what a transfer function needs of it |
 //! | plan | `frame` | kernel and camera to sheets |
-//! | | `zones`, `project` | sheets to runs of one raster each; bricks to tiles |
+//! | | `extents`, `zones`, `project` | sheets to runs of one raster each; bricks to tiles |
 //! | activate | `activate`, `order`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
+//! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
 //! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece (no route takes this yet) |

@@ -166,6 +166,14 @@ impl Cutting<'_> {
         while from < end {
             let [first, _] = sheets.made(extents, &(from..from + 1));
             let [finest, comfortable] = extents.finest_and_comfortable(sheets.depth(extents, first));
+            let near = extents.is_near(planes.plane(first));
+            let finest = if near || extents.is_too_steep() {
+                // No square of blocks has to hold the widest: so the narrowest of two intervals are not too narrow.
+                let [_, last] = sheets.made(extents, &(from..(from + 2).min(end)));
+                finest.min(extents.coarsest(sheets.depth(extents, last)))
+            } else {
+                finest
+            };
             let to = self.reach(comfortable, from);
             let (octaves, to) = if to == end || to >= from + SHORT {
                 (comfortable, to)
@@ -173,7 +181,6 @@ impl Cutting<'_> {
                 (finest, self.reach(finest, from))
             };
             let zone = self.zone(from..to, extents.raster(octaves));
-            let near = extents.is_near(planes.plane(first));
             add(if near { zone } else { self.any_footprints(zone) });
             from = to;
         }

@@ -1,9 +1,9 @@
 //! A camera flies through a volume: near it, within it, and at wide angles there is the same picture by the same settings.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Classification, Clip, Compositing, EngineConfig, Filter, Image, ImageSize, Isosurface,
-    Projection, RenderSettings, Renderer, Scene, SimdLevel,
+    Camera, Classification, Clip, Compositing, EngineConfig, Filter, Image, ImageSize, Isosurface, Item,
+    PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Scene, SimdLevel,
 };
 use splatvol_reference::{ReferenceSettings, render_pixels};
 use splatvol_samples::Sample;
@@ -145,10 +145,13 @@ fn modes() -> [(&'static str, RenderSettings); 5] {
 fn every_mode_sees_from_within() {
     let head = generated(Sample::Head, 48);
     let mut renderer = renderer();
-    for (scene_name, scene) in [("head", head), ("long voxels", noise())] {
-        for fov in [60.0, 90.0, 120.0, 150.0] {
+    for (scene_name, scene, floors) in [
+        ("head", head, [35.0, 45.0, 45.0, 50.0, 44.0]),
+        ("long voxels", noise(), [32.0, 42.0, 44.0, 40.0, 34.0]),
+    ] {
+        for fov in [60.0, 90.0, 120.0] {
             let camera = on_the_way(&scene, 0.45, fov);
-            for (mode, settings) in modes() {
+            for ((mode, settings), floor) in modes().into_iter().zip(floors) {
                 let [found, expected] = both(&mut renderer, &scene, &camera, &settings);
                 let figures = Comparison::of(&found, &expected);
                 println!(
@@ -158,7 +161,7 @@ fn every_mode_sees_from_within() {
                     renderer.statistics().zones
                 );
                 assert!(
-                    figures.psnr > 14.0,
+                    figures.psnr > floor,
                     "{scene_name} {fov} {mode}: {:.1} dB",
                     figures.psnr
                 );
@@ -234,6 +237,108 @@ fn cuts_and_surfaces_are_seen_from_within() {
         assert!(
             finite && seen > 1000 && statistics.zones > 1,
             "{name}: {seen} pixels"
+        );
+    }
+}
+
+/// A ball of points somewhere.
+fn points(centre: DVec3, radius: f64) -> Item {
+    let count = 400;
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let on_sphere = |i: usize| {
+        let z = 1.0 - 2.0 * (i as f64 + 0.5) / f64::from(count);
+        let (sin, cos) = (golden * i as f64).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        [across * cos, across * sin, z].map(|v| v as f32)
+    };
+    let normals: Vec<[f32; 3]> = (0..count as usize).map(on_sphere).collect();
+    let attributes = PointAttributes {
+        normals: normals.clone(),
+        radii: vec![0.15; count as usize],
+        ..PointAttributes::default()
+    };
+    let points = Points::new(normals, attributes, DAffine3::IDENTITY).unwrap();
+    let place = DAffine3::from_translation(centre) * DAffine3::from_scale(DVec3::splat(radius));
+    Item::points(points, PointLook::default()).at(place)
+}
+
+/// From within, too, a volume keeps its numbers beside something that does not reach its pixels, and each of both has zones of
+/// its own; where both are seen the picture is another.
+#[test]
+fn layers_have_zones_of_their_own() {
+    let head = generated(Sample::Head, 48);
+    let camera = on_the_way(&head, 0.45, 90.0);
+    let forward = (camera.target() - camera.position()).normalize();
+    let side = forward.cross(DVec3::Z);
+    let ball = || points(camera.position() + forward * 20.0 + side * 8.0, 5.0);
+    let volume = || head.items[0].clone();
+    let mut renderer = renderer();
+    let mut picture = |items: Vec<Item>| {
+        let scene = Scene::of_items(items).unwrap();
+        let frame = renderer.render(&scene, &camera, &settings()).unwrap();
+        (frame.image, renderer.statistics().clone())
+    };
+    let (alone, statistics) = picture(vec![volume()]);
+    let zones = statistics.zones;
+    let (ball_alone, _) = picture(vec![ball()]);
+    let (both, statistics) = picture(vec![volume(), ball()]);
+    assert_eq!(statistics.engine, "sheets");
+    assert_eq!(statistics.zones, zones + 1);
+    let mut counts = [0, 0];
+    for ((alone, ball), both) in alone.pixels.iter().zip(&ball_alone.pixels).zip(&both.pixels) {
+        if ball[3] == 0.0 {
+            assert_eq!(alone, both);
+            counts[0] += 1;
+        } else if ball[3] > 0.5 && alone != both {
+            counts[1] += 1;
+        }
+    }
+    println!("{counts:?} pixels of {zones} zones");
+    assert!(zones > 2 && counts[0] > 4000 && counts[1] > 200, "{counts:?}");
+}
+
+/// Times of ninety frames of a flight through the head, 128^3, at 512 x 512: no test, for times are the machine's.
+///
+/// ```text
+/// cargo nextest run -p splatvol --test fast --run-ignored only --no-capture times_of_a_flight
+/// ```
+#[test]
+#[ignore = "a measurement"]
+fn times_of_a_flight() {
+    let scene = generated(Sample::Head, 128);
+    let settings = RenderSettings {
+        size: ImageSize::new(512, 512).unwrap(),
+        ..RenderSettings::balanced()
+    };
+    for fov in [60.0, 90.0] {
+        let mut renderer = renderer();
+        let mut times: Vec<f64> = (0..90)
+            .map(|frame| {
+                let camera = on_the_way(&scene, f64::from(frame) / 89.0, fov);
+                let mut once = || {
+                    renderer.render(&scene, &camera, &settings).unwrap();
+                    renderer.statistics().seconds.total
+                };
+                if frame == 0 {
+                    once();
+                }
+                once().min(once())
+            })
+            .collect();
+        let slowest = times
+            .iter()
+            .copied()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap();
+        times.sort_by(f64::total_cmp);
+        let median = times[times.len() / 2];
+        println!(
+            "{fov} degrees: median {:.1} ms, slowest (frame {}) {:.1} ms, {:.2} times that",
+            median * 1e3,
+            slowest.0,
+            slowest.1 * 1e3,
+            slowest.1 / median
         );
     }
 }
