@@ -99,7 +99,7 @@ fn a_flight_through_the_head_is_smooth() {
     }
     println!("at least {worst:.1} dB, at most {most_zones} zones");
     assert!(
-        worst > 24.0 && most_zones > 2,
+        worst > 28.0 && most_zones > 2,
         "{worst:.1} dB, {most_zones} zones"
     );
 }
@@ -146,8 +146,8 @@ fn every_mode_sees_from_within() {
     let head = generated(Sample::Head, 48);
     let mut renderer = renderer();
     for (scene_name, scene, floors) in [
-        ("head", head, [35.0, 45.0, 45.0, 50.0, 44.0]),
-        ("long voxels", noise(), [32.0, 42.0, 44.0, 40.0, 34.0]),
+        ("head", head, [35.0, 48.0, 47.0, 52.0, 44.0]),
+        ("long voxels", noise(), [40.0, 43.0, 50.0, 40.0, 33.0]),
     ] {
         for fov in [60.0, 90.0, 120.0] {
             let camera = on_the_way(&scene, 0.45, fov);
@@ -285,16 +285,23 @@ fn layers_have_zones_of_their_own() {
     assert_eq!(statistics.engine, "sheets");
     assert_eq!(statistics.zones, zones + 1);
     let mut counts = [0, 0];
-    for ((alone, ball), both) in alone.pixels.iter().zip(&ball_alone.pixels).zip(&both.pixels) {
-        if ball[3] == 0.0 {
+    let edge = PIXELS as usize;
+    // Beside the head the ball lies on the head's planes, which are farther apart: it is deeper there, and nearer to the eye wider.
+    let is_reached = |x: usize, y: usize| {
+        let around = |at: usize| at.saturating_sub(24)..(at + 25).min(edge);
+        around(y).any(|y| around(x).any(|x| ball_alone.pixel(x, y)[3] > 0.0))
+    };
+    for (x, y) in (0..edge).flat_map(|y| (0..edge).map(move |x| (x, y))) {
+        let (alone, both) = (alone.pixel(x, y), both.pixel(x, y));
+        if !is_reached(x, y) {
             assert_eq!(alone, both);
             counts[0] += 1;
-        } else if ball[3] > 0.5 && alone != both {
+        } else if ball_alone.pixel(x, y)[3] > 0.5 && alone != both {
             counts[1] += 1;
         }
     }
     println!("{counts:?} pixels of {zones} zones");
-    assert!(zones > 2 && counts[0] > 4000 && counts[1] > 200, "{counts:?}");
+    assert!(zones > 2 && counts[0] > 1000 && counts[1] > 50, "{counts:?}");
 }
 
 /// Times of ninety frames of a flight through the head, 128^3, at 512 x 512: no test, for times are the machine's.
