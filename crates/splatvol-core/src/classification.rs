@@ -20,14 +20,20 @@ pub struct ClassificationTable {
     integrals: Vec<[f64; 4]>,
 }
 
-/// Normalised value of the first node: prefiltered fields overshoot the data.
-const FIRST: f64 = -0.5;
+const FIRST: f64 = ClassificationTable::FIRST;
 /// Normalised value of the last node.
 const LAST: f64 = 1.5;
-const CELLS: usize = 4096;
-const CELLS_PER_VALUE: f64 = CELLS as f64 / (LAST - FIRST);
+const CELLS: usize = ClassificationTable::CELLS;
+const CELLS_PER_VALUE: f64 = ClassificationTable::CELLS_PER_VALUE;
 
 impl ClassificationTable {
+    /// Normalised value of the first node: prefiltered fields overshoot the data.
+    pub const FIRST: f64 = -0.5;
+    /// Cells between nodes.
+    pub const CELLS: usize = 4096;
+    /// Cells per normalised value.
+    pub const CELLS_PER_VALUE: f64 = Self::CELLS as f64 / (LAST - Self::FIRST);
+
     /// Tables for values normalised by `value_range`, opacities per `unit_distance` (world length).
     pub fn new(tf: &TransferFunction, value_range: [f64; 2], unit_distance: f64) -> Self {
         const SAMPLES: usize = 4;
@@ -74,6 +80,11 @@ impl ClassificationTable {
         let (cell, t) = locate(value);
         let (a, b) = (self.points[cell], self.points[cell + 1]);
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
+    }
+
+    /// A node of [`Self::CELLS`] `+ 1`: integrals up to it of extinction and emission, both there, and linear rgb.
+    pub fn node(&self, index: usize) -> ([f64; 4], [f32; 4], [f32; 3]) {
+        (self.integrals[index], self.points[index], self.colors[index])
     }
 
     /// What [`Self::at`] interpolates between, and the second one's share: for vectors.

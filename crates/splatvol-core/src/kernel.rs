@@ -51,6 +51,18 @@ impl GaussianKernel {
         }
     }
 
+    /// The same with a radius of at least so many standard deviations, where the cut is there to save time and not part of the
+    /// kernel: beyond four of them.
+    #[must_use]
+    pub fn without_tails_cut(self, deviations: f64) -> Self {
+        let radius = self.radius.max(deviations * self.sigma);
+        if self.edge == 0.0 && self.cut() >= 4.0 && radius > self.radius {
+            Self::with_edge(self.sigma, radius, 0.0)
+        } else {
+            self
+        }
+    }
+
     /// Cut-off in standard deviations.
     pub fn cut(&self) -> f64 {
         self.radius / self.sigma

@@ -186,10 +186,11 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume. Its analytic gradients (`sheets::analytic`) do not keep all laws of
-/// docs/numerics.md yet: those are left to the slices.
+/// Whether the sheet engine renders a volume. Where gradients are analytic it has all digits of post-classified pictures; of
+/// classified voxels, X-rays and values of rays the slices still have more.
 pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
-    settings.gradient == Gradient::Differences
+    let is_post = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
+    (is_post || settings.gradient == Gradient::Differences)
         && (settings.prefilter || splats_color(settings))
         && volume.statistics().non_finite == 0
 }

@@ -39,7 +39,9 @@ pub(super) fn check(
         );
     }
     if settings.gradient != Gradient::Differences {
-        return refuse("analytic gradients (preset best) go slice by slice, use gradients by differences");
+        return refuse(
+            "what analytic gradients (preset best) light has no operators, clips or isosurfaces, use gradients by differences",
+        );
     }
     if post && !settings.prefilter {
         return refuse("data that are not prefiltered go slice by slice, use the prefilter");

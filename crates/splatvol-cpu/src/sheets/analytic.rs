@@ -2,12 +2,14 @@
 //! and composited in up to eight pieces.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
+use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
 use super::classified::Classified;
 use super::compose::through_and_opacity;
+use super::fine_table::{FineTable, Stretch, advantage};
 use super::gradients::Moments;
 use super::hermite::{End, Hermite, Rays, pieces};
 use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
@@ -17,7 +19,6 @@ use super::plane::{HALO, Plane};
 use super::shade::{MIDDLES, PlaneShader};
 use super::shaded::filled;
 use super::sheet::SheetShape;
-use super::table::Segment;
 use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
 
 /// Post-classification with analytic gradients.
@@ -25,6 +26,7 @@ use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
 pub(crate) struct Analytic<'a> {
     store: &'a FieldStore,
     shader: PlaneShader<'a>,
+    table: FineTable,
     weights: LatticeWeights,
 }
 
@@ -94,9 +96,14 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
 }
 
 impl<'a> Analytic<'a> {
-    pub(crate) fn new(store: &'a FieldStore, shader: PlaneShader<'a>, weights: LatticeWeights) -> Self {
+    pub(crate) fn new(
+        (store, classification): (&'a FieldStore, &ClassificationTable),
+        shader: PlaneShader<'a>,
+        weights: LatticeWeights,
+    ) -> Self {
         Self {
             store,
+            table: FineTable::new(classification),
             shader,
             weights,
         }
@@ -147,9 +154,8 @@ impl<'a> Analytic<'a> {
         canvas: &mut Canvas,
         (place, open): ([usize; 2], mask32x16<S>),
     ) -> u16 {
-        let table = self.shader.table;
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        if !table.shows_background && !(interval.is_touched(simd, place) & open).any_true() {
+        if !self.shader.table.shows_background && !(interval.is_touched(simd, place) & open).any_true() {
             return 0;
         }
         let ends = [
@@ -159,43 +165,46 @@ impl<'a> Analytic<'a> {
         let in_picture = [interval.origin[0] + place[0], interval.origin[1] + place[1]];
         let rays = self.rays(simd, in_picture);
         let field = Hermite::new(simd, [&ends[0], &ends[1]], rays, self.shader.background);
-        let (meets, bend) = field.may_meet(simd, table.hull);
-        let covered = field.coverage(simd, 0.0).max(field.coverage(simd, 1.0));
+        let (meets, bend) = field.may_meet(simd, self.shader.table.hull);
+        let covered = field.coverage(simd, zero).max(field.coverage(simd, one));
         let seen = meets & open & covered.simd_gt(zero);
         if !seen.any_true() {
             return 0;
         }
-        let (v0, v1) = (field.value(zero), field.value(one));
-        let mut front = table.classify(simd, v0);
-        let whole = Segment::between(simd, [v0, v1], [&front, &table.classify(simd, v1)]);
+        let mut front = self.table.classify(simd, field.value(zero));
+        let last = self.table.classify(simd, field.value(one));
         let length = rays.squared.sqrt() * self.shader.spacing;
-        let count = pieces(simd, seen, bend, whole.extinction * length);
-        let share = 1.0 / count as f32;
+        let whole = Stretch::between(simd, [&front, &last]).extinction * length;
+        let count = seen.select(pieces(simd, bend, whole), zero);
+        let most = count.as_slice().iter().fold(0.0f32, |most, &n| most.max(n));
+        let share = one / count.max(one);
 
         let mut through = one;
         let (mut color, mut opacities, mut depth_sum) = ([zero; 3], zero, zero);
-        let mut from = v0;
-        for piece in 0..count {
-            let start = piece as f32 * share;
-            let to = field.value(f32x16::splat(simd, start + share));
-            let back = table.classify(simd, to);
-            let segment = Segment::between(simd, [from, to], [&front, &back]);
-            let coverage = field.coverage(simd, start + 0.5 * share);
-            let optical_depth = seen.select(segment.extinction * coverage * length * share, zero);
-            (from, front) = (to, back);
+        let mut piece = 0.0;
+        while piece < most {
+            let start = share * piece;
+            let back = self.table.classify(simd, field.value((start + share).min(one)));
+            let stretch = Stretch::between(simd, [&front, &back]);
+            front = back;
+            let coverage = field.coverage(simd, share * 0.5 + start);
+            let exists = count.simd_gt(f32x16::splat(simd, piece));
+            piece += 1.0;
+            let optical_depth = exists.select(stretch.extinction * coverage * length * share, zero);
             if !optical_depth.simd_gt(zero).any_true() {
                 continue;
             }
-            let u = segment.place * share + start;
+            let u = stretch.place * share + start;
             let (left, opacity) = through_and_opacity(simd, optical_depth);
-            let visible = through * opacity;
             let (diffuse, specular) = match &self.shader.phong {
                 Some(phong) => phong.lanes(simd, field.gradient(u)),
                 None => (one, zero),
             };
-            let own = table.color(simd, segment.value);
+            let visible = through * opacity;
+            let in_front = through * advantage(simd, optical_depth, left, opacity) * diffuse;
             for c in 0..3 {
-                color[c] += (own[c] * diffuse + specular) * visible;
+                color[c] +=
+                    (stretch.color[c] * diffuse + specular) * visible + stretch.half_step[c] * in_front;
             }
             opacities += visible;
             depth_sum += (u * self.shader.spacing + interval.depth) * visible;

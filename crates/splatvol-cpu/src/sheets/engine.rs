@@ -280,7 +280,7 @@ impl SheetEngine {
             }
             (Wanted::Visible, _) if settings.gradient == Gradient::Analytic => {
                 let dims = grid.dims();
-                let mode = Analytic::new(store, shader(), view.weights(dims));
+                let mode = Analytic::new((store, &level.classification), shader(), view.weights(dims));
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {

@@ -42,8 +42,8 @@ impl Widths {
         narrowest: 1.2,
         narrowest_in_zones: 1.2,
         comfortable: 3.6,
-        widest: 3.7,
-        cut: 4.2,
+        widest: 3.6,
+        cut: 4.4,
         is_exact: true,
     };
 
@@ -222,16 +222,11 @@ impl Extents {
         let narrowest = self.narrowest(far);
         let octaves_to = |most: f64| libm::log2(widest / most).ceil();
         let (finest, wanted) = (
-            octaves_to(Widths::SPLINED.widest),
+            octaves_to(self.widths.widest),
             octaves_to(Widths::SPLINED.comfortable),
         );
-        let octaves = |narrowest_point: f64| {
-            let coarsest = libm::log2(narrowest / narrowest_point).floor();
-            wanted.min(coarsest).clamp(0.0, MOST_OCTAVES)
-        };
-        let octaves = octaves(self.widths.narrowest)
-            .max(finest)
-            .min(octaves(Widths::SPLINED.narrowest));
+        let coarsest = libm::log2(narrowest / self.widths.narrowest).floor();
+        let octaves = wanted.max(finest).min(coarsest).clamp(0.0, MOST_OCTAVES);
         if octaves < finest {
             return None;
         }

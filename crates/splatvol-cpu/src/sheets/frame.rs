@@ -7,7 +7,7 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::footprint::FootprintShape;
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::normal::mass_within;
-use splatvol_scene::{Camera, Grid, RenderSettings};
+use splatvol_scene::{Camera, Gradient, Grid, RenderSettings};
 
 use super::border::Border;
 use super::engine::TILE_EDGE;
@@ -27,6 +27,10 @@ use super::table::ShadeTable;
 use super::tile::{Rays, ZonedFrame};
 use super::zones::{Cutting, Kernels, Sheets, Zone};
 use crate::phong::Phong;
+
+/// Standard deviations in depth at which kernels are cut where gradients are analytic: there it matters that voxels come and
+/// go by rounding.
+const DEPTH_CUT_EXACT: f64 = 4.7;
 
 /// How voxels are sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,7 +77,10 @@ impl View {
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
         let first_point = -DVec3::from_array(margin.map(|m| m as f64));
         let linear = camera_from_voxel.matrix3;
-        let kernel = GaussianKernel::windowed(settings.kernel);
+        let kernel = match GaussianKernel::windowed(settings.kernel) {
+            kernel if settings.gradient == Gradient::Analytic => kernel.without_tails_cut(DEPTH_CUT_EXACT),
+            kernel => kernel,
+        };
         let shape = FootprintShape::new(
             linear * linear.transpose() * kernel.sigma.powi(2),
             1.0,

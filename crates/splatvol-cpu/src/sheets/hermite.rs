@@ -102,7 +102,7 @@ impl<S: Simd> Hermite<S> {
 
     /// Coverage, 0 to 1.
     #[inline(always)]
-    pub(crate) fn coverage(&self, simd: S, u: f32) -> f32x16<S> {
+    pub(crate) fn coverage(&self, simd: S, u: f32x16<S>) -> f32x16<S> {
         let own = (self.own[1] - self.own[0]) * u + self.own[0];
         ((own - 0.5) * (1.0 / 0.98) + 0.5)
             .max(splat(simd, 0.0))
@@ -173,18 +173,11 @@ fn value_and_slope<S: Simd>(
     (value + background, is_faded.select(zero, slope))
 }
 
-/// Number of pieces: enough that in each the value is linear to half a table cell and the optical depth is small. Only `which`
-/// rays count.
+/// Number of pieces of each ray: enough that in each the value is linear to half a table cell and the optical depth is small.
 #[inline(always)]
-pub(crate) fn pieces<S: Simd>(
-    simd: S,
-    which: mask32x16<S>,
-    bend: f32x16<S>,
-    optical_depth: f32x16<S>,
-) -> usize {
+pub(crate) fn pieces<S: Simd>(simd: S, bend: f32x16<S>, optical_depth: f32x16<S>) -> f32x16<S> {
     // Linear interpolation over 1/n of the interval errs by (16 bend) / (8 n^2): n^2 is asked of both.
     let squared = (bend * (8.0 * CELLS_PER_VALUE)).max(optical_depth * 4.0);
-    let squared = which.select(squared, splat(simd, 1.0));
-    let most = squared.as_slice().iter().fold(1.0f32, |most, &n| most.max(n));
-    most.sqrt().min(MOST_PIECES).ceil() as usize
+    let count = squared.sqrt().ceil();
+    count.max(splat(simd, 1.0)).min(splat(simd, MOST_PIECES))
 }

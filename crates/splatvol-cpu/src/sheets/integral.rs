@@ -161,7 +161,7 @@ impl Mode<1> for Integral<'_> {
 
     fn shape(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
         self.shapes
-            .at(&frame.zone.raster, place, slab_depth(frame, sheet))
+            .at(&frame.zone.raster, place, self.footprint_depth(frame, sheet))
     }
 
     /// A voxel belongs to one slab: what lies on a plane to the one before it, in another zone, too.
@@ -312,6 +312,18 @@ impl Mode<1> for Integral<'_> {
 }
 
 impl Integral<'_> {
+    /// Depth of a slab's footprints: its middle, but that of the slab at the eye, where half a kernel is seen, the mean depth of
+    /// such a half.
+    fn footprint_depth(&self, frame: &SheetFrame<'_>, sheet: usize) -> f64 {
+        let middle = slab_depth(frame, sheet);
+        match frame.zone.eye {
+            Some(eye) if middle - 0.5 * frame.stack.spacing <= eye => {
+                middle.max(eye + MEAN_OF_HALF * self.shapes.shape.depth_sigma)
+            }
+            _ => middle,
+        }
+    }
+
     /// Of voxels at the eye only what lies behind its depth is seen: a share of them, which the profile in depth stands for,
     /// at the mean depth of that share.
     fn leave_out_before_eye(
@@ -320,7 +332,7 @@ impl Integral<'_> {
         sheet: usize,
         (records, eye): (&mut Records, f32),
     ) {
-        let depth = slab_depth(frame, sheet) as f32;
+        let depth = self.footprint_depth(frame, sheet) as f32;
         let sigma = self.shapes.shape.depth_sigma as f32;
         let slope = self.shapes.shape.lateral_slope.as_vec2();
         for n in 0..records.len {
@@ -356,6 +368,8 @@ fn along_rays<S: Simd>(simd: S, frame: &SheetFrame<'_>, sheet: usize, records: &
     }
 }
 
+/// Mean of half a Gaussian, standard deviations.
+const MEAN_OF_HALF: f64 = 0.8;
 /// `1 / sqrt(2 pi)`.
 const PER_ROOT_TWO_PI: f32 = 0.398_942_3;
 

@@ -40,6 +40,7 @@ pub(crate) mod engine;
 pub(crate) mod extents;
 pub(crate) mod extremum;
 pub(crate) mod eye;
+pub(crate) mod fine_table;
 pub(crate) mod frame;
 pub(crate) mod gradients;
 pub(crate) mod hermite;

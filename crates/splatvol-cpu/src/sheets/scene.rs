@@ -232,7 +232,7 @@ impl SheetEngine {
                     let weights = view.weights(level.field.volume().grid().dims());
                     layers.push(Layer::Analytic(
                         sheets,
-                        Analytic::new(&level.field, shader, weights),
+                        Analytic::new((&level.field, &level.classification), shader, weights),
                     ));
                     continue;
                 }

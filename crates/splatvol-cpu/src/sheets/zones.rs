@@ -269,9 +269,11 @@ impl Cutting<'_> {
         let Self { extents, kernels, .. } = self;
         let cut = extents.widths.cut;
         let changed = raster.step > 1 || raster.low_pass > 0.0 && !raster.matched;
-        if extents.along_rays {
+        if extents.widths.is_exact {
+            cut
+        } else if extents.along_rays {
             cut.max(kernels.cut)
-        } else if changed || !kernels.round || extents.widths.is_exact {
+        } else if changed || !kernels.round {
             cut
         } else {
             kernels.cut
@@ -290,11 +292,16 @@ impl Cutting<'_> {
         if extents.steepest > STEEP || perspective && sheets.eye.is_some() {
             return None;
         }
-        if kernels.round {
-            return Some(Footprints::Round);
-        }
         let shapes = ends.map(|depth| SheetShape::new(&kernels.shape, &extents.screen, raster, depth));
         let cut = self.footprint_cut(raster) as f32;
+        if kernels.round {
+            // Those that are cut later have larger powers.
+            let [near, far] = &shapes;
+            let blocks = blocks_of(near.half_extent(cut)) as f32;
+            let fit =
+                !extents.widths.is_exact || round_powers_fit(far, blocks, extents.drift(extents.steepest));
+            return fit.then_some(Footprints::Round);
+        }
         powers_fit_between(&shapes, extents.drift(extents.steepest), cut).then_some(Footprints::Ellipses)
     }
 

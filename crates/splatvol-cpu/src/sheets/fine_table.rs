@@ -1,0 +1,268 @@
+//! The transfer function for analytic gradients: the nodes of [`ClassificationTable`], ready for vectors.
+//!
+//! While the value runs evenly from a to b, extinction and emission have the means `(K(b) - K(a)) / (b - a)` and
+//! `(E(b) - E(a)) / (b - a)`, K and E their integrals. Where a and b are so close that the difference would lose its digits,
+//! both run linearly from end to end. Colour runs from its value at one end to that at the other while light goes through:
+//! what lies in front is seen better, by `half_step ((1 + exp(-tau)) - 2 (1 - exp(-tau)) / tau)`.
+
+use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*, u32x16};
+use splatvol_core::classification::ClassificationTable;
+
+/// Cells per normalised value, as [`ClassificationTable`] has them.
+const PER_VALUE: f32 = ClassificationTable::CELLS_PER_VALUE as f32;
+const FIRST: f32 = ClassificationTable::FIRST as f32;
+/// A power of two: indices are masked instead of checked.
+const CELLS: usize = ClassificationTable::CELLS;
+/// Cells of a rise below which its ends stand for it.
+const FLAT: f32 = 2.0;
+
+/// At both ends of a cell: K and E; extinction and linear colour.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cell([[[f32; 4]; 2]; 2]);
+
+impl Cell {
+    /// K and E, or extinction and colour, at a share of the way between the ends.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, part: usize, share: f32) -> f32x4<S> {
+        let [a, b] = &self.0;
+        let (a, b) = (
+            f32x4::from_slice(simd, &a[part]),
+            f32x4::from_slice(simd, &b[part]),
+        );
+        (b - a) * share + a
+    }
+}
+
+/// The transfer function, ready for vectors.
+#[derive(Debug)]
+pub(crate) struct FineTable {
+    cells: Box<[Cell; CELLS]>,
+}
+
+/// Values' classification.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point<S: Simd> {
+    /// Where the value lies in the table, cells.
+    position: f32x16<S>,
+    /// K and E.
+    integrals: [f32x16<S>; 4],
+    extinction: f32x16<S>,
+    color: [f32x16<S>; 3],
+}
+
+/// What lies between two values that the value runs through evenly.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stretch<S: Simd> {
+    /// Mean extinction.
+    pub extinction: f32x16<S>,
+    /// Mean place of the material, 0 to 1.
+    pub place: f32x16<S>,
+    /// Mean colour of the material.
+    pub color: [f32x16<S>; 3],
+    /// Half of what the colour at the first value is more than that at the second.
+    pub half_step: [f32x16<S>; 3],
+}
+
+/// What means between two points are made of.
+struct Mean<'a, S: Simd> {
+    points: [&'a Point<S>; 2],
+    is_flat: mask32x16<S>,
+    per_rise: f32x16<S>,
+}
+
+impl<S: Simd> Mean<'_, S> {
+    /// The mean of a channel, of which both ends have this sum.
+    #[inline(always)]
+    fn of(&self, ends: f32x16<S>, channel: usize) -> f32x16<S> {
+        let [a, b] = self.points.map(|point| point.integrals);
+        let difference = b[channel] - a[channel];
+        self.is_flat
+            .select(ends * 0.5, difference * self.per_rise)
+            .max(ends * 0.0)
+    }
+}
+
+impl<S: Simd> Stretch<S> {
+    #[inline(always)]
+    pub(crate) fn between(simd: S, [a, b]: [&Point<S>; 2]) -> Self {
+        let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
+        let rise = b.position - a.position;
+        let is_flat = rise.abs().simd_lt(f32x16::splat(simd, FLAT));
+        let per_rise = PER_VALUE / is_flat.select(one, rise);
+        let mean = Mean {
+            points: [a, b],
+            is_flat,
+            per_rise,
+        };
+        let extinction = mean.of(a.extinction + b.extinction, 0);
+        let none = extinction.simd_le(zero);
+        let per_extinction = one / none.select(one, extinction);
+        let color = |c: usize| {
+            let ends = a.extinction * a.color[c] + b.extinction * b.color[c];
+            mean.of(ends, c + 1) * per_extinction
+        };
+        Self {
+            extinction,
+            place: centroid(simd, [a.extinction, b.extinction], extinction),
+            color: [color(0), color(1), color(2)],
+            half_step: [0, 1, 2].map(|c| (a.color[c] - b.color[c]) * 0.5),
+        }
+    }
+}
+
+/// Where between two ends the middle of the material lies, for an extinction that runs linearly, from where it begins if it
+/// is zero at one end.
+#[inline(always)]
+fn centroid<S: Simd>(simd: S, [a, b]: [f32x16<S>; 2], mean: f32x16<S>) -> f32x16<S> {
+    let [zero, half, one] = [0.0, 0.5, 1.0].map(|v| f32x16::splat(simd, v));
+    let (a_none, b_none) = (a.simd_le(zero), b.simd_le(zero));
+    let sum = a + b;
+    let per_sum = one / (a_none & b_none).select(one, sum);
+    // With one end at zero, the sum is the other.
+    let edge = (mean * 2.0 * per_sum).min(one) * (1.0 / 3.0);
+    let both = (sum + b) * per_sum * (1.0 / 3.0);
+    let from_zero = a_none.select(one - edge, b_none.select(edge, both));
+    (a_none & b_none).select(half, from_zero)
+}
+
+/// By how much what lies in front is seen better than what lies behind.
+#[inline(always)]
+pub(crate) fn advantage<S: Simd>(
+    simd: S,
+    optical_depth: f32x16<S>,
+    through: f32x16<S>,
+    opacity: f32x16<S>,
+) -> f32x16<S> {
+    let tau = optical_depth;
+    // The series where the difference would cancel.
+    let is_thin = tau.simd_lt(f32x16::splat(simd, 0.3));
+    let series = tau * tau * (1.0 / 6.0) * (1.0 - tau * (0.5 - tau * 0.15));
+    let divisor = is_thin.select(f32x16::splat(simd, 1.0), tau);
+    is_thin.select(series, 1.0 + through - opacity * 2.0 / divisor)
+}
+
+impl FineTable {
+    pub(crate) fn new(table: &ClassificationTable) -> Self {
+        let node = |i: usize| {
+            let (integrals, [extinction, ..], [r, g, b]) = table.node(i);
+            [integrals.map(|k| k as f32), [extinction, r, g, b]]
+        };
+        let mut cells = Box::new([Cell::default(); CELLS]);
+        for (i, cell) in cells.iter_mut().enumerate() {
+            *cell = Cell([node(i), node(i + 1)]);
+        }
+        Self { cells }
+    }
+
+    /// Looks sixteen values up.
+    #[inline(always)]
+    pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Point<S> {
+        let (zero, last) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, CELLS as f32 - 0.01));
+        let position = ((value - FIRST) * PER_VALUE).max(zero).min(last);
+        let share = position - position.floor();
+        let cells: u32x16<S> = position.to_int();
+        let (cells, share) = (cells.as_slice(), share.as_slice());
+        let cell = |lane: usize| &self.cells[cells[lane] as usize & (CELLS - 1)];
+        let integrals = columns(
+            simd,
+            #[inline(always)]
+            |lane| cell(lane).at(simd, 0, share[lane]),
+        );
+        let [extinction, color @ ..] = columns(
+            simd,
+            #[inline(always)]
+            |lane| cell(lane).at(simd, 1, share[lane]),
+        );
+        Point {
+            position,
+            integrals,
+            extinction,
+            color,
+        }
+    }
+}
+
+/// Four rows.
+#[inline(always)]
+fn four<S: Simd>(row: &impl Fn(usize) -> f32x4<S>, first: usize) -> f32x16<S> {
+    let ab = row(first).combine(row(first + 1));
+    ab.combine(row(first + 2).combine(row(first + 3)))
+}
+
+/// Columns of sixteen rows.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, row: impl Fn(usize) -> f32x4<S>) -> [f32x16<S>; 4] {
+    let (even, odd) = simd.deinterleave_f32x16(four(&row, 0), four(&row, 4));
+    let (more_even, more_odd) = simd.deinterleave_f32x16(four(&row, 8), four(&row, 12));
+    let (first, third) = simd.deinterleave_f32x16(even, more_even);
+    let (second, fourth) = simd.deinterleave_f32x16(odd, more_odd);
+    [first, second, third, fourth]
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+    use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
+    use splatvol_testing::random::Random;
+
+    use super::*;
+
+    /// Mean extinction and mean colours between two values.
+    #[inline(always)]
+    fn found<S: Simd>(simd: S, table: &FineTable, ends: [f32; 2]) -> [f32; 4] {
+        let [a, b] = ends.map(|value| table.classify(simd, f32x16::splat(simd, value)));
+        let stretch = Stretch::between(simd, [&a, &b]);
+        let [r, g, b] = stretch.color.map(|c| c[7]);
+        [stretch.extinction[7], r, g, b]
+    }
+
+    #[test]
+    fn means_are_those_of_the_transfer_function() {
+        let tf = TransferFunction::new(
+            vec![
+                ColorPoint::new(0.0, [1.0, 0.0, 0.2]),
+                ColorPoint::new(1.0, [0.0, 1.0, 0.2]),
+            ],
+            vec![
+                OpacityPoint::new(0.3, 0.0),
+                OpacityPoint::new(0.4, 0.9),
+                OpacityPoint::new(0.6, 0.2),
+                OpacityPoint::new(0.8, 0.5),
+            ],
+            Some(2.0),
+        )
+        .unwrap();
+        let table = FineTable::new(&ClassificationTable::new(&tf, [0.0, 1.0], 2.0));
+        let mut random = Random::new(3);
+        for _ in 0..500 {
+            let from = random.range(0.0, 1.0);
+            let to = from + random.range(-1.0, 1.0).powi(5) * 0.2;
+            let steps = 4000;
+            let (mut extinction, mut emission) = (0.0, [0.0; 3]);
+            for step in 0..steps {
+                let value = from + (to - from) * (f64::from(step) + 0.5) / f64::from(steps);
+                let kappa = tf.extinction(value, 2.0) / f64::from(steps);
+                extinction += kappa;
+                let color = tf.linear_color(value);
+                emission = [0, 1, 2].map(|c| emission[c] + kappa * color[c]);
+            }
+            let [kappa, color @ ..] =
+                dispatch!(Level::new(), simd => found(simd, &table, [from as f32, to as f32]));
+            assert!(
+                (f64::from(kappa) - extinction).abs() < 1e-3,
+                "{from} {to}: {kappa} {extinction}"
+            );
+            for c in 0..3 {
+                let mean = if extinction > 1e-3 {
+                    emission[c] / extinction
+                } else {
+                    continue;
+                };
+                assert!(
+                    (f64::from(color[c]) - mean).abs() < 2e-3,
+                    "{from} {to}: {color:?} {mean}"
+                );
+            }
+        }
+    }
+}
