@@ -3,8 +3,6 @@
 //!
 //! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 use splatvol_core::brick::BrickGrid;
@@ -20,6 +18,9 @@ use splatvol_scene::{
     Camera, Content, Gaussians, Item, Mesh, PointAttributes, PointLook, Points, Projection, RenderSettings,
     Scene, TransferFunction, Volume, harmonics,
 };
+
+use crate::prepare::Patience;
+use crate::sheets::engine::Run;
 
 /// Neighbours that radii and normals are estimated from.
 const NEIGHBORS: usize = 8;
@@ -44,13 +45,12 @@ struct Kept {
 }
 
 impl ItemStore {
-    /// The cloud of a scene, as this camera sees it; `None` where it has to be made and `stop` is set meanwhile.
+    /// The cloud of a scene, as this camera sees it; `None` where it has to be made and the picture is given up meanwhile.
     pub(crate) fn cloud(
         &mut self,
+        run: Run<'_>,
         scene: &Scene,
-        camera: &Camera,
-        settings: &RenderSettings,
-        stop: &AtomicBool,
+        (camera, settings): (&Camera, &RenderSettings),
     ) -> Option<&SplatCloud> {
         let sigma = settings.kernel.gaussian().map_or(1.0, |(sigma, _)| sigma);
         let key = (KernelShape::Sphere { sigma }, settings.lighting.is_some());
@@ -64,26 +64,20 @@ impl ItemStore {
             self.kept = None;
         }
         if self.kept.is_none() {
-            self.kept = Some(Kept::new(scene, key, Patience(stop))?);
+            let scene = scene.clone();
+            let made = run
+                .pool
+                .prepare(run.task.stop, move |patience| Kept::new(scene, key, patience))?;
+            self.kept = Some(made);
         }
         let kept = self.kept.as_mut()?;
-        kept.color(camera);
+        run.pool.install(|| kept.color(camera));
         Some(&kept.gathered.cloud)
     }
 }
 
-/// What says that a cloud is not wanted any more; looked at between the steps of making one.
-#[derive(Clone, Copy)]
-struct Patience<'a>(&'a AtomicBool);
-
-impl Patience<'_> {
-    fn go_on(self) -> Option<()> {
-        (!self.0.load(Ordering::Relaxed)).then_some(())
-    }
-}
-
 impl Kept {
-    fn new(scene: &Scene, key: (KernelShape, bool), patience: Patience<'_>) -> Option<Self> {
+    fn new(scene: Scene, key: (KernelShape, bool), patience: &Patience) -> Option<Self> {
         let mut completed = Vec::new();
         for item in &scene.items {
             patience.go_on()?;
@@ -115,7 +109,7 @@ impl Kept {
         let gathered = gather.finish_while(|| patience.go_on().is_some())?;
         patience.go_on()?;
         Some(Self {
-            items: scene.items.clone(),
+            items: scene.items,
             key,
             gathered,
             colored,
@@ -150,7 +144,7 @@ impl Kept {
 }
 
 /// An item whose points have radii, and normals where they are lit.
-fn completed(item: &Item, lit: bool, patience: Patience<'_>) -> Option<Item> {
+fn completed(item: &Item, lit: bool, patience: &Patience) -> Option<Item> {
     let Content::Points { points, look } = &item.content else {
         return Some(item.clone());
     };
@@ -226,7 +220,7 @@ fn add(
     gather: &mut Gather,
     item: &Item,
     (shape, lit): (KernelShape, bool),
-    patience: Patience<'_>,
+    patience: &Patience,
 ) -> Option<()> {
     match &item.content {
         Content::Volume {
@@ -305,7 +299,7 @@ fn classified(
     volume: &Volume,
     transfer_function: &TransferFunction,
     (shape, lit): (KernelShape, bool),
-    patience: Patience<'_>,
+    patience: &Patience,
 ) -> Option<SplatCloud> {
     let (samples, bricks): (Coefficients, BrickGrid) = Coefficients::new(volume, Use::Samples);
     patience.go_on()?;

@@ -28,6 +28,7 @@ mod part;
 mod phong;
 mod plan;
 mod pool;
+mod prepare;
 mod progressive;
 mod renderer;
 mod route;

@@ -51,6 +51,14 @@ impl Pool {
             Threads::Calling => work(),
         }
     }
+
+    /// Has work done with these threads; where there are none, now.
+    pub(crate) fn spawn(&self, work: impl FnOnce() + Send + 'static) {
+        match &self.0 {
+            Threads::Started(pool) => pool.spawn(work),
+            Threads::Calling => work(),
+        }
+    }
 }
 
 /// Threads that somebody else has started.

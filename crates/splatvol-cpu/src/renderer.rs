@@ -380,12 +380,11 @@ impl Renderer {
     ) -> Result<(), SceneError> {
         let view = (shot.camera, settings);
         let start = Instant::now();
-        let items = &mut self.items;
         let cloud = match parts.rest.items.is_empty() {
             true => None,
             false => Some(
-                run.pool
-                    .install(move || items.cloud(&parts.rest, shot.camera, settings, run.task.stop))
+                self.items
+                    .cloud(run, &parts.rest, view)
                     .ok_or(SceneError::Stopped)?,
             ),
         };
@@ -410,10 +409,10 @@ impl Renderer {
         let mut clouds = drawn.gaussians.clone();
         let mut spacing = 0.0;
         if !drawn.rest.items.is_empty() {
-            let items = &mut self.items;
-            let cloud = run
-                .pool
-                .install(move || items.cloud(&drawn.rest, shot.camera, settings, run.task.stop))
+            let view = (shot.camera, settings);
+            let cloud = self
+                .items
+                .cloud(run, &drawn.rest, view)
                 .ok_or(SceneError::Stopped)?;
             spacing = cloud.spacing;
             clouds.push(Cloud::Kernels(cloud));

@@ -9,22 +9,46 @@ use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::splats::{self, Extract, Interest, KernelShape, SplatCloud};
 use splatvol_scene::{Classification, Compositing, Extraction, RenderSettings, TransferFunction, Volume};
 
+use crate::prepare::Patience;
 use crate::route::VolumeScene;
+use crate::sheets::engine::Run;
 
 /// What a cloud depends on, besides the volume.
 #[derive(Debug, Clone, PartialEq)]
 struct Key {
     transfer_function: TransferFunction,
-    data: bool,
+    /// World length to which its opacities refer.
+    unit_distance: f64,
+    /// How far voxels act, voxels, where data is splatted.
+    data_reach: Option<f64>,
     shape: KernelShape,
     gradients: bool,
     extraction: Option<Extraction>,
 }
 
+/// A volume's samples, normalised, in bricks.
+#[derive(Debug)]
+struct Samples {
+    volume: Arc<Volume>,
+    values: Coefficients,
+    bricks: BrickGrid,
+}
+
+impl Samples {
+    fn of(volume: Arc<Volume>) -> Self {
+        let (values, bricks) = Coefficients::new(&volume, Use::Samples);
+        Self {
+            volume,
+            values,
+            bricks,
+        }
+    }
+}
+
 /// A volume's samples, and the cloud last made from them.
 #[derive(Debug, Default)]
 pub(crate) struct CloudStore {
-    samples: Option<(Arc<Volume>, Coefficients, BrickGrid)>,
+    samples: Option<Arc<Samples>>,
     cloud: Option<(Key, SplatCloud)>,
 }
 
@@ -34,27 +58,29 @@ pub(crate) fn splats_data(settings: &RenderSettings) -> bool {
 }
 
 impl CloudStore {
-    /// The cloud of a scene, and the bricks that its volume has.
+    /// The cloud of a scene, and the bricks that its volume has; `None` where they have to be made and the picture is given up
+    /// meanwhile.
     pub(crate) fn cloud(
         &mut self,
+        run: Run<'_>,
         scene: &VolumeScene<'_>,
         settings: &RenderSettings,
         shape: KernelShape,
-    ) -> (&SplatCloud, usize) {
+    ) -> Option<(&SplatCloud, usize)> {
         let volume = &scene.volume;
-        if self
-            .samples
-            .as_ref()
-            .is_none_or(|(kept, ..)| !Arc::ptr_eq(kept, volume))
-        {
+        let of = |kept: &Arc<Samples>| Arc::ptr_eq(&kept.volume, volume);
+        if !self.samples.as_ref().is_some_and(of) {
             self.cloud = None;
-            let (samples, bricks) = Coefficients::new(volume, Use::Samples);
-            self.samples = Some((Arc::clone(volume), samples, bricks));
+            let volume = Arc::clone(volume);
+            let samples = run.pool.prepare(run.task.stop, |_| Some(Samples::of(volume)))?;
+            self.samples = Some(Arc::new(samples));
         }
+        let samples = self.samples.as_ref()?;
         let data = splats_data(settings);
         let key = Key {
             transfer_function: scene.transfer_function.as_ref().clone(),
-            data,
+            unit_distance: scene.unit_distance(),
+            data_reach: data.then(|| data_reach(settings)),
             shape,
             gradients: (!data && settings.lighting.is_some())
                 || matches!(shape, KernelShape::Flattened { .. }),
@@ -63,47 +89,45 @@ impl CloudStore {
         if self.cloud.as_ref().is_some_and(|(kept, _)| *kept != key) {
             self.cloud = None;
         }
-        let samples = &self.samples;
-        let (_, cloud) = self.cloud.get_or_insert_with(|| {
-            let cloud = samples
-                .as_ref()
-                .map(|(volume, samples, bricks)| extract(scene, (volume, samples, bricks), &key, settings));
-            (key, cloud.expect("samples were read above"))
-        });
-        let bricks = samples.as_ref().map_or(0, |(_, _, bricks)| bricks.len());
-        (cloud, bricks)
+        if self.cloud.is_none() {
+            let samples = Arc::clone(samples);
+            let made = move |_: &Patience| {
+                let cloud = key.extract(&samples);
+                Some((key, cloud))
+            };
+            self.cloud = Some(run.pool.prepare(run.task.stop, made)?);
+        }
+        let (_, cloud) = self.cloud.as_ref()?;
+        Some((cloud, samples.bricks.len()))
     }
 }
 
-fn extract(
-    scene: &VolumeScene<'_>,
-    (volume, samples, bricks): (&Volume, &Coefficients, &BrickGrid),
-    key: &Key,
-    settings: &RenderSettings,
-) -> SplatCloud {
-    let table = ClassificationTable::new(
-        &scene.transfer_function,
-        volume.value_range(),
-        scene.unit_distance(),
-    );
-    let from = Extract {
-        grid: volume.grid(),
-        samples,
-        bricks,
-        table: &table,
-        shape: key.shape,
-        gradients: key.gradients,
-        interest: key
-            .extraction
-            .as_ref()
-            .map(|extraction| Interest::new(extraction, volume)),
-    };
-    if key.data {
-        let radius = GaussianKernel::new(settings.kernel).radius;
-        // A sheet's spacing more, on either side, for its differences.
-        let reach = radius + 2.0 * settings.sheet_thickness.max(1.0) + 2.0;
-        splats::data(&from, [reach; 3])
-    } else {
-        splats::classified(&from)
+/// How far a voxel acts where data is splatted, voxels: a sheet's spacing more, on either side, for its differences.
+fn data_reach(settings: &RenderSettings) -> f64 {
+    GaussianKernel::new(settings.kernel).radius + 2.0 * settings.sheet_thickness.max(1.0) + 2.0
+}
+
+impl Key {
+    /// The cloud of a volume's samples.
+    fn extract(&self, samples: &Samples) -> SplatCloud {
+        let volume = &samples.volume;
+        let table =
+            ClassificationTable::new(&self.transfer_function, volume.value_range(), self.unit_distance);
+        let from = Extract {
+            grid: volume.grid(),
+            samples: &samples.values,
+            bricks: &samples.bricks,
+            table: &table,
+            shape: self.shape,
+            gradients: self.gradients,
+            interest: self
+                .extraction
+                .as_ref()
+                .map(|extraction| Interest::new(extraction, volume)),
+        };
+        match self.data_reach {
+            Some(reach) => splats::data(&from, [reach; 3]),
+            None => splats::classified(&from),
+        }
     }
 }

@@ -85,7 +85,7 @@ impl ClassicEngine {
     /// Renders a frame.
     ///
     /// # Errors
-    /// A rasteriser that cannot draw the footprints of this view.
+    /// A rasteriser that cannot draw the footprints of this view; a picture that is given up.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
@@ -96,7 +96,10 @@ impl ClassicEngine {
         let start = Instant::now();
         self.kernels.prepare(settings)?;
         let shape = self.kernels.shape(settings);
-        let (cloud, bricks) = run.pool.install(|| self.store.cloud(scene, settings, shape));
+        let (cloud, bricks) = self
+            .store
+            .cloud(run, scene, settings, shape)
+            .ok_or(SceneError::Stopped)?;
         let drawn = Drawn { cloud, bricks, scene };
         let view = (camera, settings);
         Ok(draw(run, (drawn, self.kernels.footprints()), view, frame, start))
