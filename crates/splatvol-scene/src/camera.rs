@@ -237,6 +237,7 @@ pub struct ScreenFromCamera {
 
 impl ScreenFromCamera {
     /// Pixels per world length on the plane of camera depth `depth`.
+    #[inline]
     pub fn scale_at(&self, depth: f64) -> f64 {
         if self.perspective {
             self.scale / depth

@@ -158,23 +158,19 @@ impl Gather {
         let linear = frame.matrix3;
         let scale = libm::cbrt(linear.determinant().abs());
         let gradient = SURFACE_GRADIENT / self.spacing;
+        let world_from_normal = linear.inverse().transpose();
+        let payloads = SurfacePayloads::new(color, opacity);
         self.add(points.len(), |index| {
             let radius = attributes.radii.get(index).map_or(0.0, |r| f64::from(*r));
             let normal = attributes.normals.get(index).map_or(DVec3::ZERO, |n| vector(*n));
             let disc = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
             let covariance = (DMat3::IDENTITY - disc) * (SURFEL_SIGMA * radius).powi(2);
-            let [r, g, b, a] = attributes
-                .colors
-                .get(index)
-                .map_or([color[0], color[1], color[2], 1.0], |c| {
-                    c.map(|level| f64::from(level) / 255.0)
-                });
-            let depth = surface_depth(a * opacity) * (radius * scale).powi(2);
-            let normal = (linear.inverse().transpose() * normal).normalize_or_zero();
+            let normal = (world_from_normal * normal).normalize_or_zero();
+            let area = (radius * scale).powi(2);
             Splat {
                 centre: place(frame, points.positions()[index]),
                 covariance: linear * covariance * linear.transpose(),
-                payload: payload(depth, [r, g, b]),
+                payload: payloads.of(attributes.colors.get(index), area),
                 gradient: normal * gradient,
             }
         });
@@ -278,6 +274,41 @@ fn permuted<T: Copy + Send + Sync>(
 pub fn gaussian_payload(opacity: f32, color: [f32; 3]) -> [f32; 4] {
     let clear = (1.0 - f64::from(opacity)).max(CLEAREST);
     payload(-libm::log(clear), color.map(f64::from))
+}
+
+/// What surfels of a surface carry, by the levels of their colours.
+struct SurfacePayloads {
+    /// Linear light of each level.
+    light: [f64; 256],
+    /// Optical depth of each level of opacity.
+    depth: [f64; 256],
+    /// Linear light of points that have no colour.
+    own: [f64; 3],
+}
+
+impl SurfacePayloads {
+    fn new(color: [f64; 3], opacity: f64) -> Self {
+        let level = |level: usize| level as f64 / 255.0;
+        Self {
+            light: std::array::from_fn(|l| linear_from_srgb(level(l))),
+            depth: std::array::from_fn(|l| surface_depth(level(l) * opacity)),
+            own: color.map(|level| linear_from_srgb(level.max(0.0))),
+        }
+    }
+
+    /// Of a surfel that stands for this area, world length squared.
+    fn of(&self, color: Option<&[u8; 4]>, area: f64) -> [f32; 4] {
+        let (light, depth) = match color {
+            Some(&[r, g, b, a]) => (
+                [r, g, b].map(|level| self.light[usize::from(level)]),
+                self.depth[usize::from(a)],
+            ),
+            None => (self.own, self.depth[255]),
+        };
+        let depth = depth * area;
+        let [r, g, b] = light.map(|light| (depth * light) as f32);
+        [depth as f32, r, g, b]
+    }
 }
 
 /// Optical depth of a surface.

@@ -113,6 +113,7 @@ impl Cut {
     }
 
     /// Whether a point is left.
+    #[inline]
     pub(crate) fn keeps(&self, point: Vec3) -> bool {
         self.bodies.iter().all(|(planes, keep)| {
             let inside = planes.iter().all(|p| p.normal.dot(point) + p.offset >= 0.0);

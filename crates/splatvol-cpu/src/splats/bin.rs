@@ -128,18 +128,21 @@ impl Bins {
         while first < counted.grid.len() && !counted.stop.load(Ordering::Relaxed) {
             let tiles = counted.next_tiles(first);
             first = tiles.end;
-            consume(&self.fill(&mut counted, tiles));
+            let Some(lists) = self.fill(&mut counted, tiles) else {
+                return;
+            };
+            consume(&lists);
         }
     }
 
-    fn fill(&mut self, counted: &mut Counted<'_>, range: Range<usize>) -> Lists<'_> {
+    fn fill(&mut self, counted: &mut Counted<'_>, range: Range<usize>) -> Option<Lists<'_>> {
         let sum = starts(&mut counted.counts, range.clone());
         let mut first = vec![0u32; range.len() + 1];
         if let Some(part) = counted.counts.first() {
             first[..range.len()].copy_from_slice(&part[range.clone()]);
         }
         first[range.len()] = sum as u32;
-        grow(&mut self.entries, sum);
+        grow(&mut self.entries, sum, counted.stop)?;
         let (entries, columns) = (&self.entries[..sum], counted.grid.columns);
         let (order, rects) = (counted.order, counted.rects);
         let all = range.len() == counted.grid.len();
@@ -167,10 +170,10 @@ impl Bins {
                     }
                 }
             });
-        Lists {
+        Some(Lists {
             tiles: range,
             entries,
             starts: first,
-        }
+        })
     }
 }

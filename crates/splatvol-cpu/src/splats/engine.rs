@@ -15,7 +15,7 @@ use super::blend::{Blend, Integral, Light, Profile, Published};
 use super::composite::{self, Place, Scratch};
 use super::cover::TILE;
 use super::kernels::Kernels;
-use super::order::Keys;
+use super::order::{Keys, grow};
 use super::project::{self, Rect, Splat, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{Manner, Near, SplatSettings, sane};
@@ -184,9 +184,9 @@ impl SplatEngine {
         let count = drawn.clouds.iter().map(Cloud::len).sum::<usize>();
         let count = count.min(u32::MAX as usize);
         let parts = (PARTS_PER_THREAD * run.pool.current_num_threads()).max(count.div_ceil(PART));
-        grow(splats, count);
-        grow(rects, count);
-        keys.resize(count);
+        grow(splats, count, stop)?;
+        grow(rects, count, stop)?;
+        keys.resize(count, stop)?;
         let project = |chunk: &mut Chunk<'_>| {
             let first = chunk.target.first;
             if run.task.is_stopped() {
@@ -264,14 +264,6 @@ impl<B: Blend> Tiling<'_, B> {
         }
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         run.task.report(done as f64 / grid.len() as f64);
-    }
-}
-
-/// Room for `count` values.
-fn grow<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
-    if values.len() < count {
-        values.reserve_exact(count - values.len());
-        values.resize(count, T::default());
     }
 }
 

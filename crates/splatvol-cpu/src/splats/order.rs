@@ -5,7 +5,7 @@
 //! so the number of parts does not matter. Keys lie in atomics, since parts write anywhere; relaxed stores cost nothing.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
@@ -13,6 +13,9 @@ use rayon::prelude::*;
 const DIGIT_BITS: u32 = 12;
 /// Keys per part at least.
 const PART: usize = 1 << 13;
+
+/// Values between two looks at whether anybody waits for them.
+const GROWTH: usize = 1 << 16;
 
 /// Keys, and as many again to sort them.
 #[derive(Debug, Default)]
@@ -26,15 +29,23 @@ pub(crate) fn index(key: &AtomicU64) -> usize {
     (key.load(Ordering::Relaxed) & u64::from(u32::MAX)) as usize
 }
 
-impl Keys {
-    /// Room for `count` keys.
-    pub(crate) fn resize(&mut self, count: usize) {
-        for keys in [&mut self.keys, &mut self.other] {
-            if keys.len() < count {
-                keys.reserve_exact(count - keys.len());
-                keys.resize_with(count, AtomicU64::default);
-            }
+/// Room for `count` values; `None` once `stop` is set: a system takes its time to give memory.
+pub(crate) fn grow<T: Default>(values: &mut Vec<T>, count: usize, stop: &AtomicBool) -> Option<()> {
+    values.reserve_exact(count.saturating_sub(values.len()));
+    while values.len() < count {
+        if stop.load(Ordering::Relaxed) {
+            return None;
         }
+        values.resize_with(count.min(values.len() + GROWTH), T::default);
+    }
+    Some(())
+}
+
+impl Keys {
+    /// Room for `count` keys; `None` once `stop` is set.
+    pub(crate) fn resize(&mut self, count: usize, stop: &AtomicBool) -> Option<()> {
+        grow(&mut self.keys, count, stop)?;
+        grow(&mut self.other, count, stop)
     }
 
     /// Bytes held.
@@ -165,14 +176,6 @@ pub(crate) fn starts(counts: &mut [Vec<u32>], buckets: Range<usize>) -> usize {
     sum as usize
 }
 
-/// Room for `count` entries.
-pub(crate) fn grow(entries: &mut Vec<AtomicU32>, count: usize) {
-    if entries.len() < count {
-        entries.reserve_exact(count - entries.len());
-        entries.resize_with(count, AtomicU32::default);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,7 +185,7 @@ mod tests {
         let mut state = 7u64;
         for (count, spread) in [(1, 1), (100, 3), (50_000, 900), (70_000, u32::MAX - 5)] {
             let mut keys = Keys::default();
-            keys.resize(count);
+            keys.resize(count, &AtomicBool::new(false)).unwrap();
             for (index, key) in keys.keys.iter_mut().enumerate() {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                 let depth = 5 + ((state >> 32) % u64::from(spread));

@@ -23,6 +23,7 @@ pub(crate) struct CloudEmission<'a> {
 
 impl CloudEmission<'_> {
     /// The first plane that a splat reaches.
+    #[inline(always)]
     fn first_plane(frame: &SheetFrame<'_>, splat: &OpenSplat) -> usize {
         let depth = f64::from(splat.centre[2] - splat.reach);
         ((depth - frame.stack.plane(0)) / frame.stack.spacing)
@@ -31,6 +32,7 @@ impl CloudEmission<'_> {
     }
 
     /// Whether any footprint of a splat reaches the tile.
+    #[inline(always)]
     fn reaches(&self, frame: &SheetFrame<'_>, place: &Place, splat: &OpenSplat) -> bool {
         let [.., depth] = splat.centre;
         let first = f64::from(depth - splat.reach).max(f64::from(frame.sheets[0].depth));

@@ -104,6 +104,7 @@ impl<'a> CloudView<'a> {
     }
 
     /// A splat as planes see it; `None` of one that holds nothing.
+    #[inline(always)]
     pub(crate) fn open(&self, index: usize) -> Option<OpenSplat> {
         let cloud = self.cloud;
         let local = Vec3::from_array(cloud.positions[index]);
@@ -153,6 +154,7 @@ impl<'a> CloudView<'a> {
     }
 
     /// A section's covariance with the low-pass, world length squared.
+    #[inline(always)]
     fn filtered(&self, [xx, xy, yy]: [f64; 3], depth: f64) -> [f64; 3] {
         let per_pixel = 1.0 / self.screen.scale_at(depth.max(self.nearest));
         let wanted = self.low_pass * per_pixel * per_pixel;
@@ -168,6 +170,7 @@ impl<'a> CloudView<'a> {
     }
 
     /// The integral of a kernel whose line integral through its centre is one.
+    #[inline(always)]
     fn mass_of_peak(&self, centre: DVec3, covariance: DMat3) -> f64 {
         let along = if self.screen.perspective {
             centre.truncate() / centre.z.max(self.nearest)

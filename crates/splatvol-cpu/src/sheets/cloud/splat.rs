@@ -93,28 +93,30 @@ impl Footing {
     /// The blocks of the tile that a splat reaches on planes between two depths, given with pixels per world length there.
     #[inline(always)]
     pub(crate) fn blocks_of(&self, splat: &OpenSplat, ends: [[f32; 2]; 2]) -> Option<Blocks> {
-        let axis = |axis: usize| {
-            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-            for [depth, scale] in ends {
-                // Beyond its reach there is nothing of it.
-                let from_centre = (depth - splat.centre[2]).clamp(-splat.reach, splat.reach);
-                let centre = splat.centre[axis] + splat.slope[axis] * from_centre;
-                let half = splat.half_extent[axis] * scale;
-                let middle = centre * scale + self.principal[axis];
-                (low, high) = (low.min(middle - half), high.max(middle + half));
-            }
-            // Whole blocks from the picture's corner first: rounding must not depend on the tile.
-            let ring = self.first[axis] as f32 / BLOCK_EDGE as f32;
-            let block = |pixel: f32| (pixel * (1.0 / BLOCK_EDGE as f32)).floor() - ring;
-            let [first, end] = self.blocks[axis];
-            let from = block(low).max(first as f32);
-            let to = block(high).min((end - 1) as f32);
-            (from <= to).then_some([from as usize, to as usize])
-        };
         Some(Blocks {
-            x: axis(0)?,
-            y: axis(1)?,
+            x: self.blocks_along(0, splat, ends)?,
+            y: self.blocks_along(1, splat, ends)?,
         })
+    }
+
+    #[inline(always)]
+    fn blocks_along(&self, axis: usize, splat: &OpenSplat, ends: [[f32; 2]; 2]) -> Option<[usize; 2]> {
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for [depth, scale] in ends {
+            // Beyond its reach there is nothing of it.
+            let from_centre = (depth - splat.centre[2]).clamp(-splat.reach, splat.reach);
+            let centre = splat.centre[axis] + splat.slope[axis] * from_centre;
+            let half = splat.half_extent[axis] * scale;
+            let middle = centre * scale + self.principal[axis];
+            (low, high) = (low.min(middle - half), high.max(middle + half));
+        }
+        // Whole blocks from the picture's corner first: rounding must not depend on the tile.
+        let ring = self.first[axis] as f32 / BLOCK_EDGE as f32;
+        let block = |pixel: f32| (pixel * (1.0 / BLOCK_EDGE as f32)).floor() - ring;
+        let [first, end] = self.blocks[axis];
+        let from = block(low).max(first as f32);
+        let to = block(high).min((end - 1) as f32);
+        (from <= to).then_some([from as usize, to as usize])
     }
 }
 
