@@ -15,8 +15,8 @@ use std::sync::Arc;
 use glam::DAffine3;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Clip, Compositing, Content, Gradient, Isosurface, Item, Motion, RenderSettings, Scene, SceneError,
-    SingleVolume, TransferFunction, Volume,
+    Clip, Compositing, Content, Isosurface, Item, Motion, RenderSettings, Scene, SceneError, SingleVolume,
+    TransferFunction, Volume,
 };
 
 use crate::clouds::SplatScene;
@@ -186,13 +186,9 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume. Where gradients are analytic it has all digits of post-classified pictures; of
-/// classified voxels, X-rays and values of rays the slices still have more.
+/// Whether the sheet engine renders a volume.
 pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
-    let is_post = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
-    (is_post || settings.gradient == Gradient::Differences)
-        && (settings.prefilter || splats_color(settings))
-        && volume.statistics().non_finite == 0
+    (settings.prefilter || splats_color(settings)) && volume.statistics().non_finite == 0
 }
 
 fn volume_scene<'a>(

@@ -38,7 +38,7 @@ pub(super) fn check(
             "pre-classified sheets hold colours, neither values nor gradients, use post-classification",
         );
     }
-    if settings.gradient != Gradient::Differences {
+    if post && settings.gradient != Gradient::Differences {
         return refuse(
             "what analytic gradients (preset best) light has no operators, clips or isosurfaces, use gradients by differences",
         );

@@ -15,19 +15,25 @@ use super::hermite::{End, Hermite, Rays, pieces};
 use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
 use super::mode::Mode;
 use super::place::Place;
-use super::plane::{HALO, Plane};
+use super::plane::{HALO, Plane, Span};
 use super::shade::{MIDDLES, PlaneShader};
 use super::shaded::filled;
 use super::sheet::SheetShape;
 use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
 
+/// A field whose coefficients are splatted with their kernels' derivatives.
+#[derive(Debug)]
+pub(crate) struct AnalyticField<'a> {
+    pub store: &'a FieldStore,
+    pub shader: PlaneShader<'a>,
+    pub weights: LatticeWeights,
+}
+
 /// Post-classification with analytic gradients.
 #[derive(Debug)]
 pub(crate) struct Analytic<'a> {
-    store: &'a FieldStore,
-    shader: PlaneShader<'a>,
+    field: AnalyticField<'a>,
     table: FineTable,
-    weights: LatticeWeights,
 }
 
 /// What turns a sheet's sums into the gradient of their value.
@@ -66,7 +72,7 @@ impl Derivative {
 }
 
 /// What lies between two planes of a tile.
-struct Interval<'a> {
+pub(crate) struct Interval<'a> {
     planes: [&'a [Plane; MAX_CHANNELS]; 2],
     derivatives: [Derivative; 2],
     /// The gradient at the nearer plane where that is at the eye, which has no sums of moments.
@@ -74,12 +80,18 @@ struct Interval<'a> {
     faces: [WeightPlane; 2],
     is_near_face: bool,
     /// Camera depth of the nearer plane.
-    depth: f32,
+    pub depth: f32,
     /// Image coordinates of the tile's first pixel.
     origin: [usize; 2],
 }
 
 impl Interval<'_> {
+    /// Image coordinates of one of the tile's pixels.
+    #[inline(always)]
+    pub(crate) fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
+        [self.origin[0] + x, self.origin[1] + y]
+    }
+
     /// Which of sixteen pixels have a sum on one of the planes.
     #[inline(always)]
     fn is_touched<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> mask32x16<S> {
@@ -95,18 +107,61 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &plane[at..at + 16])
 }
 
-impl<'a> Analytic<'a> {
-    pub(crate) fn new(
-        (store, classification): (&'a FieldStore, &ClassificationTable),
-        shader: PlaneShader<'a>,
-        weights: LatticeWeights,
-    ) -> Self {
-        Self {
-            store,
-            table: FineTable::new(classification),
-            shader,
-            weights,
-        }
+impl AnalyticField<'_> {
+    /// The interval behind a sheet, and the pixels where it holds something.
+    pub(crate) fn interval<'s>(
+        &self,
+        frame: &SheetFrame<'_>,
+        (near, place): (usize, &Place),
+        (planes, at_eye): (&'s [[Plane; MAX_CHANNELS]; 4], Option<[f32; 3]>),
+    ) -> Option<(Interval<'s>, Span)> {
+        let span = filled(planes.each_ref().map(|p| &p[0]), place)?;
+        let [first, second] = frame.sheets.get(near..near + 2)? else {
+            return None;
+        };
+        let faces = [first, second].map(|sheet| {
+            self.weights
+                .on_plane(self.shader.pixels(sheet.depth), sheet.low_pass)
+        });
+        let interval = Interval {
+            planes: [&planes[1], &planes[2]],
+            derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
+            at_eye,
+            is_near_face: faces
+                .iter()
+                .any(|plane| self.weights.is_near_any(plane, &place.rect)),
+            faces,
+            depth: first.depth,
+            origin: [place.rect.x0, place.rect.y0],
+        };
+        Some((interval, span))
+    }
+
+    /// The field along the rays of sixteen pixels between an interval's planes.
+    #[inline(always)]
+    pub(crate) fn along_rays<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        place: [usize; 2],
+    ) -> (Hermite<S>, Rays<S>) {
+        let ends = [
+            self.end(simd, interval, 0, place),
+            self.end(simd, interval, 1, place),
+        ];
+        let rays = self.rays(simd, interval.in_picture(place));
+        let field = Hermite::new(simd, [&ends[0], &ends[1]], rays, self.shader.background);
+        (field, rays)
+    }
+
+    /// Whether sixteen pixels come near a face on one of an interval's planes.
+    #[inline(always)]
+    pub(crate) fn is_near_face(&self, interval: &Interval<'_>, in_picture: [usize; 2]) -> bool {
+        interval.is_near_face
+            && interval
+                .faces
+                .iter()
+                .any(|face| self.weights.is_near(face, in_picture))
     }
 
     /// The sums of sixteen pixels on one of the planes.
@@ -115,7 +170,7 @@ impl<'a> Analytic<'a> {
         let planes = interval.planes[which];
         let at = (y + HALO) * planes[0].pitch + x + HALO;
         let channel = |c: usize| load(simd, &planes[c].values, at);
-        let in_picture = [interval.origin[0] + x, interval.origin[1] + y];
+        let in_picture = interval.in_picture([x, y]);
         let face = &interval.faces[which];
         let weights = if interval.is_near_face && self.weights.is_near(face, in_picture) {
             self.weights.at(simd, face, in_picture)
@@ -144,6 +199,15 @@ impl<'a> Analytic<'a> {
             spacing: self.shader.spacing,
         }
     }
+}
+
+impl<'a> Analytic<'a> {
+    pub(crate) fn new(field: AnalyticField<'a>, classification: &ClassificationTable) -> Self {
+        Self {
+            field,
+            table: FineTable::new(classification),
+        }
+    }
 
     /// Puts what lies in the interval behind what sixteen pixels have; says which it finished.
     #[inline(always)]
@@ -155,17 +219,12 @@ impl<'a> Analytic<'a> {
         (place, open): ([usize; 2], mask32x16<S>),
     ) -> u16 {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        if !self.shader.table.shows_background && !(interval.is_touched(simd, place) & open).any_true() {
+        let shader = &self.field.shader;
+        if !shader.table.shows_background && !(interval.is_touched(simd, place) & open).any_true() {
             return 0;
         }
-        let ends = [
-            self.end(simd, interval, 0, place),
-            self.end(simd, interval, 1, place),
-        ];
-        let in_picture = [interval.origin[0] + place[0], interval.origin[1] + place[1]];
-        let rays = self.rays(simd, in_picture);
-        let field = Hermite::new(simd, [&ends[0], &ends[1]], rays, self.shader.background);
-        let (meets, bend) = field.may_meet(simd, self.shader.table.hull);
+        let (field, rays) = self.field.along_rays(simd, interval, place);
+        let (meets, bend) = field.may_meet(simd, shader.table.hull);
         let covered = field.coverage(simd, zero).max(field.coverage(simd, one));
         let seen = meets & open & covered.simd_gt(zero);
         if !seen.any_true() {
@@ -173,7 +232,7 @@ impl<'a> Analytic<'a> {
         }
         let mut front = self.table.classify(simd, field.value(zero));
         let last = self.table.classify(simd, field.value(one));
-        let length = rays.squared.sqrt() * self.shader.spacing;
+        let length = rays.squared.sqrt() * shader.spacing;
         let whole = Stretch::between(simd, [&front, &last]).extinction * length;
         let count = seen.select(pieces(simd, bend, whole), zero);
         let most = count.as_slice().iter().fold(0.0f32, |most, &n| most.max(n));
@@ -196,7 +255,7 @@ impl<'a> Analytic<'a> {
             }
             let u = stretch.place * share + start;
             let (left, opacity) = through_and_opacity(simd, optical_depth);
-            let (diffuse, specular) = match &self.shader.phong {
+            let (diffuse, specular) = match &shader.phong {
                 Some(phong) => phong.lanes(simd, field.gradient(u)),
                 None => (one, zero),
             };
@@ -207,7 +266,7 @@ impl<'a> Analytic<'a> {
                     (stretch.color[c] * diffuse + specular) * visible + stretch.half_step[c] * in_front;
             }
             opacities += visible;
-            depth_sum += (u * self.shader.spacing + interval.depth) * visible;
+            depth_sum += (u * shader.spacing + interval.depth) * visible;
             through *= left;
         }
         let material = Material {
@@ -217,7 +276,7 @@ impl<'a> Analytic<'a> {
             depth: depth_sum / opacities.max(f32x16::splat(simd, f32::MIN_POSITIVE)),
         };
         let pixel = place[1] * canvas.pitch + place[0];
-        canvas.put(simd, pixel, &material, self.shader.termination)
+        canvas.put(simd, pixel, &material, shader.termination)
     }
 }
 
@@ -230,7 +289,7 @@ impl Mode<4> for Analytic<'_> {
 
     #[inline(always)]
     fn touch(&self, brick: usize) {
-        self.store.touch(brick);
+        self.field.store.touch(brick);
     }
 
     #[inline(always)]
@@ -241,7 +300,7 @@ impl Mode<4> for Analytic<'_> {
         values: &mut [f32; BRICK_VOXELS],
         _: &mut Classified,
     ) {
-        self.store.decode(brick, values);
+        self.field.store.decode(brick, values);
     }
 
     #[inline(always)]
@@ -256,26 +315,8 @@ impl Mode<4> for Analytic<'_> {
         let SheetScratch {
             planes, mask, at_eye, ..
         } = scratch;
-        let Some(span) = filled(planes.each_ref().map(|p| &p[0]), place) else {
+        let Some((interval, span)) = self.field.interval(frame, (near, place), (planes, *at_eye)) else {
             return;
-        };
-        let Some([first, second]) = frame.sheets.get(near..near + 2) else {
-            return;
-        };
-        let faces = [first, second].map(|sheet| {
-            self.weights
-                .on_plane(self.shader.pixels(sheet.depth), sheet.low_pass)
-        });
-        let interval = Interval {
-            planes: [&planes[1], &planes[2]],
-            derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
-            at_eye: *at_eye,
-            is_near_face: faces
-                .iter()
-                .any(|plane| self.weights.is_near_any(plane, &place.rect)),
-            faces,
-            depth: first.depth,
-            origin: [place.rect.x0, place.rect.y0],
         };
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;

@@ -6,7 +6,7 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
-/// The cubic between two planes, `a + u (b + u (c + u d))`.
+/// The cubic between two planes, `a + u (b + u (c + u d))`, and its value at the far one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cubic<S: Simd> {
     a: f32x16<S>,
@@ -22,8 +22,13 @@ impl<S: Simd> Cubic<S> {
     /// Through the middle two of four values with the slopes that the outer ones give.
     #[inline(always)]
     pub(crate) fn through([before, near, far, after]: [f32x16<S>; 4]) -> Self {
+        Self::with_slopes([near, far], [(far - before) * 0.5, (after - near) * 0.5])
+    }
+
+    /// Through two values with these slopes.
+    #[inline(always)]
+    pub(crate) fn with_slopes([near, far]: [f32x16<S>; 2], [start, end]: [f32x16<S>; 2]) -> Self {
         let rise = far - near;
-        let (start, end) = ((far - before) * 0.5, (after - near) * 0.5);
         Self {
             a: near,
             b: start,
@@ -34,6 +39,16 @@ impl<S: Simd> Cubic<S> {
                 .max(far)
                 .max((near + start * (1.0 / 3.0)).max(far - end * (1.0 / 3.0))),
         }
+    }
+
+    /// A number less its value.
+    #[inline(always)]
+    pub(crate) fn less_than(&self, number: f32) -> Self {
+        let slope = self.b + self.c * 2.0 + self.d * 3.0;
+        Self::with_slopes(
+            [number - self.a, number - self.end],
+            [self.b * -1.0, slope * -1.0],
+        )
     }
 
     #[inline(always)]
@@ -276,6 +291,26 @@ mod tests {
             for lane in 0..16 {
                 assert!((value[lane] - sampled[lane]).abs() < 2e-6, "{round} {lane}");
                 assert!(at_place[lane] < 1e-6, "{round} {lane}");
+            }
+        }
+    }
+
+    /// What a cubic and a number less it add up to at eleven places of sixteen lanes.
+    #[inline(always)]
+    fn with_its_complement<S: Simd>(simd: S, values: [[f32; 16]; 4]) -> Vec<f32> {
+        let cubic = Cubic::through(values.map(|v| f32x16::from_slice(simd, &v)));
+        let complement = cubic.less_than(2.0);
+        let places = (0..=10).map(|i| f32x16::splat(simd, i as f32 / 10.0));
+        places
+            .flat_map(|u| (cubic.at(u) + complement.at(u)).as_slice().to_vec())
+            .collect()
+    }
+
+    #[test]
+    fn a_number_less_a_cubic_is_that_everywhere() {
+        for round in 0..20 {
+            for sum in dispatch!(Level::new(), simd => with_its_complement(simd, units(round * 64))) {
+                assert!((sum - 2.0).abs() < 2e-6, "{round}: {sum}");
             }
         }
     }

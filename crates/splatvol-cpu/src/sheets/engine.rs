@@ -17,9 +17,10 @@ use super::classified::ClassifiedBricks;
 use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
+use super::exact_intensity::ExactIntensity;
 use super::frame::{Plan, Sampling, View};
 use super::integral::Integral;
-use super::intensity::{Extreme, Intensity, Mean};
+use super::intensity::{Extreme, Intensity, Kept, Mean, ValueColors};
 use super::layer::{ModeLayer, TileLayer, render};
 use super::level::{Detail, Pyramid, Wanted};
 use super::mode::{Bricks, Mode};
@@ -27,6 +28,7 @@ use super::operated::Operated;
 use super::pixel::Units;
 use super::resolve::{blend, resolve};
 use super::scene::LayerStore;
+use super::shade::PlaneShader;
 use super::shaded::Shaded;
 use super::tile::{SheetScratch, SheetWork, ZonedFrame};
 use crate::clock::Instant;
@@ -246,7 +248,7 @@ impl SheetEngine {
             Cut::default()
         };
         let bricks = ClassifiedBricks::new((store, &level.visible), look).cut(&voxel_cut);
-        let classified = (&level.classification, scene.unit_distance());
+        let values = ValueColors::new(&level.classification, scene.unit_distance());
         let shader = || view.shader((store, &level.table), (settings, spacing));
         match (wanted, sampling) {
             (Wanted::Classified, Sampling::Rays) => {
@@ -267,20 +269,14 @@ impl SheetEngine {
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Largest, _) => {
-                let mode = Intensity::<Extreme<Largest>>::new(store, shader(), classified);
-                job.render(store, &mode, frame, statistics);
+                job.values::<Extreme<Largest>>((store, shader()), values, (frame, statistics));
             }
             (Wanted::Smallest, _) => {
-                let mode = Intensity::<Extreme<Smallest>>::new(store, shader(), classified);
-                job.render(store, &mode, frame, statistics);
+                job.values::<Extreme<Smallest>>((store, shader()), values, (frame, statistics));
             }
-            (Wanted::All, _) => {
-                let mode = Intensity::<Mean>::new(store, shader(), classified);
-                job.render(store, &mode, frame, statistics);
-            }
+            (Wanted::All, _) => job.values::<Mean>((store, shader()), values, (frame, statistics)),
             (Wanted::Visible, _) if settings.gradient == Gradient::Analytic => {
-                let dims = grid.dims();
-                let mode = Analytic::new((store, &level.classification), shader(), view.weights(dims));
+                let mode = Analytic::new(view.analytic_field(store, shader()), &level.classification);
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {
@@ -325,6 +321,25 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
+    /// Renders one value of each ray.
+    fn values<K: Kept>(
+        &mut self,
+        (store, shader): (&FieldStore, PlaneShader<'_>),
+        colors: ValueColors<'_>,
+        (frame, statistics): (&mut Frame, &mut RenderStatistics),
+    ) {
+        match self.settings.gradient {
+            Gradient::Analytic => {
+                let field = self.view.analytic_field(store, shader);
+                self.render(store, &ExactIntensity::<K>::new(field, colors), frame, statistics);
+            }
+            Gradient::Differences => {
+                let mode = Intensity::<K>::new(store, shader, colors);
+                self.render(store, &mode, frame, statistics);
+            }
+        }
+    }
+
     fn render<M: Mode<N>, const N: usize>(
         &mut self,
         bricks: &dyn Bricks,

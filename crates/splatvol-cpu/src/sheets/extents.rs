@@ -7,8 +7,8 @@
 use glam::DVec2;
 use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera};
 
-use super::place::blocks_of;
 use super::sheet::{Raster, SheetShape};
+use crate::plan::splats_color;
 
 /// Standard deviations of footprints, raster points, and those at which they are cut.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +24,7 @@ pub(crate) struct Widths {
     widest: f64,
     /// Where footprints are cut once a low-pass or a spline has changed their width.
     pub cut: f64,
-    /// Whether footprints are cut there in any case.
+    /// Whether footprints are cut there in any case, and of any size rather than narrower than that.
     pub is_exact: bool,
 }
 
@@ -47,14 +47,28 @@ impl Widths {
         is_exact: true,
     };
 
+    /// The same of classified voxels, where nothing divides what a spline and a cut leave by a sum of weights that they leave, too:
+    /// sheets converge to 1e-6 of full light, where the widths above leave 5e-6.
+    const EXACT_COLORS: Self = Self {
+        narrowest: 1.7,
+        narrowest_in_zones: 1.7,
+        comfortable: 3.4,
+        widest: 3.4,
+        cut: 4.6,
+        is_exact: true,
+    };
+
     pub(crate) fn of(settings: &RenderSettings) -> Self {
         match settings.gradient {
+            Gradient::Analytic if splats_color(settings) => Self::EXACT_COLORS,
             Gradient::Analytic => Self::EXACT,
             Gradient::Differences => Self::SPLINED,
         }
     }
 }
 
+/// Octaves that widths differ by in rounding.
+const ROUNDING: f64 = 1e-6;
 /// Octaves of the coarsest raster of a frame that has but one.
 const MOST_OCTAVES: f64 = 6.0;
 /// Tangent of the angle between ray and axis up to which blocks hold a voxel's footprints on all its sheets.
@@ -220,12 +234,13 @@ impl Extents {
     pub(crate) fn one_raster(&self, [near, far]: [f64; 2]) -> Option<Raster> {
         let widest = self.width(self.variances[1], near) * self.room();
         let narrowest = self.narrowest(far);
-        let octaves_to = |most: f64| libm::log2(widest / most).ceil();
+        // Where it lies between two rasters, rounding must not choose: pictures of a turning camera would flicker.
+        let octaves_to = |most: f64| (libm::log2(widest / most) - ROUNDING).ceil();
         let (finest, wanted) = (
             octaves_to(self.widths.widest),
             octaves_to(Widths::SPLINED.comfortable),
         );
-        let coarsest = libm::log2(narrowest / self.widths.narrowest).floor();
+        let coarsest = (libm::log2(narrowest / self.widths.narrowest) + ROUNDING).floor();
         let octaves = wanted.max(finest).min(coarsest).clamp(0.0, MOST_OCTAVES);
         if octaves < finest {
             return None;
@@ -254,10 +269,10 @@ pub(crate) fn powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
     2.0 * steepest_exponent(shape) * offset * offset.max(blocks) < LARGEST_EXPONENT
 }
 
-/// The same for all ellipses between the nearest and the farthest of a frame.
-pub(crate) fn powers_fit_between([near, far]: &[SheetShape; 2], drift: f32, cut: f32) -> bool {
-    let points = blocks_of(near.half_extent(cut)) as f32;
-    2.0 * steepest_exponent(far) * largest_offset(near.scale, drift) * points < LARGEST_EXPONENT
+/// The same for all ellipses between the nearest, of so many blocks, and the narrowest of a frame.
+pub(crate) fn powers_fit_between([near, narrowest]: [&SheetShape; 2], drift: f32, blocks: f32) -> bool {
+    let offset = largest_offset(near.scale, drift);
+    2.0 * steepest_exponent(narrowest) * offset * blocks < LARGEST_EXPONENT
 }
 
 fn steepest_exponent(shape: &SheetShape) -> f32 {

@@ -2,6 +2,8 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
+use super::cubic::Cubic;
+
 /// Which value is kept. Ranks of normalised values that occur are above 0, so that a pixel begins with rank 0.
 pub(crate) trait Extremum: Sync {
     /// Rank of a normalised value, or value of a rank: the map is its own inverse.
@@ -9,6 +11,9 @@ pub(crate) trait Extremum: Sync {
 
     /// The same of sixteen.
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S>;
+
+    /// Ranks along a ray whose values these are.
+    fn rank_cubic<S: Simd>(values: Cubic<S>) -> Cubic<S>;
 
     /// Ranks up to this show nothing, where values outside `hull` are invisible.
     fn least_rank(hull: [f32; 2]) -> f32;
@@ -34,6 +39,11 @@ impl Extremum for Largest {
     }
 
     #[inline(always)]
+    fn rank_cubic<S: Simd>(values: Cubic<S>) -> Cubic<S> {
+        values
+    }
+
+    #[inline(always)]
     fn least_rank([low, _]: [f32; 2]) -> f32 {
         low.max(0.0)
     }
@@ -48,6 +58,11 @@ impl Extremum for Smallest {
     #[inline(always)]
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S> {
         2.0 - value
+    }
+
+    #[inline(always)]
+    fn rank_cubic<S: Simd>(values: Cubic<S>) -> Cubic<S> {
+        values.less_than(2.0)
     }
 
     #[inline(always)]

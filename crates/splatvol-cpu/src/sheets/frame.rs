@@ -9,16 +9,17 @@ use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::normal::mass_within;
 use splatvol_scene::{Camera, Gradient, Grid, RenderSettings};
 
+use super::analytic::AnalyticField;
 use super::border::Border;
 use super::engine::TILE_EDGE;
 use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
 use super::eye::Eye;
-use super::integral::RayShapes;
 use super::lattice_weights::LatticeWeights;
 use super::mode::Bricks;
 use super::order::DepthOrder;
 use super::place::{pixel_reach, room_of};
 use super::project::BrickProjection;
+use super::ray_shapes::RayShapes;
 use super::ring::LANES;
 use super::shade::PlaneShader;
 use super::sheet::SheetShape;
@@ -91,10 +92,10 @@ impl View {
         let corners = corners(grid, margin, camera_from_lattice);
         let reach = kernel.radius * per_voxel;
         let along_rays = sampling == Sampling::Rays;
+        let xray_from = along_rays.then_some(XRAY_FROM * per_voxel);
         let steepest = steepest(&screen, settings.size);
         let (spacing, groups) = if along_rays {
-            // A slab per voxel tells enough of depth.
-            (per_voxel, 1)
+            (per_voxel / slabs_per_voxel(settings), 1)
         } else {
             let thickness = match spacing {
                 Some(spacing) => spacing / per_voxel,
@@ -118,7 +119,7 @@ impl View {
             camera_from_lattice,
             shape,
             kernel,
-            sheets: Sheets::covering(&corners, reach, spacing, (&screen, along_rays)),
+            sheets: Sheets::covering(&corners, reach, spacing, (&screen, xray_from)),
             extents: Extents {
                 screen,
                 variances: variances(&covariances),
@@ -137,6 +138,18 @@ impl View {
         }
     }
 }
+
+/// Slabs of X-rays per voxel: one tells enough of depth, but the footprints of voxels half of it before and behind its middle are
+/// too small or too large by as much as their distance from the eye differs.
+fn slabs_per_voxel(settings: &RenderSettings) -> f64 {
+    match settings.gradient {
+        Gradient::Analytic => 8.0,
+        Gradient::Differences => 1.0,
+    }
+}
+
+/// Depth at which X-rays in perspective begin, voxels.
+const XRAY_FROM: f64 = 0.5;
 
 /// Thickness of sheets relative to what the settings ask for: rays of slope t meet planes `sqrt(1 + t^2)` times as far apart,
 /// which is made up for beyond a slope of [`THINNER_FROM`].
@@ -215,11 +228,20 @@ impl View {
         }
     }
 
-    /// Weights of the lattice and shares of the box on planes.
-    pub(crate) fn weights(&self, dims: [usize; 3]) -> LatticeWeights {
+    /// A field whose coefficients are splatted with their kernels' derivatives, and how its planes are shaded.
+    pub(crate) fn analytic_field<'a>(
+        &self,
+        store: &'a FieldStore,
+        shader: PlaneShader<'a>,
+    ) -> AnalyticField<'a> {
         let margin = DVec3::from_array(self.margin.map(|m| m as f64));
         let camera_from_voxel = self.camera_from_lattice * DAffine3::from_translation(margin);
-        LatticeWeights::new(camera_from_voxel, dims, self.margin, self.kernel.sigma)
+        let dims = store.volume().grid().dims();
+        AnalyticField {
+            store,
+            shader,
+            weights: LatticeWeights::new(camera_from_voxel, dims, self.margin, self.kernel.sigma),
+        }
     }
 
     /// Shader of planes of a field.

@@ -7,7 +7,8 @@
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
-use super::lattice_weights::Weights;
+use super::cubic::Cubic;
+use super::lattice_weights::{Weights, coverage};
 
 /// Weights below this lie so far outside the volume that their values count for nothing.
 const FADED: f32 = 0.15;
@@ -100,13 +101,17 @@ impl<S: Simd> Hermite<S> {
         ((d * u + c) * u + b) * u + a
     }
 
+    /// The value as a cubic.
+    #[inline(always)]
+    pub(crate) fn values(&self) -> Cubic<S> {
+        let [a, b, c, d] = self.cubic;
+        Cubic::with_slopes([a, a + b + c + d], [b, b + c * 2.0 + d * 3.0])
+    }
+
     /// Coverage, 0 to 1.
     #[inline(always)]
     pub(crate) fn coverage(&self, simd: S, u: f32x16<S>) -> f32x16<S> {
-        let own = (self.own[1] - self.own[0]) * u + self.own[0];
-        ((own - 0.5) * (1.0 / 0.98) + 0.5)
-            .max(splat(simd, 0.0))
-            .min(splat(simd, 1.0))
+        coverage(simd, (self.own[1] - self.own[0]) * u + self.own[0])
     }
 
     /// Gradient of S, camera space, per world length.

@@ -6,16 +6,14 @@
 //! lanes of a pixel hold extinction and emission instead of four sheets. p is taken from the tile's middle; what a pixel's
 //! own covariance has in addition, D, is made up for as heat spreads, `I + D : grad grad I / 2`, at the pixel's mean depth.
 //!
-//! Voxels still come slab by slab: footprints have their slab's size, centres are their own. For the mean depth a second
+//! Voxels still come slab by slab: footprints have their slab's size, centres and masses are their own. For the mean depth a second
 //! block per pixel sums `A = sum_s (s' - s) E_s`, `E_s` what has been added up to slab s and s' the slab after it; what all
 //! slabs hold times their index is then `s_last E - A`.
 
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
-use glam::{DMat2, DVec2};
 use splatvol_core::bin::TileRect;
-use splatvol_core::footprint::FootprintShape;
+use splatvol_core::normal;
 use splatvol_core::visibility::BRICK_VOXELS;
-use splatvol_scene::{ImageSize, ScreenFromCamera};
 
 use super::border::cumulative_of;
 use super::canvas::Canvas;
@@ -24,83 +22,13 @@ use super::compose::{ray_length, through_and_opacity};
 use super::mode::Mode;
 use super::place::Place;
 use super::plane::{HALO, Plane};
+use super::ray_shapes::{RayShapes, middle};
 use super::ring::LANES;
-use super::sheet::{GroupShape, Raster, SheetShape};
+use super::sheet::{GroupShape, SheetShape};
+use super::slab::Slab;
 use super::splat::{Payload, Records};
 use super::tile::{SheetFrame, SheetScratch, ZonedFrame, take};
 use crate::simd::math::exp2_of;
-
-/// Projected footprints of all rays of a picture.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RayShapes {
-    pub shape: FootprintShape,
-    pub screen: ScreenFromCamera,
-    /// Volume of a voxel, world length cubed.
-    pub cell_volume: f64,
-}
-
-impl RayShapes {
-    /// Ray through image coordinates, per depth.
-    fn ray(&self, image: DVec2) -> DVec2 {
-        if self.screen.perspective {
-            (image - self.screen.centre) / self.screen.scale
-        } else {
-            DVec2::ZERO
-        }
-    }
-
-    /// Covariance xx, xy, yy of footprints seen along a ray, world length squared.
-    fn covariance(&self, ray: DVec2) -> [f64; 3] {
-        let [xx, xy, yy] = self.shape.lateral_covariance;
-        let drift = (ray - self.shape.lateral_slope) * self.shape.depth_sigma;
-        [
-            xx + drift.x * drift.x,
-            xy + drift.x * drift.y,
-            yy + drift.y * drift.y,
-        ]
-    }
-
-    /// A shape as wide as the widest of a picture along x and along y, and its covariances from end to end.
-    pub(crate) fn over(&self, size: ImageSize) -> (FootprintShape, [[f64; 3]; 9]) {
-        let (width, height) = (f64::from(size.width()), f64::from(size.height()));
-        let covariances = std::array::from_fn(|i| {
-            let image = DVec2::new(width * (i % 3) as f64, height * (i / 3) as f64) * 0.5;
-            self.covariance(self.ray(image))
-        });
-        let largest = |pick: usize| covariances.iter().fold(0.0, |most: f64, c| most.max(c[pick]));
-        let bounding = FootprintShape {
-            lateral_slope: DVec2::ZERO,
-            lateral_covariance: [largest(0), 0.0, largest(2)],
-            ..self.shape
-        };
-        (bounding, covariances)
-    }
-
-    /// Whether all footprints are round.
-    pub(crate) fn is_round(&self) -> bool {
-        let [xx, xy, yy] = self.covariance(DVec2::ZERO);
-        !self.screen.perspective && xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx
-    }
-
-    /// The footprint of a depth in the middle of a tile.
-    fn at(&self, raster: &Raster, place: &Place, depth: f64) -> SheetShape {
-        let lateral_covariance = self.covariance(self.ray(middle(place)));
-        let [xx, xy, yy] = lateral_covariance;
-        let area = DMat2::from_cols(DVec2::new(xx, xy), DVec2::new(xy, yy)).determinant();
-        let shape = FootprintShape {
-            lateral_covariance,
-            ..self.shape
-        };
-        let peak = self.cell_volume / (2.0 * std::f64::consts::PI * area.sqrt());
-        SheetShape::new(&shape, &self.screen, &Raster { peak, ..*raster }, depth)
-    }
-}
-
-/// Image coordinates of a tile's middle.
-fn middle(place: &Place) -> DVec2 {
-    let rect = &place.rect;
-    DVec2::new((rect.x0 + rect.x1) as f64, (rect.y0 + rect.y1) as f64) * 0.5
-}
 
 /// X-ray.
 #[derive(Debug)]
@@ -161,7 +89,7 @@ impl Mode<1> for Integral<'_> {
 
     fn shape(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
         self.shapes
-            .at(&frame.zone.raster, place, self.footprint_depth(frame, sheet))
+            .at(&frame.zone.raster, place, self.slab(frame, sheet).depth)
     }
 
     /// A voxel belongs to one slab: what lies on a plane to the one before it, in another zone, too.
@@ -175,7 +103,11 @@ impl Mode<1> for Integral<'_> {
     }
 
     fn group(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize, _: usize) -> GroupShape {
-        GroupShape::same(&self.shape(frame, place, sheet))
+        let shape = self.shape(frame, place, sheet);
+        GroupShape::same(&SheetShape {
+            peak: shape.peak * self.slab(frame, sheet).most(),
+            ..shape
+        })
     }
 
     #[inline(always)]
@@ -199,11 +131,12 @@ impl Mode<1> for Integral<'_> {
             }
             ring.last_sheet = sheet as f32;
         }
+        let slab = self.slab(frame, sheet);
         match frame.zone.eye {
             Some(eye) if slab_depth(frame, sheet) < eye + self.depth_reach => {
-                self.leave_out_before_eye(frame, sheet, (records, eye as f32));
+                self.leave_out_before_eye(frame, &slab, (records, eye as f32));
             }
-            _ => along_rays(simd, frame, sheet, records),
+            _ => slab.gather(simd, &frame.constants, records),
         }
     }
 
@@ -312,59 +245,49 @@ impl Mode<1> for Integral<'_> {
 }
 
 impl Integral<'_> {
-    /// Depth of a slab's footprints: its middle, but that of the slab at the eye, where half a kernel is seen, the mean depth of
-    /// such a half.
-    fn footprint_depth(&self, frame: &SheetFrame<'_>, sheet: usize) -> f64 {
+    /// A slab's footprints: at its middle, but within reach of the eye at the mean depth of what is seen of a kernel there, and
+    /// in the slab that begins there, which has all kernels before it, too, at that of half a kernel.
+    fn slab(&self, frame: &SheetFrame<'_>, sheet: usize) -> Slab {
         let middle = slab_depth(frame, sheet);
-        match frame.zone.eye {
-            Some(eye) if middle - 0.5 * frame.stack.spacing <= eye => {
-                middle.max(eye + MEAN_OF_HALF * self.shapes.shape.depth_sigma)
+        let sigma = self.shapes.shape.depth_sigma;
+        let begin = middle - 0.5 * frame.stack.spacing;
+        let (begin, depth) = match frame.zone.eye {
+            Some(eye) if begin <= eye => (eye, middle.max(eye + MEAN_OF_HALF * sigma)),
+            Some(eye) if middle < eye + self.depth_reach => {
+                let before = (eye - middle) / sigma;
+                let moved = sigma * normal::density(before) / normal::cumulative(-before);
+                (begin, middle + moved)
             }
-            _ => middle,
+            _ => (begin, middle),
+        };
+        Slab {
+            begin: begin as f32,
+            depth,
+            is_wider_when_near: frame.rays.per_pixel > 0.0,
         }
     }
 
-    /// Of voxels at the eye only what lies behind its depth is seen: a share of them, which the profile in depth stands for,
-    /// at the mean depth of that share.
-    fn leave_out_before_eye(
-        &self,
-        frame: &SheetFrame<'_>,
-        sheet: usize,
-        (records, eye): (&mut Records, f32),
-    ) {
-        let depth = self.footprint_depth(frame, sheet) as f32;
+    /// Of voxels at the eye only what lies behind its depth is seen: a share of them, at the mean depth of that share.
+    fn leave_out_before_eye(&self, frame: &SheetFrame<'_>, slab: &Slab, (records, eye): (&mut Records, f32)) {
+        let depth = slab.depth as f32;
         let sigma = self.shapes.shape.depth_sigma as f32;
         let slope = self.shapes.shape.lateral_slope.as_vec2();
+        let most = slab.most();
         for n in 0..records.len {
             let before = (eye - records.z[n]) / sigma;
             let share = cumulative_of(-before);
             let density = exp2_of(-0.5 * std::f32::consts::LOG2_E * before * before) * PER_ROOT_TWO_PI;
             let moved = (sigma * density / share).max(sigma * before);
-            let ratio = if frame.rays.per_pixel > 0.0 {
+            let ratio = if slab.is_wider_when_near {
                 depth / (records.z[n] + moved)
             } else {
                 1.0
             };
             records.x[n] = (records.x[n] + slope.x * moved) * ratio;
             records.y[n] = (records.y[n] + slope.y * moved) * ratio;
+            let share = (share * ratio * ratio / most).min(1.0);
             records.z[n] = depth - (libm::log2f(share).max(-60.0) / frame.constants.depth_exponent).sqrt();
         }
-    }
-}
-
-/// Moves voxels to their slab's depth along their own rays.
-#[inline(always)]
-fn along_rays<S: Simd>(simd: S, frame: &SheetFrame<'_>, sheet: usize, records: &mut Records) {
-    let depth = f32x16::splat(simd, slab_depth(frame, sheet) as f32);
-    for n in (0..records.len).step_by(16) {
-        let range = n..n + 16;
-        if frame.rays.per_pixel > 0.0 {
-            let ratio = depth / load(simd, &records.z, n);
-            for axis in [&mut records.x, &mut records.y] {
-                (load(simd, axis, n) * ratio).store_slice(&mut axis[range.clone()]);
-            }
-        }
-        depth.store_slice(&mut records.z[range]);
     }
 }
 

@@ -28,22 +28,19 @@ use crate::simd::math::exp2;
 pub(crate) struct Intensity<'a, K> {
     store: &'a FieldStore,
     shader: PlaneShader<'a>,
-    table: &'a ClassificationTable,
-    /// World length whose opacity a value has.
-    unit_distance: f32,
+    colors: ValueColors<'a>,
     kept: PhantomData<K>,
 }
 
 /// What a pixel has of one interval.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece<S: Simd> {
-    /// Values at the planes before, at both ends and behind.
-    values: [f32x16<S>; 4],
-    /// Coverage at the near end, in the middle and at the far end, where it is not one.
-    coverage: Option<[f32x16<S>; 3]>,
+    pub values: Cubic<S>,
+    /// Where it is not one.
+    pub coverage: Option<Parabola<S>>,
     /// Camera depth of the near end, and to the far one.
-    depth: f32,
-    spacing: f32,
+    pub depth: f32,
+    pub spacing: f32,
 }
 
 /// What is kept of values along rays.
@@ -78,20 +75,14 @@ fn or_straight<S: Simd>(simd: S, sum: f32x16<S>, shares: &Shares<S>, straight: f
 impl<E: Extremum> Kept for Extreme<E> {
     #[inline(always)]
     fn keep<S: Simd>(simd: S, piece: &Piece<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize) {
-        let [before, near, far, after] = piece.values;
-        let cubic = Cubic::through([
-            E::rank_lanes(before),
-            E::rank_lanes(near),
-            E::rank_lanes(far),
-            E::rank_lanes(after),
-        ]);
+        let cubic = E::rank_cubic(piece.values);
         let kept = load(simd, &canvas.color[0], pixel);
         let best = kept.max(f32x16::splat(simd, E::least_rank(hull)));
         if !cubic.bound.simd_gt(best).any_true() {
             return;
         }
         let (rank, u) = match piece.coverage {
-            Some(coverage) => cubic.largest_covered(simd, &Parabola::through(coverage)),
+            Some(coverage) => cubic.largest_covered(simd, &coverage),
             None => cubic.largest(simd),
         };
         let larger = rank.simd_gt(best);
@@ -115,13 +106,10 @@ impl<E: Extremum> Kept for Extreme<E> {
 impl Kept for Mean {
     #[inline(always)]
     fn keep<S: Simd>(simd: S, piece: &Piece<S>, _: [f32; 2], canvas: &mut Canvas, pixel: usize) {
-        let cubic = Cubic::through(piece.values);
+        let cubic = piece.values;
         let one = f32x16::splat(simd, 1.0);
         let ([covered, value, place], most) = match piece.coverage {
-            Some(coverage) => {
-                let coverage = Parabola::through(coverage);
-                (cubic.covered_integrals(&coverage), coverage.largest(simd))
-            }
+            Some(coverage) => (cubic.covered_integrals(&coverage), coverage.largest(simd)),
             None => ([one, cubic.mean(), one * 0.5], one),
         };
         let depth = place * piece.spacing + covered * piece.depth;
@@ -152,16 +140,11 @@ impl Kept for Mean {
 }
 
 impl<'a, K: Kept> Intensity<'a, K> {
-    /// The mode for a field, with its classification and the world length whose opacity a value has.
-    pub(crate) fn new(
-        store: &'a FieldStore,
-        shader: PlaneShader<'a>,
-        (table, unit_distance): (&'a ClassificationTable, f64),
-    ) -> Self {
+    /// The mode for a field.
+    pub(crate) fn new(store: &'a FieldStore, shader: PlaneShader<'a>, colors: ValueColors<'a>) -> Self {
         Self {
             store,
-            table,
-            unit_distance: unit_distance as f32,
+            colors,
             shader,
             kept: PhantomData,
         }
@@ -185,39 +168,87 @@ impl<'a, K: Kept> Intensity<'a, K> {
                 .any(|plane| border.is_near(plane, in_picture));
         let background = self.shader.background;
         let [before, near, far, after] = interval.planes;
-        let values = [
+        let mut values = [
             load(simd, &before.values, at),
             load(simd, &near.values, at),
             load(simd, &far.values, at),
             load(simd, &after.values, at),
         ];
-        let mut piece = Piece {
-            values,
-            coverage: None,
-            depth: interval.depths[0],
-            spacing: self.shader.spacing,
-        };
+        let mut coverage = None;
         if near_border {
             let [from, to] = &interval.borders;
             let from = border.at(simd, from, in_picture);
             let to = border.at(simd, to, in_picture);
             let middle = border.at(simd, &around.middle, in_picture);
-            piece.coverage = Some([from.coverage, middle.coverage, to.coverage]);
+            coverage = Some(Parabola::through([from.coverage, middle.coverage, to.coverage]));
             let [near, far] = [values[1] * from.per_weight, values[2] * to.per_weight];
             let before = border.at(simd, &around.outer[0], in_picture);
             let after = border.at(simd, &around.outer[1], in_picture);
             // What is too far outside has no value: the slope is that of the interval.
-            piece.values = [
+            values = [
                 or_straight(simd, values[0], &before, near * 2.0 - far),
                 near,
                 far,
                 or_straight(simd, values[3], &after, far * 2.0 - near),
             ];
         }
-        for value in &mut piece.values {
+        for value in &mut values {
             *value += background;
         }
-        piece
+        Piece {
+            values: Cubic::through(values),
+            coverage,
+            depth: interval.depths[0],
+            spacing: self.shader.spacing,
+        }
+    }
+}
+
+/// What values are shown as.
+#[derive(Debug)]
+pub(crate) struct ValueColors<'a> {
+    table: &'a ClassificationTable,
+    /// World length whose opacity a value has.
+    unit_distance: f32,
+}
+
+impl<'a> ValueColors<'a> {
+    pub(crate) fn new(table: &'a ClassificationTable, unit_distance: f64) -> Self {
+        Self {
+            table,
+            unit_distance: unit_distance as f32,
+        }
+    }
+
+    /// Makes of what was kept the value in its colour, as thick as the unit distance.
+    #[inline(always)]
+    pub(crate) fn finish<S: Simd, K: Kept>(&self, simd: S, canvas: &mut Canvas) {
+        for pixel in (0..canvas.depth_sum.len()).step_by(16) {
+            K::settle(simd, canvas, pixel);
+            let depth = load(simd, &canvas.depth_sum, pixel);
+            let zero = f32x16::splat(simd, 0.0);
+            let (mut extinction, mut color) = ([0.0; 16], [[0.0; 16]; 3]);
+            if depth.simd_gt(zero).any_true() {
+                for lane in 0..16 {
+                    let [value, emission @ ..] = self.table.at(canvas.color[0][pixel + lane]);
+                    if value > 0.0 && canvas.depth_sum[pixel + lane] > 0.0 {
+                        extinction[lane] = value;
+                        for c in 0..3 {
+                            color[c][lane] = emission[c] / value;
+                        }
+                    }
+                }
+            }
+            let per_extinction = -self.unit_distance * std::f32::consts::LOG2_E;
+            let through = exp2(simd, f32x16::from_slice(simd, &extinction) * per_extinction);
+            let alpha = 1.0 - through;
+            through.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
+            (depth * alpha).store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
+            for c in 0..3 {
+                (f32x16::from_slice(simd, &color[c]) * alpha)
+                    .store_slice(&mut canvas.color[c][pixel..pixel + 16]);
+            }
+        }
     }
 }
 
@@ -281,34 +312,8 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
         }
     }
 
-    /// The value in its colour, as thick as the unit distance.
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, _: &ZonedFrame<'_>, _: &TileRect, canvas: &mut Canvas) {
-        for pixel in (0..canvas.depth_sum.len()).step_by(16) {
-            K::settle(simd, canvas, pixel);
-            let depth = load(simd, &canvas.depth_sum, pixel);
-            let zero = f32x16::splat(simd, 0.0);
-            let (mut extinction, mut color) = ([0.0; 16], [[0.0; 16]; 3]);
-            if depth.simd_gt(zero).any_true() {
-                for lane in 0..16 {
-                    let [value, emission @ ..] = self.table.at(canvas.color[0][pixel + lane]);
-                    if value > 0.0 && canvas.depth_sum[pixel + lane] > 0.0 {
-                        extinction[lane] = value;
-                        for c in 0..3 {
-                            color[c][lane] = emission[c] / value;
-                        }
-                    }
-                }
-            }
-            let per_extinction = -self.unit_distance * std::f32::consts::LOG2_E;
-            let through = exp2(simd, f32x16::from_slice(simd, &extinction) * per_extinction);
-            let alpha = 1.0 - through;
-            through.store_slice(&mut canvas.transmittance[pixel..pixel + 16]);
-            (depth * alpha).store_slice(&mut canvas.depth_sum[pixel..pixel + 16]);
-            for c in 0..3 {
-                (f32x16::from_slice(simd, &color[c]) * alpha)
-                    .store_slice(&mut canvas.color[c][pixel..pixel + 16]);
-            }
-        }
+        self.colors.finish::<S, K>(simd, canvas);
     }
 }

@@ -69,6 +69,20 @@ impl<S: Simd> Weights<S> {
             own: one,
         }
     }
+
+    /// q.
+    #[inline(always)]
+    pub(crate) fn coverage(&self, simd: S) -> f32x16<S> {
+        coverage(simd, self.own)
+    }
+}
+
+/// Coverage q, 0 to 1, of a share B on the volume's own box.
+#[inline(always)]
+pub(crate) fn coverage<S: Simd>(simd: S, own: f32x16<S>) -> f32x16<S> {
+    ((own - 0.5) * (1.0 / 0.98) + 0.5)
+        .max(f32x16::splat(simd, 0.0))
+        .min(f32x16::splat(simd, 1.0))
 }
 
 /// Lane numbers.

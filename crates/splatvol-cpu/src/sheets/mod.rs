@@ -11,10 +11,10 @@
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
-//! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece (no route takes this yet) |
-//! | | `intensity`, `cubic` | or the largest, smallest or mean value between them kept |
+//! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
+//! | | `intensity`, `exact_intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
-//! | | `classified`, `integral` | or classified voxels integrated |
+//! | | `classified`, `integral`, `ray_shapes`, `slab` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
 //! `engine` keeps what lasts from frame to frame, `layer` takes the layers of a tile through these stages (several in a
@@ -37,6 +37,7 @@ pub(crate) mod cubic;
 pub(crate) mod cut;
 pub(crate) mod direct;
 pub(crate) mod engine;
+pub(crate) mod exact_intensity;
 pub(crate) mod extents;
 pub(crate) mod extremum;
 pub(crate) mod eye;
@@ -58,12 +59,14 @@ pub(crate) mod pixel;
 pub(crate) mod place;
 pub(crate) mod plane;
 pub(crate) mod project;
+pub(crate) mod ray_shapes;
 pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;
 pub(crate) mod shade;
 pub(crate) mod shaded;
 pub(crate) mod sheet;
+pub(crate) mod slab;
 pub(crate) mod splat;
 pub(crate) mod table;
 pub(crate) mod tile;

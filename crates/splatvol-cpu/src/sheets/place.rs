@@ -26,6 +26,11 @@ pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
         .unwrap_or(MAX_BLOCKS)
 }
 
+/// Whether the largest blocks hold footprints that reach so far.
+pub(crate) fn fit_blocks([x, y]: [f32; 2]) -> bool {
+    1.88 * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
+}
+
 /// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
 /// it touches, for footprints that reach so far, raster points.
 pub(crate) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {

@@ -229,10 +229,10 @@ impl SheetEngine {
                 let spacing = volume.volume.grid().mean_spacing();
                 let shader = view.shader((&level.field, &level.table), (settings, spacing));
                 if settings.gradient == Gradient::Analytic {
-                    let weights = view.weights(level.field.volume().grid().dims());
+                    let field = view.analytic_field(&level.field, shader);
                     layers.push(Layer::Analytic(
                         sheets,
-                        Analytic::new((&level.field, &level.classification), shader, weights),
+                        Analytic::new(field, &level.classification),
                     ));
                     continue;
                 }

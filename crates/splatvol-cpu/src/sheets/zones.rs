@@ -18,7 +18,7 @@ use splatvol_core::sheets::Planes;
 use splatvol_scene::ScreenFromCamera;
 
 use super::extents::{Extents, NEAR, STEEP, powers_fit, powers_fit_between, round_powers_fit};
-use super::place::{blocks_of, room_of};
+use super::place::{blocks_of, fit_blocks, room_of};
 use super::sheet::{Raster, SheetShape};
 
 /// Width of a zone's farthest footprints relative to its nearest ones, where those are too narrow already.
@@ -69,25 +69,28 @@ pub(crate) struct Sheets {
 }
 
 impl Sheets {
-    /// Planes before, within and behind camera-space corners grown by `reach`, or the slabs of what lies between them.
+    /// Planes before, within and behind camera-space corners grown by `reach`. With `xray_from` slabs of what lies between the
+    /// corners, from this depth on where rays diverge.
     pub(crate) fn covering(
         corners: &[DVec3],
         reach: f64,
         spacing: f64,
-        (screen, along_rays): (&ScreenFromCamera, bool),
+        (screen, xray_from): (&ScreenFromCamera, Option<f64>),
     ) -> Self {
-        let planes = Planes::covering(corners, if along_rays { 0.0 } else { reach }, spacing, screen);
+        let around = if xray_from.is_some() { 0.0 } else { reach };
+        let planes = Planes::covering(corners, around, spacing, screen);
+        let eye = match (xray_from, screen.perspective) {
+            (Some(depth), true) => depth,
+            (None, true) => planes.spacing,
+            (_, false) => 0.0,
+        };
         // Slabs lie before their planes.
-        let first_shown = i64::from(along_rays || screen.perspective) - planes.first;
+        let slab = i64::from(xray_from.is_some());
+        let first_shown = (eye / planes.spacing) as i64 + slab - planes.first;
         let nearest = corners
             .iter()
             .fold(f64::INFINITY, |near, corner| near.min(corner.z))
             - reach;
-        let eye = match (along_rays, screen.perspective) {
-            (true, true) => 0.5 * planes.spacing,
-            (false, true) => planes.spacing,
-            (_, false) => 0.0,
-        };
         Self {
             planes,
             first_shown: first_shown.max(0) as usize,
@@ -167,12 +170,17 @@ impl Cutting<'_> {
             let [first, _] = sheets.made(extents, &(from..from + 1));
             let [finest, comfortable] = extents.finest_and_comfortable(sheets.depth(extents, first));
             let near = extents.is_near(planes.plane(first));
-            let finest = if near || extents.is_too_steep() {
-                // No square of blocks has to hold the widest: so the narrowest of two intervals are not too narrow.
-                let [_, last] = sheets.made(extents, &(from..(from + 2).min(end)));
-                finest.min(extents.coarsest(sheets.depth(extents, last)))
+            // What reproduces the narrowest of two intervals.
+            let [_, last] = sheets.made(extents, &(from..(from + 2).min(end)));
+            let coarsest = extents.coarsest(sheets.depth(extents, last));
+            let (finest, comfortable) = if extents.widths.is_exact {
+                // Rather those of any size than widened ones.
+                (finest.min(coarsest), comfortable.min(coarsest))
+            } else if near || extents.is_too_steep() {
+                // No square of blocks has to hold the widest.
+                (finest.min(coarsest), comfortable)
             } else {
-                finest
+                (finest, comfortable)
             };
             let to = self.reach(comfortable, from);
             let (octaves, to) = if to == end || to >= from + SHORT {
@@ -292,17 +300,31 @@ impl Cutting<'_> {
         if extents.steepest > STEEP || perspective && sheets.eye.is_some() {
             return None;
         }
-        let shapes = ends.map(|depth| SheetShape::new(&kernels.shape, &extents.screen, raster, depth));
-        let cut = self.footprint_cut(raster) as f32;
+        let shape = |own, depth| SheetShape::new(own, &extents.screen, raster, depth);
+        let near = shape(&kernels.shape, ends[0]);
+        let far = shape(&self.narrowest(), ends[1]);
+        let blocks = blocks_of(near.half_extent(self.footprint_cut(raster) as f32)) as f32;
+        let drift = extents.drift(extents.steepest);
         if kernels.round {
             // Those that are cut later have larger powers.
-            let [near, far] = &shapes;
-            let blocks = blocks_of(near.half_extent(cut)) as f32;
-            let fit =
-                !extents.widths.is_exact || round_powers_fit(far, blocks, extents.drift(extents.steepest));
+            let fit = !extents.widths.is_exact || round_powers_fit(&far, blocks, drift);
             return fit.then_some(Footprints::Round);
         }
-        powers_fit_between(&shapes, extents.drift(extents.steepest), cut).then_some(Footprints::Ellipses)
+        powers_fit_between([&near, &far], drift, blocks).then_some(Footprints::Ellipses)
+    }
+
+    /// The footprints with the steepest powers.
+    fn narrowest(&self) -> FootprintShape {
+        let Self { extents, kernels, .. } = self;
+        if !extents.along_rays {
+            return kernels.shape;
+        }
+        // Along rays each tile has an ellipse of its own, none of them narrower or wider than this.
+        let [least, most] = extents.variances;
+        FootprintShape {
+            lateral_covariance: [least, 0.0, most],
+            ..kernels.shape
+        }
     }
 
     /// The zone with the cheapest powers that are floats for all its footprints.
@@ -318,26 +340,27 @@ impl Cutting<'_> {
         };
         let depths = [zone.first_made, zone.planes.count].map(|sheet| zone.planes.plane(sheet) - before);
         let room = extents.room_of_footprints(zone.planes.spacing);
-        // Along rays each tile has an ellipse of its own, none of them narrower or wider than this.
-        let [least, most] = extents.variances;
-        let narrow = FootprintShape {
-            lateral_covariance: [least, 0.0, most],
-            ..kernels.shape
+        let narrowest = self.narrowest();
+        // A voxel's footprints have the blocks of its middle sheet's, also where they are narrower.
+        let before_last = if extents.along_rays {
+            0.0
+        } else {
+            0.5 * kernels.sheets as f64 * zone.planes.spacing
         };
         let all = |fits: &dyn Fn(&SheetShape, f32, f32) -> bool| {
-            let probes = if extents.screen.perspective { PROBES } else { 0 };
-            (0..=probes).all(|i| {
-                let share = f64::from(i) / f64::from(PROBES);
-                let depth = depths[0] + share * share * (depths[1] - depths[0]);
-                let shape = |own| SheetShape::new(own, &extents.screen, &zone.raster, depth);
-                let bounding = shape(&kernels.shape);
-                let blocks = blocks_of(room_of(&bounding, zone.cut as f32, room)) as f32;
-                let own = if extents.along_rays {
-                    shape(&narrow)
-                } else {
-                    bounding
-                };
-                fits(&own, blocks, extents.drift_of_footprints(&own, blocks))
+            let probes = if extents.screen.perspective { PROBES } else { 1 };
+            (0..probes).all(|i| {
+                let shape = |own, depth| SheetShape::new(own, &extents.screen, &zone.raster, depth);
+                let [near, far] = [i, i + 1].map(|end| {
+                    let share = f64::from(end) / f64::from(probes);
+                    depths[0] + share * share * (depths[1] - depths[0])
+                });
+                let widest = shape(&kernels.shape, (near - before_last).max(depths[0]));
+                let reach = room_of(&widest, zone.cut as f32, room);
+                let blocks = blocks_of(reach) as f32;
+                let own = shape(&narrowest, far);
+                (!extents.widths.is_exact || fit_blocks(reach))
+                    && fits(&own, blocks, extents.drift_of_footprints(&own, blocks))
             })
         };
         let footprints = if kernels.round && all(&round_powers_fit) {
@@ -351,8 +374,8 @@ impl Cutting<'_> {
     }
 }
 
-/// Depths of a zone at which powers are tried.
-const PROBES: i32 = 8;
+/// Parts of a zone whose powers are tried: with the blocks of the nearest footprints, those of the farthest ones.
+const PROBES: i32 = 24;
 
 impl Zone {
     /// All planes of a frame, on a raster of pixels.

@@ -207,7 +207,11 @@ fn what_cannot_be_shown_is_refused_with_the_reason() {
             .to_string();
         assert!(error.contains(words), "{error}");
     }
-    for settings in [base, xray, pre] {
+    let analytic = |settings| RenderSettings {
+        gradient: Gradient::Analytic,
+        ..settings
+    };
+    for settings in [base, xray, pre, analytic(xray), analytic(pre)] {
         assert!(renderer.render(&clipped, &camera, &settings).is_ok());
     }
     let none = Scene::of_isosurfaces(ball(18.0), &[]).unwrap_err().to_string();

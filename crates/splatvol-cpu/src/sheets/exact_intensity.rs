@@ -1,0 +1,122 @@
+//! One value of each pixel's ray, of cubics with exact slopes: coefficients are splatted with their kernels' derivatives.
+
+use std::marker::PhantomData;
+
+use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::bin::TileRect;
+use splatvol_core::visibility::BRICK_VOXELS;
+
+use super::analytic::{AnalyticField, Interval};
+use super::canvas::Canvas;
+use super::classified::Classified;
+use super::cubic::Parabola;
+use super::gradients::Moments;
+use super::intensity::{Kept, Piece, ValueColors};
+use super::lattice_weights::WeightPlane;
+use super::mode::Mode;
+use super::place::Place;
+use super::tile::{SheetFrame, SheetScratch, ZonedFrame};
+
+/// One value per ray.
+#[derive(Debug)]
+pub(crate) struct ExactIntensity<'a, K> {
+    field: AnalyticField<'a>,
+    colors: ValueColors<'a>,
+    kept: PhantomData<K>,
+}
+
+impl<'a, K: Kept> ExactIntensity<'a, K> {
+    pub(crate) fn new(field: AnalyticField<'a>, colors: ValueColors<'a>) -> Self {
+        Self {
+            field,
+            colors,
+            kept: PhantomData,
+        }
+    }
+
+    /// What sixteen pixels have of an interval, given the plane in its middle.
+    #[inline(always)]
+    fn piece<S: Simd>(
+        &self,
+        simd: S,
+        (interval, middle): (&Interval<'_>, &WeightPlane),
+        place: [usize; 2],
+    ) -> Piece<S> {
+        let (along, _) = self.field.along_rays(simd, interval, place);
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let in_picture = interval.in_picture(place);
+        let is_near_face = self.field.is_near_face(interval, in_picture);
+        Piece {
+            values: along.values(),
+            coverage: is_near_face.then(|| {
+                let middle = self.field.weights.at(simd, middle, in_picture);
+                Parabola::through([
+                    along.coverage(simd, zero),
+                    middle.coverage(simd),
+                    along.coverage(simd, one),
+                ])
+            }),
+            depth: interval.depth,
+            spacing: self.field.shader.spacing,
+        }
+    }
+}
+
+impl<K: Kept> Mode<4> for ExactIntensity<'_, K> {
+    type Payload<'m> = Moments;
+
+    fn payload(_: &Classified) -> Moments {
+        Moments
+    }
+
+    #[inline(always)]
+    fn touch(&self, brick: usize) {
+        self.field.store.touch(brick);
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(
+        &self,
+        _: S,
+        (brick, _): (usize, u32),
+        values: &mut [f32; BRICK_VOXELS],
+        _: &mut Classified,
+    ) {
+        self.field.store.decode(brick, values);
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        near: usize,
+        place: &Place,
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
+    ) {
+        let planes = (&scratch.planes, scratch.at_eye);
+        let Some((interval, span)) = self.field.interval(frame, (near, place), planes) else {
+            return;
+        };
+        let shader = &self.field.shader;
+        let [first, second] = [near, near + 1].map(|sheet| frame.sheets[sheet]);
+        let middle = self.field.weights.on_plane(
+            shader.pixels(0.5 * (first.depth + second.depth)),
+            0.5 * (first.low_pass + second.low_pass),
+        );
+        for y in span.y0..span.y1 {
+            let mut x = span.x0 / 16 * 16;
+            while x < span.x1 {
+                let piece = self.piece(simd, (&interval, &middle), [x, y]);
+                let pixel = y * canvas.pitch + x;
+                K::keep(simd, &piece, shader.table.hull, canvas, pixel);
+                x += 16;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd>(&self, simd: S, _: &ZonedFrame<'_>, _: &TileRect, canvas: &mut Canvas) {
+        self.colors.finish::<S, K>(simd, canvas);
+    }
+}
