@@ -30,6 +30,7 @@ macro_rules! vectorized {
     };
 }
 
+mod around;
 #[cfg(test)]
 mod by_cell;
 mod cells;
@@ -40,7 +41,8 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
-use cells::{CellBits, LevelRange, Verdict};
+use around::BrickRanges;
+use cells::CellBits;
 use chunk::{CHUNK, ChunkSolver, Scratch, StoredBrick};
 use lattice::{Lattice, Stored};
 use needs::Needs;
@@ -58,7 +60,7 @@ pub struct FieldStore {
     histogram: Histogram,
     /// Bricks along x, y, z.
     bricks: [usize; 3],
-    ranges: Vec<LevelRange>,
+    ranges: BrickRanges,
     cells: Vec<CellBits>,
     /// Whether the kernel reaches three voxels, not two.
     is_wide: bool,
@@ -90,20 +92,34 @@ struct NeededBrick {
 }
 
 impl FieldStore {
-    /// Reads a volume through; nothing is needed yet.
+    /// Reads a volume through, whose samples coefficients are to interpolate; nothing is needed yet.
     pub fn new(volume: Arc<Volume>, kernel: &GaussianKernel) -> Self {
         let lattice = Lattice::new(&volume);
+        let solver = ChunkSolver::new(kernel, &lattice);
+        Self::solved_by(solver, volume, (lattice, kernel))
+    }
+
+    /// The same of samples that are coefficients as they are: a field that the kernel smooths.
+    pub fn of_samples(volume: Arc<Volume>, kernel: &GaussianKernel) -> Self {
+        let lattice = Lattice::new(&volume);
+        Self::solved_by(ChunkSolver::of_samples(), volume, (lattice, kernel))
+    }
+
+    fn solved_by(
+        solver: ChunkSolver,
+        volume: Arc<Volume>,
+        (lattice, kernel): (Lattice, &GaussianKernel),
+    ) -> Self {
         let bricks = lattice.dims.map(|n| n.div_ceil(BRICK));
         let count = bricks.iter().product();
-        let mut ranges = vec![[0; 2]; count];
-        with_samples!(volume.samples(), data => ranges
-            .par_chunks_mut(bricks[0] * bricks[1])
-            .enumerate()
-            .for_each(|(bz, layer)| cells::layer_ranges(&lattice, data, bz, layer)));
+        let is_wide = kernel.radius > 2.0;
+        let bounds = (solver.interpolates(), is_wide);
+        let ranges =
+            with_samples!(volume.samples(), data => BrickRanges::new((&lattice, data), bricks, bounds));
         let chunks: usize = (0..3).map(|a| bricks[a].div_ceil(CHUNK[a])).product();
         Self {
-            is_wide: kernel.radius > 2.0,
-            solver: ChunkSolver::new(kernel, &lattice),
+            is_wide,
+            solver,
             histogram: Histogram::new(&volume),
             bricks,
             ranges,
@@ -192,7 +208,8 @@ impl FieldStore {
         chunk.stored(chunk.needed[i].place).touch();
     }
 
-    /// Coefficients of a needed brick less the background, x fastest; NaN where a voxel is not needed.
+    /// Coefficients of a needed brick less the background, x fastest; NaN where a voxel is not needed, infinite where it is
+    /// but its sample is missing.
     #[inline(always)]
     pub fn decode(&self, index: usize, out: &mut [f32; BRICK_VOXELS]) {
         let [chunk, i] = self.needed[index].map(|n| n as usize);
@@ -206,6 +223,11 @@ impl FieldStore {
     /// The background b, normalised: an invisible value, the most common one.
     pub fn background(&self) -> f32 {
         self.background
+    }
+
+    /// Whether samples are missing.
+    pub fn any_missing(&self) -> bool {
+        self.lattice.any_missing
     }
 
     /// Voxels that are needed.
@@ -235,14 +257,15 @@ impl FieldStore {
                 + chunk.stored.capacity() * size_of::<StoredBrick>()
                 + chunk.needed.capacity() * size_of::<NeededBrick>()
         };
-        self.ranges.len() * (size_of::<LevelRange>() + size_of::<CellBits>())
+        self.ranges.bytes()
+            + self.cells.len() * size_of::<CellBits>()
             + self.needed.capacity() * size_of::<[u32; 2]>()
             + self.chunks.iter().map(of_chunk).sum::<usize>()
     }
 
     /// Visible cells of the bricks whose levels changed; says which bricks' cells are others than before.
     fn find_cells(&mut self, levels: &VisibleLevels, changed: Option<&VisibleLevels>) -> Vec<bool> {
-        let mut touched = vec![false; self.ranges.len()];
+        let mut touched = vec![false; self.cells.len()];
         let intervals = levels.intervals();
         let (lattice, bricks, ranges) = (&self.lattice, self.bricks, &self.ranges);
         with_samples!(self.volume.samples(), data => self.cells
@@ -251,25 +274,13 @@ impl FieldStore {
         .enumerate()
         .with_min_len(64)
         .for_each(|(brick, (cells, touched))| {
-            let range = ranges[brick];
-            let seen = cells::widened(range);
-            if changed.is_some_and(|changed| !changed.any_of(seen)) {
+            let seen = cells::widened(ranges.all()[brick]);
+            if changed.is_some_and(|changed| seen != cells::NO_LEVEL && !changed.any_of(seen)) {
                 return;
             }
             let first = [brick % bricks[0], brick / bricks[0] % bricks[1], brick / (bricks[0] * bricks[1])]
                 .map(|b| b * BRICK);
-            let found = match cells::verdict(range, levels) {
-                Verdict::None => [0; BRICK],
-                Verdict::All => cells::existing(lattice, first),
-                Verdict::Mixed => {
-                    let from = intervals.partition_point(|interval| interval[1] < seen[0]);
-                    let to = intervals.partition_point(|interval| interval[0] <= seen[1]);
-                    let points = vectorized!(lattice.simd, cells::read(lattice, data, first));
-                    let found = vectorized!(lattice.simd, cells::visible(&points, &intervals[from..to]));
-                    let existing = cells::existing(lattice, first);
-                    std::array::from_fn(|z| found[z] & existing[z])
-                }
-            };
+            let found = ranges.visible((lattice, data), (brick, first), (levels, &intervals));
             *touched = found != *cells;
             *cells = found;
         }));
@@ -414,7 +425,13 @@ impl<T: Stored> ChunkJob<'_, T> {
         }
         for (at, needs) in again {
             let stored = chunk.stored(at);
-            let mask = vectorized!(store.lattice.simd, stored.mask(&needs, store.background));
+            let offset = place(at as usize);
+            let voxel = std::array::from_fn(|a| (first[a] + offset[a]) * BRICK);
+            let existing = cells::within(store.lattice.dims, voxel);
+            let mask = vectorized!(
+                store.lattice.simd,
+                stored.mask(&needs, store.background, &existing)
+            );
             let voxels = mask.iter().map(|bits| bits.count_ones()).sum();
             if voxels > 0 {
                 let brick = NeededBrick {

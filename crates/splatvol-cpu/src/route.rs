@@ -186,9 +186,10 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume.
+/// Whether the sheet engine renders a volume: of missing samples and without the prefilter, post-classified pictures.
 pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
-    (settings.prefilter || splats_color(settings)) && volume.statistics().non_finite == 0
+    let is_post = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
+    is_post || ((settings.prefilter || splats_color(settings)) && volume.statistics().non_finite == 0)
 }
 
 fn volume_scene<'a>(

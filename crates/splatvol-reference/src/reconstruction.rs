@@ -22,8 +22,8 @@ use crate::solve::solve;
 pub struct Reconstruction {
     kernel: GaussianKernel,
     value_range: [f64; 2],
-    /// Coefficient and presence (1 or 0) per lattice point.
-    samples: Lattice<2>,
+    /// Coefficient, presence (1 or 0) and 1 per lattice point.
+    samples: Lattice<3>,
     /// The volume's own samples along x, y, z.
     own_dims: [usize; 3],
     any_missing: bool,
@@ -38,7 +38,7 @@ pub struct Sums {
     pub s: f64,
     /// `W = sum_k h(x - k)`.
     pub w: f64,
-    /// `B`, times `min(W, 1)` where samples are missing.
+    /// `B`, times the share of W in the sum over all of the lattice where samples are missing.
     pub b: f64,
     /// Gradient of S in voxel space, per voxel.
     pub grad_s: DVec3,
@@ -80,9 +80,9 @@ impl Reconstruction {
         };
         let payload = |(sample, coefficient): (&f64, f64)| {
             if sample.is_finite() {
-                [coefficient, 1.0]
+                [coefficient, 1.0, 1.0]
             } else {
-                [0.0, 0.0]
+                [0.0, 0.0, 1.0]
             }
         };
         Ok(Self {
@@ -114,8 +114,8 @@ impl Reconstruction {
     }
 
     /// `B = prod_a Phi((x_a + 1/2) / s_a) - Phi((x_a - n_a + 1/2) / s_a)`, s the kernel's deviations along the axes.
-    fn with_box(&self, sums: LatticeSums<2>, x_voxel: DVec3, deviation: DVec3) -> Sums {
-        let [s, w] = sums.sums;
+    fn with_box(&self, sums: LatticeSums<3>, x_voxel: DVec3, deviation: DVec3) -> Sums {
+        let [s, w, all] = sums.sums;
         let below = |offset: f64, axis: usize| 0.5 * libm::erfc(-offset / (deviation[axis] * SQRT_2));
         let share = |axis: usize| {
             below(x_voxel[axis] + 0.5, axis) - below(x_voxel[axis] + 0.5 - self.own_dims[axis] as f64, axis)
@@ -124,7 +124,11 @@ impl Reconstruction {
         Sums {
             s,
             w,
-            b: if self.any_missing { b * w.min(1.0) } else { b },
+            b: if self.any_missing && all > 0.0 {
+                b * w / all
+            } else {
+                b
+            },
             grad_s: sums.gradient,
         }
     }

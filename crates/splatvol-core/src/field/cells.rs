@@ -2,7 +2,8 @@
 //!
 //! Ranges are kept as levels of [`VisibleLevels`](crate::visibility::VisibleLevels), which order values as the values
 //! themselves do, in 16 bits: eight cells fit a vector register of the smallest machine. A brick's own range decides
-//! most bricks; only where some of its levels are visible and some are not does each cell count.
+//! most bricks; only where some of its levels are visible and some are not does each cell count. Cells whose corners say too
+//! little about what is between them are those of [`super::around`].
 
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
@@ -13,10 +14,18 @@ use super::lattice::{Lattice, Stored};
 pub(super) type CellBits = [u64; BRICK];
 
 /// Lattice points along the edge of a brick of cells.
-const POINTS: usize = BRICK + 1;
+pub(super) const POINTS: usize = BRICK + 1;
 
 /// Smallest and largest level of the points around a brick's cells.
 pub(super) type LevelRange = [i16; 2];
+
+/// The range of no point.
+pub(super) const NO_LEVEL: LevelRange = [i16::MAX, i16::MIN];
+
+/// Both ranges together.
+pub(super) fn union(a: LevelRange, b: LevelRange) -> LevelRange {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
 
 /// What the reconstruction may leave a range of levels by: 5/32 of its width, the levels' own width included.
 #[inline(always)]
@@ -26,6 +35,9 @@ fn slack(low: i16, high: i16) -> i16 {
 
 /// A range with the reconstruction's overshoot.
 pub(super) fn widened([low, high]: LevelRange) -> LevelRange {
+    if low > high {
+        return NO_LEVEL;
+    }
     let slack = slack(low, high);
     [(low - slack).max(0), (high + slack).min(LEVELS as i16 - 1)]
 }
@@ -39,7 +51,7 @@ pub(super) enum Verdict {
 }
 
 pub(super) fn verdict(range: LevelRange, levels: &VisibleLevels) -> Verdict {
-    if !levels.any_of(widened(range)) {
+    if range == NO_LEVEL || !levels.any_of(widened(range)) {
         Verdict::None
     } else if levels.all_of(range) {
         Verdict::All
@@ -50,10 +62,13 @@ pub(super) fn verdict(range: LevelRange, levels: &VisibleLevels) -> Verdict {
 
 /// Cells of the brick at `first` that exist.
 pub(super) fn existing(lattice: &Lattice, first: [usize; 3]) -> CellBits {
-    let [x, y, z]: [usize; 3] = std::array::from_fn(|a| {
-        let cells = lattice.dims[a].saturating_sub(1).max(1);
-        cells.saturating_sub(first[a]).min(BRICK)
-    });
+    let cells = lattice.dims.map(|n| n.saturating_sub(1).max(1));
+    within(cells, first)
+}
+
+/// Which of the brick at `first` are within a box of so many along x, y, z.
+pub(super) fn within(counts: [usize; 3], first: [usize; 3]) -> CellBits {
+    let [x, y, z]: [usize; 3] = std::array::from_fn(|a| counts[a].saturating_sub(first[a]).min(BRICK));
     let row = (1u64 << x) - 1;
     let slice = (0..y).fold(0, |bits, y| bits | row << (BRICK * y));
     std::array::from_fn(|i| if i < z { slice } else { 0 })
@@ -83,20 +98,18 @@ pub(super) fn layer_ranges<T: Stored>(lattice: &Lattice, data: &[T], bz: usize, 
         line.clear();
         line.extend(low.iter().zip(&high).map(|(&low, &high)| {
             let (a, b) = (lattice.level(low), lattice.level(high));
-            // A row of missing samples stands for anything.
-            if lattice.any_missing {
-                [0, LEVELS as i16 - 1]
-            } else {
-                [a.min(b), a.max(b)]
-            }
+            [a.min(b), a.max(b)]
         }));
-        let mut points = [[0; 2]; POINTS];
-        for (bx, range) in row.iter_mut().enumerate() {
-            lattice.points(&line, bx * BRICK, &mut points);
-            *range = points
-                .iter()
-                .fold(points[0], |r, p| [r[0].min(p[0]), r[1].max(p[1])]);
-        }
+        along_bricks(lattice, &line, row);
+    }
+}
+
+/// Ranges of a row of bricks from those of its columns.
+pub(super) fn along_bricks(lattice: &Lattice, columns: &[LevelRange], row: &mut [LevelRange]) {
+    let mut points = [NO_LEVEL; POINTS];
+    for (bx, range) in row.iter_mut().enumerate() {
+        lattice.points(columns, bx * BRICK, &mut points);
+        *range = points.into_iter().fold(NO_LEVEL, union);
     }
 }
 
@@ -109,7 +122,7 @@ fn join<T: Stored>(low: &mut [T], high: &mut [T], samples: &[T]) {
 }
 
 /// Lattice points of the cells of a brick along an axis.
-fn span(brick: usize, count: usize) -> std::ops::Range<usize> {
+pub(super) fn span(brick: usize, count: usize) -> std::ops::Range<usize> {
     brick * BRICK..(brick * BRICK + POINTS).min(count)
 }
 

@@ -20,7 +20,7 @@ pub(super) const CHUNK: [usize; 3] = [8, 4, 4];
 const SPAN: [usize; 3] = [CHUNK[0] * BRICK, CHUNK[1] * BRICK, CHUNK[2] * BRICK];
 /// What an error of 1 at the edge of the halo may still be inside.
 const CUT_SHARE: f64 = 1e-6;
-/// Stored in place of a coefficient that there is none of.
+/// Stored in place of a coefficient that there is none of: the sample is missing, or the point is none of the lattice.
 const MISSING: u16 = u16::MAX;
 /// Largest stored coefficient.
 const STEPS: f32 = 65_534.0;
@@ -32,7 +32,7 @@ pub(super) struct StoredBrick {
     values: [u16; BRICK_VOXELS],
     offset: f32,
     scale: f32,
-    any_missing: bool,
+    has_gaps: bool,
 }
 
 impl StoredBrick {
@@ -40,13 +40,13 @@ impl StoredBrick {
     #[inline(always)]
     fn new(values: &[f32; BRICK_VOXELS]) -> Self {
         let (mut low, mut high) = ([f32::INFINITY; BRICK], [f32::NEG_INFINITY; BRICK]);
-        let mut any_missing = false;
+        let mut has_gaps = false;
         for row in values.chunks_exact(BRICK) {
             for x in 0..BRICK {
                 // Comparisons with NaN are false.
                 low[x] = if row[x] < low[x] { row[x] } else { low[x] };
                 high[x] = if row[x] > high[x] { row[x] } else { high[x] };
-                any_missing |= row[x].is_nan();
+                has_gaps |= row[x].is_nan();
             }
         }
         let low = low.into_iter().fold(f32::INFINITY, f32::min);
@@ -66,7 +66,7 @@ impl StoredBrick {
             values: stored,
             offset,
             scale: width / STEPS,
-            any_missing,
+            has_gaps,
         }
     }
 
@@ -78,7 +78,7 @@ impl StoredBrick {
         }
     }
 
-    /// Coefficients less the background where the mask has a bit, else NaN.
+    /// Coefficients less the background where the mask has a bit, infinite where they are missing; else NaN.
     #[inline(always)]
     pub(super) fn decode(&self, mask: &CellBits, background: f32, out: &mut [f32; BRICK_VOXELS]) {
         let (scale, offset) = (self.scale, self.offset - background);
@@ -90,11 +90,18 @@ impl StoredBrick {
                 out[x] = if bits & 1 << x != 0 { value } else { f32::NAN };
             }
         }
+        if self.has_gaps {
+            for (out, stored) in out.iter_mut().zip(&self.values) {
+                let missing = *stored == MISSING && !out.is_nan();
+                *out = if missing { f32::INFINITY } else { *out };
+            }
+        }
     }
 
-    /// Voxels that a reconstruction needs: all near ones, of the far ones those that differ from the background.
+    /// Voxels that a reconstruction needs: all near ones, of the far ones those that differ from the background or are missing.
+    /// `existing`: those that are on the lattice.
     #[inline(always)]
-    pub(super) fn mask(&self, needs: &Needs, background: f32) -> CellBits {
+    pub(super) fn mask(&self, needs: &Needs, background: f32, existing: &CellBits) -> CellBits {
         let (scale, offset) = (self.scale, self.offset - background);
         let mut mask = needs.near;
         if offset > TOLERANCE || offset + scale * STEPS < -TOLERANCE {
@@ -110,9 +117,10 @@ impl StoredBrick {
                 }
             }
         }
-        if self.any_missing {
-            for (bits, slice) in mask.iter_mut().zip(self.values.as_chunks().0) {
-                *bits &= slice_bits(slice, |stored| stored != MISSING);
+        if self.has_gaps {
+            for (z, slice) in self.values.as_chunks().0.iter().enumerate() {
+                let gaps = slice_bits(slice, |stored| stored == MISSING);
+                mask[z] = (mask[z] & !gaps) | (needs.far[z] & gaps & existing[z]);
             }
         }
         mask
@@ -132,7 +140,8 @@ fn slice_bits(slice: &[u16; BRICK * BRICK], holds: impl Fn(u16) -> bool) -> u64 
 /// Solves the lattice part by part.
 #[derive(Debug, Clone)]
 pub(super) struct ChunkSolver {
-    axes: [AxisSolver; 3],
+    /// Of none where samples are their own coefficients.
+    axes: Option<[AxisSolver; 3]>,
     halo: [usize; 3],
 }
 
@@ -168,10 +177,26 @@ impl Extent {
 }
 
 impl ChunkSolver {
+    /// Of coefficients that interpolate the samples.
     pub(super) fn new(kernel: &GaussianKernel, lattice: &Lattice) -> Self {
         let axes = lattice.dims.map(|count| AxisSolver::new(kernel, count));
-        let halo = std::array::from_fn(|a| axes[a].halo(CUT_SHARE));
-        Self { axes, halo }
+        Self {
+            halo: std::array::from_fn(|a| axes[a].halo(CUT_SHARE)),
+            axes: Some(axes),
+        }
+    }
+
+    /// Of coefficients that are the samples.
+    pub(super) fn of_samples() -> Self {
+        Self {
+            axes: None,
+            halo: [0; 3],
+        }
+    }
+
+    /// Whether coefficients interpolate the samples.
+    pub(super) fn interpolates(&self) -> bool {
+        self.axes.is_some()
     }
 
     /// Solves for the chunk that begins at lattice point `first`.
@@ -204,14 +229,17 @@ impl ChunkSolver {
         for (at, out) in (z.outer_from..z.outer_to).zip(slab.chunks_exact_mut(plane)) {
             let slice = &mut slice[..width * y.outer()];
             let lines = &mut lines[..width * BLOCK];
+            let Some(axes) = &self.axes else {
+                vectorized!(lattice.simd, load(lattice, data, [x, y], at, out));
+                continue;
+            };
             vectorized!(lattice.simd, load(lattice, data, [x, y], at, slice));
-            vectorized!(lattice.simd, self.solve_slice(slice, lines, [x, y], out));
+            vectorized!(lattice.simd, solve_slice(axes, (slice, lines), [x, y], out));
         }
-        let slab = &mut slab[..plane * z.outer()];
-        vectorized!(
-            lattice.simd,
-            self.axes[2].solve_rows(slab, z.outer_from, plane, plane)
-        );
+        if let Some([_, _, along_z]) = &self.axes {
+            let slab = &mut slab[..plane * z.outer()];
+            vectorized!(lattice.simd, along_z.solve_rows(slab, z.outer_from, plane, plane));
+        }
         Solved {
             size: [x, y, z].map(|e| e.len()),
             skip: z.skip() * plane,
@@ -219,17 +247,20 @@ impl ChunkSolver {
     }
 }
 
-impl ChunkSolver {
-    /// Solves a slice with its halo along y and x, and leaves the chunk's own points in `out`.
-    #[inline(always)]
-    fn solve_slice(&self, slice: &mut [f32], lines: &mut [f32], [x, y]: [Extent; 2], out: &mut [f32]) {
-        let width = x.outer();
-        self.axes[1].solve_rows(slice, y.outer_from, width, width);
-        let rows = &slice[y.skip() * width..][..y.len() * width];
-        transpose(rows, lines, width, y.len());
-        self.axes[0].solve_rows(lines, x.outer_from, BLOCK, y.len());
-        transpose_columns(&lines[x.skip() * BLOCK..], out, x.len());
-    }
+/// Solves a slice with its halo along y and x, and leaves the chunk's own points in `out`. `lines`: memory.
+#[inline(always)]
+fn solve_slice(
+    [along_x, along_y, _]: &[AxisSolver; 3],
+    (slice, lines): (&mut [f32], &mut [f32]),
+    [x, y]: [Extent; 2],
+    out: &mut [f32],
+) {
+    let width = x.outer();
+    along_y.solve_rows(slice, y.outer_from, width, width);
+    let rows = &slice[y.skip() * width..][..y.len() * width];
+    transpose(rows, lines, width, y.len());
+    along_x.solve_rows(lines, x.outer_from, BLOCK, y.len());
+    transpose_columns(&lines[x.skip() * BLOCK..], out, x.len());
 }
 
 /// Where a chunk's coefficients lie in the scratch memory.
@@ -257,9 +288,11 @@ impl Solved {
                 let out = &mut values[(dz * BRICK + dy) * BRICK..][..BRICK];
                 out[..width].copy_from_slice(&scratch.slab[start..start + width]);
                 if lattice.any_missing {
-                    for (dx, value) in out[..width].iter_mut().enumerate() {
-                        let at = [first[0] + x + dx, first[1] + y + dy, first[2] + z + dz];
-                        if !lattice.filled(data, at).1 {
+                    let row = lattice.row(data, [first[1] + y + dy, first[2] + z + dz]);
+                    let mut samples = [row[0]; BRICK];
+                    lattice.points(row, first[0] + x, &mut samples[..width]);
+                    for (value, sample) in out[..width].iter_mut().zip(samples) {
+                        if !lattice.normalised(sample).is_finite() {
                             *value = f32::NAN;
                         }
                     }
@@ -273,20 +306,8 @@ impl Solved {
 /// Normalised values of a slice of a chunk.
 #[inline(always)]
 fn load<T: Stored>(lattice: &Lattice, data: &[T], [x, y]: [Extent; 2], z: usize, slice: &mut [f32]) {
-    let width = x.outer();
-    let first = lattice.row(data, [0, 0])[0];
-    let mut samples = vec![first; width];
-    for (y, out) in (y.outer_from..y.outer_to).zip(slice.chunks_exact_mut(width)) {
-        if lattice.any_missing {
-            for (x, value) in (x.outer_from..).zip(out) {
-                *value = lattice.filled(data, [x, y, z]).0;
-            }
-        } else {
-            lattice.points(lattice.row(data, [y, z]), x.outer_from, &mut samples);
-            for (value, &sample) in out.iter_mut().zip(&samples) {
-                *value = lattice.normalised(sample);
-            }
-        }
+    for (y, out) in (y.outer_from..y.outer_to).zip(slice.chunks_exact_mut(x.outer())) {
+        lattice.fill(data, (x.outer_from, [y, z]), out);
     }
 }
 

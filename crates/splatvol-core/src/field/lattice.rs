@@ -36,6 +36,9 @@ macro_rules! large {
 small!(u8, i8, u16, i16);
 large!(u32, i32, f32, f64);
 
+/// Points of a row that are read at once.
+const PART: usize = 64;
+
 /// Where a volume's samples lie on the lattice, and what they are worth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lattice {
@@ -118,13 +121,33 @@ impl Lattice {
         level_of(self.normalised(sample))
     }
 
-    /// Normalised value of a point; a missing sample is the mean of its finite face neighbours, 0 without any, and
-    /// marked by `false`.
-    pub(super) fn filled<T: Stored>(&self, data: &[T], [x, y, z]: [usize; 3]) -> (f32, bool) {
+    /// Normalised values of lattice points `start ..` of a row; each missing one is filled.
+    #[inline(always)]
+    pub(super) fn fill<T: Stored>(&self, data: &[T], (start, [y, z]): (usize, [usize; 2]), out: &mut [f32]) {
+        let row = self.row(data, [y, z]);
+        let mut x = start;
+        for out in out.chunks_mut(PART) {
+            let mut samples = [row[0]; PART];
+            let samples = &mut samples[..out.len()];
+            self.points(row, x, samples);
+            for (value, &sample) in out.iter_mut().zip(&*samples) {
+                *value = self.normalised(sample);
+            }
+            if self.any_missing && !out.iter().fold(true, |all, value| all & value.is_finite()) {
+                for (i, value) in out.iter_mut().enumerate() {
+                    *value = self.filled(data, [x + i, y, z]);
+                }
+            }
+            x += out.len();
+        }
+    }
+
+    /// Normalised value of a point; a missing sample is the mean of its finite face neighbours, 0 without any.
+    fn filled<T: Stored>(&self, data: &[T], [x, y, z]: [usize; 3]) -> f32 {
         let at = |[x, y, z]: [usize; 3]| self.normalised(self.row(data, [y, z])[self.sample(0, x)]);
         let own = at([x, y, z]);
         if own.is_finite() {
-            return (own, true);
+            return own;
         }
         let (mut sum, mut found) = (0.0, 0);
         for axis in 0..3 {
@@ -144,6 +167,6 @@ impl Lattice {
                 }
             }
         }
-        (if found == 0 { 0.0 } else { sum / found as f32 }, false)
+        if found == 0 { 0.0 } else { sum / found as f32 }
     }
 }

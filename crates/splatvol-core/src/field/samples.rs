@@ -38,12 +38,13 @@ impl Default for Neighbourhood {
 impl FieldStore {
     /// Bricks of which a sample may be visible, ascending, in place of what `bricks` held.
     pub fn visible_bricks(&self, levels: &VisibleLevels, bricks: &mut Vec<u32>) {
-        let shows =
-            |[low, high]: [i16; 2]| levels.any_of([(low - 1).max(0), (high + 1).min(LEVELS as i16 - 1)]);
+        let shows = |[low, high]: [i16; 2]| {
+            low <= high && levels.any_of([(low - 1).max(0), (high + 1).min(LEVELS as i16 - 1)])
+        };
         bricks.clear();
         bricks.extend(
             (0u32..)
-                .zip(&self.ranges)
+                .zip(self.ranges.all())
                 .filter(|(_, range)| shows(**range))
                 .map(|(i, _)| i),
         );

@@ -242,11 +242,129 @@ fn missing_samples_stay_missing_and_do_not_spread() {
     for (i, (missing, filled)) in missing.iter().zip(filled).enumerate() {
         assert!(
             if i == middle {
-                missing.is_nan()
+                *missing == f32::INFINITY
             } else {
                 (missing - filled).abs() < 1e-4
             },
             "{i}: {missing} {filled}"
         );
+    }
+}
+
+/// Value of a field at a lattice position, and the weight of what is left of it.
+fn value_at(field: &Coefficients, sigma: f64, at: [f64; 3]) -> [f64; 2] {
+    let [nx, ny, nz] = field.dims;
+    let (mut sum, mut weight, mut all) = (0.0, 0.0, 0.0);
+    let span = |a: usize, n: usize| (at[a] as usize).saturating_sub(4)..(at[a] as usize + 6).min(n);
+    for z in span(2, nz) {
+        for y in span(1, ny) {
+            for x in span(0, nx) {
+                let squared = [x, y, z]
+                    .iter()
+                    .zip(at)
+                    .map(|(&p, at)| (p as f64 - at).powi(2))
+                    .sum::<f64>();
+                let h = (-0.5 * squared / (sigma * sigma)).exp();
+                let value = f64::from(field.values[(z * ny + y) * nx + x]);
+                all += h;
+                if !value.is_nan() {
+                    sum += h * value;
+                    weight += h;
+                }
+            }
+        }
+    }
+    [sum / weight, weight / all]
+}
+
+#[test]
+fn what_can_be_seen_beside_missing_samples_and_without_the_prefilter_is_there() {
+    let dims = [41, 30, 27];
+    let mut random = Random::new(77);
+    for (interpolates, holes) in [
+        (true, 2),
+        (true, 40),
+        (true, 9000),
+        (false, 0),
+        (false, 40),
+        (false, 9000),
+    ] {
+        let whole: Vec<f32> = waves(dims, 0.1, 4).into_iter().map(|v| v as f32).collect();
+        let mut data = whole.clone();
+        for _ in 0..holes {
+            let at = (random.unit() * data.len() as f64) as usize;
+            data[at] = if at.is_multiple_of(2) {
+                f32::NAN
+            } else {
+                f32::INFINITY
+            };
+        }
+        if holes > 1000 {
+            // A whole region, with bricks of their own.
+            for (i, value) in data.iter_mut().enumerate() {
+                if i % dims[0] < 18 {
+                    *value = f32::NAN;
+                }
+            }
+        }
+        let holed = volume(dims, Samples::F32(data.into()), Rescale::default());
+        let kernel = kernel(0.605, 2.0);
+        let (field, store) = match interpolates {
+            true => (Some(&kernel), FieldStore::new(holed.clone(), &kernel)),
+            false => (None, FieldStore::of_samples(holed.clone(), &kernel)),
+        };
+        let (field, _) = Coefficients::new(&holed, Use::Field(field));
+        for band in [[0.2, 0.24], [0.5, 0.53], [0.8, 2.0]] {
+            let mut store = store.clone();
+            let levels = levels(
+                &holed,
+                &[
+                    (band[0] - 0.001, 0.0),
+                    (band[0], 0.5),
+                    (band[1], 0.5),
+                    (band[1] + 0.001, 0.0),
+                ],
+            );
+            store.update(&levels);
+            let there = dense(&store);
+            let (mut seen, mut needed) = (0, 0);
+            for _ in 0..40_000 {
+                let at: [f64; 3] = std::array::from_fn(|a| 1.0 + random.unit() * (dims[a] - 1) as f64);
+                let [value, share] = value_at(&field, 0.605, at);
+                // What is left over of less hardly covers anything.
+                if share < 0.05 || !levels.any(value as f32, value as f32) {
+                    continue;
+                }
+                seen += 1;
+                let all = (0..8usize).all(|i| {
+                    let [x, y, z] = [0, 1, 2].map(|a| at[a] as usize + (i >> a & 1));
+                    !there[(z * field.dims[1] + y) * field.dims[0] + x].is_nan()
+                });
+                needed += usize::from(all);
+            }
+            println!("{interpolates} {holes} {band:?}: {needed} of {seen}");
+            // Coefficients of noise that are left alone may be further outside than is allowed for.
+            assert!(
+                seen > 50 && needed * 100 >= seen * 98,
+                "{interpolates} {holes} {band:?}: {needed} of {seen}"
+            );
+            for (value, coefficient) in there.iter().zip(&field.values) {
+                let same = match coefficient.is_nan() {
+                    true => *value == f32::INFINITY,
+                    false => (value + store.background() - coefficient).abs() < 1e-4,
+                };
+                assert!(
+                    value.is_nan() || same,
+                    "{interpolates} {holes}: {value} {coefficient}"
+                );
+            }
+            if (interpolates, holes) == (true, 2) {
+                let without = volume(dims, Samples::F32(whole.clone().into()), Rescale::default());
+                let mut without = FieldStore::new(without, &kernel);
+                without.update(&levels);
+                let [here, there] = [&store, &without].map(FieldStore::needed_voxels);
+                assert!(here < there + 2 * 1000, "{band:?}: {here} {there}");
+            }
+        }
     }
 }

@@ -43,11 +43,10 @@ pub(super) fn check(
             "what analytic gradients (preset best) light has no operators, clips or isosurfaces, use gradients by differences",
         );
     }
-    if post && !settings.prefilter {
-        return refuse("data that are not prefiltered go slice by slice, use the prefilter");
-    }
-    if single.volume.statistics().non_finite > 0 {
-        return refuse("volumes with missing samples go slice by slice, fill them first");
+    if !post && single.volume.statistics().non_finite > 0 {
+        return refuse(
+            "classified volumes with missing samples go slice by slice, fill them first or use post-classification",
+        );
     }
     Ok(())
 }

@@ -12,6 +12,7 @@ use super::compose::through_and_opacity;
 use super::fine_table::{FineTable, Stretch, advantage};
 use super::gradients::Moments;
 use super::hermite::{End, Hermite, Rays, pieces};
+use super::holes::{self, Holes};
 use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
 use super::mode::Mode;
 use super::place::Place;
@@ -77,6 +78,9 @@ pub(crate) struct Interval<'a> {
     derivatives: [Derivative; 2],
     /// The gradient at the nearer plane where that is at the eye, which has no sums of moments.
     at_eye: Option<[f32; 3]>,
+    /// Weights of missing samples with their moments, where there are any, and their gradient at the eye.
+    holes: Option<[&'a [Plane; MAX_CHANNELS]; 2]>,
+    holes_at_eye: [f32; 3],
     faces: [WeightPlane; 2],
     is_near_face: bool,
     /// Camera depth of the nearer plane.
@@ -90,6 +94,46 @@ impl Interval<'_> {
     #[inline(always)]
     pub(crate) fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
         [self.origin[0] + x, self.origin[1] + y]
+    }
+
+    /// Weights of missing samples at sixteen pixels of one of the planes, and their gradient; `None` where there are none.
+    #[inline(always)]
+    fn missing<S: Simd>(
+        &self,
+        simd: S,
+        which: usize,
+        [x, y]: [usize; 2],
+    ) -> Option<(f32x16<S>, [f32x16<S>; 3])> {
+        let planes = self.holes?[which];
+        let at = (y + HALO) * planes[0].pitch + x + HALO;
+        let [missing, moments @ ..] = [0, 1, 2, 3].map(|c| load(simd, &planes[c].values, at));
+        holes::any(simd, missing).then(|| {
+            let gradient = match self.at_eye {
+                Some(_) if which == 0 => self.holes_at_eye.map(|along| f32x16::splat(simd, along)),
+                _ => self.derivatives[which].gradient(moments),
+            };
+            (missing, gradient)
+        })
+    }
+
+    /// The same in the middle between the planes, by a cubic along the rays, without gradient.
+    #[inline(always)]
+    pub(crate) fn missing_between<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        place: [usize; 2],
+    ) -> Option<f32x16<S>> {
+        let zero = f32x16::splat(simd, 0.0);
+        let ends = [0, 1].map(|which| self.missing(simd, which, place));
+        if ends.iter().all(Option::is_none) {
+            return None;
+        }
+        let [(near, rise), (far, fall)] = ends.map(|end| match end {
+            Some((missing, gradient)) => (missing, rays.along(gradient)),
+            None => (zero, zero),
+        });
+        Some(((near + far) * 0.5 + (rise - fall) * (0.125 * rays.spacing)).max(zero))
     }
 
     /// Which of sixteen pixels have a sum on one of the planes.
@@ -113,7 +157,7 @@ impl AnalyticField<'_> {
         &self,
         frame: &SheetFrame<'_>,
         (near, place): (usize, &Place),
-        (planes, at_eye): (&'s [[Plane; MAX_CHANNELS]; 4], Option<[f32; 3]>),
+        (planes, holes, at_eye): (&'s [[Plane; MAX_CHANNELS]; 4], &'s Holes, Option<[f32; 3]>),
     ) -> Option<(Interval<'s>, Span)> {
         let span = filled(planes.each_ref().map(|p| &p[0]), place)?;
         let [first, second] = frame.sheets.get(near..near + 2)? else {
@@ -127,6 +171,8 @@ impl AnalyticField<'_> {
             planes: [&planes[1], &planes[2]],
             derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
             at_eye,
+            holes: self.store.any_missing().then(|| holes.moments()).flatten(),
+            holes_at_eye: holes.at_eye,
             is_near_face: faces
                 .iter()
                 .any(|plane| self.weights.is_near_any(plane, &place.rect)),
@@ -172,11 +218,14 @@ impl AnalyticField<'_> {
         let channel = |c: usize| load(simd, &planes[c].values, at);
         let in_picture = interval.in_picture([x, y]);
         let face = &interval.faces[which];
-        let weights = if interval.is_near_face && self.weights.is_near(face, in_picture) {
+        let mut weights = if interval.is_near_face && self.weights.is_near(face, in_picture) {
             self.weights.at(simd, face, in_picture)
         } else {
             Weights::inside(simd)
         };
+        if let Some((missing, gradient)) = interval.missing(simd, which, [x, y]) {
+            weights.leave_out(simd, missing, gradient);
+        }
         End {
             sum: channel(0),
             gradient: match interval.at_eye {
@@ -287,6 +336,10 @@ impl Mode<4> for Analytic<'_> {
         Moments
     }
 
+    fn has_holes(&self) -> bool {
+        self.field.store.any_missing()
+    }
+
     #[inline(always)]
     fn touch(&self, brick: usize) {
         self.field.store.touch(brick);
@@ -313,9 +366,16 @@ impl Mode<4> for Analytic<'_> {
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
         let SheetScratch {
-            planes, mask, at_eye, ..
+            planes,
+            mask,
+            at_eye,
+            holes,
+            ..
         } = scratch;
-        let Some((interval, span)) = self.field.interval(frame, (near, place), (planes, *at_eye)) else {
+        let Some((interval, span)) = self
+            .field
+            .interval(frame, (near, place), (planes, holes, *at_eye))
+        else {
             return;
         };
         for y in span.y0..span.y1 {

@@ -203,14 +203,14 @@ impl SheetEngine {
         if !self
             .pyramid
             .as_ref()
-            .is_some_and(|p| p.is_of(&scene.volume, settings.kernel))
+            .is_some_and(|p| p.is_of(&scene.volume, settings))
         {
             // Freed before the new one is made.
             self.pyramid = None;
         }
         let pyramid = self
             .pyramid
-            .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings.kernel));
+            .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings));
         let wanted = Wanted::of(settings);
         let look = (&*scene.transfer_function, scene.unit_distance());
         let Some(level) = pyramid.classify(level, look, wanted, run.task.stop) else {

@@ -12,7 +12,7 @@ use super::classified::Classified;
 use super::cubic::Parabola;
 use super::gradients::Moments;
 use super::intensity::{Kept, Piece, ValueColors};
-use super::lattice_weights::WeightPlane;
+use super::lattice_weights::{WeightPlane, Weights};
 use super::mode::Mode;
 use super::place::Place;
 use super::tile::{SheetFrame, SheetScratch, ZonedFrame};
@@ -42,14 +42,21 @@ impl<'a, K: Kept> ExactIntensity<'a, K> {
         (interval, middle): (&Interval<'_>, &WeightPlane),
         place: [usize; 2],
     ) -> Piece<S> {
-        let (along, _) = self.field.along_rays(simd, interval, place);
+        let (along, rays) = self.field.along_rays(simd, interval, place);
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let in_picture = interval.in_picture(place);
         let is_near_face = self.field.is_near_face(interval, in_picture);
+        let missing = interval.missing_between(simd, &rays, place);
         Piece {
             values: along.values(),
-            coverage: is_near_face.then(|| {
-                let middle = self.field.weights.at(simd, middle, in_picture);
+            coverage: (is_near_face || missing.is_some()).then(|| {
+                let mut middle = match is_near_face {
+                    true => self.field.weights.at(simd, middle, in_picture),
+                    false => Weights::inside(simd),
+                };
+                if let Some(missing) = missing {
+                    middle.leave_out(simd, missing, [zero; 3]);
+                }
                 Parabola::through([
                     along.coverage(simd, zero),
                     middle.coverage(simd),
@@ -67,6 +74,10 @@ impl<K: Kept> Mode<4> for ExactIntensity<'_, K> {
 
     fn payload(_: &Classified) -> Moments {
         Moments
+    }
+
+    fn has_holes(&self) -> bool {
+        self.field.store.any_missing()
     }
 
     #[inline(always)]
@@ -94,7 +105,7 @@ impl<K: Kept> Mode<4> for ExactIntensity<'_, K> {
         place: &Place,
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
-        let planes = (&scratch.planes, scratch.at_eye);
+        let planes = (&scratch.planes, &scratch.holes, scratch.at_eye);
         let Some((interval, span)) = self.field.interval(frame, (near, place), planes) else {
             return;
         };

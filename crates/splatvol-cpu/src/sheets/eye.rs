@@ -19,7 +19,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::mode::{Bricks, Mode};
 use super::place::Place;
-use super::plane::{HALO, Span};
+use super::plane::{HALO, Plane, Span};
 use super::splat::Payload;
 use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
 
@@ -43,6 +43,8 @@ pub(crate) struct Eye {
 struct Jet<const N: usize> {
     value: [f64; N],
     gradient: [DVec3; N],
+    /// The same of the weights of missing samples.
+    missing: (f64, DVec3),
 }
 
 impl Eye {
@@ -102,6 +104,7 @@ impl Eye {
         let mut jet = Jet {
             value: [0.0; N],
             gradient: [DVec3::ZERO; N],
+            missing: (0.0, DVec3::ZERO),
         };
         let one = f32x16::splat(simd, 1.0);
         let mut values = [f32::NAN; BRICK_VOXELS];
@@ -116,7 +119,10 @@ impl Eye {
                     .camera_from_lattice
                     .transform_point3(first + DVec3::from_array(within));
                 let (weight, gradient) = self.weight(-at);
-                if weight > 0.0 {
+                if value == f32::INFINITY {
+                    jet.missing.0 += weight;
+                    jet.missing.1 += gradient;
+                } else if weight > 0.0 {
                     let terms = payload.weights(simd, value, one, one);
                     for channel in 0..N {
                         let term = f64::from(terms[channel].as_slice()[0]);
@@ -142,13 +148,16 @@ impl Eye {
         let jet = self.sums(simd, (frame, mode), scratch);
         scratch.at_eye = Some(jet.gradient[0].as_vec3().to_array());
         for channel in 0..N.min(MAX_CHANNELS) {
-            let gradient = (jet.gradient[channel] * frame.stack.spacing).as_vec3().to_array();
-            continue_before(
-                frame,
-                place,
-                scratch,
-                (channel, jet.value[channel] as f32, gradient),
-            );
+            let rise = (jet.gradient[channel] * frame.stack.spacing).as_vec3().to_array();
+            let planes = scratch.planes.each_mut().map(|planes| &mut planes[channel]);
+            continue_before(frame, place, planes, (jet.value[channel] as f32, rise));
+        }
+        if mode.has_holes() {
+            let (weight, gradient) = jet.missing;
+            let rise = (gradient * frame.stack.spacing).as_vec3().to_array();
+            scratch.holes.at_eye = gradient.as_vec3().to_array();
+            let planes = scratch.holes.planes.each_mut().map(|planes| &mut planes[0]);
+            continue_before(frame, place, planes, (weight as f32, rise));
         }
     }
 }
@@ -157,12 +166,9 @@ impl Eye {
 fn continue_before(
     frame: &SheetFrame<'_>,
     place: &Place,
-    scratch: &mut SheetScratch,
-    (channel, value, rise): (usize, f32, [f32; 3]),
+    [before, eye, near, far]: [&mut Plane; 4],
+    (value, rise): (f32, [f32; 3]),
 ) {
-    let [before, eye, near, far] = &mut scratch.planes;
-    let (before, eye) = (&mut before[channel], &mut eye[channel]);
-    let (near, far) = (&near[channel], &far[channel]);
     before.clear();
     eye.clear();
     let [width, height] = place.size.map(|n| n + 2 * HALO);

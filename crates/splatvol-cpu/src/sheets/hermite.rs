@@ -42,7 +42,7 @@ pub(crate) struct Rays<S: Simd> {
 impl<S: Simd> Rays<S> {
     /// Change of something with this gradient, per depth.
     #[inline(always)]
-    fn along(&self, [x, y, z]: [f32x16<S>; 3]) -> f32x16<S> {
+    pub(super) fn along(&self, [x, y, z]: [f32x16<S>; 3]) -> f32x16<S> {
         self.slope[0] * x + self.slope[1] * y + z
     }
 }

@@ -13,6 +13,7 @@ use super::border::{BorderPlane, Shares};
 use super::canvas::Canvas;
 use super::classified::Classified;
 use super::cubic::{Cubic, Parabola};
+use super::holes::Beside;
 use super::mode::Mode;
 use super::place::Place;
 use super::plane::HALO;
@@ -175,12 +176,14 @@ impl<'a, K: Kept> Intensity<'a, K> {
             load(simd, &after.values, at),
         ];
         let mut coverage = None;
+        let mut borders = None;
         if near_border {
             let [from, to] = &interval.borders;
             let from = border.at(simd, from, in_picture);
             let to = border.at(simd, to, in_picture);
             let middle = border.at(simd, &around.middle, in_picture);
-            coverage = Some(Parabola::through([from.coverage, middle.coverage, to.coverage]));
+            let along = [from.coverage, middle.coverage, to.coverage];
+            coverage = Some(Parabola::through(along));
             let [near, far] = [values[1] * from.per_weight, values[2] * to.per_weight];
             let before = border.at(simd, &around.outer[0], in_picture);
             let after = border.at(simd, &around.outer[1], in_picture);
@@ -191,6 +194,20 @@ impl<'a, K: Kept> Intensity<'a, K> {
                 far,
                 or_straight(simd, values[3], &after, far * 2.0 - near),
             ];
+            borders = Some((along, [before, from, to, after]));
+        }
+        if let Some(mut missing) = interval.missing(simd, at) {
+            let mut along = [f32x16::splat(simd, 1.0); 3];
+            if let Some((border, shares)) = borders {
+                let zero = f32x16::splat(simd, 0.0);
+                along = border;
+                for (missing, shares) in missing.iter_mut().zip(&shares) {
+                    *missing = shares.is_faded(simd).select(zero, *missing * shares.per_weight);
+                }
+            }
+            let beside = Beside::new(simd, values, missing);
+            values = beside.values;
+            coverage = Some(Parabola::through(beside.covered_along(simd, along)));
         }
         for value in &mut values {
             *value += background;
@@ -266,6 +283,10 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
         Coefficient
     }
 
+    fn has_holes(&self) -> bool {
+        self.store.any_missing()
+    }
+
     #[inline(always)]
     fn touch(&self, brick: usize) {
         self.store.touch(brick);
@@ -292,10 +313,14 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
         let planes = scratch.planes.each_ref().map(|plane| &plane[0]);
-        let Some((interval, span)) = interval(&self.shader, frame, (near, place), (planes, scratch.at_eye))
+        let Some((mut interval, span)) =
+            interval(&self.shader, frame, (near, place), (planes, scratch.at_eye))
         else {
             return;
         };
+        if self.has_holes() {
+            interval.leave_out(&scratch.holes, self.shader.background);
+        }
         let [near, far] = interval.depths;
         let [middle, _] = self.shader.borders([0.5 * (near + far); 2]);
         let spacing = self.shader.spacing;

@@ -85,6 +85,19 @@ pub(crate) fn coverage<S: Simd>(simd: S, own: f32x16<S>) -> f32x16<S> {
         .min(f32x16::splat(simd, 1.0))
 }
 
+impl<S: Simd> Weights<S> {
+    /// Leaves out missing samples, given their weight and its gradient.
+    #[inline(always)]
+    pub(crate) fn leave_out(&mut self, simd: S, missing: f32x16<S>, gradient: [f32x16<S>; 3]) {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        self.own *= one - (missing / self.weight.max(missing)).min(one);
+        self.weight = (self.weight - missing).max(zero);
+        for (along, missing) in self.gradient.iter_mut().zip(gradient) {
+            *along -= missing;
+        }
+    }
+}
+
 /// Lane numbers.
 const LANES: [f32; 16] = [
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,

@@ -100,6 +100,9 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         self.place = Place::new(self.picture.tiles.rect(self.tile), frame.step);
         let groups = mode.ring_groups(frame);
         self.scratch.begin_zone(frame, &self.place, groups, mode.planes());
+        if mode.has_holes() {
+            self.scratch.begin_holes(frame, &self.place, N);
+        }
         mode.reset(frame, self.scratch);
         (self.next, self.fetched, self.idle) = (0, 0, usize::MAX);
     }
@@ -234,6 +237,10 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
                 self.scratch.planes.rotate_left(1);
                 self.mode
                     .take(simd, &self.frame, &self.place, sheet, self.scratch);
+                if self.mode.has_holes() {
+                    let around = (&self.frame, &self.place);
+                    self.scratch.take_holes(simd, around, (sheet, N));
+                }
                 work.activate += (entered - start).saturating_sub(work.splat - before.splat);
                 work.take += entered.elapsed();
             },

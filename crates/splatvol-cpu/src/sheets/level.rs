@@ -68,13 +68,18 @@ pub(crate) struct Level {
 impl Level {
     fn new(
         volume: Arc<Volume>,
-        kernel: Kernel,
+        (kernel, prefilter): (Kernel, bool),
         (transfer_function, unit_distance): (&TransferFunction, f64),
         (wanted, stop): (Wanted, &AtomicBool),
     ) -> Self {
         let range = volume.value_range();
+        let kernel = GaussianKernel::new(kernel);
+        let field = match prefilter {
+            true => FieldStore::new(volume, &kernel),
+            false => FieldStore::of_samples(volume, &kernel),
+        };
         let mut level = Self {
-            field: FieldStore::new(volume, &GaussianKernel::new(kernel)),
+            field,
             table: ShadeTable::default(),
             classification: ClassificationTable::new(transfer_function, range, unit_distance),
             visible: Vec::new(),
@@ -126,10 +131,17 @@ impl Level {
     }
 }
 
+/// Whether coefficients interpolate the samples: of classified voxels there are none.
+fn interpolates(settings: &RenderSettings) -> bool {
+    settings.prefilter || splats_color(settings)
+}
+
 /// A volume's levels, made as they are wanted.
 #[derive(Debug)]
 pub(crate) struct Pyramid {
     kernel: Kernel,
+    /// Whether coefficients interpolate the samples.
+    prefilter: bool,
     volumes: Vec<Arc<Volume>>,
     levels: Vec<Option<Level>>,
 }
@@ -177,17 +189,19 @@ impl Detail {
 }
 
 impl Pyramid {
-    pub(crate) fn new(volume: Arc<Volume>, kernel: Kernel) -> Self {
+    pub(crate) fn new(volume: Arc<Volume>, settings: &RenderSettings) -> Self {
         Self {
-            kernel,
+            kernel: settings.kernel,
+            prefilter: interpolates(settings),
             volumes: vec![volume],
             levels: vec![None],
         }
     }
 
-    /// Whether the levels are this volume's, for this kernel.
-    pub(crate) fn is_of(&self, volume: &Arc<Volume>, kernel: Kernel) -> bool {
-        Arc::ptr_eq(&self.volumes[0], volume) && self.kernel == kernel
+    /// Whether the levels are this volume's, for the kernel of these settings.
+    pub(crate) fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings) -> bool {
+        let same = self.kernel == settings.kernel && self.prefilter == interpolates(settings);
+        Arc::ptr_eq(&self.volumes[0], volume) && same
     }
 
     /// The volume at a level; the finest where a level cannot be made.
@@ -215,7 +229,10 @@ impl Pyramid {
         let slot = &mut self.levels[level];
         match slot.as_mut() {
             Some(level) => level.update(look, wanted, stop),
-            None => *slot = Some(Level::new(volume, self.kernel, look, (wanted, stop))),
+            None => {
+                let method = (self.kernel, self.prefilter);
+                *slot = Some(Level::new(volume, method, look, (wanted, stop)));
+            }
         }
         if stop.load(Ordering::Relaxed) {
             *slot = None;

@@ -9,6 +9,7 @@
 //! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
+//! | | `holes` | the same of missing samples, whose weight sums lack |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
 //! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
@@ -45,6 +46,7 @@ pub(crate) mod fine_table;
 pub(crate) mod frame;
 pub(crate) mod gradients;
 pub(crate) mod hermite;
+pub(crate) mod holes;
 pub(crate) mod integral;
 pub(crate) mod intensity;
 pub(crate) mod lattice_weights;

@@ -109,6 +109,11 @@ pub(crate) trait Mode<const N: usize>: Sync {
         lattice_window(frame, place, (&shape, self.depths(frame, sheet)))
     }
 
+    /// Whether samples may be missing: voxels whose values are infinite.
+    fn has_holes(&self) -> bool {
+        false
+    }
+
     /// Fetches from memory what opening a brick will need soon.
     #[inline(always)]
     fn touch(&self, _brick: usize) {}

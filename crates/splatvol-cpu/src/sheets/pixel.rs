@@ -8,7 +8,8 @@ use splatvol_scene::SheetSample;
 
 use super::crossing::Cubic;
 use super::cut::Segment;
-use super::plane::HALO;
+use super::holes::beside_of;
+use super::plane::{HALO, Plane};
 use super::shade::{Interval, PlaneShader, depth_slope_of};
 
 /// From camera space and normalised values to the world and data units.
@@ -33,8 +34,10 @@ pub(crate) struct Pixels<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Pixel {
     pub cubic: Cubic,
-    /// Values of the planes before, at both ends, and behind.
-    values: [f32; 4],
+    /// Values at both ends.
+    ends: [f32; 2],
+    /// Sums of the planes before, at both ends, and behind, whose slope light sees: values, but beside holes.
+    whole: [f32; 4],
     coverage: [f32; 2],
     /// Differences across the ray on both planes, per world length.
     across: [[f32; 2]; 2],
@@ -72,7 +75,15 @@ impl Pixels<'_> {
             return None;
         }
         let weights = [weights[0], weights[0], weights[1], weights[1]];
-        let values: [f32; 4] = std::array::from_fn(|i| sums[i] * weights[i] + shader.background);
+        let sums: [f32; 4] = std::array::from_fn(|i| sums[i] * weights[i]);
+        let mut values = sums.map(|sum| sum + shader.background);
+        let mut whole = values;
+        if let Some(holes) = interval.holes {
+            let missing: [f32; 4] = std::array::from_fn(|i| holes[i].values[at] * weights[i]);
+            let (beside, left) = beside_of(sums, missing, coverage);
+            (values, coverage) = (beside.map(|sum| sum + shader.background), left);
+            whole = std::array::from_fn(|i| whole[i] - missing[i] * shader.background);
+        }
         let cubic = Cubic::through(values);
         let [low, high] = cubic.bounds();
         let [first, last] = shader.table.hull;
@@ -80,9 +91,21 @@ impl Pixels<'_> {
             return None;
         }
         let mut across = [0, 1].map(|end| {
-            let (plane, scale) = ([near, far][end], 0.5 * interval.scales[end]);
-            let difference = |step: usize| (plane.values[at + step] - plane.values[at - step]) * scale;
-            [difference(1), difference(plane.pitch)]
+            let scale = 0.5 * interval.scales[end];
+            let difference =
+                |plane: &Plane, step: usize| (plane.values[at + step] - plane.values[at - step]) * scale;
+            let plane = [near, far][end];
+            let along = [difference(plane, 1), difference(plane, plane.pitch)];
+            match interval.holes {
+                None => along,
+                Some(holes) => {
+                    let missing = [
+                        difference(holes[1 + end], 1),
+                        difference(holes[1 + end], plane.pitch),
+                    ];
+                    [0, 1].map(|axis| along[axis] - missing[axis] * shader.background)
+                }
+            }
         });
         if let Some([x, y, _]) = interval.at_eye {
             across[0] = [x, y];
@@ -99,7 +122,8 @@ impl Pixels<'_> {
         });
         Some(Pixel {
             cubic,
-            values,
+            ends: [values[1], values[2]],
+            whole,
             coverage,
             across,
             sharpness: interval.sharpness(shader.spacing),
@@ -118,16 +142,12 @@ impl Pixels<'_> {
 impl Pixel {
     /// Values at both ends.
     pub(crate) fn ends(&self) -> [f32; 2] {
-        [self.values[1], self.values[2]]
+        self.ends
     }
 
     /// Value at a place, 0 to 1; the planes' own at both ends.
     pub(crate) fn value(&self, u: f32) -> f32 {
-        if u >= 1.0 {
-            self.values[2]
-        } else {
-            self.cubic.at(u)
-        }
+        if u >= 1.0 { self.ends[1] } else { self.cubic.at(u) }
     }
 
     pub(crate) fn coverage(&self, u: f32) -> f32 {
@@ -139,7 +159,7 @@ impl Pixel {
         let [near, far] = self.across;
         let gx = (far[0] - near[0]) * u + near[0];
         let gy = (far[1] - near[1]) * u + near[1];
-        let slope = depth_slope_of(self.values, u, self.sharpness);
+        let slope = depth_slope_of(self.whole, u, self.sharpness);
         let gz = slope * (1.0 / self.spacing) - self.ray[0] * gx - gy * self.ray[1];
         Vec3::new(gx, gy, gz)
     }

@@ -45,17 +45,12 @@ impl LayerStore {
     /// Forgets volumes that are not in the scene any more, and makes room for those that are new.
     fn keep(&mut self, scene: &LayeredScene<'_>, settings: &RenderSettings) {
         let mut kept = std::mem::take(&mut self.pyramids);
-        kept.retain(|pyramid| {
-            scene
-                .volumes
-                .iter()
-                .any(|v| pyramid.is_of(&v.volume, settings.kernel))
-        });
+        kept.retain(|pyramid| scene.volumes.iter().any(|v| pyramid.is_of(&v.volume, settings)));
         for scene in scene.volumes {
-            let known = kept.iter().position(|p| p.is_of(&scene.volume, settings.kernel));
+            let known = kept.iter().position(|p| p.is_of(&scene.volume, settings));
             self.pyramids.push(match known {
                 Some(at) => kept.swap_remove(at),
-                None => Pyramid::new(scene.volume.clone(), settings.kernel),
+                None => Pyramid::new(scene.volume.clone(), settings),
             });
         }
         self.plans.resize_with(scene.volumes.len(), Plan::default);

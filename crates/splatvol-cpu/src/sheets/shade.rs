@@ -11,6 +11,7 @@ use glam::Vec3A;
 
 use super::border::{Border, BorderPlane};
 use super::canvas::{Canvas, Material};
+use super::holes::Beside;
 use super::mask::OpenMask;
 use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
@@ -22,6 +23,8 @@ use crate::simd::math::exp2_quick;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interval<'a> {
     pub planes: [&'a Plane; 4],
+    /// Weights of missing samples there, where there are any.
+    pub holes: Option<[&'a Plane; 4]>,
     /// Camera depths of the second and third plane, and pixels per world length there.
     pub depths: [f32; 2],
     pub scales: [f32; 2],
@@ -243,8 +246,11 @@ impl PlaneShader<'_> {
         let may = (high + slack).simd_ge(splat(simd, first))
             & (low - slack).simd_le(splat(simd, last - 2.0 * self.background))
             & open;
-        // Near the border sums are still to be divided by their weights.
+        // Near the border and beside holes sums are still to be divided by their weights.
         may.any_true()
+            || interval
+                .lacks(simd, [x, y])
+                .is_some_and(|lacks| (lacks & open).any_true())
             || (interval.is_near_border
                 && ((high - low).simd_gt(splat(simd, 0.0)) & open).any_true()
                 && self
@@ -276,7 +282,10 @@ impl PlaneShader<'_> {
     fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
         let count = std::mem::take(&mut target.batch.len).min(BATCH);
         for n in 0..count {
-            self.classify(simd, interval, target, n);
+            match interval.holes {
+                None => self.classify::<S, false>(simd, interval, target, n),
+                Some(_) => self.classify::<S, true>(simd, interval, target, n),
+            }
         }
         if let Some(phong) = &self.phong {
             let batch = &mut *target.batch;
@@ -302,14 +311,22 @@ impl PlaneShader<'_> {
 
     /// Opacity, colour and gradient of the batch's n-th vector.
     #[inline(always)]
-    fn classify<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>, n: usize) {
+    fn classify<S: Simd, const HOLED: bool>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &mut ShadeTarget<'_>,
+        n: usize,
+    ) {
         let [x, y] = target.batch.places[n];
         let pitch = interval.planes[1].pitch;
-        let [before, near, far, after] = interval.around((y + HALO) * pitch + x + HALO);
+        let at = (y + HALO) * pitch + x + HALO;
+        let [before, near, far, after] = interval.around(at);
         let here = pitch + 1;
         let (mut s0, mut s1) = (load(simd, near, here), load(simd, far, here));
         let (mut sb, mut sa) = (load(simd, before, here), load(simd, after, here));
         let mut coverage = [splat(simd, 1.0); 2];
+        let mut per_weight = coverage;
         if interval.is_near_border
             && interval
                 .borders
@@ -325,6 +342,21 @@ impl PlaneShader<'_> {
             (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
             (s1, sa) = (s1 * far.per_weight, sa * far.per_weight);
             coverage = [near.coverage, far.coverage];
+            per_weight = [near.per_weight, far.per_weight];
+        }
+        let mut missing = None;
+        let mut whole_sums = [sb, s0, s1, sa];
+        if HOLED && let Some(weights) = interval.missing(simd, at) {
+            let [near, far] = per_weight;
+            let [mb, m0, m1, ma] = weights;
+            let shares = [mb * near, m0 * near, m1 * far, ma * far];
+            for (sum, share) in whole_sums.iter_mut().zip(shares) {
+                *sum -= share * self.background;
+            }
+            let beside = Beside::new(simd, [sb, s0, s1, sa], shares);
+            [sb, s0, s1, sa] = beside.values;
+            coverage = beside.covered(simd, coverage);
+            missing = interval.holes;
         }
         let (v0, v1) = (s0 + self.background, s1 + self.background);
         let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
@@ -399,16 +431,34 @@ impl PlaneShader<'_> {
         behind.store_slice(&mut batch.behind[n].0);
         batch.halves[n] = in_halves;
         let sharpness = interval.sharpness(self.spacing);
-        let [mut x_near, x_far] = across(simd, [near, far], interval.scales, (here, 1));
-        let [mut y_near, y_far] = across(simd, [near, far], interval.scales, (here, pitch));
+        let [mut x_near, mut x_far] = across(simd, [near, far], interval.scales, (here, 1));
+        let [mut y_near, mut y_far] = across(simd, [near, far], interval.scales, (here, pitch));
+        if let Some([_, near, far, _]) = missing {
+            // Of the sum of all coefficients, those that are missing 0.
+            let planes = [&near.values[..], &far.values[..]];
+            let [by_near, by_far] = across(simd, planes, interval.scales, (at, 1));
+            (x_near, x_far) = (
+                x_near - by_near * self.background,
+                x_far - by_far * self.background,
+            );
+            let [by_near, by_far] = across(simd, planes, interval.scales, (at, pitch));
+            (y_near, y_far) = (
+                y_near - by_near * self.background,
+                y_far - by_far * self.background,
+            );
+        }
         if let Some([x, y, _]) = interval.at_eye {
             (x_near, y_near) = (splat(simd, x), splat(simd, y));
         }
+        let along = match missing {
+            None => [before, v0, v1, after],
+            Some(_) => whole_sums.map(|sum| sum + self.background),
+        };
         for half in 0..1 + usize::from(in_halves) {
             let u = places[half];
             let gx = (x_far - x_near) * u + x_near;
             let gy = (y_far - y_near) * u + y_near;
-            let slope = depth_slope([before, v0, v1, after], u, sharpness);
+            let slope = depth_slope(along, u, sharpness);
             let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
             let gradient = &mut batch.gradients[n][half];
             gx.store_slice(&mut gradient[0].0);

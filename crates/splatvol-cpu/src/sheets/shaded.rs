@@ -30,6 +30,10 @@ impl Mode<1> for Shaded<'_> {
         Coefficient
     }
 
+    fn has_holes(&self) -> bool {
+        self.store.any_missing()
+    }
+
     #[inline(always)]
     fn touch(&self, brick: usize) {
         self.store.touch(brick);
@@ -61,12 +65,17 @@ impl Mode<1> for Shaded<'_> {
             batch,
             faces,
             at_eye,
+            holes,
             ..
         } = scratch;
         let planes = planes.each_ref().map(|p| &p[0]);
-        let Some((interval, span)) = interval(&self.shader, frame, (near, place), (planes, *at_eye)) else {
+        let Some((mut interval, span)) = interval(&self.shader, frame, (near, place), (planes, *at_eye))
+        else {
             return;
         };
+        if self.has_holes() {
+            interval.leave_out(holes, self.shader.background);
+        }
         let mut target = ShadeTarget {
             origin: [place.rect.x0, place.rect.y0],
             span,
@@ -114,6 +123,7 @@ pub(crate) fn interval<'a>(
             .any(|plane| shader.border.is_near_any(plane, &place.rect)),
         borders,
         planes,
+        holes: None,
         at_eye,
         depths,
         scales: [sheets[0].scale * step, sheets[1].scale * step],

@@ -14,6 +14,7 @@ use super::cloud::open::Waiting;
 use super::direct::DirectGroup;
 use super::eye::Eye;
 use super::frame::ZonePlan;
+use super::holes::Holes;
 use super::mask::OpenMask;
 use super::mode::{Bricks, Mode};
 use super::operated::Faces;
@@ -24,7 +25,7 @@ use super::ring::{Area, BLOCK_EDGE, SheetRing};
 use super::shade::ShadeBatch;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::{
-    CAPACITY, MAX_BLOCKS, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
+    CAPACITY, MAX_BLOCKS, Payload, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
 };
 use super::upsample::Upsampler;
 use super::zones::{Footprints, Zone};
@@ -159,6 +160,8 @@ pub(crate) struct SheetScratch {
     pub upsampler: Upsampler,
     /// Of the last four sheets, by channel.
     pub planes: [[Plane; MAX_CHANNELS]; 4],
+    /// What samples that are missing would add to them.
+    pub holes: Holes,
     pub open: Vec<OpenBrick>,
     voxels: Vec<OpenVoxels>,
     free: Vec<u32>,
@@ -201,8 +204,7 @@ impl SheetScratch {
         ring_groups: usize,
         channels: usize,
     ) {
-        let height = place.raster[1].next_multiple_of(BLOCK_EDGE) + 2 * BLOCK_EDGE * MAX_BLOCKS;
-        self.ring.reset(height, ring_groups);
+        self.ring.reset(ring_height(place), ring_groups);
         for planes in &mut self.planes {
             for plane in &mut planes[..channels] {
                 plane.reset(place.size.map(|n| n + 2 * HALO));
@@ -216,6 +218,13 @@ impl SheetScratch {
         self.at_eye = None;
         self.stencils.resize_with(frame.groups, Stencil::default);
         self.groups.resize(frame.groups, GroupShape::default());
+    }
+
+    /// Gets memory of missing samples ready for a zone of a tile.
+    pub(crate) fn begin_holes(&mut self, frame: &SheetFrame<'_>, place: &Place, channels: usize) {
+        let ring = (ring_height(place), frame.groups * channels);
+        let size = place.size.map(|n| n + 2 * HALO);
+        self.holes.begin_zone(ring, size, channels);
     }
 
     /// Memory for a brick's voxels that is free.
@@ -255,6 +264,11 @@ impl SheetScratch {
             blocks,
         });
     }
+}
+
+/// Rows of a tile's ring.
+fn ring_height(place: &Place) -> usize {
+    place.raster[1].next_multiple_of(BLOCK_EDGE) + 2 * BLOCK_EDGE * MAX_BLOCKS
 }
 
 /// Which voxels of a grid enter a sheet.
@@ -382,6 +396,7 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     let SheetScratch {
         ring,
         records,
+        holes,
         powers,
         stencils,
         groups,
@@ -390,31 +405,71 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
         ..
     } = scratch;
     work.voxels += records.len as u64;
-    let direct = frame.zone.footprints == Footprints::Direct;
-    let around = records.take_area(size);
-    let mut area = if direct { Area::EMPTY } else { around };
-    let records_of = (&*records, M::payload(classified));
-    for group in 0..frame.groups {
-        let shapes = (&frame.constants, &groups[group], &stencils[group]);
-        let rings = &mut ring.groups::<N>(group, frame.groups);
-        if direct {
-            let shapes = (&frame.constants, &groups[group]);
-            let group = DirectGroup::new(shapes, place, frame.cut);
-            let of = (frame.zone.depth_reach, &*mask);
-            area = area.join(simd.vectorize(
-                #[inline(always)]
-                || group.splat(simd, records_of, of, rings),
-            ));
-        } else {
-            let size = (size, frame.ellipses);
-            splat_sized(simd, size, shapes, records_of, powers, rings);
-        }
+    let any_missing = mode.has_holes() && records.part(&mut holes.records);
+    let sheets = OpenSheets {
+        frame,
+        place,
+        size,
+        groups,
+        stencils,
+        mask,
+    };
+    sheets.splat(simd, (records, M::payload(classified)), powers, ring);
+    if any_missing {
+        let missing = &mut holes.records;
+        sheets.splat(simd, (missing, M::payload(classified)), powers, &mut holes.ring);
     }
-    for touched in &mut ring.touched {
-        *touched = touched.join(area);
-    }
-    records.len = 0;
     work.splat += start.elapsed();
+}
+
+/// The sheets that are open, as records are splatted into them.
+struct OpenSheets<'a> {
+    frame: &'a SheetFrame<'a>,
+    place: &'a Place,
+    /// Blocks along a footprint's edge.
+    size: usize,
+    groups: &'a [GroupShape],
+    stencils: &'a [Stencil],
+    mask: &'a OpenMask,
+}
+
+impl OpenSheets<'_> {
+    /// Splats all records, and forgets them.
+    #[inline(always)]
+    fn splat<S: Simd, P: Payload<N>, const N: usize>(
+        &self,
+        simd: S,
+        (records, payload): (&mut Records, P),
+        powers: &mut Powers,
+        ring: &mut SheetRing,
+    ) {
+        let Self {
+            frame, place, size, ..
+        } = *self;
+        let direct = frame.zone.footprints == Footprints::Direct;
+        let around = records.take_area(size);
+        let mut area = if direct { Area::EMPTY } else { around };
+        let records_of = (&*records, payload);
+        for group in 0..frame.groups {
+            let shape = &self.groups[group];
+            let rings = &mut ring.groups::<N>(group, frame.groups);
+            if direct {
+                let group = DirectGroup::new((&frame.constants, shape), place, frame.cut);
+                let of = (frame.zone.depth_reach, self.mask);
+                area = area.join(simd.vectorize(
+                    #[inline(always)]
+                    || group.splat(simd, records_of, of, rings),
+                ));
+            } else {
+                let shapes = (&frame.constants, shape, &self.stencils[group]);
+                splat_sized(simd, (size, frame.ellipses), shapes, records_of, powers, rings);
+            }
+        }
+        for touched in &mut ring.touched {
+            *touched = touched.join(area);
+        }
+        records.len = 0;
+    }
 }
 
 /// Takes a finished sheet out of the ring, to pixels.

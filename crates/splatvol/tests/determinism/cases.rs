@@ -46,13 +46,19 @@ fn look() -> TransferFunction {
     Sample::Head.default_transfer_function().unwrap()
 }
 
-/// The volume with a hole in it.
+/// The volume with a hole in it, and one of its corners missing.
 fn holed(volume: &Volume) -> Volume {
     let count = volume.grid().sample_count();
     let [low, high] = volume.value_range();
     let mut random = Random::new(5);
     let mut samples: Vec<f32> = (0..count).map(|_| random.range(low, high) as f32).collect();
     samples[count / 2 + 17] = f32::NAN;
+    let [nx, ny, _] = volume.grid().dims();
+    for (i, sample) in samples.iter_mut().enumerate() {
+        if i % nx + i / nx % ny + i / (nx * ny) > (nx + ny) / 2 + 20 {
+            *sample = f32::INFINITY;
+        }
+    }
     Volume::new(
         volume.grid().clone(),
         Samples::F32(samples.into()),
@@ -171,10 +177,31 @@ fn of_one() -> Vec<Case> {
         centre: bounds.centre(),
         angle: 0.3,
     });
+    let of_holes = Scene::new(holed(volume), look());
+    let plain = RenderSettings {
+        prefilter: false,
+        ..default
+    };
+    let clip = Clip::plane(bounds.centre(), DVec3::new(1.0, 0.3, 0.2)).unwrap();
     cases.extend([
         parallel,
         inside,
-        case("holed".to_owned(), &Scene::new(holed(volume), look()), default),
+        case("holed".to_owned(), &of_holes, default),
+        case("holed best".to_owned(), &of_holes, RenderSettings::best()),
+        case("holed plain".to_owned(), &of_holes, plain),
+        case(
+            "holed operators".to_owned(),
+            &of_holes.clone().with_clip(clip),
+            plain,
+        ),
+        Case {
+            camera: eye,
+            ..case("inside holes".to_owned(), &of_holes, default)
+        },
+        Case {
+            camera: eye,
+            ..case("inside holes best".to_owned(), &of_holes, RenderSettings::best())
+        },
         case("coverage".to_owned(), &scene, covered),
         case("motion".to_owned(), &spinning, open),
         case("operators".to_owned(), &operated, default),

@@ -13,6 +13,7 @@ mod close_ups;
 mod detail;
 mod determinism;
 mod fly;
+mod holes;
 mod laws;
 mod modes;
 mod standing;

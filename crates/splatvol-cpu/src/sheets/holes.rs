@@ -1,0 +1,229 @@
+//! Holes: missing samples, which have no weight (docs/numerics.md).
+//!
+//! Planes hold `S = sum_k (c_k - b) h(x - k)` over the samples that there are. Where all of a lattice's samples are there, the weights
+//! `h` add up to W, one but at the borders; where some are missing, to `W - M`, `M = sum_k h(x - k)` over those. So the
+//! missing samples near visible ones are splatted, too, into a ring of their own with coefficients of one, and so are their
+//! moments, where gradients are analytic. Then `v = b + S / (W - M)`, coverage is `B (W - M) / W` in place of B, and light sees the
+//! gradient of `S - b M`, which differs from that of all coefficients' sum, those of missing ones 0, by nothing but the border's.
+//! A sample is splatted once, and pixels without holes are what they would be without these.
+
+use fearless_simd::{f32x16, mask32x16, prelude::*};
+
+use super::place::Place;
+use super::plane::{HALO, Plane};
+use super::ring::{LANES, SheetRing};
+use super::shade::Interval;
+use super::splat::Records;
+use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch, take};
+
+/// Shares of the weight below this have no value of their own.
+const FADED: f32 = 0.15;
+/// Least share that is divided by.
+const LEAST: f32 = 0.01;
+
+/// A thread's memory of missing samples.
+#[derive(Debug, Default)]
+pub(crate) struct Holes {
+    pub ring: SheetRing,
+    /// Those that wait to be splatted.
+    pub records: Records,
+    /// M and its moments on the last four sheets, by channel.
+    pub planes: [[Plane; MAX_CHANNELS]; 4],
+    /// Gradient of M, while the nearer of two planes lies at the eye.
+    pub at_eye: [f32; 3],
+}
+
+impl Holes {
+    /// Gets ready for a zone of a tile: rows of the ring, its groups, and pixels of the planes of so many channels.
+    pub(super) fn begin_zone(&mut self, (height, groups): (usize, usize), size: [usize; 2], channels: usize) {
+        self.ring.reset(height, groups);
+        for planes in &mut self.planes {
+            for plane in &mut planes[..channels] {
+                plane.reset(size);
+            }
+        }
+    }
+
+    /// Weights of missing samples on the last four sheets; `None` where there are none.
+    fn weights(&self) -> Option<[&Plane; 4]> {
+        let any = self.planes.iter().any(|planes| planes[0].filled.is_some());
+        any.then(|| self.planes.each_ref().map(|planes| &planes[0]))
+    }
+
+    /// Weights of missing samples and their moments on the two sheets of an interval; `None` where there are none.
+    pub(super) fn moments(&self) -> Option<[&[Plane; MAX_CHANNELS]; 2]> {
+        let [_, near, far, _] = &self.planes;
+        let any = [near, far].iter().any(|planes| planes[0].filled.is_some());
+        any.then_some([near, far])
+    }
+}
+
+impl SheetScratch {
+    /// Takes a finished sheet of missing samples out of their ring.
+    #[inline(always)]
+    pub(super) fn take_holes<S: Simd>(
+        &mut self,
+        simd: S,
+        (frame, place): (&SheetFrame<'_>, &Place),
+        (sheet, channels): (usize, usize),
+    ) {
+        let open = frame.groups * LANES;
+        let Self {
+            holes,
+            raster,
+            upsampler,
+            ..
+        } = self;
+        holes.planes.rotate_left(1);
+        let [.., last] = &mut holes.planes;
+        for channel in 0..channels {
+            let slot = channel * open + sheet % open;
+            if holes.ring.touched[slot].is_empty() {
+                last[channel].clear();
+                continue;
+            }
+            let from = (&mut holes.ring, &mut last[channel]);
+            take(simd, frame.step, place, slot, from, (raster, upsampler));
+        }
+    }
+}
+
+impl<'a> Interval<'a> {
+    /// Notes what is missing on the planes, given the background.
+    pub(super) fn leave_out(&mut self, holes: &'a Holes, background: f32) {
+        self.holes = holes.weights();
+        if let (Some(_), Some(gradient)) = (&self.holes, &mut self.at_eye) {
+            for (along, missing) in gradient.iter_mut().zip(holes.at_eye) {
+                *along -= background * missing;
+            }
+        }
+    }
+
+    /// Weights of missing samples at sixteen pixels of the four planes; `None` where there are none.
+    #[inline(always)]
+    pub(super) fn missing<S: Simd>(&self, simd: S, at: usize) -> Option<[f32x16<S>; 4]> {
+        let planes = self.holes?;
+        let missing = planes.map(|plane| f32x16::from_slice(simd, &plane.values[at..at + 16]));
+        let [a, b, c, d] = missing;
+        any(simd, a.max(b).max(c.max(d))).then_some(missing)
+    }
+
+    /// Which of sixteen pixels lack something on the two planes between which it is.
+    #[inline(always)]
+    pub(super) fn lacks<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> Option<mask32x16<S>> {
+        let [_, near, far, _] = self.holes?;
+        let at = (y + HALO) * near.pitch + x + HALO;
+        let [near, far] = [near, far].map(|plane| f32x16::from_slice(simd, &plane.values[at..at + 16]));
+        Some(near.max(far).simd_gt(f32x16::splat(simd, 0.0)))
+    }
+}
+
+/// Whether a weight of sixteen is any.
+#[inline(always)]
+pub(super) fn any<S: Simd>(simd: S, missing: f32x16<S>) -> bool {
+    missing.simd_gt(f32x16::splat(simd, 0.0)).any_true()
+}
+
+/// What sums on four planes are beside holes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Beside<S: Simd> {
+    /// Values less the background: of a plane that has hardly any weight those of the others, continued.
+    pub values: [f32x16<S>; 4],
+    /// Shares of the weight that are left.
+    pub left: [f32x16<S>; 4],
+}
+
+impl<S: Simd> Beside<S> {
+    /// `missing`: M over W.
+    #[inline(always)]
+    pub(super) fn new(simd: S, sums: [f32x16<S>; 4], missing: [f32x16<S>; 4]) -> Self {
+        let (faded, least) = (f32x16::splat(simd, FADED), f32x16::splat(simd, LEAST));
+        let one = f32x16::splat(simd, 1.0);
+        let left = missing.map(|missing| one - missing);
+        let [before, near, far, after] = [0, 1, 2, 3].map(|i| sums[i] / left[i].max(least));
+        let nearer = left[1].simd_lt(faded.min(left[2])).select(far, near);
+        let farther = left[2].simd_lt(faded.min(left[1])).select(near, far);
+        let outer = |left: f32x16<S>, value, straight| left.simd_lt(faded).select(straight, value);
+        Self {
+            values: [
+                outer(left[0], before, nearer * 2.0 - farther),
+                nearer,
+                farther,
+                outer(left[3], after, farther * 2.0 - nearer),
+            ],
+            left,
+        }
+    }
+
+    /// Coverage at both ends of the interval, of which that of the volume's border is given.
+    #[inline(always)]
+    pub(super) fn covered(&self, simd: S, [near, far]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
+        [
+            covered(simd, near, self.left[1]),
+            covered(simd, far, self.left[2]),
+        ]
+    }
+
+    /// The same at the near end, in the middle and at the far end.
+    #[inline(always)]
+    pub(super) fn covered_along(&self, simd: S, [near, middle, far]: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+        let [a, b, c, d] = self.left;
+        let between = (b + c) * (9.0 / 16.0) - (a + d) * (1.0 / 16.0);
+        let [near, far] = self.covered(simd, [near, far]);
+        let share = between
+            .max(f32x16::splat(simd, 0.0))
+            .min(f32x16::splat(simd, 1.0));
+        [near, covered(simd, middle, share), far]
+    }
+}
+
+/// Coverage of a share of the weight, given that of all of it.
+#[inline(always)]
+fn covered<S: Simd>(simd: S, border: f32x16<S>, left: f32x16<S>) -> f32x16<S> {
+    (border * left - (1.0 - left) * BELOW).max(f32x16::splat(simd, 0.0))
+}
+
+/// What coverage `q = (B - 1/2) / 0.98 + 1/2` is below zero at B = 0: of a share of B it is `q share - BELOW (1 - share)`.
+const BELOW: f32 = 0.01 / 0.98;
+
+/// The same of one pixel: values on the four planes, less the background, and coverage.
+pub(super) fn beside_of(sums: [f32; 4], missing: [f32; 4], border: [f32; 2]) -> ([f32; 4], [f32; 2]) {
+    let left = missing.map(|missing| 1.0 - missing);
+    let [before, near, far, after]: [f32; 4] = std::array::from_fn(|i| sums[i] / left[i].max(LEAST));
+    let nearer = if left[1] < FADED.min(left[2]) { far } else { near };
+    let farther = if left[2] < FADED.min(left[1]) { near } else { far };
+    let outer = |left: f32, value, straight| if left < FADED { straight } else { value };
+    let values = [
+        outer(left[0], before, nearer * 2.0 - farther),
+        nearer,
+        farther,
+        outer(left[3], after, farther * 2.0 - nearer),
+    ];
+    let covered = |end: usize| (border[end] * left[1 + end] - missing[1 + end] * BELOW).max(0.0);
+    (values, [covered(0), covered(1)])
+}
+
+impl Records {
+    /// Moves those of missing samples to `missing`, with coefficients of one; says whether there are any.
+    pub(super) fn part(&mut self, missing: &mut Self) -> bool {
+        missing.len = 0;
+        if !self.value[..self.len].contains(&f32::INFINITY) {
+            return false;
+        }
+        let mut kept = 0;
+        for i in 0..self.len {
+            if self.value[i] == f32::INFINITY {
+                let to = missing.len;
+                missing.len += 1;
+                missing.copy(self, (i, to));
+                missing.value[to] = 1.0;
+                missing.widen([self.column[i], self.row[i]]);
+            } else {
+                self.move_forward(i, kept);
+                kept += 1;
+            }
+        }
+        self.len = kept;
+        true
+    }
+}
