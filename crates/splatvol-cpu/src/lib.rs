@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
 //! | `sheets` | grids, and scenes of several things in layers: the default |
-//! | `tile`, `stage` | grids slice by slice: classified voxels and values of rays where samples are missing or not prefiltered |
+//! | `tile`, `stage` | grids slice by slice: nothing any more |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `classic` | one volume by the papers' methods, which are asked for by name |
 //! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |

@@ -20,7 +20,6 @@ use splatvol_scene::{
 };
 
 use crate::clouds::SplatScene;
-use crate::plan::splats_color;
 
 /// Which way a scene goes.
 pub(crate) enum Way<'a> {
@@ -186,10 +185,9 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume: of missing samples and without the prefilter, post-classified pictures.
-pub(crate) fn splats_at_once(volume: &Volume, settings: &RenderSettings) -> bool {
-    let is_post = settings.compositing == Compositing::ImageSheets && !splats_color(settings);
-    is_post || ((settings.prefilter || splats_color(settings)) && volume.statistics().non_finite == 0)
+/// Whether the sheet engine renders a volume: it has what was left to the slices, missing samples and data without the prefilter.
+pub(crate) const fn splats_at_once(_: &Volume, _: &RenderSettings) -> bool {
+    true
 }
 
 fn volume_scene<'a>(

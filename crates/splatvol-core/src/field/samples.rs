@@ -17,8 +17,10 @@ const ROW: usize = 16;
 /// Normalised samples of a brick and of one voxel around it.
 #[derive(Debug, Clone)]
 pub struct Neighbourhood {
-    /// By z, y and x, from one voxel before the brick on. Beyond the volume the nearest sample.
+    /// By z, y and x, from one voxel before the brick on. Beyond the volume the nearest sample; NaN where one is missing.
     pub values: [[[f32; ROW]; AROUND]; AROUND],
+    /// Whether samples of the volume are missing.
+    pub any_missing: bool,
     /// First of the brick's voxels that exist, and one past the last, along x, y, z.
     pub inside: [[usize; 2]; 3],
     /// One over the voxels between the neighbours of each voxel, along x, y, z: a half, or one at the volume's faces.
@@ -29,6 +31,7 @@ impl Default for Neighbourhood {
     fn default() -> Self {
         Self {
             values: [[[0.0; ROW]; AROUND]; AROUND],
+            any_missing: false,
             inside: [[0; 2]; 3],
             per_difference: [[0.5; BRICK]; 3],
         }
@@ -98,6 +101,12 @@ impl Lattice {
                         *value = self.normalised(row[nearest(0, x)]);
                     }
                 }
+            }
+        }
+        out.any_missing = self.any_missing;
+        if self.any_missing {
+            for value in out.values.as_flattened_mut().as_flattened_mut() {
+                *value = if value.is_finite() { *value } else { f32::NAN };
             }
         }
     }

@@ -43,10 +43,5 @@ pub(super) fn check(
             "what analytic gradients (preset best) light has no operators, clips or isosurfaces, use gradients by differences",
         );
     }
-    if !post && single.volume.statistics().non_finite > 0 {
-        return refuse(
-            "classified volumes with missing samples go slice by slice, fill them first or use post-classification",
-        );
-    }
     Ok(())
 }

@@ -229,10 +229,18 @@ impl VoxelLight {
         let per_y = f32x8::splat(simd, per_y[y]).combine(f32x8::splat(simd, per_y[y + 1]));
         let place = [1, y + 1, z + 1];
         let [px, py, pz] = place;
-        let dx = (rows(simd, around, [px + 1, py, pz]) - rows(simd, around, [px - 1, py, pz]))
-            * per_x.combine(per_x);
-        let dy = (rows(simd, around, [px, py + 1, pz]) - rows(simd, around, [px, py - 1, pz])) * per_y;
-        let dz = (rows(simd, around, [px, py, pz + 1]) - rows(simd, around, [px, py, pz - 1])) * per_z[z];
+        let own = rows(simd, around, place);
+        let value = |place| {
+            let value = rows(simd, around, place);
+            match around.any_missing {
+                // A missing neighbour counts as the voxel's own value.
+                true => value.simd_eq(value).select(value, own),
+                false => value,
+            }
+        };
+        let dx = (value([px + 1, py, pz]) - value([px - 1, py, pz])) * per_x.combine(per_x);
+        let dy = (value([px, py + 1, pz]) - value([px, py - 1, pz])) * per_y;
+        let dz = (value([px, py, pz + 1]) - value([px, py, pz - 1])) * per_z[z];
         let [a, b, c] = self.camera_from_voxel;
         self.phong.lanes(
             simd,

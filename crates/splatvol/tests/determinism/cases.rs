@@ -182,6 +182,10 @@ fn of_one() -> Vec<Case> {
         prefilter: false,
         ..default
     };
+    let composited = |compositing, base| RenderSettings { compositing, ..base };
+    let mip = composited(Compositing::Mip, default);
+    let mean = composited(Compositing::Mean, RenderSettings::best());
+    let xray = composited(Compositing::Xray, default);
     let clip = Clip::plane(bounds.centre(), DVec3::new(1.0, 0.3, 0.2)).unwrap();
     cases.extend([
         parallel,
@@ -189,6 +193,9 @@ fn of_one() -> Vec<Case> {
         case("holed".to_owned(), &of_holes, default),
         case("holed best".to_owned(), &of_holes, RenderSettings::best()),
         case("holed plain".to_owned(), &of_holes, plain),
+        case("holed mip".to_owned(), &of_holes, mip),
+        case("holed best mean".to_owned(), &of_holes, mean),
+        case("holed xray".to_owned(), &of_holes, xray),
         case(
             "holed operators".to_owned(),
             &of_holes.clone().with_clip(clip),
