@@ -1,7 +1,7 @@
 //! `ARCHITECTURE.md` against the workspace.
 //!
 //! The first table below "## Crates" has a row per crate: its name, what it holds, which crates of the workspace it
-//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `stage::NAME` ``, `` `sheets::NAME` ``,
+//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `sheets::NAME` ``,
 //! `` `splats::NAME` `` and `` `classic::NAME` ``.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,11 +19,6 @@ pub(crate) fn check(root: &Path) -> Result<String> {
     let mut stages = 0;
     for (prefix, declaration, file) in [
         ("splatvol_core::", "pub mod ", "crates/splatvol-core/src/lib.rs"),
-        (
-            "stage::",
-            "pub(crate) mod ",
-            "crates/splatvol-cpu/src/stage/mod.rs",
-        ),
         (
             "sheets::",
             "pub(crate) mod ",
@@ -119,7 +114,7 @@ mod tests {
     use super::*;
 
     const TEXT: &str = "# A\n## Crates\n| crate | holds | may use |\n|---|---|---|\n| `one` | x | - |\n\
-                        | `two` | `y` | `one` |\n## Stages\n| a | `stage::a` | `splatvol_core::b` |\n";
+                        | `two` | `y` | `one` |\n## Stages\n| a | `sheets::a` | `splatvol_core::b` |\n";
 
     fn package(name: &str, dependencies: &[&str]) -> Package {
         Package {
@@ -161,8 +156,8 @@ mod tests {
             "pub(crate) mod ",
         );
         assert_eq!(
-            module_problems(TEXT, "stage::", &modules),
-            ["`stage::c` is missing"]
+            module_problems(TEXT, "sheets::", &modules),
+            ["`sheets::c` is missing"]
         );
         let none = BTreeSet::from(["x"]);
         assert_eq!(module_problems(TEXT, "splatvol_core::", &none).len(), 2);

@@ -1,11 +1,8 @@
 //! Binning: bricks into lists per tile, front to back.
 
-use glam::{DAffine3, DVec2, DVec3};
-use splatvol_scene::{ImageSize, ScreenFromCamera};
+use splatvol_scene::ImageSize;
 
-use crate::brick::{ActiveBrick, BrickGrid};
-use crate::footprint::FootprintShape;
-use crate::sheets::SheetStack;
+use crate::brick::ActiveBrick;
 
 /// The tiles of a picture, row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,66 +69,6 @@ pub struct ProjectedBrick {
     pub front_sheet: u32,
     /// Pixels that it can touch: x0, y0, x1, y1, ends included.
     pub rect: [f32; 4],
-}
-
-/// Everything that projection needs to know of a frame.
-#[derive(Debug, Clone, Copy)]
-pub struct Projector<'a> {
-    /// Voxel to camera.
-    pub camera_from_voxel: DAffine3,
-    /// Camera to pixels.
-    pub screen: ScreenFromCamera,
-    /// Standard deviation of the kernel, voxels.
-    pub sigma: f64,
-    /// Shape of every voxel's footprint.
-    pub shape: &'a FootprintShape,
-    /// Low-pass, pixels.
-    pub pixel_sigma: f64,
-    /// The frame's sheets.
-    pub sheets: SheetStack,
-}
-
-impl Projector<'_> {
-    /// Screen rectangle and front sheet of a brick; `None` behind the camera.
-    pub fn project(&self, bricks: &BrickGrid, active: ActiveBrick) -> Option<ProjectedBrick> {
-        let (first, end) = bricks.voxel_box(active.brick as usize);
-        let corner = |i: usize| {
-            let voxel = DVec3::from_array(std::array::from_fn(|axis| {
-                if i >> axis & 1 == 0 {
-                    first[axis] as f64
-                } else {
-                    (end[axis] - 1) as f64
-                }
-            }));
-            self.camera_from_voxel.transform_point3(voxel)
-        };
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for point in (0..8).map(corner) {
-            low = low.min(point);
-            high = high.max(point);
-        }
-        let reach = self.shape.lateral_reach().extend(self.shape.depth_reach());
-        let (low, high) = (low - reach, high + reach);
-        if high.z < self.sheets.first {
-            return None;
-        }
-        let near = low.z.max(self.sheets.first);
-        let scales = [self.screen.scale_at(near), self.screen.scale_at(high.z.max(near))];
-        let margin = self.shape.cut * self.pixel_sigma;
-        let bound = |value: DVec2, pick: fn(f64, f64) -> f64| {
-            let [a, b] = scales.map(|scale| value * scale);
-            DVec2::new(pick(a.x, b.x), pick(a.y, b.y)) + self.screen.centre
-        };
-        let (from, to) = (
-            bound(low.truncate(), f64::min) - margin,
-            bound(high.truncate(), f64::max) + margin,
-        );
-        Some(ProjectedBrick {
-            active,
-            front_sheet: self.sheets.first_touched(low.z) as u32,
-            rect: [from.x as f32, from.y as f32, to.x as f32, to.y as f32],
-        })
-    }
 }
 
 /// Bricks per tile, by front sheet, then by brick.

@@ -39,16 +39,6 @@ impl SheetStack {
         }
     }
 
-    /// One slab over the whole depth of the points.
-    pub fn single(corners: &[DVec3], reach: f64, screen: &ScreenFromCamera) -> Self {
-        let [first, last] = depths(corners, reach, 0.5 * reach, screen);
-        Self {
-            first,
-            spacing: last - first,
-            count: usize::from(last > first),
-        }
-    }
-
     /// Camera depth of a plane.
     pub fn plane(&self, index: usize) -> f64 {
         self.first + index as f64 * self.spacing

@@ -4,7 +4,6 @@
 //! |---|---|
 //! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
 //! | `sheets` | grids, and scenes of several things in layers: the default |
-//! | `tile`, `stage` | grids slice by slice: nothing any more |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `classic` | one volume by the papers' methods, which are asked for by name |
 //! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |
@@ -26,7 +25,6 @@ mod items;
 pub mod kernels;
 mod part;
 mod phong;
-mod plan;
 mod pool;
 mod prepare;
 mod progressive;
@@ -37,9 +35,7 @@ mod shutter;
 mod simd;
 mod splat_light;
 mod splats;
-mod stage;
 mod statistics;
-mod tile;
 
 pub use check::check;
 #[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]

@@ -1,15 +1,7 @@
 //! The renderer: keeps what it derives from a volume, plans a frame, runs its tiles.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use fearless_simd::{Level, dispatch};
-use rayon::prelude::*;
-use splatvol_core::brick::BrickGrid;
-use splatvol_core::classification::ClassificationTable;
-use splatvol_core::coefficients::{Coefficients, Use};
-use splatvol_core::kernel::GaussianKernel;
-use splatvol_scene::{Camera, Coverage, Exposure, Frame, Kernel, RenderSettings, Scene, SceneError, Volume};
+use fearless_simd::Level;
+use splatvol_scene::{Camera, Coverage, Exposure, Frame, RenderSettings, Scene, SceneError};
 
 use crate::check::check;
 use crate::classic::{self, ClassicEngine};
@@ -20,35 +12,13 @@ use crate::control::{Control, Progress, Task};
 use crate::coverage::Edges;
 use crate::items::ItemStore;
 use crate::part;
-use crate::plan::{FramePlan, Geometry, splats_color};
 use crate::pool::Pool;
-use crate::route::{Parts, PlacedVolumes, Route, VolumeScene, splats_at_once};
+use crate::route::{Parts, PlacedVolumes, Route};
 use crate::sheets::engine::{Run, SheetEngine, TILE_EDGE};
 use crate::sheets::scene::LayeredScene;
 use crate::shutter::{self, Exposed};
 use crate::splats::{Cloud, SplatEngine};
-use crate::stage::resolve::{Resolved, store};
-use crate::stage::sheet_buffer::MAX_EDGE;
 use crate::statistics::{RenderStatistics, StageSeconds};
-use crate::tile::{self, ColorMode, DataMode, Mode, Scratch, TileWork};
-
-/// What coefficients of a volume are kept.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Content {
-    /// The samples.
-    Samples,
-    /// A field, interpolating by a kernel where there is one.
-    Field(Option<Kernel>),
-}
-
-/// What a volume became, and for which settings.
-#[derive(Debug)]
-struct Prepared {
-    volume: Arc<Volume>,
-    content: Content,
-    coefficients: Coefficients,
-    bricks: BrickGrid,
-}
 
 /// Renders scenes; keeps what it derives from their items between frames.
 #[derive(Debug)]
@@ -57,7 +27,6 @@ pub struct Renderer {
     tile_edge: Option<usize>,
     level: Level,
     placed: PlacedVolumes,
-    prepared: Option<Prepared>,
     data: SheetEngine,
     classic: ClassicEngine,
     splats: SplatEngine,
@@ -103,7 +72,6 @@ impl Renderer {
             tile_edge: config.tile_edge,
             level,
             placed: PlacedVolumes::default(),
-            prepared: None,
             data: SheetEngine::default(),
             classic: ClassicEngine::default(),
             splats: SplatEngine::default(),
@@ -174,91 +142,6 @@ impl Renderer {
         task.show_all(frame);
         progress.report(1.0);
         Ok(())
-    }
-
-    /// Renders slice by slice: what the sheets do not.
-    fn render_slices(
-        &mut self,
-        scene: &VolumeScene<'_>,
-        (camera, settings): (&Camera, &RenderSettings),
-        (task, only): (Task<'_>, Option<&Edges>),
-    ) -> Frame {
-        let start = Instant::now();
-        let mut seconds = StageSeconds::default();
-        let content = if splats_color(settings) {
-            Content::Samples
-        } else {
-            Content::Field(settings.prefilter.then_some(settings.kernel))
-        };
-        let Self { pool, prepared, .. } = self;
-        let prepared = pool.install(|| prepare(prepared, &scene.volume, content));
-        seconds.prefilter = start.elapsed().as_secs_f64();
-
-        let classified = Instant::now();
-        let unit_distance = scene.unit_distance();
-        let table = ClassificationTable::new(
-            &scene.transfer_function,
-            scene.volume.value_range(),
-            unit_distance,
-        );
-        seconds.classify = classified.elapsed().as_secs_f64();
-
-        let binned = Instant::now();
-        let geometry = Geometry::new(
-            scene.volume.grid(),
-            prepared.coefficients.margin,
-            camera,
-            settings,
-        );
-        let mut plan = self.pool.install(|| {
-            FramePlan::new(
-                &geometry,
-                (&prepared.coefficients, &prepared.bricks),
-                (&table, unit_distance),
-                (camera, settings),
-                self.tile_edge.map_or(MAX_EDGE, |edge| edge.min(MAX_EDGE)),
-            )
-        });
-        seconds.bin = binned.elapsed().as_secs_f64();
-
-        let tiled = Instant::now();
-        plan.stop = Some(task.stop);
-        let run = TileRun {
-            plan: &plan,
-            level: self.level,
-            task,
-            only,
-            done: AtomicUsize::new(0),
-        };
-        let tiles = self.pool.install(|| {
-            if splats_color(settings) {
-                run.all(&ColorMode::new(&plan))
-            } else {
-                run.all(&DataMode::new(&plan))
-            }
-        });
-        seconds.tiles = tiled.elapsed().as_secs_f64();
-        let frame = assemble(&plan, &tiles);
-
-        let total = |pick: fn(&TileWork) -> f64| tiles.iter().map(|(_, work)| pick(work)).sum::<f64>();
-        seconds.splat = total(|work| work.splat.as_secs_f64());
-        seconds.shade = total(|work| work.shade.as_secs_f64());
-        seconds.total = start.elapsed().as_secs_f64();
-        self.statistics = RenderStatistics {
-            seconds,
-            threads: self.pool.current_num_threads(),
-            engine: "slices",
-            simd: level_name(self.level),
-            level: 0,
-            bricks: plan.bricks.len(),
-            active_bricks: plan.active_bricks,
-            sheets: plan.projector.sheets.count,
-            tiles: plan.tiles.len(),
-            voxels: tiles.iter().map(|(_, work)| work.voxels).sum(),
-            slices: tiles.iter().map(|(_, work)| work.slices).sum(),
-            ..RenderStatistics::default()
-        };
-        frame
     }
 
     /// Renders one frame into memory that is there: frames of a volume allocate nothing but for the first two, where
@@ -358,10 +241,8 @@ impl Renderer {
             Route::Volume(scene) => {
                 if classic::render(scene.motion, settings) {
                     self.statistics = self.classic.render(run, scene, view, frame)?;
-                } else if splats_at_once(&scene.volume, settings) {
-                    self.statistics = self.data.render(run, scene, view, frame);
                 } else {
-                    *frame = self.render_slices(scene, view, (task, only));
+                    self.statistics = self.data.render(run, scene, view, frame);
                 }
             }
             Route::Layers(parts) => self.render_layers(run, shot, (parts, settings), frame)?,
@@ -464,84 +345,9 @@ impl Renderer {
     }
 }
 
-/// Coefficients and bricks of a volume, kept from the last frame where they are still right.
-fn prepare<'a>(kept: &'a mut Option<Prepared>, volume: &Arc<Volume>, content: Content) -> &'a Prepared {
-    if kept
-        .as_ref()
-        .is_some_and(|p| !Arc::ptr_eq(&p.volume, volume) || p.content != content)
-    {
-        *kept = None;
-    }
-    kept.get_or_insert_with(|| {
-        let (coefficients, bricks) = match content {
-            Content::Samples => Coefficients::new(volume, Use::Samples),
-            Content::Field(kernel) => {
-                Coefficients::new(volume, Use::Field(kernel.map(GaussianKernel::new).as_ref()))
-            }
-        };
-        Prepared {
-            volume: Arc::clone(volume),
-            content,
-            coefficients,
-            bricks,
-        }
-    })
-}
-
-/// The tiles of one frame.
-struct TileRun<'a> {
-    plan: &'a FramePlan<'a>,
-    level: Level,
-    task: Task<'a>,
-    only: Option<&'a Edges>,
-    done: AtomicUsize,
-}
-
-impl TileRun<'_> {
-    fn all<M: Mode>(&self, mode: &M) -> Vec<(Vec<Resolved>, TileWork)> {
-        let count = self.plan.tiles.len();
-        (0..count)
-            .into_par_iter()
-            .with_max_len(1)
-            .map_init(
-                || Scratch::new(self.plan.tiles.edge),
-                |scratch, index| {
-                    let rect = self.plan.tiles.rect(index);
-                    let wanted = self.task.wants(&rect) && self.only.is_none_or(|edges| edges.meets(&rect));
-                    let pixels = if wanted && !self.task.is_stopped() {
-                        let tile =
-                            dispatch!(self.level, simd => tile::render(simd, self.plan, index, mode, scratch));
-                        self.task.show(&rect, || Resolved::colors(&tile.0));
-                        tile
-                    } else {
-                        let count = (rect.x1 - rect.x0) * (rect.y1 - rect.y0);
-                        (vec![Resolved::EMPTY; count], TileWork::default())
-                    };
-                    let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-                    self.task.report(done as f64 / count as f64);
-                    pixels
-                },
-            )
-            .collect()
-    }
-}
-
 /// What is rendered, which way, and from where.
 struct Shot<'a> {
     scene: &'a Scene,
     route: &'a Route<'a>,
     camera: &'a Camera,
-}
-
-fn assemble(plan: &FramePlan<'_>, tiles: &[(Vec<Resolved>, TileWork)]) -> Frame {
-    let size = plan.settings.size;
-    let mut frame = Frame::empty(size);
-    for (tile, (pixels, _)) in tiles.iter().enumerate() {
-        store(&mut frame, &plan.tiles.rect(tile), pixels);
-    }
-    debug_assert!(
-        plan.settings.compositing.shows_one_value() || frame.image.pixels.iter().all(|p| p[3] <= 1.0),
-        "no pixel is more than opaque"
-    );
-    frame
 }

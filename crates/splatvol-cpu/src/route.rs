@@ -2,7 +2,7 @@
 //!
 //! | scene | engine |
 //! |---|---|
-//! | one volume, wherever it lies | those for grids (`sheets`, `tile`), or `classic` where a method needs whole ones |
+//! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where a method needs whole ones |
 //! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
 //! | everything else on image sheets | `sheets`: every volume a layer, the rest a cloud, another |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |
@@ -15,15 +15,15 @@ use std::sync::Arc;
 use glam::DAffine3;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Clip, Compositing, Content, Isosurface, Item, Motion, RenderSettings, Scene, SceneError, SingleVolume,
-    TransferFunction, Volume,
+    Classification, Clip, Compositing, Content, Isosurface, Item, Motion, RenderSettings, Scene, SceneError,
+    SingleVolume, TransferFunction, Volume,
 };
 
 use crate::clouds::SplatScene;
 
 /// Which way a scene goes.
 pub(crate) enum Way<'a> {
-    /// To the engines for grids.
+    /// To the engine for grids.
     Volume(SingleVolume<'a>),
     /// As the published renderer does.
     Published,
@@ -65,7 +65,7 @@ pub(crate) struct Parts<'a> {
     pub rest: Scene,
 }
 
-/// One volume as engines for grids see it.
+/// One volume as the engine for grids sees it.
 #[derive(Debug)]
 pub(crate) struct VolumeScene<'a> {
     /// The data, where they lie.
@@ -139,27 +139,23 @@ impl<'a> Route<'a> {
         match Way::of(scene, settings) {
             Way::Volume(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
             Way::Published => Ok(Self::Splats(SplatScene::published(scene))),
-            Way::Layers => parts(scene, settings, volumes).map(Self::Layers),
+            Way::Layers => parts(scene, volumes).map(Self::Layers),
             Way::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
         }
     }
 }
 
-/// The layers of a scene. Volumes that only the slices render are classified with the rest.
+/// The layers of a scene.
 ///
 /// # Errors
 /// Volumes whose place cannot be inverted.
-fn parts<'a>(
-    scene: &'a Scene,
-    settings: &RenderSettings,
-    volumes: &mut PlacedVolumes,
-) -> Result<Parts<'a>, SceneError> {
+fn parts<'a>(scene: &'a Scene, volumes: &mut PlacedVolumes) -> Result<Parts<'a>, SceneError> {
     let mut parts = Parts {
         volumes: Vec::new(),
         rest: Scene::default(),
     };
     for item in &scene.items {
-        if let Some(single) = own_layer(item, settings) {
+        if let Some(single) = own_layer(item) {
             parts.volumes.push(volume_scene(scene, &single, volumes)?);
         } else {
             parts.rest.items.push(item.clone());
@@ -169,13 +165,13 @@ fn parts<'a>(
 }
 
 /// The volume of an item that is a layer of its own.
-pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option<SingleVolume<'a>> {
+pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
     match &item.content {
         Content::Volume {
             volume,
             transfer_function,
             isosurfaces,
-        } if splats_at_once(volume, settings) => Some(SingleVolume {
+        } => Some(SingleVolume {
             item,
             volume,
             transfer_function,
@@ -185,9 +181,13 @@ pub(crate) fn own_layer<'a>(item: &'a Item, settings: &RenderSettings) -> Option
     }
 }
 
-/// Whether the sheet engine renders a volume: it has what was left to the slices, missing samples and data without the prefilter.
-pub(crate) const fn splats_at_once(_: &Volume, _: &RenderSettings) -> bool {
-    true
+/// True where voxels are classified before they are splatted.
+pub(crate) fn splats_color(settings: &RenderSettings) -> bool {
+    match settings.compositing {
+        Compositing::ImageSheets => settings.classification == Classification::Pre,
+        Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => false,
+        _ => true,
+    }
 }
 
 fn volume_scene<'a>(

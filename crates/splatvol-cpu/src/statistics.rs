@@ -49,7 +49,7 @@ pub struct RenderStatistics {
     pub seconds: StageSeconds,
     /// Threads of the pool.
     pub threads: usize,
-    /// Which engine rendered it: `sheets`, `slices`, `splats` or `classic`.
+    /// Which engine rendered it: `sheets`, `splats` or `classic`.
     pub engine: &'static str,
     /// Vector instructions that it used; `scalar` for none.
     pub simd: &'static str,

@@ -53,7 +53,7 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
     }
     footprints_in_motion(scene, settings)?;
     for item in &scene.items {
-        if let Some(single) = own_layer(item, settings) {
+        if let Some(single) = own_layer(item) {
             volume::check(scene, &single, settings)?;
         } else if let Some(what) = asked_of(std::slice::from_ref(item), &[]) {
             return Err(SceneError::Combination {

@@ -27,6 +27,7 @@ mod data;
 mod kernels;
 mod occlusion;
 mod order;
+mod pixel;
 mod plan;
 mod raster;
 mod sheet;
@@ -44,12 +45,12 @@ use splatvol_scene::{
 
 use self::cloud::CloudStore;
 use self::kernels::{Footprints, KernelStore};
+use self::pixel::{Resolved, store};
 use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
 use crate::clock::Instant;
 use crate::route::VolumeScene;
 use crate::sheets::engine::Run;
-use crate::stage::resolve::{Resolved, store};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Whether settings ask for something that the engines for grids do not have.

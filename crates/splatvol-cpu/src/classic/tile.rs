@@ -15,13 +15,12 @@ use splatvol_scene::{Absorption, Compositing};
 use super::data::DataSheets;
 use super::occlusion::Finished;
 use super::order::Order;
+use super::pixel::{Pixel, Resolved, resolve};
 use super::plan::Plan;
 use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
 use crate::clock::Instant;
-use crate::stage::composite::Pixel;
-use crate::stage::resolve::Resolved;
 
 /// Splats between two looks at whether the picture is given up.
 const PATIENCE: usize = 64;
@@ -98,10 +97,8 @@ pub(crate) fn render<P: Profile>(
     if run.is_stopped() {
         return (Vec::new(), run.work);
     }
-    let resolve = |pixel: &Pixel| {
-        crate::stage::resolve::resolve_plain(pixel, plan.settings.compositing == Compositing::Xray)
-    };
-    (run.scratch.pixels.iter().map(resolve).collect(), run.work)
+    let resolved = |pixel: &Pixel| resolve(pixel, plan.settings.compositing == Compositing::Xray);
+    (run.scratch.pixels.iter().map(resolved).collect(), run.work)
 }
 
 impl<P: Profile> Tile<'_, P> {

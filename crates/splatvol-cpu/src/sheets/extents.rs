@@ -8,7 +8,7 @@ use glam::DVec2;
 use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera};
 
 use super::sheet::{Raster, SheetShape};
-use crate::plan::splats_color;
+use crate::route::splats_color;
 
 /// Standard deviations of footprints, raster points, and those at which they are cut.
 #[derive(Debug, Clone, Copy)]

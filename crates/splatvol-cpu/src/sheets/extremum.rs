@@ -6,10 +6,7 @@ use super::cubic::Cubic;
 
 /// Which value is kept. Ranks of normalised values that occur are above 0, so that a pixel begins with rank 0.
 pub(crate) trait Extremum: Sync {
-    /// Rank of a normalised value, or value of a rank: the map is its own inverse.
-    fn rank(value: f32) -> f32;
-
-    /// The same of sixteen.
+    /// Ranks of sixteen normalised values, or values of ranks: the map is its own inverse.
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S>;
 
     /// Ranks along a ray whose values these are.
@@ -29,11 +26,6 @@ pub(crate) struct Smallest;
 
 impl Extremum for Largest {
     #[inline(always)]
-    fn rank(value: f32) -> f32 {
-        value
-    }
-
-    #[inline(always)]
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S> {
         value
     }
@@ -50,11 +42,6 @@ impl Extremum for Largest {
 }
 
 impl Extremum for Smallest {
-    #[inline(always)]
-    fn rank(value: f32) -> f32 {
-        2.0 - value
-    }
-
     #[inline(always)]
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S> {
         2.0 - value

@@ -82,11 +82,7 @@ impl View {
             kernel if settings.gradient == Gradient::Analytic => kernel.without_tails_cut(DEPTH_CUT_EXACT),
             kernel => kernel,
         };
-        let shape = FootprintShape::new(
-            linear * linear.transpose() * kernel.sigma.powi(2),
-            1.0,
-            kernel.cut(),
-        );
+        let shape = FootprintShape::new(linear * linear.transpose() * kernel.sigma.powi(2));
         let per_voxel = shape.depth_sigma / kernel.sigma;
         let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
         let corners = corners(grid, margin, camera_from_lattice);

@@ -16,7 +16,7 @@ use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
 
 use super::table::ShadeTable;
-use crate::plan::splats_color;
+use crate::route::splats_color;
 
 /// Smallest width of a voxel, pixels.
 const FINEST: f64 = 0.8;
