@@ -1,11 +1,12 @@
 //! `ARCHITECTURE.md` against the workspace.
 //!
 //! The first table below "## Crates" has a row per crate: its name, what it holds, which crates of the workspace it
-//! may use. Modules of stages are named anywhere as `` `splatvol_core::NAME` ``, `` `sheets::NAME` ``,
+//! may use. The engines of `splatvol-cpu` know nothing of each other. Modules of stages are named anywhere as
+//! `` `splatvol_core::NAME` ``, `` `sheets::NAME` ``,
 //! `` `splats::NAME` `` and `` `classic::NAME` ``.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
@@ -35,6 +36,15 @@ pub(crate) fn check(root: &Path) -> Result<String> {
         stages += modules.len();
         problems.extend(module_problems(&text, prefix, &modules));
     }
+    for engine in ENGINES {
+        let folder = root.join("crates/splatvol-cpu/src").join(engine);
+        for file in rust_files(&folder)? {
+            let source = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
+            let strays = imports_of_others(engine, &source);
+            problems
+                .extend(strays.map(|other| format!("{}: `{engine}` may not use `{other}`", file.display())));
+        }
+    }
     if !problems.is_empty() {
         bail!("ARCHITECTURE.md:\n{}", problems.join("\n"));
     }
@@ -42,6 +52,33 @@ pub(crate) fn check(root: &Path) -> Result<String> {
         "{} crates and {stages} modules of stages are described",
         packages.len()
     ))
+}
+
+/// The engines of `splatvol-cpu`, which know nothing of each other.
+const ENGINES: [&str; 3] = ["sheets", "splats", "classic"];
+
+/// The other engines that a file of one of them names.
+fn imports_of_others<'a>(engine: &str, source: &'a str) -> impl Iterator<Item = &'static str> + use<'a> {
+    let others = ENGINES.into_iter().filter(move |other| *other != engine);
+    let others: Vec<_> = others.collect();
+    others
+        .into_iter()
+        .filter(|other| source.contains(&format!("crate::{other}::")))
+}
+
+/// All files of Rust below a folder.
+fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
+        if path.is_dir() {
+            files.extend(rust_files(&path)?);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 fn crate_problems(text: &str, packages: &[Package]) -> Vec<String> {
@@ -146,6 +183,19 @@ mod tests {
         assert_eq!(
             crate_problems(TEXT, &all[..1]),
             ["`two` is no crate of the workspace"]
+        );
+    }
+
+    #[test]
+    fn engines_that_know_each_other_are_found() {
+        let source = "use crate::sheets::place::Place;\nuse crate::splats::Cloud;\n";
+        assert_eq!(
+            imports_of_others("sheets", source).collect::<Vec<_>>(),
+            ["splats"]
+        );
+        assert_eq!(
+            imports_of_others("splats", source).collect::<Vec<_>>(),
+            ["sheets"]
         );
     }
 

@@ -20,7 +20,7 @@ use splatvol_scene::{
 };
 
 use crate::prepare::Patience;
-use crate::sheets::engine::Run;
+use crate::run::Run;
 
 /// Neighbours that radii and normals are estimated from.
 const NEIGHBORS: usize = 8;
@@ -45,6 +45,14 @@ struct Kept {
 }
 
 impl ItemStore {
+    /// Memory held, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let sources = |kept: &Kept| kept.gathered.sources.capacity() * size_of::<u32>();
+        self.kept
+            .as_ref()
+            .map_or(0, |kept| kept.gathered.cloud.bytes() + sources(kept))
+    }
+
     /// The cloud of a scene, as this camera sees it; `None` where it has to be made and the picture is given up meanwhile.
     pub(crate) fn cloud(
         &mut self,
@@ -183,7 +191,7 @@ fn completed(item: &Item, lit: bool, patience: &Patience) -> Option<Item> {
 }
 
 /// How far apart an item's samples are, world length; zero for what does not say.
-fn spacing(item: &Item) -> f64 {
+pub(crate) fn spacing(item: &Item) -> f64 {
     let scale = |frame: &DAffine3| libm::cbrt(frame.matrix3.determinant().abs());
     let placed = scale(&item.world_from_item);
     match &item.content {

@@ -3,7 +3,7 @@
 //! | module | what it renders |
 //! |---|---|
 //! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
-//! | `sheets` | grids, and scenes of several things in layers: the default |
+//! | `sheets` | grids, meshes, and scenes of several things in layers: the default |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `classic` | one volume by the papers' methods, which are asked for by name |
 //! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |
@@ -23,6 +23,7 @@ mod coverage;
 mod items;
 #[doc(hidden)]
 pub mod kernels;
+mod meshes;
 mod part;
 mod phong;
 mod pool;
@@ -30,6 +31,7 @@ mod prepare;
 mod progressive;
 mod renderer;
 mod route;
+mod run;
 mod sheets;
 mod shutter;
 mod simd;
@@ -46,4 +48,4 @@ pub use control::{Control, OnProgress, OnTile};
 pub use pool::Pool;
 pub use progressive::Pass;
 pub use renderer::Renderer;
-pub use statistics::{RenderStatistics, StageSeconds};
+pub use statistics::{MemoryUse, RenderStatistics, StageSeconds};

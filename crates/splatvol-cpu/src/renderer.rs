@@ -11,14 +11,17 @@ use crate::config::{EngineConfig, EngineError, level_name};
 use crate::control::{Control, Progress, Task};
 use crate::coverage::Edges;
 use crate::items::ItemStore;
+use crate::meshes::MeshStore;
 use crate::part;
 use crate::pool::Pool;
 use crate::route::{Parts, PlacedVolumes, Route};
-use crate::sheets::engine::{Run, SheetEngine, TILE_EDGE};
+use crate::run::Run;
+use crate::sheets::engine::{SheetEngine, TILE_EDGE};
+use crate::sheets::prepared::SPARE;
 use crate::sheets::scene::LayeredScene;
 use crate::shutter::{self, Exposed};
 use crate::splats::{Cloud, SplatEngine};
-use crate::statistics::{RenderStatistics, StageSeconds};
+use crate::statistics::{MemoryUse, RenderStatistics, StageSeconds};
 
 /// Renders scenes; keeps what it derives from their items between frames.
 #[derive(Debug)]
@@ -32,6 +35,8 @@ pub struct Renderer {
     splats: SplatEngine,
     /// Clouds of what is classified first.
     items: ItemStore,
+    /// Clouds of meshes whose values are classified behind their kernels.
+    meshes: MeshStore,
     /// The larger picture that edges are sampled from.
     fine: Option<Frame>,
     statistics: RenderStatistics,
@@ -72,10 +77,11 @@ impl Renderer {
             tile_edge: config.tile_edge,
             level,
             placed: PlacedVolumes::default(),
-            data: SheetEngine::default(),
+            data: SheetEngine::with_spare(config.spare_bytes.unwrap_or(SPARE)),
             classic: ClassicEngine::default(),
             splats: SplatEngine::default(),
             items: ItemStore::default(),
+            meshes: MeshStore::default(),
             fine: None,
             statistics,
         })
@@ -139,9 +145,22 @@ impl Renderer {
         if let Some(part) = &control.part {
             part::keep(frame, part);
         }
+        self.statistics.memory = self.memory();
         task.show_all(frame);
         progress.report(1.0);
         Ok(())
+    }
+
+    /// Bytes held between frames.
+    fn memory(&self) -> MemoryUse {
+        let [volumes, spare_volumes, tiles] = self.data.bytes();
+        let [samples, cloud] = self.classic.bytes();
+        MemoryUse {
+            volumes: volumes + samples,
+            spare_volumes,
+            clouds: self.items.bytes() + self.meshes.bytes() + cloud,
+            tiles: tiles + self.splats.bytes(),
+        }
     }
 
     /// Renders one frame into memory that is there: frames of a volume allocate nothing but for the first two, where
@@ -269,8 +288,13 @@ impl Renderer {
                     .ok_or(SceneError::Stopped)?,
             ),
         };
+        self.meshes
+            .update(run, &parts.meshes, settings)
+            .ok_or(SceneError::Stopped)?;
         let scene = LayeredScene {
             volumes: &parts.volumes,
+            meshes: &parts.meshes,
+            mesh_clouds: &self.meshes,
             cloud,
             clips: &shot.scene.clips,
         };

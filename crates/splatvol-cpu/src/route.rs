@@ -4,7 +4,7 @@
 //! |---|---|
 //! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where a method needs whole ones |
 //! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
-//! | everything else on image sheets | `sheets`: every volume a layer, the rest a cloud, another |
+//! | everything else on image sheets | `sheets`: every volume and mesh a layer, the rest a cloud, another |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |
 //!
 //! A volume is brought to its place by its grid: `world_from_voxel = world_from_item * item_from_voxel`.
@@ -15,11 +15,12 @@ use std::sync::Arc;
 use glam::DAffine3;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Classification, Clip, Compositing, Content, Isosurface, Item, Motion, RenderSettings, Scene, SceneError,
-    SingleVolume, TransferFunction, Volume,
+    Classification, Clip, Compositing, Content, Isosurface, Item, Mesh, Motion, RenderSettings, Scene,
+    SceneError, SingleVolume, TransferFunction, Volume,
 };
 
 use crate::clouds::SplatScene;
+use crate::items;
 
 /// Which way a scene goes.
 pub(crate) enum Way<'a> {
@@ -51,7 +52,7 @@ impl<'a> Way<'a> {
 pub(crate) enum Route<'a> {
     /// A volume where it lies.
     Volume(VolumeScene<'a>),
-    /// Volumes where they lie, and the rest.
+    /// Volumes and meshes where they lie, and the rest.
     Layers(Parts<'a>),
     /// Splat by splat.
     Splats(SplatScene<'a>),
@@ -61,6 +62,8 @@ pub(crate) enum Route<'a> {
 pub(crate) struct Parts<'a> {
     /// A layer each.
     pub volumes: Vec<VolumeScene<'a>>,
+    /// The same.
+    pub meshes: Vec<MeshScene<'a>>,
     /// What is classified already, and shares a layer.
     pub rest: Scene,
 }
@@ -72,12 +75,7 @@ pub(crate) struct VolumeScene<'a> {
     pub volume: Arc<Volume>,
     /// Colour and opacity of its values.
     pub transfer_function: Cow<'a, TransferFunction>,
-    /// What changes the appearance of material, in this order.
-    pub operators: &'a [Arc<dyn PixelOperator>],
-    /// What is cut away, world.
-    pub clips: Cow<'a, [Clip]>,
-    /// Surfaces to show instead of material, where there are any.
-    pub isosurfaces: &'a [Isosurface],
+    pub asked: Asked<'a>,
     /// What moves while the shutter is open.
     pub motion: Option<&'a Motion>,
 }
@@ -89,6 +87,31 @@ impl VolumeScene<'_> {
             .unit_distance
             .unwrap_or_else(|| self.volume.grid().mean_spacing())
     }
+}
+
+/// One mesh as its layer sees it.
+#[derive(Debug)]
+pub(crate) struct MeshScene<'a> {
+    pub mesh: &'a Arc<Mesh>,
+    pub world_from_local: DAffine3,
+    /// Distance of neighbouring samples, world length.
+    pub spacing: f64,
+    /// Colour and opacity of its values.
+    pub transfer_function: &'a TransferFunction,
+    /// World length to which its opacities refer.
+    pub unit_distance: f64,
+    pub asked: Asked<'a>,
+}
+
+/// What is asked of an item besides its look.
+#[derive(Debug, Clone)]
+pub(crate) struct Asked<'a> {
+    /// What changes the appearance of material, in this order.
+    pub operators: &'a [Arc<dyn PixelOperator>],
+    /// What is cut away, world.
+    pub clips: Cow<'a, [Clip]>,
+    /// Surfaces to show instead of material, where there are any.
+    pub isosurfaces: &'a [Isosurface],
 }
 
 /// The volumes last brought to places of their own, so that what engines keep of them stays right.
@@ -139,7 +162,7 @@ impl<'a> Route<'a> {
         match Way::of(scene, settings) {
             Way::Volume(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
             Way::Published => Ok(Self::Splats(SplatScene::published(scene))),
-            Way::Layers => parts(scene, volumes).map(Self::Layers),
+            Way::Layers => parts(scene, settings, volumes).map(Self::Layers),
             Way::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
         }
     }
@@ -149,14 +172,21 @@ impl<'a> Route<'a> {
 ///
 /// # Errors
 /// Volumes whose place cannot be inverted.
-fn parts<'a>(scene: &'a Scene, volumes: &mut PlacedVolumes) -> Result<Parts<'a>, SceneError> {
+fn parts<'a>(
+    scene: &'a Scene,
+    settings: &RenderSettings,
+    volumes: &mut PlacedVolumes,
+) -> Result<Parts<'a>, SceneError> {
     let mut parts = Parts {
         volumes: Vec::new(),
+        meshes: Vec::new(),
         rest: Scene::default(),
     };
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
             parts.volumes.push(volume_scene(scene, &single, volumes)?);
+        } else if let Some(mesh) = mesh_layer(scene, item, settings) {
+            parts.meshes.push(mesh);
         } else {
             parts.rest.items.push(item.clone());
         }
@@ -179,6 +209,39 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
         }),
         _ => None,
     }
+}
+
+/// Whether the samples of a mesh are a layer of data, classified behind their kernels.
+pub(crate) fn is_data(item: &Item, settings: &RenderSettings) -> bool {
+    matches!(item.content, Content::Mesh { .. })
+        && settings.compositing == Compositing::ImageSheets
+        && !splats_color(settings)
+}
+
+fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -> Option<MeshScene<'a>> {
+    let Content::Mesh {
+        mesh,
+        transfer_function,
+        isosurfaces,
+    } = &item.content
+    else {
+        return None;
+    };
+    let spacing = items::spacing(item);
+    let own = transfer_function.unit_distance;
+    is_data(item, settings).then(|| MeshScene {
+        mesh,
+        world_from_local: item.world_from_item * *mesh.world_from_local(),
+        spacing,
+        transfer_function,
+        // Opacities refer to lengths of the item's own world.
+        unit_distance: own.map_or(spacing, |distance| distance * item.scale()),
+        asked: Asked {
+            operators: &item.operators,
+            clips: clips(scene, item),
+            isosurfaces,
+        },
+    })
 }
 
 /// True where voxels are classified before they are splatted.
@@ -209,9 +272,11 @@ fn volume_scene<'a>(
     Ok(VolumeScene {
         volume: volumes.place(single)?,
         transfer_function,
-        operators: &item.operators,
-        clips: clips(scene, item),
-        isosurfaces: single.isosurfaces,
+        asked: Asked {
+            operators: &item.operators,
+            clips: clips(scene, item),
+            isosurfaces: single.isosurfaces,
+        },
         motion: item.motion.as_ref(),
     })
 }

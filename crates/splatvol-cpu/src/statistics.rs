@@ -42,6 +42,19 @@ impl StageSeconds {
     }
 }
 
+/// Bytes that a renderer holds between frames, by what they are for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct MemoryUse {
+    /// Volumes of the scene: samples, and what engines made of them.
+    pub volumes: usize,
+    /// The same of volumes of earlier scenes ([`EngineConfig::spare_bytes`](crate::EngineConfig)).
+    pub spare_volumes: usize,
+    /// Clouds of points, Gaussians and samples of meshes.
+    pub clouds: usize,
+    /// What tiles are rendered in.
+    pub tiles: usize,
+}
+
 /// Times and counts of the last frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct RenderStatistics {
@@ -78,4 +91,6 @@ pub struct RenderStatistics {
     pub hidden_share: f64,
     /// Pixels that are means of several samples ([`splatvol_scene::Coverage`]). Times include theirs, other counts do not.
     pub sampled_pixels: u64,
+    /// What the renderer holds after it.
+    pub memory: MemoryUse,
 }

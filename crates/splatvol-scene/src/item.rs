@@ -29,7 +29,7 @@ pub enum Content {
         mesh: Arc<Mesh>,
         /// Colour and opacity of its values.
         transfer_function: TransferFunction,
-        /// Surfaces to show instead of material, where there are any.
+        /// Surfaces to show instead of material, where there are any: see [`Item::mesh_isosurfaces`].
         isosurfaces: Vec<Isosurface>,
     },
     /// Points of surfaces.
@@ -55,6 +55,17 @@ pub struct Isosurface {
 }
 
 impl Isosurface {
+    /// A transfer function that shows what may lie behind a crossing, of data in this range; how dense it is does not matter.
+    fn transfer_function(surfaces: &[Self], [low, high]: [f64; 2]) -> Result<TransferFunction, SceneError> {
+        surfaces.iter().try_for_each(Self::validate)?;
+        let lowest = surfaces.iter().map(|surface| surface.value).reduce(f64::min);
+        let (Some(lowest), Some(first)) = (lowest, surfaces.first()) else {
+            return Err(SceneError::invalid("isosurfaces", surfaces, "at least one"));
+        };
+        let width = ((high - low) / 200.0).max(f64::MIN_POSITIVE);
+        TransferFunction::isosurface(lowest, width, first.rgb)
+    }
+
     fn validate(&self) -> Result<(), SceneError> {
         let unit = |value: f64| (0.0..=1.0).contains(&value);
         if self.value.is_finite() && unit(self.opacity) && self.rgb.into_iter().all(unit) {
@@ -155,17 +166,27 @@ impl Item {
         isosurfaces: &[Isosurface],
     ) -> Result<Self, SceneError> {
         let volume = volume.into();
-        isosurfaces.iter().try_for_each(Isosurface::validate)?;
-        let lowest = isosurfaces.iter().map(|surface| surface.value).reduce(f64::min);
-        let (Some(lowest), Some(first)) = (lowest, isosurfaces.first()) else {
-            return Err(SceneError::invalid("isosurfaces", isosurfaces, "at least one"));
-        };
-        // What may lie behind a crossing has to be there; how dense it is does not matter.
-        let [low, high] = volume.value_range();
-        let width = ((high - low) / 200.0).max(f64::MIN_POSITIVE);
+        let range = volume.value_range();
         Ok(Self::new(Content::Volume {
             volume,
-            transfer_function: TransferFunction::isosurface(lowest, width, first.rgb)?,
+            transfer_function: Isosurface::transfer_function(isosurfaces, range)?,
+            isosurfaces: isosurfaces.to_vec(),
+        }))
+    }
+
+    /// The same of a mesh.
+    ///
+    /// # Errors
+    /// No surfaces, values that are not finite, or colours or opacities outside 0..1.
+    pub fn mesh_isosurfaces(
+        mesh: impl Into<Arc<Mesh>>,
+        isosurfaces: &[Isosurface],
+    ) -> Result<Self, SceneError> {
+        let mesh = mesh.into();
+        let range = mesh.value_range().map(f64::from);
+        Ok(Self::new(Content::Mesh {
+            mesh,
+            transfer_function: Isosurface::transfer_function(isosurfaces, range)?,
             isosurfaces: isosurfaces.to_vec(),
         }))
     }

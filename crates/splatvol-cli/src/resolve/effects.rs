@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use splatvol::{
-    Bounds, BumpMap, Clip, EnvironmentMap, GradientOpacity, Image, Isosurface, Item, Keep, PixelOperator,
-    Scene, SolidTexture, Stuff, TransferFunction2d,
+    Bounds, BumpMap, Clip, Content, EnvironmentMap, GradientOpacity, Image, Isosurface, Item, Keep,
+    PixelOperator, Scene, SolidTexture, Stuff, TransferFunction, TransferFunction2d,
 };
 
 use super::input::locate;
@@ -149,32 +149,53 @@ impl Effects {
         self.operators.is_empty() && self.clips.is_empty() && self.isosurface.is_none()
     }
 
-    /// Does it to a scene: clips cut all of it, everything else is of a volume alone.
+    /// Does it to a scene: clips cut all of it, everything else is of a volume or a mesh alone.
     pub(crate) fn apply(self, mut scene: Scene) -> Result<Scene, Failure> {
         scene.clips.extend(self.clips);
         if self.operators.is_empty() && self.isosurface.is_none() {
             return Ok(scene);
         }
-        let single = scene.single_volume().map_err(|_| of_volumes())?;
-        let mut item = single.item.clone();
+        let [item] = &mut scene.items[..] else {
+            return Err(of_data());
+        };
         if let Some(value) = self.isosurface {
-            let surface = Isosurface {
-                value,
-                rgb: single.transfer_function.color(value),
-                opacity: 1.0,
-            };
-            let volume = Arc::clone(single.volume);
-            item.content = Item::isosurfaces(volume, &[surface]).during(Step::Usage)?.content;
+            show_surface(item, value)?;
         }
-        item.operators.extend(self.operators);
-        scene.items = vec![item];
+        match &item.content {
+            Content::Volume { .. } | Content::Mesh { .. } => item.operators.extend(self.operators),
+            Content::Points { .. } | Content::Gaussians(_) => return Err(of_data()),
+        }
         Ok(scene)
     }
 }
 
+/// Shows the surface of a value instead of material, in the colour that the value has.
+fn show_surface(item: &mut Item, value: f64) -> Result<(), Failure> {
+    let surface = |look: &TransferFunction| Isosurface {
+        value,
+        rgb: look.color(value),
+        opacity: 1.0,
+    };
+    let shown = match &item.content {
+        Content::Volume {
+            volume,
+            transfer_function,
+            ..
+        } => Item::isosurfaces(Arc::clone(volume), &[surface(transfer_function)]),
+        Content::Mesh {
+            mesh,
+            transfer_function,
+            ..
+        } => Item::mesh_isosurfaces(Arc::clone(mesh), &[surface(transfer_function)]),
+        Content::Points { .. } | Content::Gaussians(_) => return Err(of_data()),
+    };
+    item.content = shown.during(Step::Usage)?.content;
+    Ok(())
+}
+
 /// Why effects are refused.
-pub(crate) fn of_volumes() -> Failure {
+pub(crate) fn of_data() -> Failure {
     Failure::usage(
-        "effects (textures, bumps, mirrors, gradient opacity, --tf2d, --iso-exact) are of one volume alone",
+        "effects (textures, bumps, mirrors, gradient opacity, --tf2d, --iso-exact) are of one volume or one mesh alone",
     )
 }

@@ -207,7 +207,7 @@ fn scenes_are_animated_cut_and_moved() {
     }
     sandbox
         .run("render scene.toml --texture marble -w")
-        .fails(2, &["one volume alone"]);
+        .fails(2, &["one volume or one mesh alone"]);
     sandbox
         .run("render scene.toml --clip-plane 0,0,0:0,0,1 -o cut.png")
         .succeeds();

@@ -38,6 +38,7 @@ mod moments;
 mod normalise;
 mod packets;
 mod pieces;
+mod prefilter;
 mod reference_cell;
 mod resample;
 mod structured;

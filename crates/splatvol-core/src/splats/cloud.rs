@@ -111,6 +111,15 @@ impl Chunk {
 }
 
 impl SplatCloud {
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<[f32; 3]>()
+            + self.payloads.capacity() * size_of::<[f32; 4]>()
+            + self.gradients.capacity() * size_of::<[f32; 3]>()
+            + self.covariances.capacity() * size_of::<[f32; 6]>()
+            + self.chunks.capacity() * size_of::<Chunk>()
+    }
+
     /// Number of splats.
     pub fn len(&self) -> usize {
         self.positions.len()

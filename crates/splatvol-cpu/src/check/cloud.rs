@@ -6,7 +6,7 @@ use splatvol_scene::{
 };
 
 use super::{asked, asked_of, volume};
-use crate::route::own_layer;
+use crate::route::{is_data, own_layer};
 
 /// Refuses what the published way to render Gaussians does not have.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
@@ -41,7 +41,7 @@ pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), 
     )
 }
 
-/// Refuses what layers do not have: volumes have what they have alone, and a cloud is cut by the clips of the scene.
+/// Refuses what layers do not have: volumes and meshes have what they have alone, and a cloud is cut by the clips of the scene.
 pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
     one_volume(settings)?;
     if settings.sheet == Some(SheetContent::Section) && settings.classification == Classification::Post {
@@ -55,10 +55,13 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
             volume::check(scene, &single, settings)?;
+        } else if is_data(item, settings) {
+            // Whatever is asked of it, its planes hold values and gradients.
         } else if let Some(what) = asked_of(std::slice::from_ref(item), &[]) {
             return Err(SceneError::Combination {
                 what,
-                why: "it is of volumes; meshes, points and Gaussians are classified first, without it",
+                why: "it is of volumes and meshes that are classified after splatting; points, Gaussians and what is classified \
+                      first are splatted without it",
             });
         }
     }

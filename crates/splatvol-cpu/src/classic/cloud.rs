@@ -11,7 +11,7 @@ use splatvol_scene::{Classification, Compositing, Extraction, RenderSettings, Tr
 
 use crate::prepare::Patience;
 use crate::route::VolumeScene;
-use crate::sheets::engine::Run;
+use crate::run::Run;
 
 /// What a cloud depends on, besides the volume.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +58,15 @@ pub(crate) fn splats_data(settings: &RenderSettings) -> bool {
 }
 
 impl CloudStore {
+    /// Memory of samples and of the cloud, bytes.
+    pub(crate) fn bytes(&self) -> [usize; 2] {
+        let samples = |samples: &Arc<Samples>| samples.values.values.capacity() * size_of::<f32>();
+        [
+            self.samples.as_ref().map_or(0, samples),
+            self.cloud.as_ref().map_or(0, |(_, cloud)| cloud.bytes()),
+        ]
+    }
+
     /// The cloud of a scene, and the bricks that its volume has; `None` where they have to be made and the picture is given up
     /// meanwhile.
     pub(crate) fn cloud(

@@ -50,7 +50,7 @@ use self::plan::{Drawn, Plan};
 use self::tile::{TileScratch, TileWork};
 use crate::clock::Instant;
 use crate::route::VolumeScene;
-use crate::sheets::engine::Run;
+use crate::run::Run;
 use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Whether settings ask for something that the engines for grids do not have.
@@ -83,6 +83,11 @@ pub(crate) struct ClassicEngine {
 }
 
 impl ClassicEngine {
+    /// Memory of samples and of the cloud, bytes.
+    pub(crate) fn bytes(&self) -> [usize; 2] {
+        self.store.bytes()
+    }
+
     /// Renders a frame.
     ///
     /// # Errors

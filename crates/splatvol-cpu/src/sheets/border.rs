@@ -5,7 +5,7 @@
 //! are asked for; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` errs by less than 2e-4.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
-use glam::{Affine3A, DAffine3, Vec3, Vec3A};
+use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 use splatvol_core::bin::TileRect;
 
 use crate::simd::math::{exp2, exp2_of};
@@ -47,6 +47,19 @@ impl<S: Simd> Shares<S> {
 const REACH: f32 = 3.4;
 
 impl Border {
+    /// Of a volume without end: no pixel is near it.
+    pub(crate) fn nowhere() -> Self {
+        Self {
+            corner_from_camera: Affine3A {
+                matrix3: Mat3A::ZERO,
+                translation: Vec3A::ONE,
+            },
+            size: Vec3::splat(2.0),
+            margin: Vec3::ZERO,
+            sigma: 0.0,
+        }
+    }
+
     pub(crate) fn new(camera_from_voxel: DAffine3, dims: [usize; 3], margin: [usize; 3], sigma: f64) -> Self {
         let inverse = camera_from_voxel.inverse();
         Self {

@@ -67,6 +67,19 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 }
 
 impl Canvas {
+    /// Memory held, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let planes = [&self.transmittance, &self.depth_sum]
+            .into_iter()
+            .chain(&self.color);
+        planes
+            .map(|plane| plane.capacity() * size_of::<f32>())
+            .sum::<usize>()
+            + self.gathered.capacity() * size_of::<Stored>()
+            + self.holds.capacity()
+            + self.touched.capacity() * size_of::<u32>()
+    }
+
     /// An empty tile, onto which material goes straight.
     pub(crate) fn reset(&mut self, [width, height]: [usize; 2]) {
         self.pitch = width.next_multiple_of(16);

@@ -4,10 +4,8 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use fearless_simd::{Level, Simd, dispatch};
-use glam::Affine3A;
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
-use splatvol_core::bin::TileRect;
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings};
 
@@ -22,10 +20,10 @@ use super::frame::{Plan, Sampling, View};
 use super::integral::Integral;
 use super::intensity::{Extreme, Intensity, Kept, Mean, ValueColors};
 use super::layer::{ModeLayer, TileLayer, render};
-use super::level::{Detail, Pyramid, Wanted};
+use super::level::{Detail, Wanted};
 use super::mode::{Bricks, Mode};
 use super::operated::Operated;
-use super::pixel::Units;
+use super::prepared::Prepared;
 use super::resolve::{blend, resolve};
 use super::scene::LayerStore;
 use super::shade::PlaneShader;
@@ -33,10 +31,9 @@ use super::shaded::Shaded;
 use super::tile::{SheetScratch, SheetWork, ZonedFrame};
 use crate::clock::Instant;
 use crate::control::Task;
-use crate::coverage::Edges;
 use crate::phong::Phong;
-use crate::pool::Pool;
 use crate::route::VolumeScene;
+use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
 use crate::statistics::{RenderStatistics, StageSeconds};
 
@@ -49,7 +46,7 @@ pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
 /// State between frames.
 #[derive(Debug, Default)]
 pub(crate) struct SheetEngine {
-    pyramid: Option<Pyramid>,
+    pub(super) prepared: Prepared,
     plan: Plan,
     pub(super) cloud: CloudPlan,
     pub(super) layers: LayerStore,
@@ -67,6 +64,16 @@ pub(crate) struct TileMemory {
 }
 
 impl TileMemory {
+    /// Memory held, bytes.
+    fn bytes(&self) -> usize {
+        let scratch = self
+            .scratch
+            .iter()
+            .map(|own| lock(own).iter().map(SheetScratch::bytes).sum::<usize>());
+        let tiles = self.tiles.iter().map(|tile| lock(tile).0.bytes());
+        scratch.sum::<usize>() + tiles.sum::<usize>()
+    }
+
     /// Renders all tiles of a frame. `sheets_per_voxel`: what a voxel is splatted into.
     pub(crate) fn render(
         &mut self,
@@ -102,25 +109,21 @@ impl TileMemory {
     }
 }
 
-/// What a frame is rendered with.
-#[derive(Clone, Copy)]
-pub(crate) struct Run<'a> {
-    pub pool: &'a Pool,
-    pub level: Level,
-    pub tile_edge: Option<usize>,
-    pub task: Task<'a>,
-    /// Tiles without any of these are left out.
-    pub only: Option<&'a Edges>,
-}
-
-impl Run<'_> {
-    /// Whether a tile's pixels are wanted.
-    pub(crate) fn wants(&self, rect: &TileRect) -> bool {
-        self.task.wants(rect) && self.only.is_none_or(|edges| edges.meets(rect))
-    }
-}
-
 impl SheetEngine {
+    /// An engine that keeps volumes of earlier scenes in so many bytes.
+    pub(crate) fn with_spare(spare: usize) -> Self {
+        Self {
+            prepared: Prepared::with_spare(spare),
+            ..Self::default()
+        }
+    }
+
+    /// Bytes of the prepared volumes of the scene at hand, of others, and of what tiles are rendered in.
+    pub(crate) fn bytes(&self) -> [usize; 3] {
+        let [own, others] = self.prepared.bytes();
+        [own, others, self.memory.bytes()]
+    }
+
     /// Renders into a frame of the settings' size.
     pub(crate) fn render(
         &mut self,
@@ -200,17 +203,9 @@ impl SheetEngine {
         statistics: &mut RenderStatistics,
     ) {
         let prepared = Instant::now();
-        if !self
-            .pyramid
-            .as_ref()
-            .is_some_and(|p| p.is_of(&scene.volume, settings))
-        {
-            // Freed before the new one is made.
-            self.pyramid = None;
-        }
-        let pyramid = self
-            .pyramid
-            .get_or_insert_with(|| Pyramid::new(scene.volume.clone(), settings));
+        let [pyramid, ..] = self.prepared.of_scene(std::iter::once(&scene.volume), settings) else {
+            return;
+        };
         let wanted = Wanted::of(settings);
         let look = (&*scene.transfer_function, scene.unit_distance());
         let Some(level) = pyramid.classify(level, look, wanted, run.task.stop) else {
@@ -238,7 +233,7 @@ impl SheetEngine {
         let look = (&level.classification, level.hull);
         let cut = || {
             Cut::new(
-                &scene.clips,
+                &scene.asked.clips,
                 world_from_lattice(grid.world_from_voxel(), view.margin()),
             )
         };
@@ -283,32 +278,12 @@ impl SheetEngine {
                 let mode = Shaded {
                     store,
                     shader: shader(),
-                    operated: operated(scene, camera, store),
+                    operated: Operated::new(&scene.asked, spacing, (camera, store.volume().value_range())),
                 };
                 job.render(store, &mode, frame, statistics);
             }
         }
     }
-}
-
-/// What a scene asks to be done to pixels.
-pub(super) fn operated<'a>(
-    scene: &'a VolumeScene<'_>,
-    camera: &Camera,
-    store: &FieldStore,
-) -> Option<Operated<'a>> {
-    let [low, high] = store.volume().value_range();
-    let world_from_camera = camera.camera_from_world().inverse();
-    let range = if high > low { high - low } else { 1.0 };
-    let units = Units {
-        world_from_camera: Affine3A::from_mat3_translation(
-            world_from_camera.matrix3.as_mat3(),
-            world_from_camera.translation.as_vec3(),
-        ),
-        lowest: low as f32,
-        range: range as f32,
-    };
-    Operated::new(scene, Cut::new(&scene.clips, world_from_camera), units)
 }
 
 /// The tiles of one level's picture.

@@ -99,9 +99,21 @@ impl<'a> Interval<'a> {
         }
     }
 
+    /// Whether the weights of all its samples add up to one, but at a volume's border.
+    pub(super) fn is_whole(&self) -> bool {
+        self.holes.is_none() && self.weights.is_none()
+    }
+
     /// Weights of missing samples at sixteen pixels of the four planes; `None` where there are none.
     #[inline(always)]
     pub(super) fn missing<S: Simd>(&self, simd: S, at: usize) -> Option<[f32x16<S>; 4]> {
+        if let Some(planes) = self.weights {
+            let zero = f32x16::splat(simd, 0.0);
+            return Some(planes.map(|plane| {
+                let weight = f32x16::from_slice(simd, &plane.values[at..at + 16]);
+                (1.0 - weight).max(zero)
+            }));
+        }
         let planes = self.holes?;
         let missing = planes.map(|plane| f32x16::from_slice(simd, &plane.values[at..at + 16]));
         let [a, b, c, d] = missing;
@@ -137,10 +149,20 @@ impl<S: Simd> Beside<S> {
     /// `missing`: M over W.
     #[inline(always)]
     pub(super) fn new(simd: S, sums: [f32x16<S>; 4], missing: [f32x16<S>; 4]) -> Self {
-        let (faded, least) = (f32x16::splat(simd, FADED), f32x16::splat(simd, LEAST));
-        let one = f32x16::splat(simd, 1.0);
+        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST));
+        let means = [0, 1, 2, 3].map(|i| sums[i] / (one - missing[i]).max(least));
+        Self::of_means(simd, means, missing)
+    }
+
+    /// Of sums that were divided by their weights.
+    #[inline(always)]
+    pub(super) fn of_means(
+        simd: S,
+        [before, near, far, after]: [f32x16<S>; 4],
+        missing: [f32x16<S>; 4],
+    ) -> Self {
+        let (one, faded) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, FADED));
         let left = missing.map(|missing| one - missing);
-        let [before, near, far, after] = [0, 1, 2, 3].map(|i| sums[i] / left[i].max(least));
         let nearer = left[1].simd_lt(faded.min(left[2])).select(far, near);
         let farther = left[2].simd_lt(faded.min(left[1])).select(near, far);
         let outer = |left: f32x16<S>, value, straight| left.simd_lt(faded).select(straight, value);
@@ -186,10 +208,15 @@ fn covered<S: Simd>(simd: S, border: f32x16<S>, left: f32x16<S>) -> f32x16<S> {
 /// What coverage `q = (B - 1/2) / 0.98 + 1/2` is below zero at B = 0: of a share of B it is `q share - BELOW (1 - share)`.
 const BELOW: f32 = 0.01 / 0.98;
 
-/// The same of one pixel: values on the four planes, less the background, and coverage.
-pub(super) fn beside_of(sums: [f32; 4], missing: [f32; 4], border: [f32; 2]) -> ([f32; 4], [f32; 2]) {
+/// The same of one pixel: values on the four planes, less the background, and coverage. `divided`: sums already are.
+pub(super) fn beside_of(
+    (sums, divided): ([f32; 4], bool),
+    missing: [f32; 4],
+    border: [f32; 2],
+) -> ([f32; 4], [f32; 2]) {
     let left = missing.map(|missing| 1.0 - missing);
-    let [before, near, far, after]: [f32; 4] = std::array::from_fn(|i| sums[i] / left[i].max(LEAST));
+    let divisor = |i: usize| if divided { 1.0 } else { left[i].max(LEAST) };
+    let [before, near, far, after]: [f32; 4] = std::array::from_fn(|i| sums[i] / divisor(i));
     let nearer = if left[1] < FADED.min(left[2]) { far } else { near };
     let farther = if left[2] < FADED.min(left[1]) { near } else { far };
     let outer = |left: f32, value, straight| if left < FADED { straight } else { value };
@@ -199,7 +226,10 @@ pub(super) fn beside_of(sums: [f32; 4], missing: [f32; 4], border: [f32; 2]) -> 
         farther,
         outer(left[3], after, farther * 2.0 - nearer),
     ];
-    let covered = |end: usize| (border[end] * left[1 + end] - missing[1 + end] * BELOW).max(0.0);
+    let covered = |end: usize| match divided {
+        true => left[1 + end],
+        false => (border[end] * left[1 + end] - missing[1 + end] * BELOW).max(0.0),
+    };
     (values, [covered(0), covered(1)])
 }
 

@@ -1,6 +1,7 @@
 //! Layers: the parts of a scene that are rendered together, each by its own mode, on planes that all of them share.
 //!
-//! A volume is a layer of its own, whatever its classification; what is classified already shares one, the cloud. A layer has
+//! A volume is a layer of its own, whatever its classification, and so is a mesh that is classified behind its kernels; what is
+//! classified already shares one, the cloud. A layer has
 //! its own raster, kernel, filter and table; common are the planes, the tiles and what pixels have in the end.
 
 use std::sync::atomic::AtomicBool;
@@ -10,6 +11,7 @@ use fearless_simd::prelude::*;
 use super::analytic::Analytic;
 use super::canvas::Canvas;
 use super::cloud::emission::CloudEmission;
+use super::cloud::field::CloudField;
 use super::compose::Compose;
 use super::engine::Tiles;
 use super::layer::{ModeLayer, TileLayer, render};
@@ -26,6 +28,8 @@ pub(crate) enum Layer<'a> {
     Analytic(ZonedFrame<'a>, Analytic<'a>),
     /// A volume, pre-classified.
     Compose(ZonedFrame<'a>, Compose<'a>),
+    /// The samples of a mesh, post-classified.
+    Mesh(ZonedFrame<'a>, CloudField<'a>),
     /// A cloud of classified splats.
     Cloud(ZonedFrame<'a>, CloudEmission<'a>),
 }
@@ -36,6 +40,7 @@ impl Layer<'_> {
             Self::Shaded(frame, _)
             | Self::Analytic(frame, _)
             | Self::Compose(frame, _)
+            | Self::Mesh(frame, _)
             | Self::Cloud(frame, _) => frame,
         }
     }
@@ -50,6 +55,7 @@ impl Layer<'_> {
             Self::Shaded(frame, mode) => begin((frame, mode), tile, scratch, canvas),
             Self::Analytic(frame, mode) => begin((frame, mode), tile, scratch, canvas),
             Self::Compose(frame, mode) => begin((frame, mode), tile, scratch, canvas),
+            Self::Mesh(frame, mode) => begin((frame, mode), tile, scratch, canvas),
             Self::Cloud(frame, mode) => begin((frame, mode), tile, scratch, canvas),
         }
     }

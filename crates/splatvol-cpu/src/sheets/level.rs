@@ -204,6 +204,17 @@ impl Pyramid {
         Arc::ptr_eq(&self.volumes[0], volume) && same
     }
 
+    /// Memory held, bytes, the samples included.
+    pub(crate) fn bytes(&self) -> usize {
+        let samples = |volume: &Arc<Volume>| volume.samples().len() * volume.samples().bytes_per_sample();
+        // A level that could not be made is the one before it.
+        let is_own = |n: usize| n == 0 || !Arc::ptr_eq(&self.volumes[n], &self.volumes[n - 1]);
+        let own = (0..self.volumes.len()).filter(|&n| is_own(n));
+        let volumes = own.map(|n| samples(&self.volumes[n])).sum::<usize>();
+        let levels = self.levels.iter().flatten().map(|level| level.field.bytes());
+        volumes + levels.sum::<usize>()
+    }
+
     /// The volume at a level; the finest where a level cannot be made.
     pub(crate) fn volume(&mut self, level: usize) -> &Arc<Volume> {
         while self.volumes.len() <= level {

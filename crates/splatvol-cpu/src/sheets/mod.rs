@@ -60,6 +60,7 @@ pub(crate) mod order;
 pub(crate) mod pixel;
 pub(crate) mod place;
 pub(crate) mod plane;
+pub(crate) mod prepared;
 pub(crate) mod project;
 pub(crate) mod ray_shapes;
 pub(crate) mod resolve;

@@ -19,7 +19,9 @@ use super::place::Place;
 use super::ring::LANES;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::Payload;
-use super::tile::{SheetFrame, SheetScratch, SheetWork, ZonedFrame, enter_lattice, lattice_window, take};
+use super::tile::{
+    SheetFrame, SheetScratch, SheetWork, ZonedFrame, enter_lattice, lattice_window, take_planes,
+};
 
 /// Bricks with voxels to splat.
 pub(crate) trait Bricks: std::fmt::Debug + Sync {
@@ -165,25 +167,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         sheet: usize,
         scratch: &mut SheetScratch,
     ) {
-        let open = frame.groups * LANES;
-        let SheetScratch {
-            ring,
-            raster,
-            upsampler,
-            planes: [.., last],
-            ..
-        } = scratch;
-        for channel in 0..N {
-            let slot = channel * open + sheet % open;
-            take(
-                simd,
-                frame.step,
-                place,
-                slot,
-                (ring, &mut last[channel]),
-                (raster, upsampler),
-            );
-        }
+        take_planes::<S, N>(simd, frame, (place, sheet), scratch);
     }
 
     /// Takes what lies between a sheet and the next to the canvas, and closes the pixels that it finishes.

@@ -10,9 +10,9 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use splatvol_scene::transfer_function::linear_from_srgb;
-use splatvol_scene::{Appearance, PixelOperator, SheetSample};
+use splatvol_scene::{Appearance, Camera, PixelOperator, SheetSample};
 
 use super::canvas::Canvas;
 use super::cut::{Cut, Range};
@@ -21,7 +21,7 @@ use super::shade::Interval;
 use super::shade::{PlaneShader, ShadeTarget};
 use super::table::Piece;
 use crate::phong::Lit;
-use crate::route::VolumeScene;
+use crate::route::Asked;
 use crate::simd::math::exp2_of;
 
 /// What is done to pixels.
@@ -141,23 +141,36 @@ impl Ink {
 }
 
 impl<'a> Operated<'a> {
-    /// `None` for a scene that asks for nothing of this.
-    pub(crate) fn new(scene: &'a VolumeScene<'_>, cut: Cut, units: Units) -> Option<Self> {
-        if scene.operators.is_empty() && cut.is_empty() && scene.isosurfaces.is_empty() {
+    /// `None` where nothing of this is asked. `mean_spacing`: world length; values lie in the range.
+    pub(crate) fn new(
+        asked: &Asked<'a>,
+        mean_spacing: f64,
+        (camera, [low, high]): (&Camera, [f64; 2]),
+    ) -> Option<Self> {
+        if asked.operators.is_empty() && asked.clips.is_empty() && asked.isosurfaces.is_empty() {
             return None;
         }
-        let mean_spacing = scene.volume.grid().mean_spacing();
-        let surfaces = scene.isosurfaces.iter().map(|surface| Surface {
+        let world_from_camera = camera.camera_from_world().inverse();
+        let range = if high > low { high - low } else { 1.0 };
+        let units = Units {
+            world_from_camera: Affine3A::from_mat3_translation(
+                world_from_camera.matrix3.as_mat3(),
+                world_from_camera.translation.as_vec3(),
+            ),
+            lowest: low as f32,
+            range: range as f32,
+        };
+        let surfaces = asked.isosurfaces.iter().map(|surface| Surface {
             value: (surface.value as f32 - units.lowest) / units.range,
             color: Vec3::from_array(surface.rgb.map(|c| linear_from_srgb(c) as f32)),
             extinction: (-libm::log1p(-surface.opacity) / mean_spacing) as f32,
         });
         Some(Self {
-            operators: scene.operators,
-            cut,
+            operators: asked.operators,
+            cut: Cut::new(&asked.clips, world_from_camera),
             surfaces: surfaces.collect(),
             units,
-            pieces: scene
+            pieces: asked
                 .operators
                 .iter()
                 .fold(2, |most, o| most.max(o.pieces()))

@@ -60,7 +60,10 @@ impl Pixels<'_> {
         let [before, near, far, after] = interval.planes;
         let at = (y + HALO) * near.pitch + x + HALO;
         let sums = [before, near, far, after].map(|plane| plane.values[at]);
-        let untouched = sums[1] == 0.0 && sums[2] == 0.0;
+        let of = interval
+            .weights
+            .map_or([near, far], |[_, near, far, _]| [near, far]);
+        let untouched = of.iter().all(|plane| plane.values[at] == 0.0);
         if untouched && !shader.table.shows_background {
             return None;
         }
@@ -80,9 +83,14 @@ impl Pixels<'_> {
         let mut whole = values;
         if let Some(holes) = interval.holes {
             let missing: [f32; 4] = std::array::from_fn(|i| holes[i].values[at] * weights[i]);
-            let (beside, left) = beside_of(sums, missing, coverage);
+            let (beside, left) = beside_of((sums, false), missing, coverage);
             (values, coverage) = (beside.map(|sum| sum + shader.background), left);
             whole = std::array::from_fn(|i| whole[i] - missing[i] * shader.background);
+        }
+        if let Some(shares) = interval.weights {
+            let missing: [f32; 4] = std::array::from_fn(|i| (1.0 - shares[i].values[at]).max(0.0));
+            (values, coverage) = beside_of((sums, true), missing, coverage);
+            whole = values;
         }
         let cubic = Cubic::through(values);
         let [low, high] = cubic.bounds();

@@ -2,7 +2,7 @@
 //!
 //! Every volume has its own levels of detail, coefficients, table and footprint; what is classified already is one cloud. The
 //! planes are those that the volume with the thinnest sheets has alone, so that a volume among points is sampled as it is
-//! without them; a scene without volumes has the cloud's.
+//! without them; a scene without volumes has those of the finest mesh or cloud.
 
 use splatvol_core::bin::TileGrid;
 use splatvol_core::splats::SplatCloud;
@@ -10,51 +10,52 @@ use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings};
 
 use super::analytic::Analytic;
 use super::classified::ClassifiedBricks;
+use super::cloud::layer::MeshLayer;
+use super::cloud::plan::own_spacing;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
-use super::engine::{Run, SheetEngine, TILE_EDGE, operated};
+use super::engine::{SheetEngine, TILE_EDGE};
 use super::frame::{Plan, Sampling, View};
 use super::layers::{Layer, Layers};
-use super::level::{Detail, Level, Pyramid, Wanted};
+use super::level::{Detail, Level, Wanted};
+use super::operated::Operated;
 use super::resolve::blend;
 use super::ring::LANES;
 use super::shaded::Shaded;
 use crate::clock::Instant;
 use crate::control::Task;
+use crate::meshes::MeshStore;
 use crate::phong::Phong;
-use crate::route::VolumeScene;
+use crate::route::{MeshScene, VolumeScene};
+use crate::run::Run;
 use crate::statistics::RenderStatistics;
 
 /// What a scene consists of.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LayeredScene<'a> {
     pub volumes: &'a [VolumeScene<'a>],
+    /// Meshes whose values are classified behind their kernels.
+    pub meshes: &'a [MeshScene<'a>],
+    /// Their samples, in the same order.
+    pub mesh_clouds: &'a MeshStore,
     pub cloud: Option<&'a SplatCloud>,
     /// What is cut away of the cloud, world.
     pub clips: &'a [Clip],
 }
 
-/// What is kept of volumes between frames.
-#[derive(Debug, Default)]
-pub(crate) struct LayerStore {
-    pyramids: Vec<Pyramid>,
-    plans: Vec<Plan>,
+impl LayeredScene<'_> {
+    /// Distance of planes where there are no volumes: that of the finest cloud.
+    fn spacing(&self, view: (&Camera, &RenderSettings)) -> Option<f64> {
+        let clouds = self.mesh_clouds.clouds().chain(self.cloud);
+        clouds.map(|cloud| own_spacing(cloud, view)).reduce(f64::min)
+    }
 }
 
-impl LayerStore {
-    /// Forgets volumes that are not in the scene any more, and makes room for those that are new.
-    fn keep(&mut self, scene: &LayeredScene<'_>, settings: &RenderSettings) {
-        let mut kept = std::mem::take(&mut self.pyramids);
-        kept.retain(|pyramid| scene.volumes.iter().any(|v| pyramid.is_of(&v.volume, settings)));
-        for scene in scene.volumes {
-            let known = kept.iter().position(|p| p.is_of(&scene.volume, settings));
-            self.pyramids.push(match known {
-                Some(at) => kept.swap_remove(at),
-                None => Pyramid::new(scene.volume.clone(), settings),
-            });
-        }
-        self.plans.resize_with(scene.volumes.len(), Plan::default);
-    }
+/// What is kept of layers between frames.
+#[derive(Debug, Default)]
+pub(crate) struct LayerStore {
+    plans: Vec<Plan>,
+    meshes: Vec<MeshLayer>,
 }
 
 /// A view of every volume, on the planes of the one whose sheets are thinnest.
@@ -94,7 +95,9 @@ impl SheetEngine {
         };
         statistics.seconds.classify = start.elapsed().as_secs_f64();
         run.pool.install(|| {
-            self.layers.keep(scene, settings);
+            let LayerStore { plans, meshes } = &mut self.layers;
+            plans.resize_with(scene.volumes.len(), Plan::default);
+            meshes.resize_with(scene.meshes.len(), MeshLayer::default);
             let classified = Wanted::of(settings) == Wanted::Classified;
             let details: Vec<Detail> = scene
                 .volumes
@@ -158,11 +161,13 @@ impl SheetEngine {
         let prepared = Instant::now();
         let wanted = Wanted::of(settings);
         let Self {
-            layers: LayerStore { pyramids, plans },
+            prepared: kept,
+            layers: LayerStore { plans, meshes },
             cloud: cloud_plan,
             memory,
             ..
         } = self;
+        let pyramids = kept.of_scene(scene.volumes.iter().map(|own| &own.volume), settings);
         let mut classified: Vec<&Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let look = (&*volume.transfer_function, volume.unit_distance());
@@ -188,7 +193,7 @@ impl SheetEngine {
             .map(|((volume, view), level)| {
                 let grid = level.field.volume().grid();
                 Cut::new(
-                    &volume.clips,
+                    &volume.asked.clips,
                     world_from_lattice(grid.world_from_voxel(), view.margin()),
                 )
             })
@@ -234,16 +239,29 @@ impl SheetEngine {
                 let mode = Shaded {
                     store: &level.field,
                     shader,
-                    operated: operated(volume, camera, &level.field),
+                    operated: Operated::new(
+                        &volume.asked,
+                        spacing,
+                        (camera, level.field.volume().value_range()),
+                    ),
                 };
                 Layer::Shaded(sheets, mode)
             });
         }
+        let tiles = TileGrid::new(settings.size, edge);
+        let spacing = views
+            .first()
+            .map(View::spacing)
+            .or_else(|| scene.spacing((camera, settings)));
+        for ((kept, mesh), cloud) in meshes
+            .iter_mut()
+            .zip(scene.meshes)
+            .zip(scene.mesh_clouds.clouds())
+        {
+            layers.push(kept.layer((cloud, mesh), (camera, settings), tiles, spacing));
+        }
         if let Some(cloud) = scene.cloud {
-            let tiles = TileGrid::new(settings.size, edge);
-            let spacing = views.first().map(View::spacing);
-            let (sheets, mode) = cloud_plan.layer((cloud, scene.clips), (camera, settings), tiles, spacing);
-            layers.push(Layer::Cloud(sheets, mode));
+            layers.push(cloud_plan.layer((cloud, scene.clips), (camera, settings), tiles, spacing));
         }
         statistics.seconds.bin += planned.elapsed().as_secs_f64();
         if !layers.is_empty() {

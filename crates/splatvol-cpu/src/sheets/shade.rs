@@ -25,6 +25,8 @@ pub(crate) struct Interval<'a> {
     pub planes: [&'a Plane; 4],
     /// Weights of missing samples there, where there are any.
     pub holes: Option<[&'a Plane; 4]>,
+    /// Weights that the planes' values are the means by, where those are not one.
+    pub weights: Option<[&'a Plane; 4]>,
     /// Camera depths of the second and third plane, and pixels per world length there.
     pub depths: [f32; 2],
     pub scales: [f32; 2],
@@ -282,9 +284,9 @@ impl PlaneShader<'_> {
     fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
         let count = std::mem::take(&mut target.batch.len).min(BATCH);
         for n in 0..count {
-            match interval.holes {
-                None => self.classify::<S, false>(simd, interval, target, n),
-                Some(_) => self.classify::<S, true>(simd, interval, target, n),
+            match interval.is_whole() {
+                true => self.classify::<S, false>(simd, interval, target, n),
+                false => self.classify::<S, true>(simd, interval, target, n),
             }
         }
         if let Some(phong) = &self.phong {
@@ -353,9 +355,15 @@ impl PlaneShader<'_> {
             for (sum, share) in whole_sums.iter_mut().zip(shares) {
                 *sum -= share * self.background;
             }
-            let beside = Beside::new(simd, [sb, s0, s1, sa], shares);
+            let beside = match interval.weights {
+                None => Beside::new(simd, [sb, s0, s1, sa], shares),
+                Some(_) => Beside::of_means(simd, [sb, s0, s1, sa], shares),
+            };
             [sb, s0, s1, sa] = beside.values;
-            coverage = beside.covered(simd, coverage);
+            coverage = match interval.weights {
+                None => beside.covered(simd, coverage),
+                Some(_) => [beside.left[1], beside.left[2]],
+            };
             missing = interval.holes;
         }
         let (v0, v1) = (s0 + self.background, s1 + self.background);

@@ -7,7 +7,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 use super::canvas::Canvas;
 use super::classified::Classified;
 use super::mode::Mode;
-use super::operated::Operated;
+use super::operated::{Faces, Operated};
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Interval, PlaneShader, ShadeTarget};
@@ -83,13 +83,23 @@ impl Mode<1> for Shaded<'_> {
             canvas,
             batch,
         };
-        match &self.operated {
-            None => self.shader.shade(simd, &interval, &mut target),
-            Some(operated) => {
-                let sheet = (frame.stack.first + near as i64) as usize;
-                operated.shade((&self.shader, &interval), sheet, &mut target, faces);
-            }
-        }
+        let sheet = (frame.stack.first + near as i64) as usize;
+        let look = (&self.shader, self.operated.as_ref());
+        show(simd, look, (&interval, sheet), (&mut target, faces));
+    }
+}
+
+/// Classifies, lights and composites an interval: sixteen pixels at a time, or one by one where something is done to them.
+#[inline(always)]
+pub(crate) fn show<S: Simd>(
+    simd: S,
+    (shader, operated): (&PlaneShader<'_>, Option<&Operated<'_>>),
+    (interval, sheet): (&Interval<'_>, usize),
+    (target, faces): (&mut ShadeTarget<'_>, &mut Faces),
+) {
+    match operated {
+        None => shader.shade(simd, interval, target),
+        Some(operated) => operated.shade((shader, interval), sheet, target, faces),
     }
 }
 
@@ -124,6 +134,7 @@ pub(crate) fn interval<'a>(
         borders,
         planes,
         holes: None,
+        weights: None,
         at_eye,
         depths,
         scales: [sheets[0].scale * step, sheets[1].scale * step],

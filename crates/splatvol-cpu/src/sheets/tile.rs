@@ -21,7 +21,7 @@ use super::operated::Faces;
 use super::order::DepthOrder;
 use super::place::{Place, blocks_of, room_of};
 use super::plane::{HALO, Plane};
-use super::ring::{Area, BLOCK_EDGE, SheetRing};
+use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
 use super::shade::ShadeBatch;
 use super::sheet::{GroupShape, SheetShape};
 use super::splat::{
@@ -190,6 +190,19 @@ pub(crate) struct SheetWork {
 }
 
 impl SheetScratch {
+    /// Memory held, bytes: its larger parts.
+    pub(crate) fn bytes(&self) -> usize {
+        let rows = self.ring.rows.capacity() + self.holes.ring.rows.capacity();
+        let planes = self.planes.iter().chain(&self.holes.planes).flatten();
+        size_of::<Self>()
+            + rows * size_of::<Row>()
+            + planes
+                .map(|plane| plane.values.capacity() * size_of::<f32>())
+                .sum::<usize>()
+            + self.voxels.capacity() * size_of::<OpenVoxels>()
+            + self.waiting.bytes()
+    }
+
     /// Gets ready for a tile of so many pixels.
     pub(crate) fn reset(&mut self, size: [usize; 2]) {
         self.mask.reset(size);
@@ -469,6 +482,35 @@ impl OpenSheets<'_> {
             *touched = touched.join(area);
         }
         records.len = 0;
+    }
+}
+
+/// Takes a finished sheet out of the ring, as the last planes, one per number that is splatted.
+#[inline(always)]
+pub(crate) fn take_planes<S: Simd, const N: usize>(
+    simd: S,
+    frame: &SheetFrame<'_>,
+    (place, sheet): (&Place, usize),
+    scratch: &mut SheetScratch,
+) {
+    let open = frame.groups * LANES;
+    let SheetScratch {
+        ring,
+        raster,
+        upsampler,
+        planes: [.., last],
+        ..
+    } = scratch;
+    for channel in 0..N {
+        let slot = channel * open + sheet % open;
+        take(
+            simd,
+            frame.step,
+            place,
+            slot,
+            (ring, &mut last[channel]),
+            (raster, upsampler),
+        );
     }
 }
 

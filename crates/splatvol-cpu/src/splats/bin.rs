@@ -116,7 +116,6 @@ impl<'a> Counted<'a> {
 
 impl Bins {
     /// Bytes held.
-    #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         self.entries.capacity() * size_of::<AtomicU32>()
     }

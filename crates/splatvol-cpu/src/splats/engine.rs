@@ -21,7 +21,7 @@ use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{Manner, Near, SplatSettings, sane};
 use super::view::View;
 use crate::clock::Instant;
-use crate::sheets::engine::Run;
+use crate::run::Run;
 use crate::statistics::StageSeconds;
 
 /// Splats that a thread projects at a time.
@@ -118,8 +118,7 @@ struct Chunk<'a> {
 
 impl SplatEngine {
     /// Bytes that are kept for the next frame.
-    #[cfg(test)]
-    pub(crate) fn memory(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.splats.capacity() * size_of::<Splat>()
             + self.rects.capacity() * size_of::<Rect>()
             + self.keys.bytes()

@@ -49,7 +49,6 @@ impl Keys {
     }
 
     /// Bytes held.
-    #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         (self.keys.capacity() + self.other.capacity()) * size_of::<AtomicU64>()
     }

@@ -1,9 +1,12 @@
 //! Meshes: the same field on grids of all kinds.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DVec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    Classification, EngineConfig, Filter, Grid, Item, Mesh, RenderSettings, Renderer, Scene, TransferFunction,
+    Classification, Clip, EngineConfig, Filter, Grid, Isosurface, Item, Mesh, RenderSettings, Renderer,
+    Scene, TransferFunction,
 };
 use splatvol_testing::fields::{Ball, Constant, Field};
 use splatvol_testing::transfer::linear_extinction;
@@ -72,6 +75,69 @@ fn a_rectilinear_grid_shows_what_a_regular_one_shows() {
     let figures = Comparison::of(&found.image, &regular.image);
     println!("rectilinear against regular: {:.1} dB", figures.psnr);
     assert!(figures.psnr > 40.0, "{}", figures.psnr);
+}
+
+/// What is classified behind the kernels: a volume's picture, lit, through a band of its values and as an isosurface, on a grid
+/// that is graded, and cut by a plane.
+#[test]
+fn samples_of_meshes_are_classified_as_those_of_volumes_are() {
+    let field = Ball {
+        centre: DVec3::new(0.1, -0.05, 0.0),
+        radius: 0.8,
+    };
+    let grid = Grid::centred([81, 81, 81], DVec3::splat(2.0 / 80.0)).unwrap();
+    let dims = [91, 89, 93];
+    let volume = Arc::new(sample(&field, &grid));
+    let mesh = Arc::new(structured(&field, dims, |i| {
+        DVec3::from_array(std::array::from_fn(|a| graded(i[a], dims[a])))
+    }));
+    let plain = linear_extinction([0.0, 1.0], 4.0, [0.9, 0.5, 0.2]);
+    let band = TransferFunction::isosurface(0.5, 0.2, [0.3, 0.6, 0.9]).unwrap();
+    let surface = Isosurface {
+        value: 0.4,
+        rgb: [0.8, 0.3, 0.2],
+        opacity: 1.0,
+    };
+    let pairs = [
+        (
+            "material",
+            Item::volume(volume.clone(), plain.clone()),
+            Item::mesh(mesh.clone(), plain),
+            40.0,
+        ),
+        (
+            "band",
+            Item::volume(volume.clone(), band.clone()),
+            Item::mesh(mesh.clone(), band),
+            33.0,
+        ),
+        (
+            "isosurface",
+            Item::isosurfaces(volume, &[surface]).unwrap(),
+            Item::mesh_isosurfaces(mesh, &[surface]).unwrap(),
+            33.0,
+        ),
+    ];
+    let settings = RenderSettings {
+        size: splatvol::ImageSize::new(96, 96).unwrap(),
+        ..RenderSettings::default()
+    };
+    let camera = perspective(DVec3::ZERO, DVec3::new(0.4, 1.0, 0.3), 6.0, 25.0);
+    let clip = Clip::plane(DVec3::new(0.2, 0.0, 0.0), DVec3::new(-1.0, 0.3, 0.2)).unwrap();
+    for (name, regular, item, least) in pairs {
+        for cut in [false, true] {
+            let shown = |mut item: Item| {
+                if cut {
+                    item.clips.push(clip.clone());
+                }
+                picture(vec![item], &camera, &settings)
+            };
+            let (regular, found) = (shown(regular.clone()), shown(item.clone()));
+            let figures = Comparison::of(&found.image, &regular.image);
+            println!("{name}, cut {cut}: {:.1} dB", figures.psnr);
+            assert!(figures.psnr > least, "{name}, cut {cut}: {}", figures.psnr);
+        }
+    }
 }
 
 /// A constant field is a constant optical depth per length on stretched, sheared and curved grids, in X-rays.

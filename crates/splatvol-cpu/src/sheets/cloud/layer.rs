@@ -1,13 +1,24 @@
-//! A cloud as a layer of a scene.
+//! Clouds and meshes as layers of a scene.
 
 use glam::DAffine3;
 use splatvol_core::bin::TileGrid;
+use splatvol_core::classification::ClassificationTable;
 use splatvol_core::splats::SplatCloud;
-use splatvol_scene::{Camera, Clip, RenderSettings};
+use splatvol_core::visibility::VisibleLevels;
+use splatvol_scene::{Camera, Clip, RenderSettings, TransferFunction};
 
 use super::emission::CloudEmission;
+use super::field::CloudField;
+use super::open::CloudView;
 use super::plan::CloudPlan;
+use crate::phong::Phong;
+use crate::route::MeshScene;
+use crate::sheets::border::Border;
+use crate::sheets::layers::Layer;
 use crate::sheets::mode::Bricks;
+use crate::sheets::operated::Operated;
+use crate::sheets::shade::PlaneShader;
+use crate::sheets::table::ShadeTable;
 use crate::sheets::tile::{Rays, ZonedFrame};
 
 /// Chunks take the place of bricks.
@@ -22,14 +33,14 @@ impl Bricks for SplatCloud {
 }
 
 impl CloudPlan {
-    /// A cloud's frame, what clips (world) leave of it, on planes this far apart, or on such as suit it, and its mode.
-    pub(crate) fn layer<'a>(
+    /// A cloud's frame, on planes this far apart, or on such as suit it, and the cloud as its planes see it.
+    fn frame<'a>(
         &'a mut self,
-        (cloud, clips): (&'a SplatCloud, &[Clip]),
+        cloud: &'a SplatCloud,
         (camera, settings): (&Camera, &RenderSettings),
         tiles: TileGrid,
         spacing: Option<f64>,
-    ) -> (ZonedFrame<'a>, CloudEmission<'a>) {
+    ) -> (ZonedFrame<'a>, CloudView<'a>) {
         let view = self.update(cloud, (camera, settings), &tiles, spacing);
         let screen = view.screen;
         let per_pixel = 1.0 / screen.scale as f32;
@@ -51,7 +62,83 @@ impl CloudPlan {
             reach: 0.0,
             room: [0.0, 1.0],
         };
+        (frame, view)
+    }
+
+    /// The layer of a cloud of classified splats, of what clips (world) leave of it.
+    pub(crate) fn layer<'a>(
+        &'a mut self,
+        (cloud, clips): (&'a SplatCloud, &[Clip]),
+        view: (&Camera, &RenderSettings),
+        tiles: TileGrid,
+        spacing: Option<f64>,
+    ) -> Layer<'a> {
+        let (frame, view) = self.frame(cloud, view, tiles, spacing);
         let view = view.cut(clips);
-        (frame, CloudEmission { view })
+        Layer::Cloud(frame, CloudEmission { view })
+    }
+}
+
+/// What is kept of a mesh's layer between frames.
+#[derive(Debug, Default)]
+pub(crate) struct MeshLayer {
+    plan: CloudPlan,
+    table: ShadeTable,
+    /// What the table was made for: colours and opacities, the length to which those refer, and the values' range.
+    made_for: Option<(TransferFunction, f64, [f32; 2])>,
+}
+
+impl MeshLayer {
+    /// Classifies the values of a mesh.
+    fn classify(&mut self, mesh: &MeshScene<'_>) {
+        let (own, unit_distance) = (mesh.transfer_function, mesh.unit_distance);
+        let range = mesh.mesh.value_range();
+        let same = |made: &(TransferFunction, f64, [f32; 2])| {
+            (&made.0, made.1, made.2) == (own, unit_distance, range)
+        };
+        if self.made_for.as_ref().is_some_and(same) {
+            return;
+        }
+        let table = ClassificationTable::new(own, range.map(f64::from), unit_distance);
+        self.table.update(&table, &VisibleLevels::new(&table), 0.0);
+        // Beside the mesh there is nothing, whatever its values.
+        self.table.shows_background = false;
+        self.made_for = Some((own.clone(), unit_distance, range));
+    }
+
+    /// The layer of a mesh, given its samples.
+    pub(crate) fn layer<'a>(
+        &'a mut self,
+        (cloud, mesh): (&'a SplatCloud, &MeshScene<'a>),
+        (camera, settings): (&Camera, &RenderSettings),
+        tiles: TileGrid,
+        spacing: Option<f64>,
+    ) -> Layer<'a> {
+        self.classify(mesh);
+        let (frame, view) = self.plan.frame(cloud, (camera, settings), tiles, spacing);
+        let Rays {
+            principal,
+            per_pixel,
+            plane_per_pixel,
+        } = frame.rays;
+        let shader = PlaneShader {
+            table: &self.table,
+            phong: settings.lighting.as_ref().map(|l| Phong::new(l, mesh.spacing)),
+            spacing: frame.zones[0].planes.spacing as f32,
+            background: 0.0,
+            principal,
+            per_pixel,
+            plane_per_pixel,
+            termination: settings.termination as f32,
+            border: Border::nowhere(),
+        };
+        let range = mesh.mesh.value_range().map(f64::from);
+        let operated = Operated::new(&mesh.asked, mesh.spacing, (camera, range));
+        let mode = CloudField {
+            view,
+            shader,
+            operated,
+        };
+        Layer::Mesh(frame, mode)
     }
 }

@@ -13,12 +13,15 @@
 //! | stage | module | what happens |
 //! |---|---|---|
 //! | plan | `plan` | chunks of the cloud to tile lists, by the first plane that they reach |
-//! | open | `open` | a chunk's splats into camera space, and into the list of the plane that they reach first |
-//! | splat | `splat` | a splat into the four planes that it meets next; if it reaches farther, again four planes later |
+//! | open | `open`, `enter` | a chunk's splats into camera space, and into the list of the plane that they reach first |
+//! | splat | `enter`, `splat` | a splat into the four planes that it meets next; if it reaches farther, again four planes later |
 //! | show | `emission` | planes of extinction and emission, composited |
+//! | | `field` | or planes of a mesh's values and weights, post-classified |
 
 pub(crate) mod emission;
-mod layer;
+mod enter;
+pub(crate) mod field;
+pub(crate) mod layer;
 pub(crate) mod open;
 pub(crate) mod plan;
 pub(crate) mod splat;

@@ -201,6 +201,12 @@ pub(crate) struct Waiting {
 }
 
 impl Waiting {
+    /// Memory held, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let numbers = self.next.capacity() + self.heads.capacity() + self.free.capacity();
+        self.splats.capacity() * size_of::<OpenSplat>() + numbers * size_of::<u32>()
+    }
+
     /// Empty chains for so many planes.
     pub(crate) fn reset(&mut self, planes: usize) {
         self.splats.clear();

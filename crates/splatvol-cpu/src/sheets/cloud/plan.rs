@@ -30,6 +30,15 @@ pub(crate) struct CloudPlan {
     pub order: DepthOrder,
 }
 
+/// Distance of planes that suits a cloud, world length.
+pub(crate) fn own_spacing(cloud: &SplatCloud, (camera, settings): (&Camera, &RenderSettings)) -> f64 {
+    let screen = camera.screen_from_camera(settings.size);
+    let camera_from_local = camera.camera_from_world() * cloud.world_from_local;
+    ChunkBounds::new(camera_from_local, cloud, settings, screen)
+        .planes(cloud, settings, None)
+        .spacing
+}
+
 impl CloudPlan {
     /// Plans a frame of a cloud.
     pub(crate) fn update<'a>(

@@ -16,7 +16,7 @@ use super::{Cloud, LowPass, Manner, Near, SplatEngine, SplatSettings};
 use crate::config::SimdLevel;
 use crate::control::{Control, Task};
 use crate::pool::Pool;
-use crate::sheets::engine::Run;
+use crate::run::Run;
 
 /// An engine with threads of its own.
 struct Renderer {

@@ -150,7 +150,7 @@ fn memory_is_bounded_however_large_the_splats() {
         let gaussians = cloud(8, 20_000, 0, scales);
         let mut renderer = renderer(2, None);
         let frame = renderer.render(&[&gaussians], &camera, &size);
-        let bytes = renderer.engine.memory() as f64 / gaussians.len() as f64;
+        let bytes = renderer.engine.bytes() as f64 / gaussians.len() as f64;
         println!("{scales:?}: {bytes:.1} bytes per splat");
         assert!(bytes <= 160.0, "{bytes}");
         let covered = frame.image.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();

@@ -1,0 +1,162 @@
+//! Show: what the samples of a mesh say on planes, classified behind the kernels as a grid's field is.
+//!
+//! Each kernel carries its mass and its value times that. With W and S the sums of both on a plane, the field there is
+//! `v = S / W` (Shepard 1968, with elliptical kernels), and coverage is W, which is one within the mesh but for the ripple of its
+//! kernels, and no more than one. Light sees the gradient of v: the border of a mesh is where its samples end, not a surface of
+//! the field.
+
+use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::bin::ProjectedBrick;
+
+use super::enter::{enter, window};
+use super::open::CloudView;
+use crate::sheets::activate::Window;
+use crate::sheets::canvas::Canvas;
+use crate::sheets::classified::Classified;
+use crate::sheets::mode::Mode;
+use crate::sheets::operated::Operated;
+use crate::sheets::place::Place;
+use crate::sheets::plane::{Plane, Span};
+use crate::sheets::shade::{PlaneShader, ShadeTarget};
+use crate::sheets::shaded::{interval, show};
+use crate::sheets::splat::Payload;
+use crate::sheets::tile::{SheetFrame, SheetScratch, SheetWork, take_planes};
+
+/// Least weight that sums are divided by.
+const LEAST: f32 = 1e-6;
+
+/// Samples of a mesh, post-classified.
+#[derive(Debug)]
+pub(crate) struct CloudField<'a> {
+    pub view: CloudView<'a>,
+    pub shader: PlaneShader<'a>,
+    /// What is done pixel by pixel, where a scene asks for it.
+    pub operated: Option<Operated<'a>>,
+}
+
+/// A weight, and a value times that.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Weighted;
+
+impl Payload<2> for Weighted {
+    #[inline(always)]
+    fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 2] {
+        let weight = weight * peak;
+        [weight, weight * value]
+    }
+}
+
+impl Mode<2> for CloudField<'_> {
+    type Payload<'m> = Weighted;
+
+    fn payload(_: &Classified) -> Weighted {
+        Weighted
+    }
+
+    #[inline(always)]
+    fn open_brick<S: Simd>(
+        &self,
+        _: S,
+        frame: &SheetFrame<'_>,
+        chunk: &ProjectedBrick,
+        around: (&Place, usize),
+        scratch: &mut SheetScratch,
+    ) {
+        self.view.open_chunk(frame, chunk, around, scratch);
+    }
+
+    fn reset(&self, frame: &SheetFrame<'_>, scratch: &mut SheetScratch) {
+        scratch.waiting.reset(frame.sheets.len());
+    }
+
+    fn waits(&self, scratch: &SheetScratch) -> bool {
+        scratch.waiting.count > 0
+    }
+
+    fn window(&self, frame: &SheetFrame<'_>, _: &Place, sheet: usize) -> Window {
+        window(frame, sheet)
+    }
+
+    #[inline(always)]
+    fn enter<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        (place, _, sheet): (&Place, &Window, usize),
+        scratch: &mut SheetScratch,
+        work: &mut SheetWork,
+    ) {
+        enter::<S, 2>(simd, frame, (place, sheet), scratch, work);
+    }
+
+    /// Planes are weights, and values.
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        place: &Place,
+        sheet: usize,
+        scratch: &mut SheetScratch,
+    ) {
+        take_planes::<S, 2>(simd, frame, (place, sheet), scratch);
+        let [.., [weights, sums, ..]] = &mut scratch.planes;
+        divide(simd, sums, weights);
+    }
+
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        frame: &SheetFrame<'_>,
+        near: usize,
+        place: &Place,
+        (canvas, scratch): (&mut Canvas, &mut SheetScratch),
+    ) {
+        let SheetScratch {
+            planes,
+            mask,
+            batch,
+            faces,
+            ..
+        } = scratch;
+        let weights = planes.each_ref().map(|planes| &planes[0]);
+        let values = planes.each_ref().map(|planes| &planes[1]);
+        let Some((mut interval, span)) = interval(&self.shader, frame, (near, place), (values, None)) else {
+            return;
+        };
+        interval.weights = Some(weights);
+        let mut target = ShadeTarget {
+            origin: [place.rect.x0, place.rect.y0],
+            span,
+            mask,
+            canvas,
+            batch,
+        };
+        let sheet = (frame.stack.first + near as i64) as usize;
+        let look = (&self.shader, self.operated.as_ref());
+        show(simd, look, (&interval, sheet), (&mut target, faces));
+    }
+}
+
+/// Divides sums by their weights.
+#[inline(always)]
+fn divide<S: Simd>(simd: S, sums: &mut Plane, weights: &Plane) {
+    let Some(Span { x0, y0, x1, y1 }) = weights.filled else {
+        return;
+    };
+    let least = f32x16::splat(simd, LEAST);
+    for y in y0..y1 {
+        // Vectors may end behind a row.
+        for x in (x0..x1).step_by(16) {
+            let at = y * weights.pitch + x;
+            let (Some(sums), Some(weights)) =
+                (sums.values.get_mut(at..at + 16), weights.values.get(at..at + 16))
+            else {
+                break;
+            };
+            let weights = f32x16::from_slice(simd, weights).max(least);
+            (f32x16::from_slice(simd, sums) / weights).store_slice(sums);
+        }
+    }
+}

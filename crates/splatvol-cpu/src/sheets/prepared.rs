@@ -1,0 +1,116 @@
+//! Prepared volumes: those of the scene at hand, and of earlier scenes those last used, as long as they fit into a budget.
+//!
+//! Whoever switches between a few volumes finds them ready; whoever goes through hundreds keeps no more memory than allowed.
+
+use std::sync::Arc;
+
+use splatvol_scene::{RenderSettings, Volume};
+
+use super::level::Pyramid;
+
+/// Bytes for volumes of earlier scenes, where nobody says how many.
+pub(crate) const SPARE: usize = 1 << 30;
+
+/// Prepared volumes, those of the scene at hand first, then the others, the last used first.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    pyramids: Vec<Pyramid>,
+    /// How many are of the scene at hand.
+    own: usize,
+    spare: usize,
+}
+
+impl Default for Prepared {
+    fn default() -> Self {
+        Self::with_spare(SPARE)
+    }
+}
+
+impl Prepared {
+    /// Nothing yet; `spare`: bytes for volumes of earlier scenes.
+    pub(crate) fn with_spare(spare: usize) -> Self {
+        Self {
+            pyramids: Vec::new(),
+            own: 0,
+            spare,
+        }
+    }
+
+    /// The volumes of a scene, in its order. Others are freed before any of these takes memory.
+    pub(crate) fn of_scene<'v>(
+        &mut self,
+        volumes: impl Iterator<Item = &'v Arc<Volume>>,
+        settings: &RenderSettings,
+    ) -> &mut [Pyramid] {
+        self.own = 0;
+        for volume in volumes {
+            let others = &mut self.pyramids[self.own..];
+            match others.iter().position(|pyramid| pyramid.is_of(volume, settings)) {
+                Some(at) => others[..=at].rotate_right(1),
+                None => {
+                    let new = Pyramid::new(Arc::clone(volume), settings);
+                    self.pyramids.insert(self.own, new);
+                }
+            }
+            self.own += 1;
+        }
+        let mut left = self.spare;
+        let mut kept = self.own;
+        for other in &self.pyramids[self.own..] {
+            let Some(less) = left.checked_sub(other.bytes()) else {
+                break;
+            };
+            (left, kept) = (less, kept + 1);
+        }
+        self.pyramids.truncate(kept);
+        &mut self.pyramids[..self.own]
+    }
+
+    /// Bytes of the volumes of the scene at hand, and of others.
+    pub(crate) fn bytes(&self) -> [usize; 2] {
+        let (own, others) = self.pyramids.split_at(self.own);
+        [own, others].map(|pyramids| pyramids.iter().map(Pyramid::bytes).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Weak;
+
+    use splatvol_testing::fields::Constant;
+    use splatvol_testing::sample;
+
+    use super::*;
+
+    fn volume(n: usize) -> Arc<Volume> {
+        let grid = splatvol_scene::Grid::centred([n; 3], glam::DVec3::ONE).unwrap();
+        Arc::new(sample(&Constant(0.5), &grid))
+    }
+
+    #[test]
+    fn volumes_used_last_stay_as_long_as_they_fit() {
+        let settings = RenderSettings::default();
+        // Room for two volumes of 16 cubed, 4 bytes per voxel, besides the scene's.
+        let mut prepared = Prepared::with_spare(2 * 4 * 4096 + 1000);
+        let mut weak: Vec<Weak<Volume>> = Vec::new();
+        for _ in 0..4 {
+            let volume = volume(16);
+            weak.push(Arc::downgrade(&volume));
+            prepared.of_scene([&volume].into_iter(), &settings);
+        }
+        let alive = |weak: &[Weak<Volume>]| weak.iter().map(|w| w.strong_count() > 0).collect::<Vec<_>>();
+        assert_eq!(alive(&weak), [false, true, true, true]);
+        // The second comes back, so the third is now the one that was used longest ago.
+        let second = weak[1].upgrade().unwrap();
+        prepared.of_scene([&second].into_iter(), &settings);
+        drop(second);
+        let last = volume(16);
+        prepared.of_scene([&last].into_iter(), &settings);
+        assert_eq!(alive(&weak), [false, true, false, true]);
+        // A scene may have any size.
+        let both = [&last, &volume(64)].map(Arc::clone);
+        assert_eq!(prepared.of_scene(both.iter(), &settings).len(), 2);
+        let [own, others] = prepared.bytes();
+        assert!(own > 4 * 64 * 64 * 64 && others <= 2 * 4 * 4096 + 1000);
+    }
+}
