@@ -29,7 +29,7 @@ pub(crate) enum Layer<'a> {
     /// A volume, pre-classified.
     Compose(ZonedFrame<'a>, Compose<'a>),
     /// The samples of a mesh, post-classified.
-    Mesh(ZonedFrame<'a>, CloudField<'a>),
+    Mesh(ZonedFrame<'a>, Box<CloudField<'a>>),
     /// A cloud of classified splats.
     Cloud(ZonedFrame<'a>, CloudEmission<'a>),
 }
@@ -55,7 +55,7 @@ impl Layer<'_> {
             Self::Shaded(frame, mode) => begin((frame, mode), tile, scratch, canvas),
             Self::Analytic(frame, mode) => begin((frame, mode), tile, scratch, canvas),
             Self::Compose(frame, mode) => begin((frame, mode), tile, scratch, canvas),
-            Self::Mesh(frame, mode) => begin((frame, mode), tile, scratch, canvas),
+            Self::Mesh(frame, mode) => begin((frame, &**mode), tile, scratch, canvas),
             Self::Cloud(frame, mode) => begin((frame, mode), tile, scratch, canvas),
         }
     }

@@ -106,6 +106,7 @@ fn no_configuration_changes_a_bit_of_any_kind_of_picture() {
             threads: Some(threads),
             tile_edge: Some(edge),
             simd,
+            ..EngineConfig::default()
         };
         demand(&cases, &expected, config);
     }

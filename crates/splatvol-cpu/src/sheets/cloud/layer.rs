@@ -139,6 +139,6 @@ impl MeshLayer {
             shader,
             operated,
         };
-        Layer::Mesh(frame, mode)
+        Layer::Mesh(frame, Box::new(mode))
     }
 }
