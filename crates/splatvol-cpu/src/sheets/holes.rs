@@ -234,6 +234,35 @@ pub(super) fn beside_of(
 }
 
 impl Records {
+    /// Makes a copy of one of another's records.
+    fn copy(&mut self, other: &Self, (from, to): (usize, usize)) {
+        self.x[to] = other.x[from];
+        self.y[to] = other.y[from];
+        self.z[to] = other.z[from];
+        self.value[to] = other.value[from];
+        self.origin_x[to] = other.origin_x[from];
+        self.origin_y[to] = other.origin_y[from];
+        self.column[to] = other.column[from];
+        self.row[to] = other.row[from];
+    }
+
+    /// Makes a copy of one of its own.
+    fn move_forward(&mut self, from: usize, to: usize) {
+        for column in [
+            &mut self.x,
+            &mut self.y,
+            &mut self.z,
+            &mut self.value,
+            &mut self.origin_x,
+            &mut self.origin_y,
+        ] {
+            column[to] = column[from];
+        }
+        for column in [&mut self.column, &mut self.row] {
+            column[to] = column[from];
+        }
+    }
+
     /// Moves those of missing samples to `missing`, with coefficients of one; says whether there are any.
     pub(super) fn part(&mut self, missing: &mut Self) -> bool {
         missing.len = 0;

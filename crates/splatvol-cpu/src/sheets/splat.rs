@@ -93,35 +93,6 @@ impl Records {
         }
     }
 
-    /// Makes a copy of one of another's records.
-    pub(crate) fn copy(&mut self, other: &Self, (from, to): (usize, usize)) {
-        self.x[to] = other.x[from];
-        self.y[to] = other.y[from];
-        self.z[to] = other.z[from];
-        self.value[to] = other.value[from];
-        self.origin_x[to] = other.origin_x[from];
-        self.origin_y[to] = other.origin_y[from];
-        self.column[to] = other.column[from];
-        self.row[to] = other.row[from];
-    }
-
-    /// Makes a copy of one of its own.
-    pub(crate) fn move_forward(&mut self, from: usize, to: usize) {
-        for column in [
-            &mut self.x,
-            &mut self.y,
-            &mut self.z,
-            &mut self.value,
-            &mut self.origin_x,
-            &mut self.origin_y,
-        ] {
-            column[to] = column[from];
-        }
-        for column in [&mut self.column, &mut self.row] {
-            column[to] = column[from];
-        }
-    }
-
     /// Blocks that the footprints cover, and forgets them.
     pub(crate) fn take_area(&mut self, size: usize) -> Area {
         let low = std::mem::replace(&mut self.low, [NONE_LOW; 2])

@@ -59,7 +59,7 @@ impl Mode<4> for CloudEmission<'_> {
         scratch: &mut SheetScratch,
         work: &mut SheetWork,
     ) {
-        enter::<S, 4>(simd, frame, (place, sheet), scratch, work);
+        enter::<S, 4>(simd, frame, (place, sheet, 0), scratch, work);
     }
 
     #[inline(always)]

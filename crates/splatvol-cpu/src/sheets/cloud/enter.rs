@@ -28,7 +28,13 @@ impl CloudView<'_> {
         let first = f64::from(depth - splat.reach).max(f64::from(frame.sheets[0].depth));
         let last = f64::from(depth + splat.reach).max(first);
         let ends = [first, last].map(|depth| [depth as f32, self.screen.scale_at(depth) as f32]);
-        place.footing(frame.principal()).blocks_of(splat, ends).is_some()
+        let mut footing = place.footing(frame.principal());
+        // Four planes at a time a footprint may take a block more than at the ends of its reach.
+        for [first, end] in &mut footing.blocks {
+            *first -= 1;
+            *end += 1;
+        }
+        footing.blocks_of(splat, ends).is_some()
     }
 
     /// Opens the splats of a chunk that reach the tile: they wait for the first plane that they reach, from `sheet` on.
@@ -63,12 +69,13 @@ pub(super) fn window(frame: &SheetFrame<'_>, sheet: usize) -> Window {
     }
 }
 
-/// Splats what waits for a sheet into it and the three behind it: N numbers of what each splat carries.
+/// Splats what waits for a sheet into it and the three behind it: N numbers of what each splat carries. `halo`: blocks around
+/// pixels that are not finished whose numbers those need, too.
 #[inline(always)]
 pub(super) fn enter<S: Simd, const N: usize>(
     simd: S,
     frame: &SheetFrame<'_>,
-    (place, sheet): (&Place, usize),
+    (place, sheet, halo): (&Place, usize, u8),
     scratch: &mut SheetScratch,
     work: &mut SheetWork,
 ) {
@@ -87,7 +94,7 @@ pub(super) fn enter<S: Simd, const N: usize>(
         let (splat, following) = waiting.splat(at);
         next = following;
         if let Some(blocks) = planes.footing.blocks_of(splat, planes.ends)
-            && mask.any(blocks.corners())
+            && mask.any(blocks.corners_around(halo))
         {
             let payload = std::array::from_fn(|channel| splat.payload[channel]);
             let rings = &mut ring.groups::<N>(0, 1);

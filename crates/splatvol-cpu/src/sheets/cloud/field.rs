@@ -86,7 +86,8 @@ impl Mode<2> for CloudField<'_> {
         scratch: &mut SheetScratch,
         work: &mut SheetWork,
     ) {
-        enter::<S, 2>(simd, frame, (place, sheet), scratch, work);
+        // Gradients are differences of neighbours.
+        enter::<S, 2>(simd, frame, (place, sheet, 1), scratch, work);
     }
 
     /// Planes are weights, and values.

@@ -12,12 +12,13 @@ use super::open::{CUT, CloudView, DEPTH_CUT};
 use crate::sheets::extents::low_pass;
 use crate::sheets::frame::ZonePlan;
 use crate::sheets::order::DepthOrder;
+use crate::sheets::plane::HALO;
 use crate::sheets::sheet::SheetShape;
 use crate::sheets::zones::Zone;
 use crate::splat_light::SplatLight;
 
-/// Pixels that rounding to whole blocks adds to a footprint on either side.
-const ROUNDING: f64 = 2.0;
+/// Pixels that rounding to whole blocks adds to a footprint on either side, and those around a tile that it looks at.
+const ROUNDING: f64 = 2.0 + HALO as f64;
 
 /// A cloud's planes and lists, in memory that the next frame uses again.
 #[derive(Debug, Default)]

@@ -61,10 +61,16 @@ fn load<S: Simd>(simd: S, lanes: &Lanes16) -> f32x16<S> {
 }
 
 impl Blocks {
-    /// First and last, x and y.
+    /// First and last, x and y, of these and so many around them.
     #[inline(always)]
-    pub(crate) fn corners(&self) -> [u8; 4] {
-        [self.x[0], self.y[0], self.x[1], self.y[1]].map(|block| block as u8)
+    pub(crate) fn corners_around(&self, halo: u8) -> [u8; 4] {
+        let [x0, y0, x1, y1] = [self.x[0], self.y[0], self.x[1], self.y[1]].map(|block| block as u8);
+        [
+            x0.saturating_sub(halo),
+            y0.saturating_sub(halo),
+            x1 + halo,
+            y1 + halo,
+        ]
     }
 
     pub(crate) fn area(&self) -> Area {
