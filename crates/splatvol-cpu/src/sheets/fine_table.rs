@@ -74,8 +74,8 @@ impl<S: Simd> Mean<'_, S> {
     /// The mean of a channel, of which both ends have this sum.
     #[inline(always)]
     fn of(&self, ends: f32x16<S>, channel: usize) -> f32x16<S> {
-        let [a, b] = self.points.map(|point| point.integrals);
-        let difference = b[channel] - a[channel];
+        let [a, b] = self.points;
+        let difference = b.integrals[channel] - a.integrals[channel];
         self.is_flat
             .select(ends * 0.5, difference * self.per_rise)
             .max(ends * 0.0)
@@ -85,7 +85,7 @@ impl<S: Simd> Mean<'_, S> {
 impl<S: Simd> Stretch<S> {
     #[inline(always)]
     pub(crate) fn between(simd: S, [a, b]: [&Point<S>; 2]) -> Self {
-        let [zero, one] = [0.0, 1.0].map(|v| f32x16::splat(simd, v));
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let rise = b.position - a.position;
         let is_flat = rise.abs().simd_lt(f32x16::splat(simd, FLAT));
         let per_rise = PER_VALUE / is_flat.select(one, rise);
@@ -97,15 +97,18 @@ impl<S: Simd> Stretch<S> {
         let extinction = mean.of(a.extinction + b.extinction, 0);
         let none = extinction.simd_le(zero);
         let per_extinction = one / none.select(one, extinction);
-        let color = |c: usize| {
+        // Written out: closures would not be inlined here.
+        let (mut color, mut half_step) = ([zero; 3], [zero; 3]);
+        for c in 0..3 {
             let ends = a.extinction * a.color[c] + b.extinction * b.color[c];
-            mean.of(ends, c + 1) * per_extinction
-        };
+            color[c] = mean.of(ends, c + 1) * per_extinction;
+            half_step[c] = (a.color[c] - b.color[c]) * 0.5;
+        }
         Self {
             extinction,
             place: centroid(simd, [a.extinction, b.extinction], extinction),
-            color: [color(0), color(1), color(2)],
-            half_step: [0, 1, 2].map(|c| (a.color[c] - b.color[c]) * 0.5),
+            color,
+            half_step,
         }
     }
 }
@@ -114,7 +117,11 @@ impl<S: Simd> Stretch<S> {
 /// is zero at one end.
 #[inline(always)]
 fn centroid<S: Simd>(simd: S, [a, b]: [f32x16<S>; 2], mean: f32x16<S>) -> f32x16<S> {
-    let [zero, half, one] = [0.0, 0.5, 1.0].map(|v| f32x16::splat(simd, v));
+    let (zero, half, one) = (
+        f32x16::splat(simd, 0.0),
+        f32x16::splat(simd, 0.5),
+        f32x16::splat(simd, 1.0),
+    );
     let (a_none, b_none) = (a.simd_le(zero), b.simd_le(zero));
     let sum = a + b;
     let per_sum = one / (a_none & b_none).select(one, sum);

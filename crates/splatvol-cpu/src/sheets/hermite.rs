@@ -139,13 +139,12 @@ impl<S: Simd> Hermite<S> {
     /// Which rays may meet values from `first` to `last`, and how far the value bends within a quarter of the interval.
     #[inline(always)]
     pub(crate) fn may_meet(&self, simd: S, [first, last]: [f32; 2]) -> (mask32x16<S>, f32x16<S>) {
-        let values = [0.0, 0.25, 0.5, 0.75, 1.0].map(|u| splat(simd, u));
         let [a, b, c, d, e] = [
-            self.value(values[0]),
-            self.value(values[1]),
-            self.value(values[2]),
-            self.value(values[3]),
-            self.value(values[4]),
+            self.value(splat(simd, 0.0)),
+            self.value(splat(simd, 0.25)),
+            self.value(splat(simd, 0.5)),
+            self.value(splat(simd, 0.75)),
+            self.value(splat(simd, 1.0)),
         ];
         // The cubic leaves its five samples' range by at most a fraction of their spread.
         let (low, high) = (a.min(b).min(c).min(d.min(e)), a.max(b).max(c).max(d.max(e)));

@@ -127,7 +127,7 @@ pub(crate) const MAX_BLOCKS: usize = 16;
 /// The footprint of a voxel in the middle of a raster point: C(i, j) block by block, or its columns and rows.
 #[derive(Debug)]
 pub(crate) struct Stencil {
-    blocks: [[Lanes16; MAX_BLOCKS]; MAX_BLOCKS],
+    pub blocks: [[Lanes16; MAX_BLOCKS]; MAX_BLOCKS],
     columns: [Lanes16; MAX_BLOCKS],
     rows: [Lanes16; MAX_BLOCKS],
 }
@@ -562,7 +562,7 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
 
 /// Adds the product of columns and rows, of ellipses times their stencil, to the blocks from the first column on.
 #[inline(always)]
-pub(crate) fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
     simd: S,
     [across, down]: [&[f32x16<S>; SIZE]; 2],
     stencil: &Stencil,
