@@ -11,7 +11,7 @@
 //! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
 //! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics below them. An engine takes footprints and sheets from here and
-//! knows nothing of where they came from.
+//! knows nothing of where they came from; [`engine`] is what an engine is to those who want pictures.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -20,6 +20,7 @@ pub mod brick;
 pub mod classification;
 pub mod coefficients;
 mod eigen;
+pub mod engine;
 pub mod exponential;
 pub mod field;
 pub mod footprint;

@@ -6,7 +6,6 @@
 //! | `sheets` | grids, meshes, and scenes of several things in layers: the default |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `classic` | one volume by the papers' methods, which are asked for by name |
-//! | `coverage`, `shutter`, `progressive` | several of these pictures, made into one |
 //!
 //! Every pixel receives its contributions in one order (sheets by depth, then bricks and voxels by index) whatever
 //! the number of threads and the tile it lies in, so frames are the same to the bit.
@@ -18,34 +17,25 @@ mod classic;
 mod clock;
 mod clouds;
 mod config;
-mod control;
-mod coverage;
+mod engine;
 mod items;
 #[doc(hidden)]
 pub mod kernels;
 mod meshes;
-mod part;
 mod phong;
 mod pool;
 mod prepare;
-mod progressive;
-mod renderer;
 mod route;
 mod run;
 mod sheets;
-mod shutter;
 mod simd;
 mod splat_light;
 mod splats;
-mod statistics;
 
 pub use check::check;
 #[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
 pub use clock::set_clock;
 pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
-pub use control::{Control, OnProgress, OnTile};
+pub use engine::CpuEngine;
 pub use pool::Pool;
-pub use progressive::Pass;
-pub use renderer::Renderer;
-pub use statistics::{MemoryUse, RenderStatistics, StageSeconds};

@@ -6,7 +6,6 @@
 //! | a volume alone, with the settings | `volume` |
 //! | a rasteriser, with the footprints of a view | `raster` |
 //! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |
-//! | what moves, and edges that are sampled | here |
 //!
 //! Rendering refuses nothing that passes here. `docs/scenes.md` has a table of the answers, made by asking.
 
@@ -14,17 +13,22 @@ mod cloud;
 mod raster;
 mod volume;
 
-use splatvol_scene::{Camera, Clip, Coverage, ImageSize, Item, RenderSettings, Scene, SceneError};
+use splatvol_core::engine::Shot;
+use splatvol_scene::{Clip, Item, Scene, SceneError};
 
+use crate::classic;
 use crate::route::Way;
-use crate::{classic, shutter};
 
-/// Whether a scene can be rendered from a camera with these settings.
+/// Whether a scene can be rendered from a camera with these settings, what moves in it and edges aside.
 ///
 /// # Errors
 /// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
-pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<(), SceneError> {
-    scene.validate()?;
+pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
+    let Shot {
+        scene,
+        camera,
+        settings,
+    } = shot;
     match Way::of(scene, settings) {
         Way::Volume(single) => {
             settings.validate()?;
@@ -40,23 +44,7 @@ pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Resul
         }
         Way::Splats => cloud::splats(scene, settings)?,
     }
-    coverage(settings)?;
-    shutter::sub_frames(scene, camera, settings).map(|_| ())
-}
-
-/// Refuses samples of edges that would be of too large a picture.
-fn coverage(settings: &RenderSettings) -> Result<(), SceneError> {
-    let Coverage::Adaptive { samples, .. } = settings.coverage else {
-        return Ok(());
-    };
-    let [width, height] = <[u32; 2]>::from(settings.size).map(|side| side.saturating_mul(samples));
-    match ImageSize::new(width, height) {
-        Ok(_) => Ok(()),
-        Err(_) => Err(SceneError::Combination {
-            what: "coverage",
-            why: "the picture times its samples per axis is too large, ask for fewer samples",
-        }),
-    }
+    Ok(())
 }
 
 /// What is asked of the items of a scene besides their looks, by its name.

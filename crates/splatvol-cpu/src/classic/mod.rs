@@ -51,7 +51,7 @@ use self::tile::{TileScratch, TileWork};
 use crate::clock::Instant;
 use crate::route::VolumeScene;
 use crate::run::Run;
-use crate::statistics::{RenderStatistics, StageSeconds};
+use splatvol_core::engine::{RenderStatistics, StageSeconds};
 
 /// Whether settings ask for something that the engines for grids do not have.
 fn is_needed(settings: &RenderSettings) -> bool {
@@ -148,7 +148,7 @@ fn render_tiles<P: Profile>(
     let start = Instant::now();
     let done = AtomicUsize::new(0);
     let count = plan.tiles.len();
-    let wanted = |tile: &&u32| !run.task.is_stopped() && run.wants(&plan.tiles.rect(**tile as usize));
+    let wanted = |tile: &&u32| !run.task.is_stopped() && run.task.wants(&plan.tiles.rect(**tile as usize));
     let tiles: Vec<_> = run.pool.install(|| {
         plan.lists
             .longest_first()

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
+use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
 use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings};
 
@@ -30,12 +31,10 @@ use super::shade::PlaneShader;
 use super::shaded::Shaded;
 use super::tile::{SheetScratch, SheetWork, ZonedFrame};
 use crate::clock::Instant;
-use crate::control::Task;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
-use crate::statistics::{RenderStatistics, StageSeconds};
 
 /// Largest edge of a tile, and what it is unless asked otherwise, pixels: few voxels lie in two tiles.
 pub(crate) const TILE_EDGE: usize = 128;
@@ -421,7 +420,7 @@ fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetSc
                 break;
             }
             canvas.reset([rect.x1 - rect.x0, rect.y1 - rect.y0]);
-            *work = if run.wants(&rect) {
+            *work = if run.task.wants(&rect) {
                 let work = dispatch!(run.level, simd => picture.render(simd, (index, run.task.stop), canvas, scratch));
                 if !run.task.is_stopped() {
                     run.task.show(&rect, || canvas.colors(rect.x1 - rect.x0));

@@ -23,12 +23,11 @@ use super::resolve::blend;
 use super::ring::LANES;
 use super::shaded::Shaded;
 use crate::clock::Instant;
-use crate::control::Task;
 use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
-use crate::statistics::RenderStatistics;
+use splatvol_core::engine::{RenderStatistics, Task};
 
 /// What a scene consists of.
 #[derive(Debug, Clone, Copy)]

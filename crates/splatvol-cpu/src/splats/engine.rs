@@ -22,7 +22,7 @@ use super::settings::{Manner, Near, SplatSettings, sane};
 use super::view::View;
 use crate::clock::Instant;
 use crate::run::Run;
-use crate::statistics::StageSeconds;
+use splatvol_core::engine::StageSeconds;
 
 /// Splats that a thread projects at a time.
 const CHUNK: usize = 4096;
@@ -243,7 +243,7 @@ impl<B: Blend> Tiling<'_, B> {
         if run.task.is_stopped() {
             return;
         }
-        if run.wants(&rect) {
+        if run.task.wants(&rect) {
             if entries.is_empty() {
                 fill(blend.empty(), rows);
             } else {

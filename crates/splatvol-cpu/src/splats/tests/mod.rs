@@ -8,13 +8,14 @@ mod robust;
 
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+use splatvol_core::engine::{Control, Task};
 use splatvol_core::splats::Splat;
 use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection};
 
 use super::{Cloud, LowPass, Manner, Near, SplatEngine, SplatSettings};
 use crate::config::SimdLevel;
-use crate::control::{Control, Task};
+
 use crate::pool::Pool;
 use crate::run::Run;
 
@@ -65,7 +66,6 @@ impl Renderer {
             level: self.level,
             tile_edge: None,
             task: Task::new(&Control::default(), &|_| {}),
-            only: None,
         };
         self.engine.render(run, clouds, (camera, settings), frame);
     }

@@ -1,7 +1,7 @@
 //! Time of a frame of 1024 x 1024 pixels: one figure, three by three of it (1.37 million), and these with a point beside.
 //!
 //! ```text
-//! cargo bench -p splatvol-cpu --bench gaussians
+//! cargo bench -p splatvol --bench gaussians
 //! ```
 //!
 //! The figure is made up: 152,746 Gaussians on an upright cylinder, flat on it, with the quantiles of scales and opacities
@@ -12,7 +12,7 @@ use std::fmt;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::{DAffine3, DQuat, DVec3};
-use splatvol_cpu::{EngineConfig, Renderer, SimdLevel};
+use splatvol::{EngineConfig, Renderer, SimdLevel};
 use splatvol_scene::{
     Camera, GaussianAttributes, Gaussians, ImageSize, Item, PointAttributes, PointLook, Points, Projection,
     RenderSettings, Scene, View,

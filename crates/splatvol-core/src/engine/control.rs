@@ -4,8 +4,10 @@ use std::fmt::{self, Debug, Formatter};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use splatvol_core::bin::TileRect;
 use splatvol_scene::{Frame, SceneError};
+
+use super::Edges;
+use crate::bin::TileRect;
 
 /// Told the share of a picture that is finished.
 pub type OnProgress<'a> = &'a (dyn Fn(f64) + Sync);
@@ -48,20 +50,22 @@ impl Debug for Control<'_> {
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// Progress that only grows, whichever thread reports it.
-pub(crate) struct Progress<'a> {
+pub struct Progress<'a> {
     told: Option<OnProgress<'a>>,
     last: Mutex<f64>,
 }
 
 impl<'a> Progress<'a> {
-    pub(crate) fn new(control: &Control<'a>) -> Self {
+    /// Progress that a caller hears of.
+    pub fn new(control: &Control<'a>) -> Self {
         Self {
             told: control.progress,
             last: Mutex::new(-1.0),
         }
     }
 
-    pub(crate) fn report(&self, share: f64) {
+    /// Tells a share, unless a larger one has been told.
+    pub fn report(&self, share: f64) {
         let Some(told) = self.told else { return };
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if share > *last {
@@ -73,26 +77,33 @@ impl<'a> Progress<'a> {
 
 /// The making of a picture, or of one of the pictures that it is made of.
 #[derive(Clone, Copy)]
-pub(crate) struct Task<'a> {
+pub struct Task<'a> {
+    /// Set where the picture is given up.
     pub stop: &'a AtomicBool,
-    /// Of this picture.
+    /// Told the share of this picture that is finished.
     pub progress: OnProgress<'a>,
+    /// Told of finished pixels.
     pub tile: Option<OnTile<'a>>,
+    /// The pixels that are wanted, `None` for all.
     pub part: Option<TileRect>,
+    /// Tiles without any of these are left out.
+    pub edges: Option<&'a Edges>,
 }
 
 impl<'a> Task<'a> {
-    pub(crate) fn new(control: &Control<'a>, progress: OnProgress<'a>) -> Self {
+    /// What a caller asks for.
+    pub fn new(control: &Control<'a>, progress: OnProgress<'a>) -> Self {
         Self {
             stop: control.stop.unwrap_or(&NEVER),
             progress,
             tile: control.tile,
             part: control.part,
+            edges: None,
         }
     }
 
     /// A picture whose pixels are not those of the whole one: nobody hears of its tiles.
-    pub(crate) fn unseen(self, progress: OnProgress<'a>) -> Self {
+    pub fn unseen(self, progress: OnProgress<'a>) -> Self {
         Self {
             progress,
             tile: None,
@@ -100,12 +111,16 @@ impl<'a> Task<'a> {
         }
     }
 
-    pub(crate) fn is_stopped(&self) -> bool {
+    /// Whether the picture has been given up.
+    pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
     /// An error once the picture has been given up.
-    pub(crate) fn go_on(&self) -> Result<(), SceneError> {
+    ///
+    /// # Errors
+    /// [`SceneError::Stopped`].
+    pub fn go_on(&self) -> Result<(), SceneError> {
         if self.is_stopped() {
             return Err(SceneError::Stopped);
         }
@@ -113,21 +128,21 @@ impl<'a> Task<'a> {
     }
 
     /// Tells the share that is finished, unless the picture has been given up.
-    pub(crate) fn report(&self, share: f64) {
+    pub fn report(&self, share: f64) {
         if !self.is_stopped() {
             (self.progress)(share);
         }
     }
 
     /// Whether pixels of a rectangle are wanted.
-    pub(crate) fn wants(&self, rect: &TileRect) -> bool {
-        self.part.is_none_or(|part| {
-            rect.x0 < part.x1 && part.x0 < rect.x1 && rect.y0 < part.y1 && part.y0 < rect.y1
-        })
+    pub fn wants(&self, rect: &TileRect) -> bool {
+        let meets =
+            |part: TileRect| rect.x0 < part.x1 && part.x0 < rect.x1 && rect.y0 < part.y1 && part.y0 < rect.y1;
+        self.part.is_none_or(meets) && self.edges.is_none_or(|edges| edges.meets(rect))
     }
 
     /// Tells of all pixels of a frame.
-    pub(crate) fn show_all(&self, frame: &Frame) {
+    pub fn show_all(&self, frame: &Frame) {
         if let Some(tile) = self.tile {
             let [x1, y1] = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
             tile(&TileRect { x0: 0, y0: 0, x1, y1 }, &frame.image.pixels);
@@ -135,7 +150,7 @@ impl<'a> Task<'a> {
     }
 
     /// Tells of finished pixels.
-    pub(crate) fn show(&self, rect: &TileRect, colors: impl FnOnce() -> Vec<[f32; 4]>) {
+    pub fn show(&self, rect: &TileRect, colors: impl FnOnce() -> Vec<[f32; 4]>) {
         if let Some(tile) = self.tile {
             tile(rect, &colors());
         }

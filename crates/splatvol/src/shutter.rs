@@ -6,6 +6,7 @@
 
 use std::borrow::Cow;
 
+use splatvol_core::engine::Shot;
 use splatvol_scene::{Camera, MotionBlur, RenderSettings, Scene, SceneError};
 
 /// A scene at rest, and from where it is seen.
@@ -19,11 +20,12 @@ pub(crate) struct Exposed<'a> {
 ///
 /// # Errors
 /// A motion that sub-frames cannot show.
-pub(crate) fn sub_frames<'a>(
-    scene: &'a Scene,
-    camera: &Camera,
-    settings: &RenderSettings,
-) -> Result<Option<Vec<Exposed<'a>>>, SceneError> {
+pub(crate) fn sub_frames<'a>(shot: Shot<'a>) -> Result<Option<Vec<Exposed<'a>>>, SceneError> {
+    let Shot {
+        scene,
+        camera,
+        settings,
+    } = shot;
     let MotionBlur::Subframes { count } = settings.motion_blur else {
         return Ok(None);
     };

@@ -27,7 +27,8 @@ pub struct StageSeconds {
 
 impl StageSeconds {
     /// Stage by stage, both.
-    pub(crate) fn plus(&self, other: &Self) -> Self {
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
         Self {
             prefilter: self.prefilter + other.prefilter,
             classify: self.classify + other.classify,
@@ -47,7 +48,7 @@ impl StageSeconds {
 pub struct MemoryUse {
     /// Volumes of the scene: samples, and what engines made of them.
     pub volumes: usize,
-    /// The same of volumes of earlier scenes ([`EngineConfig::spare_bytes`](crate::EngineConfig)).
+    /// The same of volumes of earlier scenes.
     pub spare_volumes: usize,
     /// Clouds of points, Gaussians and samples of meshes.
     pub clouds: usize,

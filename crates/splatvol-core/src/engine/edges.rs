@@ -10,13 +10,14 @@
 //! Footprints are filtered for the pixels of the larger picture, so that the low-pass of an edge is the square pixel, and
 //! a little of the filter's own.
 
-use crate::control::Task;
-use splatvol_core::bin::TileRect;
 use splatvol_scene::{Coverage, Frame, ImageSize, RenderSettings, SceneError};
+
+use super::Task;
+use crate::bin::TileRect;
 
 /// The edges of a picture.
 #[derive(Debug)]
-pub(crate) struct Edges {
+pub struct Edges {
     size: [usize; 2],
     /// Samples per pixel and axis.
     samples: usize,
@@ -27,7 +28,7 @@ pub(crate) struct Edges {
 
 impl Edges {
     /// The pixels of a frame that differ from a neighbour; `None` where none does, or none is asked for.
-    pub(crate) fn of(frame: &Frame, coverage: Coverage) -> Option<Self> {
+    pub fn of(frame: &Frame, coverage: Coverage) -> Option<Self> {
         let Coverage::Adaptive { samples, contrast } = coverage else {
             return None;
         };
@@ -60,7 +61,7 @@ impl Edges {
     }
 
     /// How many pixels they are.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.count
     }
 
@@ -68,7 +69,7 @@ impl Edges {
     ///
     /// # Errors
     /// A picture that would be too large.
-    pub(crate) fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
+    pub fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
         let [width, height] = self.size.map(|side| (side * self.samples) as u32);
         let size = ImageSize::new(width, height).map_err(|_| SceneError::Combination {
             what: "coverage",
@@ -81,8 +82,8 @@ impl Edges {
         })
     }
 
-    /// The making of the larger picture: of the same part.
-    pub(crate) fn task<'a>(&self, task: Task<'a>) -> Task<'a> {
+    /// The making of the larger picture: of the same part, and of no tiles without edges.
+    pub fn task<'a>(&'a self, task: Task<'a>) -> Task<'a> {
         let larger = |TileRect { x0, y0, x1, y1 }| TileRect {
             x0: x0 * self.samples,
             y0: y0 * self.samples,
@@ -91,12 +92,13 @@ impl Edges {
         };
         Task {
             part: task.part.map(larger),
+            edges: Some(self),
             ..task
         }
     }
 
     /// Whether a rectangle of the larger picture has samples of an edge.
-    pub(crate) fn meets(&self, rect: &TileRect) -> bool {
+    pub fn meets(&self, rect: &TileRect) -> bool {
         let [width, _] = self.size;
         let columns = rect.x0 / self.samples..rect.x1.div_ceil(self.samples);
         (rect.y0 / self.samples..rect.y1.div_ceil(self.samples))
@@ -104,7 +106,7 @@ impl Edges {
     }
 
     /// Replaces the edges of a frame by the means of their samples.
-    pub(crate) fn refine(&self, frame: &mut Frame, fine: &Frame) {
+    pub fn refine(&self, frame: &mut Frame, fine: &Frame) {
         let width = self.size[0];
         for (pixel, _) in self.edge.iter().enumerate().filter(|(_, edge)| **edge) {
             let corner = [pixel % width, pixel / width].map(|at| at * self.samples);

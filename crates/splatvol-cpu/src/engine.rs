@@ -1,0 +1,194 @@
+//! The CPU engine: finds which of its loops renders a scene, and keeps what they derive from its items.
+
+use fearless_simd::Level;
+use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
+use splatvol_scene::{Frame, SceneError};
+
+use crate::check::check;
+use crate::classic::{self, ClassicEngine};
+use crate::clock::Instant;
+use crate::clouds::SplatScene;
+use crate::config::{EngineConfig, EngineError, level_name};
+use crate::items::ItemStore;
+use crate::meshes::MeshStore;
+use crate::pool::Pool;
+use crate::route::{Parts, PlacedVolumes, Route};
+use crate::run::Run;
+use crate::sheets::engine::{SheetEngine, TILE_EDGE};
+use crate::sheets::prepared::SPARE;
+use crate::sheets::scene::LayeredScene;
+use crate::splats::{Cloud, SplatEngine};
+
+/// Renders scenes on the CPU.
+#[derive(Debug)]
+pub struct CpuEngine {
+    pool: Pool,
+    tile_edge: Option<usize>,
+    level: Level,
+    placed: PlacedVolumes,
+    sheets: SheetEngine,
+    classic: ClassicEngine,
+    splats: SplatEngine,
+    /// Clouds of what is classified first.
+    items: ItemStore,
+    /// Clouds of meshes whose values are classified behind their kernels.
+    meshes: MeshStore,
+}
+
+impl CpuEngine {
+    /// Starts the engine with threads of its own.
+    ///
+    /// # Errors
+    /// Threads that the system refuses, or a tile edge outside its domain.
+    pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
+        Self::with_pool(Pool::new(config.threads)?, config)
+    }
+
+    /// Starts the engine with threads that are there: engines may share them.
+    ///
+    /// # Errors
+    /// Another number of threads than the pool has, or a tile edge outside its domain.
+    pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
+        let pool = pool.into();
+        let there = pool.current_num_threads();
+        if let Some(threads) = config.threads.filter(|&threads| threads != there) {
+            return Err(EngineError::Pool { threads, there });
+        }
+        if let Some(edge) = config
+            .tile_edge
+            .filter(|edge| !edge.is_multiple_of(16) || !(16..=TILE_EDGE).contains(edge))
+        {
+            return Err(EngineError::TileEdge { edge });
+        }
+        let level = match config.simd {
+            None => Level::new(),
+            Some(simd) => simd.level().ok_or(EngineError::Simd { simd })?,
+        };
+        Ok(Self {
+            pool,
+            tile_edge: config.tile_edge,
+            level,
+            placed: PlacedVolumes::default(),
+            sheets: SheetEngine::with_spare(config.spare_bytes.unwrap_or(SPARE)),
+            classic: ClassicEngine::default(),
+            splats: SplatEngine::default(),
+            items: ItemStore::default(),
+            meshes: MeshStore::default(),
+        })
+    }
+
+    /// Renders a scene in layers.
+    fn render_layers(
+        &mut self,
+        run: Run<'_>,
+        parts: &Parts<'_>,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+    ) -> Result<RenderStatistics, SceneError> {
+        let view = (shot.camera, shot.settings);
+        let start = Instant::now();
+        let cloud = match parts.rest.items.is_empty() {
+            true => None,
+            false => Some(
+                self.items
+                    .cloud(run, &parts.rest, view)
+                    .ok_or(SceneError::Stopped)?,
+            ),
+        };
+        self.meshes
+            .update(run, &parts.meshes, shot.settings)
+            .ok_or(SceneError::Stopped)?;
+        let scene = LayeredScene {
+            volumes: &parts.volumes,
+            meshes: &parts.meshes,
+            mesh_clouds: &self.meshes,
+            cloud,
+            clips: &shot.scene.clips,
+        };
+        Ok(self.sheets.render_layers(run, &scene, view, (frame, start)))
+    }
+
+    /// Renders splats one by one.
+    fn render_splats(
+        &mut self,
+        run: Run<'_>,
+        drawn: &SplatScene<'_>,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+    ) -> Result<RenderStatistics, SceneError> {
+        let start = Instant::now();
+        let mut clouds = drawn.gaussians.clone();
+        let mut spacing = 0.0;
+        if !drawn.rest.items.is_empty() {
+            let view = (shot.camera, shot.settings);
+            let cloud = self
+                .items
+                .cloud(run, &drawn.rest, view)
+                .ok_or(SceneError::Stopped)?;
+            spacing = cloud.spacing;
+            clouds.push(Cloud::Kernels(cloud));
+        }
+        let classify = start.elapsed().as_secs_f64();
+        let settings = drawn.settings(shot.scene, shot.settings, spacing);
+        let mut seconds = self.splats.render(run, &clouds, (shot.camera, &settings), frame);
+        seconds.classify = classify;
+        seconds.total = start.elapsed().as_secs_f64();
+        Ok(RenderStatistics {
+            seconds,
+            threads: run.pool.current_num_threads(),
+            engine: "splats",
+            simd: level_name(self.level),
+            voxels: clouds.iter().map(|cloud| cloud.len() as u64).sum(),
+            ..RenderStatistics::default()
+        })
+    }
+}
+
+impl Engine for CpuEngine {
+    fn check(&self, shot: Shot<'_>) -> Result<(), SceneError> {
+        check(shot)
+    }
+
+    fn render(
+        &mut self,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        let Shot {
+            scene,
+            camera,
+            settings,
+        } = shot;
+        let route = Route::of(scene, settings, &mut self.placed)?;
+        let pool = self.pool.clone();
+        let run = Run {
+            pool: &pool,
+            level: self.level,
+            tile_edge: self.tile_edge,
+            task,
+        };
+        let view = (camera, settings);
+        let statistics = match &route {
+            Route::Volume(volume) if classic::render(volume.motion, settings) => {
+                self.classic.render(run, volume, view, frame)?
+            }
+            Route::Volume(volume) => self.sheets.render(run, volume, view, frame),
+            Route::Layers(parts) => self.render_layers(run, parts, shot, frame)?,
+            Route::Splats(splats) => self.render_splats(run, splats, shot, frame)?,
+        };
+        task.go_on()?;
+        Ok(statistics)
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let [volumes, spare_volumes, tiles] = self.sheets.bytes();
+        let [samples, cloud] = self.classic.bytes();
+        MemoryUse {
+            volumes: volumes + samples,
+            spare_volumes,
+            clouds: self.items.bytes() + self.meshes.bytes() + cloud,
+            tiles: tiles + self.splats.bytes(),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Whether a picture can be made, asked beforehand: of the engine, and of what is made of its pictures.
+
+use splatvol_core::engine::Shot;
+use splatvol_scene::{Camera, Coverage, ImageSize, RenderSettings, Scene, SceneError};
+
+use crate::shutter;
+
+/// Whether a scene can be rendered from a camera with these settings, by an engine as [`EngineConfig`](crate::EngineConfig)
+/// starts it. Rendering refuses nothing that passes here; `docs/scenes.md` has a table of the answers, made by asking.
+///
+/// # Errors
+/// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
+pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<(), SceneError> {
+    let shot = Shot {
+        scene,
+        camera,
+        settings,
+    };
+    check_by(shot, splatvol_cpu::check)
+}
+
+/// The same of an engine with a check of its own.
+pub(crate) fn check_by(
+    shot: Shot<'_>,
+    engine: impl FnOnce(Shot<'_>) -> Result<(), SceneError>,
+) -> Result<(), SceneError> {
+    shot.scene.validate()?;
+    engine(shot)?;
+    coverage(shot.settings)?;
+    shutter::sub_frames(shot).map(|_| ())
+}
+
+/// Refuses samples of edges that would be of too large a picture.
+fn coverage(settings: &RenderSettings) -> Result<(), SceneError> {
+    let Coverage::Adaptive { samples, .. } = settings.coverage else {
+        return Ok(());
+    };
+    let [width, height] = <[u32; 2]>::from(settings.size).map(|side| side.saturating_mul(samples));
+    match ImageSize::new(width, height) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(SceneError::Combination {
+            what: "coverage",
+            why: "the picture times its samples per axis is too large, ask for fewer samples",
+        }),
+    }
+}

@@ -1,0 +1,226 @@
+//! The renderer: what a shutter sees, edges that are sampled several times, parts and progress, of an engine's pictures.
+
+use splatvol_core::engine::{Control, Edges, Engine, Progress, RenderStatistics, Shot, StageSeconds, Task};
+use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool};
+use splatvol_scene::{Camera, Coverage, Exposure, Frame, RenderSettings, Scene, SceneError};
+
+use crate::check::check_by;
+use crate::part;
+use crate::shutter::{self, Exposed};
+
+/// Renders scenes; keeps what it derives from their items between frames.
+#[derive(Debug)]
+pub struct Renderer {
+    engine: Box<dyn Engine>,
+    /// The larger picture that edges are sampled from.
+    fine: Option<Frame>,
+    statistics: RenderStatistics,
+}
+
+impl Renderer {
+    /// Starts an engine on the CPU.
+    ///
+    /// # Errors
+    /// Threads that the system refuses, or a tile edge outside its domain.
+    pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
+        CpuEngine::new(config).map(Self::with_engine)
+    }
+
+    /// Starts an engine on the CPU with threads that are there: renderers may share them.
+    ///
+    /// # Errors
+    /// Another number of threads than the pool has, or a tile edge outside its domain.
+    pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
+        CpuEngine::with_pool(pool, config).map(Self::with_engine)
+    }
+
+    /// Renders by an engine that has been started elsewhere.
+    pub fn with_engine(engine: impl Engine + 'static) -> Self {
+        Self {
+            engine: Box::new(engine),
+            fine: None,
+            statistics: RenderStatistics::default(),
+        }
+    }
+
+    /// Renders one frame.
+    ///
+    /// A volume alone is rendered by the engines for grids. Several things are classified, lit, and composited sheet by
+    /// sheet, or one by one ([`splatvol_scene::Compositing::PerSplat`]). Nothing but Gaussians is rendered as published,
+    /// unless the settings say otherwise ([`splatvol_scene::GaussianMode`]).
+    ///
+    /// # Errors
+    /// Settings outside their domain, methods that a kind of item does not have, or a rasteriser that cannot draw the
+    /// footprints of this view.
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+    ) -> Result<Frame, SceneError> {
+        self.render_with_progress(scene, camera, settings, &|_| {})
+    }
+
+    /// Renders one frame, reporting the finished share (0..1) from any thread.
+    ///
+    /// # Errors
+    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
+    pub fn render_with_progress(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Frame, SceneError> {
+        let mut frame = Frame::empty(settings.size);
+        let control = Control {
+            progress: Some(progress),
+            ..Control::default()
+        };
+        self.render_with(scene, camera, settings, &mut frame, &control)?;
+        Ok(frame)
+    }
+
+    /// Renders one frame into memory that is there: frames of a volume allocate nothing but for the first two, where
+    /// gradients are differences ([`RenderSettings::fast`]).
+    ///
+    /// # Errors
+    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
+    pub fn render_into(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        frame: &mut Frame,
+    ) -> Result<(), SceneError> {
+        self.render_with(scene, camera, settings, frame, &Control::default())
+    }
+
+    /// Renders one frame into memory that is there, or a part of it, and can be stopped.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; and [`SceneError::Stopped`], which leaves nonsense in the frame.
+    pub fn render_with(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        frame: &mut Frame,
+        control: &Control<'_>,
+    ) -> Result<(), SceneError> {
+        let progress = Progress::new(control);
+        progress.report(0.0);
+        let report = |share| progress.report(share);
+        let task = Task::new(control, &report);
+        let shot = Shot {
+            scene,
+            camera,
+            settings,
+        };
+        self.render_moving(shot, frame, task)?;
+        if let Some(part) = &control.part {
+            part::keep(frame, part);
+        }
+        self.statistics.memory = self.engine.memory();
+        task.show_all(frame);
+        progress.report(1.0);
+        Ok(())
+    }
+
+    /// Times and counts of the last frame; of the mean of several, all their times, and the counts of the last of them.
+    pub fn statistics(&self) -> &RenderStatistics {
+        &self.statistics
+    }
+
+    /// Renders what a shutter sees, or what is at rest.
+    fn render_moving(&mut self, shot: Shot<'_>, frame: &mut Frame, task: Task<'_>) -> Result<(), SceneError> {
+        check_by(shot, |shot| self.engine.check(shot))?;
+        match shutter::sub_frames(shot)? {
+            Some(exposed) => self.render_mean(&exposed, shot.settings, frame, task),
+            None => self.render_sampled(shot, frame, task),
+        }
+    }
+
+    /// The mean of the pictures of a scene at rest: what a shutter sees while it is open.
+    fn render_mean(
+        &mut self,
+        exposed: &[Exposed<'_>],
+        settings: &RenderSettings,
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<(), SceneError> {
+        let mut exposure = Exposure::new(settings.size);
+        let mut total = StageSeconds::default();
+        let settings = shutter::still(settings);
+        for (index, Exposed { scene, camera }) in exposed.iter().enumerate() {
+            let share = |done: f64| (task.progress)((index as f64 + done) / exposed.len() as f64);
+            let shot = Shot {
+                scene,
+                camera,
+                settings: &settings,
+            };
+            self.render_moving(shot, frame, task.unseen(&share))?;
+            exposure.add(frame)?;
+            total = total.plus(&self.statistics.seconds);
+        }
+        self.statistics.seconds = total;
+        exposure.take(frame)
+    }
+
+    /// Renders a scene at rest, its edges by several samples where that is asked for.
+    fn render_sampled(
+        &mut self,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<(), SceneError> {
+        let coverage = shot.settings.coverage;
+        if coverage == Coverage::Off {
+            return self.render_once(shot, frame, task);
+        }
+        let first = |done: f64| (task.progress)(0.5 * done);
+        let second = |done: f64| (task.progress)(0.5 + 0.5 * done);
+        let around = Task {
+            progress: &first,
+            // Edges are differences from neighbours.
+            part: task.part.map(part::with_neighbors),
+            ..task
+        };
+        self.render_once(shot, frame, around)?;
+        match Edges::of(frame, coverage) {
+            Some(edges) => self.refine(shot, frame, (task.unseen(&second), &edges)),
+            None => Ok(()),
+        }
+    }
+
+    /// Replaces the edges of a frame by the means of several samples.
+    fn refine(
+        &mut self,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+        (task, edges): (Task<'_>, &Edges),
+    ) -> Result<(), SceneError> {
+        let first = self.statistics.clone();
+        let settings = &edges.settings(shot.settings)?;
+        let mut fine = self.fine.take().unwrap_or_else(|| Frame::empty(settings.size));
+        self.render_once(Shot { settings, ..shot }, &mut fine, edges.task(task))?;
+        edges.refine(frame, &fine);
+        self.fine = Some(fine);
+        let seconds = first.seconds.plus(&self.statistics.seconds);
+        self.statistics = RenderStatistics {
+            seconds,
+            sampled_pixels: edges.count() as u64,
+            ..first
+        };
+        Ok(())
+    }
+
+    /// One picture of the engine.
+    fn render_once(&mut self, shot: Shot<'_>, frame: &mut Frame, task: Task<'_>) -> Result<(), SceneError> {
+        if !frame.fits(shot.settings.size) {
+            *frame = Frame::empty(shot.settings.size);
+        }
+        self.statistics = self.engine.render(shot, frame, task)?;
+        Ok(())
+    }
+}
