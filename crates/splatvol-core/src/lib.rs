@@ -7,6 +7,7 @@
 //! | cull | [`brick`] | coefficients, tables | bricks that can be seen |
 //! | project | [`footprint`], [`sheets`] | grid, kernel, camera | the one footprint type, sliced by sheets |
 //! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
+//! | plan | [`plan`] | grid, kernel, camera, bricks | a frame's plan: plain data that engines render tiles from |
 //! | extract | [`irregular`] | meshes | kernels with covariances, masses and gradients |
 //! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
@@ -28,6 +29,7 @@ pub mod irregular;
 pub mod kernel;
 pub mod mip;
 pub mod normal;
+pub mod plan;
 pub mod points;
 mod prefilter;
 pub mod radial;

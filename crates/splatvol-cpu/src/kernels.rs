@@ -1,11 +1,11 @@
 //! The engine's splatting kernel on its own, for micro-benchmarks. No part of the public interface.
 
 use fearless_simd::{Level, Simd, dispatch};
+use splatvol_core::plan::{SplatConstants, blocks_of};
 
-use crate::sheets::place::blocks_of;
 use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
-use crate::sheets::splat::{self, Coefficient, Powers, Records, SplatConstants, Stencil};
+use crate::sheets::splat::{self, Coefficient, Powers, Records, Stencil};
 
 /// Every SIMD level of this machine, the best first, with its name. Scalar code exists in builds with the feature
 /// `scalar` only, or where the processor has no SIMD.

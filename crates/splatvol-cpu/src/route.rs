@@ -15,8 +15,8 @@ use std::sync::Arc;
 use glam::DAffine3;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Classification, Clip, Compositing, Content, Isosurface, Item, Mesh, Motion, RenderSettings, Scene,
-    SceneError, SingleVolume, TransferFunction, Volume,
+    Clip, Compositing, Content, Isosurface, Item, Mesh, Motion, RenderSettings, Scene, SceneError,
+    SingleVolume, TransferFunction, Volume,
 };
 
 use crate::clouds::SplatScene;
@@ -215,7 +215,7 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
 pub(crate) fn is_data(item: &Item, settings: &RenderSettings) -> bool {
     matches!(item.content, Content::Mesh { .. })
         && settings.compositing == Compositing::ImageSheets
-        && !splats_color(settings)
+        && !settings.splats_colors()
 }
 
 fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -> Option<MeshScene<'a>> {
@@ -242,15 +242,6 @@ fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -
             isosurfaces,
         },
     })
-}
-
-/// True where voxels are classified before they are splatted.
-pub(crate) fn splats_color(settings: &RenderSettings) -> bool {
-    match settings.compositing {
-        Compositing::ImageSheets => settings.classification == Classification::Pre,
-        Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => false,
-        _ => true,
-    }
 }
 
 fn volume_scene<'a>(

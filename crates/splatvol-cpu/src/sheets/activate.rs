@@ -5,11 +5,11 @@
 //! the tile and what only reaches finished pixels.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*, u32x16};
+use splatvol_core::plan::{DepthOrder, SplatConstants};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::mask::OpenMask;
-use super::order::DepthOrder;
-use super::splat::{CAPACITY, Records, SplatConstants};
+use super::splat::{CAPACITY, Records};
 
 /// A brick some of whose voxels are still to come.
 #[derive(Debug, Clone, Copy)]

@@ -4,12 +4,14 @@
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
+use splatvol_core::plan::SheetShape;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
 use super::classified::Classified;
 use super::compose::through_and_opacity;
 use super::fine_table::{FineTable, Stretch, advantage};
+use super::frame::SheetFrame;
 use super::gradients::Moments;
 use super::hermite::{End, Hermite, Rays, pieces};
 use super::holes::{self, Holes};
@@ -19,8 +21,7 @@ use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{MIDDLES, PlaneShader};
 use super::shaded::filled;
-use super::sheet::SheetShape;
-use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
+use super::tile::{MAX_CHANNELS, SheetScratch};
 
 /// A field whose coefficients are splatted with their kernels' derivatives.
 #[derive(Debug)]

@@ -8,10 +8,10 @@ use glam::DMat3;
 use splatvol_core::brick::BRICK;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::{FieldStore, Neighbourhood};
+use splatvol_core::plan::Bricks;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::cut::Cut;
-use super::mode::Bricks;
 use super::sheet::Lanes16;
 use crate::phong::Phong;
 

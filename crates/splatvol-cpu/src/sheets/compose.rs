@@ -5,17 +5,18 @@
 //! their integral, `(13 (v0 + v1) - (v_before + v_after)) / 24` of its length.
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::plan::Rays;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
 use super::classified::{Classified, ClassifiedBricks};
+use super::frame::SheetFrame;
 use super::mode::Mode;
 use super::place::Place;
 use super::plane::{HALO, Plane};
-
 use super::shaded::filled;
 use super::splat::Payload;
-use super::tile::{MAX_CHANNELS, Rays, SheetFrame, SheetScratch};
+use super::tile::{MAX_CHANNELS, SheetScratch};
 use crate::simd::math::exp2_quick;
 
 /// Pre-classification.

@@ -7,12 +7,13 @@
 //! counted from the picture's corner, so that what a pixel gets does not depend on the tile.
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::plan::{SplatConstants, half_extent};
 
 use super::mask::OpenMask;
 use super::place::Place;
 use super::ring::{Area, BLOCK_EDGE, LANES, Row};
-use super::sheet::{GroupShape, half_extent};
-use super::splat::{CAPACITY, COLUMN, Payload, ROW, Records, SplatConstants, load};
+use super::sheet::GroupShape;
+use super::splat::{CAPACITY, COLUMN, Payload, ROW, Records, load};
 use crate::simd::math::exp2_quick;
 
 /// The four sheets of a group in a tile.

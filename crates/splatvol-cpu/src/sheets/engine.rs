@@ -8,6 +8,7 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
+use splatvol_core::plan::{Bricks, Sampling, View};
 use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings};
 
 use super::analytic::Analytic;
@@ -17,19 +18,21 @@ use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::exact_intensity::ExactIntensity;
-use super::frame::{Plan, Sampling, View};
+use super::frame::Plan;
+use super::frame::ZonedFrame;
+use super::frame::{analytic_field, shader};
 use super::integral::Integral;
 use super::intensity::{Extreme, Intensity, Kept, Mean, ValueColors};
 use super::layer::{ModeLayer, TileLayer, render};
 use super::level::{Detail, Wanted};
-use super::mode::{Bricks, Mode};
+use super::mode::Mode;
 use super::operated::Operated;
 use super::prepared::Prepared;
 use super::resolve::{blend, resolve};
 use super::scene::LayerStore;
 use super::shade::PlaneShader;
 use super::shaded::Shaded;
-use super::tile::{SheetScratch, SheetWork, ZonedFrame};
+use super::tile::{SheetScratch, SheetWork};
 use crate::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
@@ -83,7 +86,7 @@ impl TileMemory {
         statistics: &mut RenderStatistics,
     ) {
         let start = Instant::now();
-        let plan = picture.frame();
+        let plan = picture.frame().plan;
         let count = plan.tiles.len();
         self.scratch
             .resize_with(run.pool.current_num_threads(), Mutex::default);
@@ -243,7 +246,7 @@ impl SheetEngine {
         };
         let bricks = ClassifiedBricks::new((store, &level.visible), look).cut(&voxel_cut);
         let values = ValueColors::new(&level.classification, scene.unit_distance());
-        let shader = || view.shader((store, &level.table), (settings, spacing));
+        let shade = || shader(&view, (store, &level.table), (settings, spacing));
         match (wanted, sampling) {
             (Wanted::Classified, Sampling::Rays) => {
                 let mode = Integral {
@@ -251,7 +254,7 @@ impl SheetEngine {
                     shapes: view.ray_shapes(),
                     depth_reach: view.depth_reach(),
                 };
-                job.run.tile_edge = Some(view.ray_tile_edge());
+                job.run.tile_edge = Some(view.ray_tile_edge(TILE_EDGE));
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Classified, _) => {
@@ -263,20 +266,20 @@ impl SheetEngine {
                 job.render(&bricks, &mode, frame, statistics);
             }
             (Wanted::Largest, _) => {
-                job.values::<Extreme<Largest>>((store, shader()), values, (frame, statistics));
+                job.values::<Extreme<Largest>>((store, shade()), values, (frame, statistics));
             }
             (Wanted::Smallest, _) => {
-                job.values::<Extreme<Smallest>>((store, shader()), values, (frame, statistics));
+                job.values::<Extreme<Smallest>>((store, shade()), values, (frame, statistics));
             }
-            (Wanted::All, _) => job.values::<Mean>((store, shader()), values, (frame, statistics)),
+            (Wanted::All, _) => job.values::<Mean>((store, shade()), values, (frame, statistics)),
             (Wanted::Visible, _) if settings.gradient == Gradient::Analytic => {
-                let mode = Analytic::new(view.analytic_field(store, shader()), &level.classification);
+                let mode = Analytic::new(analytic_field(&view, store, shade()), &level.classification);
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {
                 let mode = Shaded {
                     store,
-                    shader: shader(),
+                    shader: shade(),
                     operated: Operated::new(&scene.asked, spacing, (camera, store.volume().value_range())),
                 };
                 job.render(store, &mode, frame, statistics);
@@ -304,7 +307,7 @@ impl Job<'_> {
     ) {
         match self.settings.gradient {
             Gradient::Analytic => {
-                let field = self.view.analytic_field(store, shader);
+                let field = analytic_field(self.view, store, shader);
                 self.render(store, &ExactIntensity::<K>::new(field, colors), frame, statistics);
             }
             Gradient::Differences => {
@@ -381,11 +384,11 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
     }
 
     fn bricks(&self) -> usize {
-        self.frame.bricks.len()
+        self.frame.plan.corners.len()
     }
 
     fn zones(&self) -> usize {
-        self.frame.zones.len()
+        self.frame.plan.zones().len()
     }
 
     fn render<S: Simd>(
@@ -402,14 +405,14 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
             return SheetWork::default();
         };
         let layers = &mut [&mut layer as &mut dyn TileLayer<S>];
-        render(simd, (self.frame.termination, stop), layers, canvas)
+        render(simd, (self.frame.plan.termination, stop), layers, canvas)
     }
 }
 
 /// Renders all tiles; threads take the next one as they come free.
 fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetScratch>>], tiles: &[Tile]) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let frame = picture.frame();
+    let frame = picture.frame().plan;
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
         while let Some(&index) = frame.longest_first.get(next.fetch_add(1, Ordering::Relaxed)) {

@@ -10,12 +10,13 @@ use super::analytic::{AnalyticField, Interval};
 use super::canvas::Canvas;
 use super::classified::Classified;
 use super::cubic::Parabola;
+use super::frame::{SheetFrame, ZonedFrame};
 use super::gradients::Moments;
 use super::intensity::{Kept, Piece, ValueColors};
 use super::lattice_weights::{WeightPlane, Weights};
 use super::mode::Mode;
 use super::place::Place;
-use super::tile::{SheetFrame, SheetScratch, ZonedFrame};
+use super::tile::SheetScratch;
 
 /// One value per ray.
 #[derive(Debug)]

@@ -13,20 +13,22 @@
 use fearless_simd::{f32x16, prelude::*};
 use glam::{DAffine3, DMat2, DVec2, DVec3};
 use splatvol_core::brick::BRICK;
-use splatvol_core::footprint::FootprintShape;
-use splatvol_core::kernel::GaussianKernel;
+use splatvol_core::plan::{Bricks, View};
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::mode::{Bricks, Mode};
+use super::frame::SheetFrame;
+use super::mode::Mode;
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::splat::Payload;
-use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch};
+use super::tile::{MAX_CHANNELS, SheetScratch};
 
 /// The kernel around the eye, and the bricks whose voxels reach it.
 #[derive(Debug, Default)]
 pub(crate) struct Eye {
-    bricks: Vec<u32>,
+    /// Indices, and first lattice points.
+    bricks: Vec<(u32, [u32; 3])>,
+    camera_from_lattice: DAffine3,
     /// `L^-1`.
     inverse: DMat2,
     slope: DVec2,
@@ -48,14 +50,10 @@ struct Jet<const N: usize> {
 }
 
 impl Eye {
-    /// Gets ready for a camera within a grid, given the kernel and its peak on planes.
-    pub(crate) fn update(
-        &mut self,
-        shape: &FootprintShape,
-        (kernel, peak): (&GaussianKernel, f64),
-        camera_from_lattice: DAffine3,
-        bricks: &dyn Bricks,
-    ) {
+    /// Gets ready for a camera within a grid, given the kernel's peak on planes.
+    pub(crate) fn update(&mut self, view: &View, peak: f64, bricks: &dyn Bricks) {
+        let (shape, kernel) = (view.shape(), view.kernel());
+        self.camera_from_lattice = view.camera_from_lattice();
         let [xx, xy, yy] = shape.lateral_covariance;
         self.inverse = DMat2::from_cols(DVec2::new(xx, xy), DVec2::new(xy, yy)).inverse();
         self.slope = shape.lateral_slope;
@@ -63,7 +61,7 @@ impl Eye {
         self.edge = kernel.edge;
         self.peak = peak;
         self.reach = kernel.cut() * shape.depth_sigma;
-        let eye = camera_from_lattice.inverse().translation;
+        let eye = self.camera_from_lattice.inverse().translation;
         // In voxels the kernel is a sphere.
         let far = DVec3::splat(kernel.sigma * libm::hypot(kernel.cut(), LATERAL_CUT));
         let meets = |index: usize| {
@@ -75,7 +73,7 @@ impl Eye {
         self.bricks.extend(
             (0..bricks.len())
                 .filter(|&index| meets(index))
-                .map(|index| index as u32),
+                .map(|index| (index as u32, bricks.first(index))),
         );
     }
 
@@ -98,7 +96,7 @@ impl Eye {
     fn sums<S: Simd, M: Mode<N>, const N: usize>(
         &self,
         simd: S,
-        (frame, mode): (&SheetFrame<'_>, &M),
+        (_frame, mode): (&SheetFrame<'_>, &M),
         scratch: &mut SheetScratch,
     ) -> Jet<N> {
         let mut jet = Jet {
@@ -109,13 +107,13 @@ impl Eye {
         let one = f32x16::splat(simd, 1.0);
         let mut values = [f32::NAN; BRICK_VOXELS];
         let slot = scratch.take_slot();
-        for &brick in &self.bricks {
+        for &(brick, first) in &self.bricks {
             mode.open(simd, (brick as usize, slot), &mut values, &mut scratch.classified);
             let payload = M::payload(&scratch.classified);
-            let first = DVec3::from_array(frame.bricks.first(brick as usize).map(f64::from));
+            let first = DVec3::from_array(first.map(f64::from));
             for (place, &value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
                 let within = [0, 1, 2].map(|axis| (place / BRICK.pow(axis) % BRICK) as f64);
-                let at = frame
+                let at = self
                     .camera_from_lattice
                     .transform_point3(first + DVec3::from_array(within));
                 let (weight, gradient) = self.weight(-at);

@@ -9,12 +9,13 @@
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
+use super::frame::SheetFrame;
 use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::ring::{LANES, SheetRing};
 use super::shade::Interval;
 use super::splat::Records;
-use super::tile::{MAX_CHANNELS, SheetFrame, SheetScratch, take};
+use super::tile::{MAX_CHANNELS, SheetScratch, take};
 
 /// Shares of the weight below this have no value of their own.
 const FADED: f32 = 0.15;

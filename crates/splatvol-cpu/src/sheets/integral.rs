@@ -13,21 +13,22 @@
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
 use splatvol_core::bin::TileRect;
 use splatvol_core::normal;
+use splatvol_core::plan::{RayShapes, SheetShape};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::border::cumulative_of;
 use super::canvas::Canvas;
 use super::classified::{Classified, ClassifiedBricks};
 use super::compose::{ray_length, through_and_opacity};
+use super::frame::{SheetFrame, ZonedFrame};
 use super::mode::Mode;
 use super::place::Place;
 use super::plane::{HALO, Plane};
-use super::ray_shapes::{RayShapes, middle};
 use super::ring::LANES;
-use super::sheet::{GroupShape, SheetShape};
+use super::sheet::GroupShape;
 use super::slab::Slab;
 use super::splat::{Payload, Records};
-use super::tile::{SheetFrame, SheetScratch, ZonedFrame, take};
+use super::tile::{SheetScratch, take};
 use crate::simd::math::exp2_of;
 
 /// X-ray.
@@ -89,7 +90,7 @@ impl Mode<1> for Integral<'_> {
 
     fn shape(&self, frame: &SheetFrame<'_>, place: &Place, sheet: usize) -> SheetShape {
         self.shapes
-            .at(&frame.zone.raster, place, self.slab(frame, sheet).depth)
+            .at(&frame.zone.raster, place.middle(), self.slab(frame, sheet).depth)
     }
 
     /// A voxel belongs to one slab: what lies on a plane to the one before it, in another zone, too.
@@ -190,7 +191,7 @@ impl Mode<1> for Integral<'_> {
         );
         let last = ring.last_sheet;
         let shape = &self.shapes.shape;
-        let ray = self.shapes.ray(middle(place));
+        let ray = self.shapes.ray(place.middle());
         let [xx, _, yy] = self.shapes.covariance(ray);
         let mut pixels = Pixels {
             frame,
@@ -229,7 +230,7 @@ impl Mode<1> for Integral<'_> {
                 let pixel = y * canvas.pitch + x;
                 let extinction = load(simd, &canvas.transmittance, pixel);
                 let seen = extinction.simd_gt(zero);
-                let length = ray_length(simd, &frame.rays, [rect.x0 + x, rect.y0 + y]);
+                let length = ray_length(simd, &frame.plan.rays, [rect.x0 + x, rect.y0 + y]);
                 let (through, opacity) = through_and_opacity(simd, extinction * length);
                 let per_extinction = opacity / seen.select(extinction, one);
                 for plane in &mut canvas.color {

@@ -13,6 +13,7 @@ use super::border::{BorderPlane, Shares};
 use super::canvas::Canvas;
 use super::classified::Classified;
 use super::cubic::{Cubic, Parabola};
+use super::frame::{SheetFrame, ZonedFrame};
 use super::holes::Beside;
 use super::mode::Mode;
 use super::place::Place;
@@ -20,7 +21,7 @@ use super::plane::HALO;
 use super::shade::{Interval, PlaneShader};
 use super::shaded::interval;
 use super::splat::Coefficient;
-use super::tile::{SheetFrame, SheetScratch, ZonedFrame};
+use super::tile::SheetScratch;
 use crate::sheets::extremum::Extremum;
 use crate::simd::math::exp2;
 

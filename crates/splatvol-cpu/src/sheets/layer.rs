@@ -10,13 +10,15 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::prelude::*;
+use splatvol_core::plan::ZonePlan;
 
 use super::canvas::Canvas;
+use super::frame::{SheetFrame, ZonedFrame};
 use super::mask::OpenMask;
 use super::mode::Mode;
 use super::place::Place;
 use super::ring::LANES;
-use super::tile::{SheetFrame, SheetScratch, SheetWork, ZonedFrame};
+use super::tile::{SheetScratch, SheetWork};
 use crate::clock::Instant;
 
 /// Sheets whose bricks are fetched from memory together.
@@ -75,7 +77,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         canvas: &mut Canvas,
     ) -> Option<Self> {
         let frame = picture.zone(0)?;
-        let place = Place::new(picture.tiles.rect(tile), frame.step);
+        let place = Place::new(picture.plan.tiles.rect(tile), frame.step);
         scratch.reset(place.size);
         mode.begin(canvas);
         let mut layer = Self {
@@ -97,7 +99,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
     /// Gets ready for the zone at hand.
     fn begin_zone(&mut self) {
         let Self { frame, mode, .. } = self;
-        self.place = Place::new(self.picture.tiles.rect(self.tile), frame.step);
+        self.place = Place::new(self.picture.plan.tiles.rect(self.tile), frame.step);
         let groups = mode.ring_groups(frame);
         self.scratch.begin_zone(frame, &self.place, groups, mode.planes());
         if mode.has_holes() {
@@ -129,20 +131,13 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
 
     /// The same of the zones behind it.
     fn next_behind(&self, plane: i64) -> Option<i64> {
-        let behind = self
-            .picture
-            .zones
-            .iter()
-            .zip(self.picture.plans)
-            .skip(self.zone + 1);
-        behind
-            .filter_map(|(zone, plan)| {
-                let brick = plan.lists.brick(self.tile, 0)?;
-                let first = zone.planes.first + i64::from(brick.front_sheet);
-                let next = plane.max(first).max(zone.first_shown());
-                (next <= zone.last_plane()).then_some(next)
-            })
-            .next()
+        let mut behind = self.picture.plan.zones().iter().skip(self.zone + 1);
+        behind.find_map(|ZonePlan { zone, lists, .. }| {
+            let brick = lists.brick(self.tile, 0)?;
+            let first = zone.planes.first + i64::from(brick.front_sheet);
+            let next = plane.max(first).max(zone.first_shown());
+            (next <= zone.last_plane()).then_some(next)
+        })
     }
 
     /// Opens the bricks that a sheet is the first to meet, unless finished pixels hide them.
@@ -195,8 +190,8 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
     }
 
     fn go_on_to(&mut self, simd: S, plane: i64, canvas: &mut Canvas, work: &mut SheetWork) {
-        let zones = self.picture.zones;
-        let behind = |zone: usize| zone + 1 < zones.len() && plane > zones[zone].last_plane();
+        let zones = self.picture.plan.zones();
+        let behind = |zone: usize| zone + 1 < zones.len() && plane > zones[zone].zone.last_plane();
         if !behind(self.zone) {
             return;
         }
@@ -261,7 +256,9 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
             || {
                 if at_eye {
                     let of = (&self.frame, self.mode);
-                    self.frame.eye.make_planes(simd, of, &self.place, self.scratch);
+                    if let Some(eye) = self.frame.eye {
+                        eye.make_planes(simd, of, &self.place, self.scratch);
+                    }
                 }
                 let target = (canvas, &mut *self.scratch);
                 self.mode.shade(simd, &self.frame, near, &self.place, target);

@@ -14,10 +14,11 @@ use super::cloud::emission::CloudEmission;
 use super::cloud::field::CloudField;
 use super::compose::Compose;
 use super::engine::Tiles;
+use super::frame::ZonedFrame;
 use super::layer::{ModeLayer, TileLayer, render};
 use super::mode::Mode;
 use super::shaded::Shaded;
-use super::tile::{SheetScratch, SheetWork, ZonedFrame};
+use super::tile::{SheetScratch, SheetWork};
 
 /// A part of a scene, and its frame.
 #[derive(Debug)]
@@ -80,11 +81,11 @@ impl Tiles for Layers<'_> {
     }
 
     fn bricks(&self) -> usize {
-        self.0.iter().map(|layer| layer.frame().bricks.len()).sum()
+        self.0.iter().map(|layer| layer.frame().plan.corners.len()).sum()
     }
 
     fn zones(&self) -> usize {
-        self.0.iter().map(|layer| layer.frame().zones.len()).sum()
+        self.0.iter().map(|layer| layer.frame().plan.zones().len()).sum()
     }
 
     fn render<S: Simd>(
@@ -105,6 +106,6 @@ impl Tiles for Layers<'_> {
             .collect();
         let mut layers: Vec<&mut dyn TileLayer<S>> =
             layers.iter_mut().map(|layer| &mut **layer as _).collect();
-        render(simd, (self.frame().termination, stop), &mut layers, canvas)
+        render(simd, (self.frame().plan.termination, stop), &mut layers, canvas)
     }
 }

@@ -16,7 +16,6 @@ use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
 
 use super::table::ShadeTable;
-use crate::route::splats_color;
 
 /// Smallest width of a voxel, pixels.
 const FINEST: f64 = 0.8;
@@ -45,7 +44,7 @@ impl Wanted {
             Compositing::Mip => Self::Largest,
             Compositing::MinimumIntensity => Self::Smallest,
             Compositing::Mean => Self::All,
-            _ if splats_color(settings) => Self::Classified,
+            _ if settings.splats_colors() => Self::Classified,
             _ => Self::Visible,
         }
     }
@@ -133,7 +132,7 @@ impl Level {
 
 /// Whether coefficients interpolate the samples: of classified voxels there are none.
 fn interpolates(settings: &RenderSettings) -> bool {
-    settings.prefilter || splats_color(settings)
+    settings.prefilter || settings.splats_colors()
 }
 
 /// A volume's levels, made as they are wanted.

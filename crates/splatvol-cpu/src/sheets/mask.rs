@@ -5,9 +5,10 @@
 //! blocks that begins here touch an open pixel, or one whose derivatives need it" is answered for all places at once, by
 //! shifting rows of bits over each other: a voxel then tests one bit.
 
+use splatvol_core::plan::MAX_BLOCKS;
+
 use super::plane::HALO;
 use super::ring::BLOCK_EDGE;
-use super::splat::MAX_BLOCKS;
 use super::upsample::RASTER_HALO;
 
 /// Widest tile, pixels.

@@ -3,9 +3,8 @@
 //! | stage | module | what happens |
 //! |---|---|---|
 //! | level | `level` | the volume, or a half of it that suits the picture's scale, with what a transfer function needs of it |
-//! | plan | `frame` | kernel and camera to sheets |
-//! | | `extents`, `zones`, `project` | sheets to runs of one raster each; bricks to tiles |
-//! | activate | `activate`, `order`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
+//! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
+//! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
@@ -15,7 +14,7 @@
 //! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
 //! | | `intensity`, `exact_intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
-//! | | `classified`, `integral`, `ray_shapes`, `slab` | or classified voxels integrated |
+//! | | `classified`, `integral`, `slab` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
 //! `engine` keeps what lasts from frame to frame, `layer` takes the layers of a tile through these stages (several in a
@@ -39,7 +38,6 @@ pub(crate) mod cut;
 pub(crate) mod direct;
 pub(crate) mod engine;
 pub(crate) mod exact_intensity;
-pub(crate) mod extents;
 pub(crate) mod extremum;
 pub(crate) mod eye;
 pub(crate) mod fine_table;
@@ -56,13 +54,10 @@ pub(crate) mod level;
 pub(crate) mod mask;
 pub(crate) mod mode;
 pub(crate) mod operated;
-pub(crate) mod order;
 pub(crate) mod pixel;
 pub(crate) mod place;
 pub(crate) mod plane;
 pub(crate) mod prepared;
-pub(crate) mod project;
-pub(crate) mod ray_shapes;
 pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;
@@ -74,4 +69,3 @@ pub(crate) mod splat;
 pub(crate) mod table;
 pub(crate) mod tile;
 pub(crate) mod upsample;
-pub(crate) mod zones;

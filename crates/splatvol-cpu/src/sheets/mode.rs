@@ -10,38 +10,18 @@
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileRect};
-use splatvol_core::field::FieldStore;
+use splatvol_core::plan::SheetShape;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::Window;
 use super::canvas::Canvas;
 use super::classified::Classified;
+use super::frame::{SheetFrame, ZonedFrame};
 use super::place::Place;
 use super::ring::LANES;
-use super::sheet::{GroupShape, SheetShape};
+use super::sheet::GroupShape;
 use super::splat::Payload;
-use super::tile::{
-    SheetFrame, SheetScratch, SheetWork, ZonedFrame, enter_lattice, lattice_window, take_planes,
-};
-
-/// Bricks with voxels to splat.
-pub(crate) trait Bricks: std::fmt::Debug + Sync {
-    /// Number of bricks.
-    fn len(&self) -> usize;
-
-    /// First lattice point of a brick.
-    fn first(&self, index: usize) -> [u32; 3];
-}
-
-impl Bricks for FieldStore {
-    fn len(&self) -> usize {
-        Self::len(self)
-    }
-
-    fn first(&self, index: usize) -> [u32; 3] {
-        Self::first(self, index)
-    }
-}
+use super::tile::{SheetScratch, SheetWork, enter_lattice, lattice_window, take_planes};
 
 /// What voxels splat, N numbers each, and what becomes of finished sheets.
 pub(crate) trait Mode<const N: usize>: Sync {

@@ -1,44 +1,12 @@
-//! Where a tile lies on a zone's raster, and how far footprints reach there.
+//! Where a tile lies on a zone's raster.
 
+use glam::DVec2;
 use splatvol_core::bin::TileRect;
+use splatvol_core::plan::MAX_BLOCKS;
 
 use super::plane::HALO;
 use super::ring::BLOCK_EDGE;
-use super::sheet::SheetShape;
-use super::splat::{MAX_BLOCKS, SIZES};
 use super::upsample::RASTER_HALO;
-
-/// How far a voxel's footprints reach around that of its middle sheet, raster points.
-pub(crate) fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32; 2] {
-    shape
-        .half_extent(cut)
-        .map(|half| (half + spread * shape.scale) * factor)
-}
-
-/// Blocks along the edge of footprints that reach so far, raster points. What lies in the outermost twentieth of the
-/// reach, less than a hundredth of the peak, may be left out where a footprint lies unfavourably.
-pub(crate) fn blocks_of([x, y]: [f32; 2]) -> usize {
-    let points = (1.88 * x.max(y)).floor() as usize + 1;
-    let blocks = (points + 1).div_ceil(2);
-    SIZES
-        .into_iter()
-        .find(|&size| size >= blocks)
-        .unwrap_or(MAX_BLOCKS)
-}
-
-/// Whether the largest blocks hold footprints that reach so far.
-pub(crate) fn fit_blocks([x, y]: [f32; 2]) -> bool {
-    1.88 * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
-}
-
-/// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
-/// it touches, for footprints that reach so far, raster points.
-pub(crate) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
-    // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
-    let blocks = blocks_of(half_extent) as f32 + 0.75;
-    let spline = if step > 1 { 2.0 } else { 0.0 };
-    (blocks + spline) * step as f32 + 1.0
-}
 
 /// Raster points around a tile that its pixels need.
 fn halo(step: usize) -> usize {
@@ -77,6 +45,12 @@ impl Place {
             first: blocks.map(|block| (BLOCK_EDGE * block) as i32),
             phase,
         }
+    }
+
+    /// Image coordinates of the tile's middle.
+    pub(crate) fn middle(&self) -> DVec2 {
+        let rect = &self.rect;
+        DVec2::new((rect.x0 + rect.x1) as f64, (rect.y0 + rect.y1) as f64) * 0.5
     }
 
     /// First raster point of the tile's ring, and the ring's blocks that its pixels need: first and one behind the last, by axis.

@@ -5,6 +5,8 @@
 //! without them; a scene without volumes has those of the finest mesh or cloud.
 
 use splatvol_core::bin::TileGrid;
+use splatvol_core::engine::{RenderStatistics, Task};
+use splatvol_core::plan::{Sampling, View};
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings};
 
@@ -15,7 +17,8 @@ use super::cloud::plan::own_spacing;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::engine::{SheetEngine, TILE_EDGE};
-use super::frame::{Plan, Sampling, View};
+use super::frame::Plan;
+use super::frame::{analytic_field, shader};
 use super::layers::{Layer, Layers};
 use super::level::{Detail, Level, Wanted};
 use super::operated::Operated;
@@ -27,7 +30,6 @@ use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
-use splatvol_core::engine::{RenderStatistics, Task};
 
 /// What a scene consists of.
 #[derive(Debug, Clone, Copy)]
@@ -226,9 +228,9 @@ impl SheetEngine {
             } else {
                 let sheets = plan.update(view, &level.field, settings, edge);
                 let spacing = volume.volume.grid().mean_spacing();
-                let shader = view.shader((&level.field, &level.table), (settings, spacing));
+                let shader = shader(view, (&level.field, &level.table), (settings, spacing));
                 if settings.gradient == Gradient::Analytic {
-                    let field = view.analytic_field(&level.field, shader);
+                    let field = analytic_field(view, &level.field, shader);
                     layers.push(Layer::Analytic(
                         sheets,
                         Analytic::new(field, &level.classification),

@@ -6,13 +6,14 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::Canvas;
 use super::classified::Classified;
+use super::frame::SheetFrame;
 use super::mode::Mode;
 use super::operated::{Faces, Operated};
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Interval, PlaneShader, ShadeTarget};
 use super::splat::Coefficient;
-use super::tile::{SheetFrame, SheetScratch};
+use super::tile::SheetScratch;
 
 /// Post-classification.
 #[derive(Debug)]

@@ -1,8 +1,9 @@
 //! Slab: what the voxels of one have in common where they are integrated along rays (see `integral`).
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::plan::SplatConstants;
 
-use super::splat::{Records, SplatConstants};
+use super::splat::Records;
 
 /// Where the footprints of a slab's voxels are gathered.
 #[derive(Debug, Clone, Copy)]

@@ -15,6 +15,7 @@
 //! from the block in the middle, and need powers that lead back, `p^-2` and `q^-2`, too.
 
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
+use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
 
 use super::ring::{Area, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
@@ -107,22 +108,6 @@ impl Records {
         }
     }
 }
-
-/// What all voxels of a frame share.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct SplatConstants {
-    /// Drift of the footprint's centre per depth.
-    pub slope: [f32; 2],
-    /// Raster coordinates of the principal point, from the ring's first point.
-    pub principal: [f32; 2],
-    /// `-log2(e) / 2 s^2`, s the kernel's standard deviation in depth.
-    pub depth_exponent: f32,
-    /// What is subtracted from the kernel's profile in depth, so that it ends without a step.
-    pub depth_edge: f32,
-}
-
-/// Largest footprint, blocks along an edge. Sizes between those that are compiled are rounded up.
-pub(crate) const MAX_BLOCKS: usize = 16;
 
 /// The footprint of a voxel in the middle of a raster point: C(i, j) block by block, or its columns and rows.
 #[derive(Debug)]
@@ -354,9 +339,6 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
         first += count;
     }
 }
-
-/// Blocks along the edge of footprints that are compiled.
-pub(crate) const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
 /// [`splat`] for footprints of `size` blocks, one of [`SIZES`]. Compiled once per payload, whoever calls it.
 #[inline(always)]

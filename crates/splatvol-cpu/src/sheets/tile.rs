@@ -3,137 +3,27 @@
 use std::time::Duration;
 
 use fearless_simd::prelude::*;
-use glam::DAffine3;
-use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists};
-use splatvol_core::sheets::Planes;
+use splatvol_core::bin::ProjectedBrick;
+use splatvol_core::plan::{Footprints, MAX_BLOCKS, SIZES, SheetShape, blocks_of};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, OpenVoxels, Window, activate};
 use super::classified::Classified;
 use super::cloud::open::Waiting;
 use super::direct::DirectGroup;
-use super::eye::Eye;
-use super::frame::ZonePlan;
+use super::frame::SheetFrame;
 use super::holes::Holes;
 use super::mask::OpenMask;
-use super::mode::{Bricks, Mode};
+use super::mode::Mode;
 use super::operated::Faces;
-use super::order::DepthOrder;
-use super::place::{Place, blocks_of, room_of};
+use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
 use super::shade::ShadeBatch;
-use super::sheet::{GroupShape, SheetShape};
-use super::splat::{
-    CAPACITY, MAX_BLOCKS, Payload, Powers, Records, SIZES, SplatConstants, Stencil, origin_block, splat_sized,
-};
+use super::sheet::GroupShape;
+use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_block, splat_sized};
 use super::upsample::Upsampler;
-use super::zones::{Footprints, Zone};
 use crate::clock::Instant;
-
-/// What the tiles of a picture share, zone by zone.
-#[derive(Debug)]
-pub(crate) struct ZonedFrame<'a> {
-    pub bricks: &'a dyn Bricks,
-    pub order: &'a DepthOrder,
-    pub tiles: TileGrid,
-    /// Front to back.
-    pub zones: &'a [Zone],
-    pub plans: &'a [ZonePlan],
-    /// Tiles, those with most bricks first.
-    pub longest_first: &'a [u32],
-    pub camera_from_lattice: DAffine3,
-    pub rays: Rays,
-    pub termination: f32,
-    pub groups: usize,
-    /// How far a voxel reaches in depth, world length.
-    pub reach: f32,
-    /// Room for footprints of neighbouring sheets: a world length, and a factor.
-    pub room: [f32; 2],
-}
-
-impl<'a> ZonedFrame<'a> {
-    /// What the tiles of a zone share.
-    pub(crate) fn zone(&self, index: usize) -> Option<SheetFrame<'a>> {
-        let zone = self.zones.get(index)?;
-        let plan = self.plans.get(index)?;
-        Some(SheetFrame {
-            bricks: self.bricks,
-            order: self.order,
-            camera_from_lattice: self.camera_from_lattice,
-            stack: zone.planes,
-            zone,
-            sheets: &plan.sheets,
-            lists: &plan.lists,
-            eye: &plan.eye,
-            constants: plan.constants,
-            rays: self.rays,
-            termination: self.termination,
-            step: zone.raster.step,
-            depth_reach: self.reach,
-            cut: zone.cut as f32,
-            room: self.room,
-            ellipses: zone.footprints != Footprints::Round,
-            groups: self.groups,
-        })
-    }
-
-    /// Sheets from front to back.
-    pub(crate) fn sheets(&self) -> usize {
-        self.zones.iter().map(|zone| zone.shown.len()).sum()
-    }
-}
-
-/// What the tiles of a zone share.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SheetFrame<'a> {
-    pub bricks: &'a dyn Bricks,
-    pub order: &'a DepthOrder,
-    pub camera_from_lattice: DAffine3,
-    pub stack: Planes,
-    pub zone: &'a Zone,
-    pub sheets: &'a [SheetShape],
-    pub lists: &'a TileLists,
-    /// What the first interval needs of the eye, where it begins there.
-    pub eye: &'a Eye,
-    pub constants: SplatConstants,
-    pub rays: Rays,
-    pub termination: f32,
-    /// Pixels from one raster point to the next.
-    pub step: usize,
-    /// How far a voxel reaches in depth, world length.
-    pub depth_reach: f32,
-    /// Standard deviations at which footprints are cut.
-    pub cut: f32,
-    /// Room for footprints of neighbouring sheets: a world length, and a factor.
-    pub room: [f32; 2],
-    /// Powers count from the block in the middle.
-    pub ellipses: bool,
-    pub groups: usize,
-}
-
-/// Where pixels look.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Rays {
-    /// Image coordinates of the principal point.
-    pub principal: [f32; 2],
-    /// Ray of a pixel at image x, y: `(x + 1/2 - principal) * per_pixel` per depth, 0 where parallel.
-    pub per_pixel: f32,
-    /// Width of a pixel, world length, where rays are parallel.
-    pub plane_per_pixel: f32,
-}
-
-impl SheetFrame<'_> {
-    /// Image coordinates of the principal point, from the middle of the picture's first pixel.
-    pub(crate) fn principal(&self) -> [f32; 2] {
-        self.rays.principal.map(|at| at - 0.5)
-    }
-
-    /// How far footprints reach on a sheet, raster points.
-    pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
-        room_of(shape, self.cut, self.room)
-    }
-}
 
 /// A brick's values.
 #[derive(Debug)]
@@ -267,13 +157,11 @@ impl SheetScratch {
         let [values, sorted] = &mut self.brick;
         mode.open(simd, (index, voxels), &mut values.0, &mut self.classified);
         self.voxels[voxels as usize].fill(simd, frame.order, &values.0, &mut sorted.0);
-        let first = glam::DVec3::from_array(frame.bricks.first(index).map(f64::from));
-        let corner = frame.camera_from_lattice.transform_point3(first);
         self.open.push(OpenBrick {
             voxels,
             next: 0,
             next_depth: f32::NEG_INFINITY,
-            corner: corner.as_vec3().to_array(),
+            corner: frame.corners[index],
             blocks,
         });
     }

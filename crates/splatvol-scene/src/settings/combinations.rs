@@ -114,6 +114,14 @@ impl RenderSettings {
         Err(SceneError::invalid("stretch", self.stretch, reason))
     }
 
+    /// Whether voxels are classified before they are splatted: colours are splatted, not data.
+    pub fn splats_colors(&self) -> bool {
+        match self.compositing {
+            Compositing::ImageSheets => self.classification == Classification::Pre,
+            shown => !shown.shows_one_value(),
+        }
+    }
+
     /// Whether a method is asked for that only whole footprints have, or sections of them.
     pub fn uses_footprints(&self) -> bool {
         matches!(self.filter, Filter::Swan | Filter::SwanAlpha)

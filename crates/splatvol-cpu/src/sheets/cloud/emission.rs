@@ -9,9 +9,10 @@ use crate::sheets::activate::Window;
 use crate::sheets::canvas::Canvas;
 use crate::sheets::classified::Classified;
 use crate::sheets::compose::{Emission, composite_planes};
+use crate::sheets::frame::SheetFrame;
 use crate::sheets::mode::Mode;
 use crate::sheets::place::Place;
-use crate::sheets::tile::{SheetFrame, SheetScratch, SheetWork};
+use crate::sheets::tile::{SheetScratch, SheetWork};
 
 /// Clouds of classified splats.
 #[derive(Debug)]

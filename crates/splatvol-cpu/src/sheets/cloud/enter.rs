@@ -7,9 +7,10 @@ use super::open::{CloudView, OpenSplat};
 use super::splat::FourPlanes;
 use crate::clock::Instant;
 use crate::sheets::activate::Window;
+use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, LANES};
-use crate::sheets::tile::{SheetFrame, SheetScratch, SheetWork};
+use crate::sheets::tile::{SheetScratch, SheetWork};
 
 /// The first plane that a splat reaches.
 #[inline(always)]

@@ -13,6 +13,7 @@ use super::open::CloudView;
 use crate::sheets::activate::Window;
 use crate::sheets::canvas::Canvas;
 use crate::sheets::classified::Classified;
+use crate::sheets::frame::SheetFrame;
 use crate::sheets::mode::Mode;
 use crate::sheets::operated::Operated;
 use crate::sheets::place::Place;
@@ -20,7 +21,7 @@ use crate::sheets::plane::{Plane, Span};
 use crate::sheets::shade::{PlaneShader, ShadeTarget};
 use crate::sheets::shaded::{interval, show};
 use crate::sheets::splat::Payload;
-use crate::sheets::tile::{SheetFrame, SheetScratch, SheetWork, take_planes};
+use crate::sheets::tile::{SheetScratch, SheetWork, take_planes};
 
 /// Least weight that sums are divided by.
 const LEAST: f32 = 1e-6;

@@ -1,70 +1,24 @@
 //! Clouds and meshes as layers of a scene.
 
-use glam::DAffine3;
 use splatvol_core::bin::TileGrid;
 use splatvol_core::classification::ClassificationTable;
+use splatvol_core::plan::Rays;
 use splatvol_core::splats::SplatCloud;
 use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{Camera, Clip, RenderSettings, TransferFunction};
 
 use super::emission::CloudEmission;
 use super::field::CloudField;
-use super::open::CloudView;
 use super::plan::CloudPlan;
 use crate::phong::Phong;
 use crate::route::MeshScene;
 use crate::sheets::border::Border;
 use crate::sheets::layers::Layer;
-use crate::sheets::mode::Bricks;
 use crate::sheets::operated::Operated;
 use crate::sheets::shade::PlaneShader;
 use crate::sheets::table::ShadeTable;
-use crate::sheets::tile::{Rays, ZonedFrame};
-
-/// Chunks take the place of bricks.
-impl Bricks for SplatCloud {
-    fn len(&self) -> usize {
-        self.chunks.len()
-    }
-
-    fn first(&self, _: usize) -> [u32; 3] {
-        [0; 3]
-    }
-}
 
 impl CloudPlan {
-    /// A cloud's frame, on planes this far apart, or on such as suit it, and the cloud as its planes see it.
-    fn frame<'a>(
-        &'a mut self,
-        cloud: &'a SplatCloud,
-        (camera, settings): (&Camera, &RenderSettings),
-        tiles: TileGrid,
-        spacing: Option<f64>,
-    ) -> (ZonedFrame<'a>, CloudView<'a>) {
-        let view = self.update(cloud, (camera, settings), &tiles, spacing);
-        let screen = view.screen;
-        let per_pixel = 1.0 / screen.scale as f32;
-        let frame = ZonedFrame {
-            bricks: cloud,
-            order: &self.order,
-            tiles,
-            zones: &self.zones,
-            plans: std::slice::from_ref(&self.plan),
-            longest_first: self.plan.lists.longest_first(),
-            camera_from_lattice: DAffine3::IDENTITY,
-            rays: Rays {
-                principal: screen.centre.as_vec2().to_array(),
-                per_pixel: if screen.perspective { per_pixel } else { 0.0 },
-                plane_per_pixel: per_pixel,
-            },
-            termination: settings.termination as f32,
-            groups: 1,
-            reach: 0.0,
-            room: [0.0, 1.0],
-        };
-        (frame, view)
-    }
-
     /// The layer of a cloud of classified splats, of what clips (world) leave of it.
     pub(crate) fn layer<'a>(
         &'a mut self,
@@ -120,11 +74,11 @@ impl MeshLayer {
             principal,
             per_pixel,
             plane_per_pixel,
-        } = frame.rays;
+        } = frame.plan.rays;
         let shader = PlaneShader {
             table: &self.table,
             phong: settings.lighting.as_ref().map(|l| Phong::new(l, mesh.spacing)),
-            spacing: frame.zones[0].planes.spacing as f32,
+            spacing: frame.plan.zones()[0].zone.planes.spacing as f32,
             background: 0.0,
             principal,
             per_pixel,

@@ -1,20 +1,16 @@
 //! Plan: planes that suit a cloud, and its chunks in tile lists.
 
 use glam::{DAffine3, DVec2, DVec3};
-use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid};
 use splatvol_core::brick::ActiveBrick;
+use splatvol_core::plan::{FramePlan, SheetShape, Zone, low_pass};
 use splatvol_core::sheets::Planes;
 use splatvol_core::splats::{Chunk, KernelShape, SplatCloud};
 use splatvol_scene::{Camera, ImageSize, RenderSettings, ScreenFromCamera};
 
 use super::open::{CUT, CloudView, DEPTH_CUT};
-use crate::sheets::extents::low_pass;
-use crate::sheets::frame::ZonePlan;
-use crate::sheets::order::DepthOrder;
+use crate::sheets::frame::ZonedFrame;
 use crate::sheets::plane::HALO;
-use crate::sheets::sheet::SheetShape;
-use crate::sheets::zones::Zone;
 use crate::splat_light::SplatLight;
 
 /// Pixels that rounding to whole blocks adds to a footprint on either side, and those around a tile that it looks at.
@@ -23,12 +19,7 @@ const ROUNDING: f64 = 2.0 + HALO as f64;
 /// A cloud's planes and lists, in memory that the next frame uses again.
 #[derive(Debug, Default)]
 pub(crate) struct CloudPlan {
-    /// One zone: splats are drawn on pixels, whatever their size.
-    pub zones: Vec<Zone>,
-    pub plan: ZonePlan,
-    projected: Vec<Option<ProjectedBrick>>,
-    /// Of no grid: splats are put in order as they are opened.
-    pub order: DepthOrder,
+    plan: FramePlan,
 }
 
 /// Distance of planes that suits a cloud, world length.
@@ -41,14 +32,15 @@ pub(crate) fn own_spacing(cloud: &SplatCloud, (camera, settings): (&Camera, &Ren
 }
 
 impl CloudPlan {
-    /// Plans a frame of a cloud.
-    pub(crate) fn update<'a>(
-        &mut self,
+    /// A cloud's frame, on planes this far apart, or on such as suit it, and the cloud as its planes see it. One zone: splats are
+    /// drawn on pixels, whatever their size, and put in order as they are opened.
+    pub(crate) fn frame<'a>(
+        &'a mut self,
         cloud: &'a SplatCloud,
         (camera, settings): (&Camera, &RenderSettings),
-        tiles: &TileGrid,
+        tiles: TileGrid,
         spacing: Option<f64>,
-    ) -> CloudView<'a> {
+    ) -> (ZonedFrame<'a>, CloudView<'a>) {
         let screen = camera.screen_from_camera(settings.size);
         let camera_from_local = camera.camera_from_world() * cloud.world_from_local;
         let bounds = ChunkBounds::new(camera_from_local, cloud, settings, screen);
@@ -68,24 +60,23 @@ impl CloudPlan {
             (stack.plane(usize::from(stack.first == 0)), stack.spacing),
         );
         let least = nearest(&stack, &screen);
-        let sheets = &mut self.plan.sheets;
-        sheets.clear();
-        sheets.extend((0..=stack.count).map(|i| {
+        let sheets = (0..=stack.count).map(|i| {
             let depth = stack.plane(i).max(least);
             SheetShape {
                 depth: depth as f32,
                 scale: screen.scale_at(depth) as f32,
                 ..SheetShape::default()
             }
-        }));
-        self.projected.resize(cloud.chunks.len(), None);
-        let chunks = self.projected.par_iter_mut().zip(&cloud.chunks).enumerate();
-        chunks.for_each(|(index, (brick, chunk))| *brick = bounds.project(chunk, index, &stack));
-        let lists = &mut self.plan.lists;
-        lists.fill(self.projected.iter().flatten().copied(), tiles);
-        self.zones.clear();
-        self.zones.push(Zone::of_pixels(stack));
-        view
+        });
+        let project = |index: usize| bounds.project(&cloud.chunks[index], index, &stack);
+        self.plan.of_pixels(
+            (&screen, settings),
+            (Zone::of_pixels(stack), sheets),
+            (cloud.chunks.len(), project),
+            tiles,
+        );
+        let plan = &self.plan;
+        (ZonedFrame { plan, eyes: &[] }, view)
     }
 }
 

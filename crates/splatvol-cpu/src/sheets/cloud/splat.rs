@@ -5,12 +5,13 @@
 //! stores bind, and of long thin ellipses they overflow.
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::plan::SheetShape;
 
 use super::open::{DEPTH_EDGE, OpenSplat};
+use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, BLOCK_EDGE, LANES, Row};
-use crate::sheets::sheet::{Lanes16, SheetShape};
-use crate::sheets::tile::SheetFrame;
+use crate::sheets::sheet::Lanes16;
 use crate::simd::math::exp2_quick;
 
 /// Where a tile's ring lies in the picture.

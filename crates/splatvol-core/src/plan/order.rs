@@ -4,18 +4,21 @@
 //! that enter a sheet are a run of it: no sorting, no buckets per frame.
 
 use glam::DMat3;
-use splatvol_core::brick::BRICK;
-use splatvol_core::visibility::BRICK_VOXELS;
+
+use crate::brick::BRICK;
+use crate::visibility::BRICK_VOXELS;
 
 /// Vectors may read this far behind the last voxel.
 const PADDING: usize = 16;
 
 /// Offsets from a brick's first voxel in camera space, ascending in depth.
 #[derive(Debug, Clone)]
-pub(crate) struct DepthOrder {
+pub struct DepthOrder {
     /// Index within the brick, x fastest.
     pub voxel: [u16; BRICK_VOXELS + PADDING],
+    /// Camera space, world length.
     pub x: [f32; BRICK_VOXELS + PADDING],
+    /// Camera space, world length.
     pub y: [f32; BRICK_VOXELS + PADDING],
     /// Beyond the last voxel: infinity.
     pub depth: [f32; BRICK_VOXELS + PADDING],
@@ -23,7 +26,7 @@ pub(crate) struct DepthOrder {
 
 impl DepthOrder {
     /// Order under the linear part of camera from voxel.
-    pub(crate) fn update(&mut self, camera_from_voxel: DMat3) {
+    pub fn update(&mut self, camera_from_voxel: DMat3) {
         let offset = |i: usize| {
             let at = [i % BRICK, i / BRICK % BRICK, i / (BRICK * BRICK)];
             camera_from_voxel * glam::DVec3::from_array(at.map(|a| a as f64))

@@ -7,12 +7,11 @@
 use glam::DVec2;
 use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera};
 
-use super::sheet::{Raster, SheetShape};
-use crate::route::splats_color;
+use super::raster::{Raster, SheetShape};
 
 /// Standard deviations of footprints, raster points, and those at which they are cut.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Widths {
+pub(super) struct Widths {
     /// The narrowest that a spline reproduces.
     narrowest: f64,
     /// The same where there are several zones: close to the eye raster points lie many pixels apart, and light shows it where
@@ -58,9 +57,9 @@ impl Widths {
         is_exact: true,
     };
 
-    pub(crate) fn of(settings: &RenderSettings) -> Self {
+    pub(super) fn of(settings: &RenderSettings) -> Self {
         match settings.gradient {
-            Gradient::Analytic if splats_color(settings) => Self::EXACT_COLORS,
+            Gradient::Analytic if settings.splats_colors() => Self::EXACT_COLORS,
             Gradient::Analytic => Self::EXACT,
             Gradient::Differences => Self::SPLINED,
         }
@@ -72,17 +71,17 @@ const ROUNDING: f64 = 1e-6;
 /// Octaves of the coarsest raster of a frame that has but one.
 const MOST_OCTAVES: f64 = 6.0;
 /// Tangent of the angle between ray and axis up to which blocks hold a voxel's footprints on all its sheets.
-pub(crate) const STEEP: f64 = 0.75;
+pub(super) const STEEP: f64 = 0.75;
 /// The same up to which larger blocks do.
 const TOO_STEEP: f64 = 1.25;
 /// Reaches of a voxel within which its sheets differ much in scale.
-pub(crate) const NEAR: f64 = 4.0;
+pub(super) const NEAR: f64 = 4.0;
 /// Width below which footprints without a low-pass fall between raster points.
 const LEAST_UNFILTERED: f64 = 0.4;
 
 /// Footprints of all depths, and how far a voxel's are apart.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Extents {
+pub(super) struct Extents {
     pub screen: ScreenFromCamera,
     /// Least and largest variance of footprints, world length squared.
     pub variances: [f64; 2],
@@ -100,7 +99,7 @@ pub(crate) struct Extents {
 }
 
 /// Low-pass of a filter: variance, pixels squared, and whether footprints are only widened to it.
-pub(crate) fn low_pass(filter: Filter) -> (f64, bool) {
+pub fn low_pass(filter: Filter) -> (f64, bool) {
     match filter {
         // Footprints that are scaled belong to another engine.
         Filter::None | Filter::Swan | Filter::SwanAlpha => (0.0, false),
@@ -110,7 +109,7 @@ pub(crate) fn low_pass(filter: Filter) -> (f64, bool) {
 }
 
 /// Least and largest variance of covariances xx, xy, yy.
-pub(crate) fn variances(covariances: &[[f64; 3]]) -> [f64; 2] {
+pub(super) fn variances(covariances: &[[f64; 3]]) -> [f64; 2] {
     let (mut least, mut most) = (f64::INFINITY, 0.0f64);
     for [xx, xy, yy] in covariances {
         let (mean, difference) = (0.5 * (xx + yy), (0.25 * (xx - yy).powi(2) + xy * xy).sqrt());
@@ -120,7 +119,7 @@ pub(crate) fn variances(covariances: &[[f64; 3]]) -> [f64; 2] {
 }
 
 /// Tangent of the widest angle between a pixel's ray and the axis.
-pub(crate) fn steepest(screen: &ScreenFromCamera, size: ImageSize) -> f64 {
+pub(super) fn steepest(screen: &ScreenFromCamera, size: ImageSize) -> f64 {
     if !screen.perspective {
         return 0.0;
     }
@@ -140,13 +139,13 @@ impl Extents {
     }
 
     /// Whether footprints of a voxel's sheets lie too far apart for one square of blocks.
-    pub(crate) fn is_too_steep(&self) -> bool {
+    pub(super) fn is_too_steep(&self) -> bool {
         !self.along_rays && self.steepest > TOO_STEEP
     }
 
     /// Room for the footprints of a voxel's sheets: half the distance of those of neighbouring sheets, world length, as far
     /// as rays are not steep, and a factor.
-    pub(crate) fn room_of_footprints(&self, spacing: f64) -> [f32; 2] {
+    pub(super) fn room_of_footprints(&self, spacing: f64) -> [f32; 2] {
         let steepest = if self.along_rays {
             self.steepest
         } else {
@@ -156,7 +155,7 @@ impl Extents {
     }
 
     /// How far centres of footprints move within a voxel's sheets along a ray of a slope, world length.
-    pub(crate) fn drift(&self, slope: f64) -> f32 {
+    pub(super) fn drift(&self, slope: f64) -> f32 {
         if self.along_rays {
             0.0
         } else {
@@ -165,7 +164,7 @@ impl Extents {
     }
 
     /// The same of voxels whose footprints of so many blocks, on a sheet of this scale, just reach the picture from outside.
-    pub(crate) fn drift_of_footprints(&self, sheet: &SheetShape, blocks: f32) -> f32 {
+    pub(super) fn drift_of_footprints(&self, sheet: &SheetShape, blocks: f32) -> f32 {
         let outside = std::f64::consts::SQRT_2 * f64::from((blocks + 2.0) / sheet.scale);
         let slope = match self.screen.perspective {
             true => self.steepest + outside / f64::from(sheet.depth),
@@ -188,12 +187,12 @@ impl Extents {
     }
 
     /// Standard deviation of the narrowest footprints at a depth, pixels.
-    pub(crate) fn narrowest(&self, depth: f64) -> f64 {
+    pub(super) fn narrowest(&self, depth: f64) -> f64 {
         self.width(self.variances[0], depth)
     }
 
     /// Octaves of the raster that the footprints of a depth need at least, and that they had better have.
-    pub(crate) fn finest_and_comfortable(&self, depth: f64) -> [f64; 2] {
+    pub(super) fn finest_and_comfortable(&self, depth: f64) -> [f64; 2] {
         let widest = self.width(self.variances[1], depth) * self.room();
         let Widths {
             comfortable,
@@ -204,22 +203,22 @@ impl Extents {
     }
 
     /// Octaves of the coarsest raster that reproduces the footprints of a depth.
-    pub(crate) fn coarsest(&self, depth: f64) -> f64 {
+    pub(super) fn coarsest(&self, depth: f64) -> f64 {
         let points = self.narrowest(depth) / self.widths.narrowest_in_zones;
         libm::log2(points).floor().max(0.0)
     }
 
     /// Narrowest footprints that a raster of so many octaves reproduces, pixels.
-    pub(crate) fn least(&self, octaves: f64) -> f64 {
+    pub(super) fn least(&self, octaves: f64) -> f64 {
         self.widths.narrowest_in_zones * libm::exp2(octaves)
     }
 
     /// Whether the sheets of a voxel at a depth differ much in scale.
-    pub(crate) fn is_near(&self, depth: f64) -> bool {
+    pub(super) fn is_near(&self, depth: f64) -> bool {
         self.screen.perspective && !self.along_rays && depth < NEAR * self.reach
     }
 
-    pub(crate) fn raster(&self, octaves: f64) -> Raster {
+    pub(super) fn raster(&self, octaves: f64) -> Raster {
         let (low_pass, matched) = self.low_pass;
         Raster {
             step: libm::exp2(octaves) as usize,
@@ -231,7 +230,7 @@ impl Extents {
 
     /// One raster for footprints between two depths, where there is one: as coarse as the far end allows, but not coarser
     /// than the near end wants, for then footprints are small.
-    pub(crate) fn one_raster(&self, [near, far]: [f64; 2]) -> Option<Raster> {
+    pub(super) fn one_raster(&self, [near, far]: [f64; 2]) -> Option<Raster> {
         let widest = self.width(self.variances[1], near) * self.room();
         let narrowest = self.narrowest(far);
         // Where it lies between two rasters, rounding must not choose: pictures of a turning camera would flicker.
@@ -255,7 +254,7 @@ const LARGEST_EXPONENT: f32 = 126.0;
 
 /// Whether powers of round footprints are floats, which count from their first block. `drift`: how far centres move within a
 /// voxel's sheets, world length.
-pub(crate) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
+pub(super) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
     let steepest = shape.exponent[0].max(shape.exponent[2]);
     // Centres lie up to half a point behind the middle.
     let offset = blocks + 0.5 + drift * shape.scale;
@@ -264,13 +263,13 @@ pub(crate) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> b
 
 /// Whether powers of ellipses are, which count from the middle block: those of long and thin ones on a fine raster may not
 /// be.
-pub(crate) fn powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
+pub(super) fn powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
     let offset = largest_offset(shape.scale, drift);
     2.0 * steepest_exponent(shape) * offset * offset.max(blocks) < LARGEST_EXPONENT
 }
 
 /// The same for all ellipses between the nearest, of so many blocks, and the narrowest of a frame.
-pub(crate) fn powers_fit_between([near, narrowest]: [&SheetShape; 2], drift: f32, blocks: f32) -> bool {
+pub(super) fn powers_fit_between([near, narrowest]: [&SheetShape; 2], drift: f32, blocks: f32) -> bool {
     let offset = largest_offset(near.scale, drift);
     2.0 * steepest_exponent(narrowest) * offset * blocks < LARGEST_EXPONENT
 }

@@ -1,16 +1,17 @@
 //! Footprints of voxels that are integrated along rays: by ray, by tile, and the widest of a picture (see `integral`).
 
 use glam::{DMat2, DVec2};
-use splatvol_core::footprint::FootprintShape;
 use splatvol_scene::{ImageSize, ScreenFromCamera};
 
-use super::place::Place;
-use super::sheet::{Raster, SheetShape};
+use super::raster::{Raster, SheetShape};
+use crate::footprint::FootprintShape;
 
 /// Projected footprints of all rays of a picture.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RayShapes {
+pub struct RayShapes {
+    /// The kernel's.
     pub shape: FootprintShape,
+    /// The projection.
     pub screen: ScreenFromCamera,
     /// Volume of a voxel, world length cubed.
     pub cell_volume: f64,
@@ -18,7 +19,7 @@ pub(crate) struct RayShapes {
 
 impl RayShapes {
     /// Ray through image coordinates, per depth.
-    pub(crate) fn ray(&self, image: DVec2) -> DVec2 {
+    pub fn ray(&self, image: DVec2) -> DVec2 {
         if self.screen.perspective {
             (image - self.screen.centre) / self.screen.scale
         } else {
@@ -27,7 +28,7 @@ impl RayShapes {
     }
 
     /// Covariance xx, xy, yy of footprints seen along a ray, world length squared.
-    pub(crate) fn covariance(&self, ray: DVec2) -> [f64; 3] {
+    pub fn covariance(&self, ray: DVec2) -> [f64; 3] {
         let [xx, xy, yy] = self.shape.lateral_covariance;
         let drift = (ray - self.shape.lateral_slope) * self.shape.depth_sigma;
         [
@@ -38,7 +39,7 @@ impl RayShapes {
     }
 
     /// A shape as wide as the widest of a picture along x and along y, and its covariances from end to end.
-    pub(crate) fn over(&self, size: ImageSize) -> (FootprintShape, [[f64; 3]; 9]) {
+    pub fn over(&self, size: ImageSize) -> (FootprintShape, [[f64; 3]; 9]) {
         let (width, height) = (f64::from(size.width()), f64::from(size.height()));
         let covariances = std::array::from_fn(|i| {
             let image = DVec2::new(width * (i % 3) as f64, height * (i / 3) as f64) * 0.5;
@@ -54,14 +55,14 @@ impl RayShapes {
     }
 
     /// Whether all footprints are round.
-    pub(crate) fn is_round(&self) -> bool {
+    pub fn is_round(&self) -> bool {
         let [xx, xy, yy] = self.covariance(DVec2::ZERO);
         !self.screen.perspective && xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx
     }
 
-    /// The footprint of a depth in the middle of a tile.
-    pub(crate) fn at(&self, raster: &Raster, place: &Place, depth: f64) -> SheetShape {
-        let lateral_covariance = self.covariance(self.ray(middle(place)));
+    /// The footprint of a depth around image coordinates, the middle of a tile.
+    pub fn at(&self, raster: &Raster, image: DVec2, depth: f64) -> SheetShape {
+        let lateral_covariance = self.covariance(self.ray(image));
         let [xx, xy, yy] = lateral_covariance;
         let area = DMat2::from_cols(DVec2::new(xx, xy), DVec2::new(xy, yy)).determinant();
         let shape = FootprintShape {
@@ -71,10 +72,4 @@ impl RayShapes {
         let peak = self.cell_volume / (2.0 * std::f64::consts::PI * area.sqrt());
         SheetShape::new(&shape, &self.screen, &Raster { peak, ..*raster }, depth)
     }
-}
-
-/// Image coordinates of a tile's middle.
-pub(crate) fn middle(place: &Place) -> DVec2 {
-    let rect = &place.rect;
-    DVec2::new((rect.x0 + rect.x1) as f64, (rect.y0 + rect.y1) as f64) * 0.5
 }

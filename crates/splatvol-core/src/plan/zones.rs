@@ -13,13 +13,13 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use splatvol_core::footprint::FootprintShape;
-use splatvol_core::sheets::Planes;
 use splatvol_scene::ScreenFromCamera;
 
+use super::blocks::{blocks_of, fit_blocks, room_of};
 use super::extents::{Extents, NEAR, STEEP, powers_fit, powers_fit_between, round_powers_fit};
-use super::place::{blocks_of, fit_blocks, room_of};
-use super::sheet::{Raster, SheetShape};
+use super::raster::{Raster, SheetShape};
+use crate::footprint::FootprintShape;
+use crate::sheets::Planes;
 
 /// Width of a zone's farthest footprints relative to its nearest ones, where those are too narrow already.
 const TOO_NARROW: f64 = 0.6;
@@ -28,7 +28,7 @@ const SHORT: usize = 24;
 
 /// How powers of footprints are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Footprints {
+pub enum Footprints {
     /// Columns and rows of powers, counted from the first block.
     Round,
     /// Powers counted from the block in the middle.
@@ -39,7 +39,7 @@ pub(crate) enum Footprints {
 
 /// A run of sheets.
 #[derive(Debug, Clone)]
-pub(crate) struct Zone {
+pub struct Zone {
     /// Planes, from the one on at which the tile loop begins.
     pub planes: Planes,
     /// The first plane that is made. Before it nothing is: voxels that lie before it come in their turn.
@@ -48,7 +48,9 @@ pub(crate) struct Zone {
     pub shown: Range<usize>,
     /// The last sheet of the tile loop.
     pub last_sheet: usize,
+    /// Points on its sheets.
     pub raster: Raster,
+    /// How they are drawn there.
     pub footprints: Footprints,
     /// Standard deviations at which footprints are cut.
     pub cut: f64,
@@ -60,7 +62,7 @@ pub(crate) struct Zone {
 
 /// Planes of a frame, and of which intervals between them something is seen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sheets {
+pub(super) struct Sheets {
     pub planes: Planes,
     /// First interval in front of the camera.
     pub first_shown: usize,
@@ -71,7 +73,7 @@ pub(crate) struct Sheets {
 impl Sheets {
     /// Planes before, within and behind camera-space corners grown by `reach`. With `xray_from` slabs of what lies between the
     /// corners, from this depth on where rays diverge.
-    pub(crate) fn covering(
+    pub(super) fn covering(
         corners: &[DVec3],
         reach: f64,
         spacing: f64,
@@ -124,7 +126,7 @@ impl Sheets {
 
 /// What the footprints of one voxel after the other have in common.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Kernels {
+pub(super) struct Kernels {
     pub shape: FootprintShape,
     pub round: bool,
     /// Sheets that a voxel meets.
@@ -135,7 +137,7 @@ pub(crate) struct Kernels {
 
 /// What zones are cut from.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Cutting<'a> {
+pub(super) struct Cutting<'a> {
     pub extents: &'a Extents,
     pub sheets: &'a Sheets,
     pub kernels: Kernels,
@@ -143,7 +145,7 @@ pub(crate) struct Cutting<'a> {
 
 impl Cutting<'_> {
     /// Cuts the sheets of a frame into zones, front to back; none where all is behind the camera.
-    pub(crate) fn cut(&self, mut add: impl FnMut(Zone)) {
+    pub(super) fn cut(&self, mut add: impl FnMut(Zone)) {
         let Self { extents, sheets, .. } = *self;
         let Sheets {
             planes, first_shown, ..
@@ -377,9 +379,20 @@ impl Cutting<'_> {
 /// Parts of a zone whose powers are tried: with the blocks of the nearest footprints, those of the farthest ones.
 const PROBES: i32 = 24;
 
+impl Default for Zone {
+    /// A zone without planes.
+    fn default() -> Self {
+        Self::of_pixels(Planes {
+            first: 0,
+            spacing: 1.0,
+            count: 0,
+        })
+    }
+}
+
 impl Zone {
     /// All planes of a frame, on a raster of pixels.
-    pub(crate) fn of_pixels(planes: Planes) -> Self {
+    pub fn of_pixels(planes: Planes) -> Self {
         Self {
             planes,
             first_made: 0,
@@ -394,17 +407,17 @@ impl Zone {
     }
 
     /// Whether the first interval begins at the eye.
-    pub(crate) fn begins_at_eye(&self) -> bool {
+    pub fn begins_at_eye(&self) -> bool {
         self.shown.start < self.first_made && !self.shown.is_empty()
     }
 
     /// The last plane of the tile loop, counted from depth 0.
-    pub(crate) fn last_plane(&self) -> i64 {
+    pub fn last_plane(&self) -> i64 {
         self.planes.first + self.last_sheet as i64
     }
 
     /// The plane at which the first interval is shown, or the first slab is splatted.
-    pub(crate) fn first_shown(&self) -> i64 {
+    pub fn first_shown(&self) -> i64 {
         self.planes.first
             + if self.shown.is_empty() {
                 0
@@ -414,7 +427,7 @@ impl Zone {
     }
 
     /// Least depth that a footprint has.
-    pub(crate) fn nearest(&self, along_rays: bool) -> f64 {
+    pub(super) fn nearest(&self, along_rays: bool) -> f64 {
         let first = self.planes.plane(self.first_made);
         if along_rays {
             (first - self.planes.spacing).max(self.eye.unwrap_or(f64::NEG_INFINITY))

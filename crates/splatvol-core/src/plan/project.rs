@@ -1,14 +1,15 @@
 //! Project: bricks to what they can touch of a zone, its tiles and sheets.
 
 use glam::{DAffine3, DVec2, DVec3};
-use splatvol_core::bin::ProjectedBrick;
-use splatvol_core::brick::{ActiveBrick, BRICK};
-use splatvol_core::footprint::FootprintShape;
-use splatvol_core::sheets::Planes;
 use splatvol_scene::ScreenFromCamera;
 
+use crate::bin::ProjectedBrick;
+use crate::brick::{ActiveBrick, BRICK};
+use crate::footprint::FootprintShape;
+use crate::sheets::Planes;
+
 /// Bricks to screen rectangles and front sheets.
-pub(crate) struct BrickProjection<'a> {
+pub(super) struct BrickProjection<'a> {
     pub camera_from_lattice: DAffine3,
     pub screen: ScreenFromCamera,
     pub shape: &'a FootprintShape,
@@ -24,7 +25,7 @@ pub(crate) struct BrickProjection<'a> {
 
 impl BrickProjection<'_> {
     /// What a brick can touch; `None` where it meets no sheet.
-    pub(crate) fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
+    pub(super) fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
         let first = DVec3::from_array(first.map(f64::from));
         let corner = self.camera_from_lattice.transform_point3(first);
         let linear = self.camera_from_lattice.matrix3 * (BRICK as f64 - 1.0);

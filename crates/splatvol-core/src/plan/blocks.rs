@@ -1,0 +1,41 @@
+//! Blocks: footprints are drawn in squares of whole blocks of 2 x 2 raster points, in a few sizes.
+
+use super::raster::SheetShape;
+
+/// Largest footprint, blocks along an edge. Sizes between those that are compiled are rounded up.
+pub const MAX_BLOCKS: usize = 16;
+
+/// Blocks along the edge of footprints that are compiled.
+pub const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
+
+/// How far a voxel's footprints reach around that of its middle sheet, raster points.
+pub fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32; 2] {
+    shape
+        .half_extent(cut)
+        .map(|half| (half + spread * shape.scale) * factor)
+}
+
+/// Blocks along the edge of footprints that reach so far, raster points. What lies in the outermost twentieth of the
+/// reach, less than a hundredth of the peak, may be left out where a footprint lies unfavourably.
+pub fn blocks_of([x, y]: [f32; 2]) -> usize {
+    let points = (1.88 * x.max(y)).floor() as usize + 1;
+    let blocks = (points + 1).div_ceil(2);
+    SIZES
+        .into_iter()
+        .find(|&size| size >= blocks)
+        .unwrap_or(MAX_BLOCKS)
+}
+
+/// Whether the largest blocks hold footprints that reach so far.
+pub(super) fn fit_blocks([x, y]: [f32; 2]) -> bool {
+    1.88 * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
+}
+
+/// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
+/// it touches, for footprints that reach so far, raster points.
+pub(super) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
+    // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
+    let blocks = blocks_of(half_extent) as f32 + 0.75;
+    let spline = if step > 1 { 2.0 } else { 0.0 };
+    (blocks + spline) * step as f32 + 1.0
+}

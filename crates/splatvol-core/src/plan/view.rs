@@ -1,0 +1,271 @@
+//! View: a grid's kernel as a camera sees it, and the planes and footprints that follow; independent of the samples.
+
+use glam::{DAffine3, DMat3, DVec3};
+use splatvol_scene::{Camera, Gradient, Grid, RenderSettings};
+
+use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
+use super::ray_shapes::RayShapes;
+use super::zones::{Cutting, Kernels, Sheets};
+use super::{GROUP, Rays};
+use crate::footprint::FootprintShape;
+use crate::kernel::GaussianKernel;
+use crate::normal::mass_within;
+
+/// Standard deviations in depth at which kernels are cut where gradients are analytic: there it matters that voxels come and
+/// go by rounding.
+const DEPTH_CUT_EXACT: f64 = 4.7;
+
+/// How voxels are sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// On planes, coefficients of a field: weights sum to one on the lattice.
+    Field,
+    /// On planes, classified voxels: a kernel of unit integral.
+    Planes,
+    /// Along rays, classified voxels: a kernel of unit integral.
+    Rays,
+}
+
+/// Tangent that rays within a tile differ by at most where footprints along rays are those of its middle.
+const WIDEST_TILE: f64 = 0.25;
+/// Smallest edge of such tiles, pixels.
+const LEAST_TILE: usize = 4;
+
+/// View-dependent state of a frame, independent of the samples.
+#[derive(Debug, Clone)]
+pub struct View {
+    camera_from_lattice: DAffine3,
+    shape: FootprintShape,
+    kernel: GaussianKernel,
+    sheets: Sheets,
+    extents: Extents,
+    /// How far a voxel reaches in depth, world length.
+    reach: f64,
+    groups: usize,
+    round: bool,
+    margin: [usize; 3],
+    ray_shapes: RayShapes,
+}
+
+impl View {
+    /// `spacing`: of the planes, world length, where other layers demand one.
+    pub fn new(
+        grid: &Grid,
+        (camera, settings): (&Camera, &RenderSettings),
+        sampling: Sampling,
+        spacing: Option<f64>,
+    ) -> Self {
+        let margin = grid.dims().map(|n| usize::from(n > 1));
+        let screen = camera.screen_from_camera(settings.size);
+        let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
+        let first_point = -DVec3::from_array(margin.map(|m| m as f64));
+        let linear = camera_from_voxel.matrix3;
+        let kernel = match GaussianKernel::windowed(settings.kernel) {
+            kernel if settings.gradient == Gradient::Analytic => kernel.without_tails_cut(DEPTH_CUT_EXACT),
+            kernel => kernel,
+        };
+        let shape = FootprintShape::new(linear * linear.transpose() * kernel.sigma.powi(2));
+        let per_voxel = shape.depth_sigma / kernel.sigma;
+        let camera_from_lattice = camera_from_voxel * DAffine3::from_translation(first_point);
+        let corners = corners(grid, margin, camera_from_lattice);
+        let reach = kernel.radius * per_voxel;
+        let along_rays = sampling == Sampling::Rays;
+        let xray_from = along_rays.then_some(XRAY_FROM * per_voxel);
+        let steepest = steepest(&screen, settings.size);
+        let (spacing, groups) = if along_rays {
+            (per_voxel / slabs_per_voxel(settings), 1)
+        } else {
+            let thickness = match spacing {
+                Some(spacing) => spacing / per_voxel,
+                None => settings.sheet_thickness * thinner_where_steep(steepest),
+            };
+            let groups = (2.0 * kernel.radius / thickness / GROUP as f64 - 1e-9).ceil();
+            (spacing.unwrap_or(thickness * per_voxel), groups as usize)
+        };
+        let ray_shapes = RayShapes {
+            shape,
+            screen,
+            cell_volume: grid.cell_volume(),
+        };
+        let (shape, covariances, round) = if along_rays {
+            let (bounding, covariances) = ray_shapes.over(settings.size);
+            (bounding, covariances, ray_shapes.is_round())
+        } else {
+            (shape, [shape.lateral_covariance; 9], is_round(&shape))
+        };
+        Self {
+            camera_from_lattice,
+            shape,
+            kernel,
+            sheets: Sheets::covering(&corners, reach, spacing, (&screen, xray_from)),
+            extents: Extents {
+                screen,
+                variances: variances(&covariances),
+                low_pass: low_pass(settings.filter),
+                widths: Widths::of(settings),
+                peak: peak(&kernel, sampling),
+                steepest,
+                along_rays,
+                reach,
+            },
+            reach,
+            groups,
+            round,
+            margin,
+            ray_shapes,
+        }
+    }
+}
+
+/// Slabs of X-rays per voxel: one tells enough of depth, but the footprints of voxels half of it before and behind its middle are
+/// too small or too large by as much as their distance from the eye differs.
+fn slabs_per_voxel(settings: &RenderSettings) -> f64 {
+    match settings.gradient {
+        Gradient::Analytic => 8.0,
+        Gradient::Differences => 1.0,
+    }
+}
+
+/// Depth at which X-rays in perspective begin, voxels.
+const XRAY_FROM: f64 = 0.5;
+
+/// Thickness of sheets relative to what the settings ask for: rays of slope t meet planes `sqrt(1 + t^2)` times as far apart,
+/// which is made up for beyond a slope of [`THINNER_FROM`].
+fn thinner_where_steep(steepest: f64) -> f64 {
+    let along = |slope: f64| (1.0 + slope * slope).sqrt();
+    (along(THINNER_FROM) / along(steepest)).min(1.0)
+}
+
+/// Tangent of the angle between ray and axis, 45 degrees, up to which sheets are as thick along the axis as the settings ask for.
+const THINNER_FROM: f64 = 1.0;
+
+/// Whether footprints are circles, and each sheet's lie behind each other.
+fn is_round(shape: &FootprintShape) -> bool {
+    let [xx, xy, yy] = shape.lateral_covariance;
+    let drift = shape.lateral_slope.abs().max_element();
+    xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6
+}
+
+impl View {
+    /// Sheets that a voxel is splatted into.
+    pub fn sheets_per_voxel(&self) -> u64 {
+        (self.groups * GROUP) as u64
+    }
+
+    /// Groups of [`GROUP`] sheets that a voxel is splatted into.
+    pub fn groups(&self) -> usize {
+        self.groups
+    }
+
+    /// Room for footprints of neighbouring sheets: a world length, and a factor.
+    pub fn room(&self) -> [f32; 2] {
+        self.extents.room_of_footprints(self.sheets.planes.spacing)
+    }
+
+    /// How far a voxel's sheets reach in depth, world length; 0 where it is integrated along rays.
+    pub fn reach_of_sheets(&self) -> f32 {
+        if self.extents.along_rays {
+            0.0
+        } else {
+            self.reach as f32
+        }
+    }
+
+    /// Distance between planes, world length.
+    pub fn spacing(&self) -> f64 {
+        self.sheets.planes.spacing
+    }
+
+    /// How far a voxel reaches in depth, world length.
+    pub fn depth_reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Footprints along rays.
+    pub fn ray_shapes(&self) -> RayShapes {
+        self.ray_shapes
+    }
+
+    /// Edge of tiles whose footprints along rays are those of the middle, whatever tiles are asked for, so that these change no
+    /// picture: smaller ones at wide angles, where rays differ more.
+    pub fn ray_tile_edge(&self, usual: usize) -> usize {
+        if self.extents.steepest <= STEEP {
+            return usual;
+        }
+        let pixels = WIDEST_TILE * self.extents.screen.scale;
+        (pixels as usize / LEAST_TILE * LEAST_TILE).clamp(LEAST_TILE, usual)
+    }
+
+    fn kernels(&self) -> Kernels {
+        Kernels {
+            shape: self.shape,
+            round: self.round,
+            sheets: self.groups * GROUP,
+            cut: self.kernel.cut(),
+        }
+    }
+
+    /// Matrix of camera from voxel.
+    pub fn camera_from_voxel(&self) -> DMat3 {
+        self.camera_from_lattice.matrix3
+    }
+
+    /// Lattice points before the first sample along each axis.
+    pub fn margin(&self) -> [usize; 3] {
+        self.margin
+    }
+
+    /// Camera from the lattice of a field, whose first point lies a margin before the first sample.
+    pub fn camera_from_lattice(&self) -> DAffine3 {
+        self.camera_from_lattice
+    }
+
+    /// The kernel on the grid.
+    pub fn kernel(&self) -> &GaussianKernel {
+        &self.kernel
+    }
+
+    /// The kernel in space, as the camera sees it.
+    pub fn shape(&self) -> &FootprintShape {
+        &self.shape
+    }
+
+    /// Where pixels look.
+    pub fn rays(&self) -> Rays {
+        Rays::new(&self.extents.screen)
+    }
+
+    pub(super) fn extents(&self) -> &Extents {
+        &self.extents
+    }
+
+    pub(super) fn cutting(&self) -> Cutting<'_> {
+        Cutting {
+            extents: &self.extents,
+            sheets: &self.sheets,
+            kernels: self.kernels(),
+        }
+    }
+}
+
+/// Peak of a kernel's samples on planes.
+fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
+    let lateral = (2.0 * std::f64::consts::PI).sqrt() * kernel.sigma;
+    let along = match sampling {
+        // Sums are divided by their weights, whose mean this makes one.
+        Sampling::Field if kernel.edge == 0.0 => lateral * mass_within(kernel.cut()),
+        Sampling::Field => kernel.lattice_sum,
+        _ => lateral * mass_within(kernel.cut()) - 2.0 * kernel.radius * kernel.edge,
+    };
+    1.0 / (lateral * lateral * along)
+}
+
+/// Corners of a grid's lattice, camera space: not those of what is needed of it, which a transfer function changes.
+fn corners(grid: &Grid, margin: [usize; 3], camera_from_lattice: DAffine3) -> [DVec3; 8] {
+    let dims = grid.dims();
+    std::array::from_fn(|i| {
+        let last = |a: usize| (dims[a] + 2 * margin[a] - 1) as f64;
+        let point = DVec3::from_array(std::array::from_fn(|a| (i >> a & 1) as f64 * last(a)));
+        camera_from_lattice.transform_point3(point)
+    })
+}
