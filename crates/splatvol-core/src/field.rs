@@ -9,11 +9,10 @@
 //! What a store holds depends on the volume, the kernel and the last transfer function only, to the bit, and not on the
 //! transfer functions before. [`crate::visibility`] says which voxels are needed.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use splatvol_scene::{Volume, with_samples};
+use splatvol_scene::{Samples, SceneError, VoxelBox};
 
 use crate::brick::BRICK;
 use crate::kernel::GaussianKernel;
@@ -30,13 +29,28 @@ macro_rules! vectorized {
     };
 }
 
+/// Runs loops over the samples of a region, whatever their type; none where they cannot be had.
+macro_rules! with_block {
+    ($reader:expr, $region:expr, $block:ident => $body:expr) => {
+        $reader.read($region).map(|block| {
+            splatvol_scene::with_samples!(block.samples, data => {
+                let $block = &$crate::field::lattice::Block::new(data, block.of);
+                $body
+            })
+        })
+    };
+}
+
 mod around;
 #[cfg(test)]
 mod by_cell;
 mod cells;
 mod chunk;
 mod lattice;
+mod level;
 mod needs;
+#[cfg(test)]
+mod regions;
 mod samples;
 #[cfg(test)]
 mod tests;
@@ -44,7 +58,9 @@ mod tests;
 use around::BrickRanges;
 use cells::CellBits;
 use chunk::{CHUNK, ChunkSolver, Scratch, StoredBrick};
-use lattice::{Lattice, Stored};
+use lattice::{Block, Lattice, Stored};
+use level::Failure;
+pub use level::SourceLevel;
 use needs::Needs;
 pub use samples::Neighbourhood;
 
@@ -54,7 +70,8 @@ const KEEP_ALL: usize = 1 << 17;
 /// Bricks that hold needed voxels, and their coefficients.
 #[derive(Debug, Clone)]
 pub struct FieldStore {
-    volume: Arc<Volume>,
+    source: SourceLevel,
+    failure: Failure,
     lattice: Lattice,
     solver: ChunkSolver,
     histogram: Histogram,
@@ -92,35 +109,37 @@ struct NeededBrick {
 }
 
 impl FieldStore {
-    /// Reads a volume through, whose samples coefficients are to interpolate; nothing is needed yet.
-    pub fn new(volume: Arc<Volume>, kernel: &GaussianKernel) -> Self {
-        let lattice = Lattice::new(&volume);
+    /// Reads samples through, which coefficients are to interpolate; nothing is needed yet.
+    pub fn new(source: impl Into<SourceLevel>, kernel: &GaussianKernel) -> Self {
+        let source = source.into();
+        let lattice = Lattice::new(&source);
         let solver = ChunkSolver::new(kernel, &lattice);
-        Self::solved_by(solver, volume, (lattice, kernel))
+        Self::solved_by(solver, source, (lattice, kernel))
     }
 
     /// The same of samples that are coefficients as they are: a field that the kernel smooths.
-    pub fn of_samples(volume: Arc<Volume>, kernel: &GaussianKernel) -> Self {
-        let lattice = Lattice::new(&volume);
-        Self::solved_by(ChunkSolver::of_samples(), volume, (lattice, kernel))
+    pub fn of_samples(source: impl Into<SourceLevel>, kernel: &GaussianKernel) -> Self {
+        let source = source.into();
+        let lattice = Lattice::new(&source);
+        Self::solved_by(ChunkSolver::of_samples(), source, (lattice, kernel))
     }
 
     fn solved_by(
         solver: ChunkSolver,
-        volume: Arc<Volume>,
+        source: SourceLevel,
         (lattice, kernel): (Lattice, &GaussianKernel),
     ) -> Self {
         let bricks = lattice.dims.map(|n| n.div_ceil(BRICK));
         let count = bricks.iter().product();
         let is_wide = kernel.radius > 2.0;
         let bounds = (solver.interpolates(), is_wide);
-        let ranges =
-            with_samples!(volume.samples(), data => BrickRanges::new((&lattice, data), bricks, bounds));
+        let failure = Failure::default();
+        let ranges = BrickRanges::new((&lattice, &source, &failure), bricks, bounds);
         let chunks: usize = (0..3).map(|a| bricks[a].div_ceil(CHUNK[a])).product();
         Self {
             is_wide,
             solver,
-            histogram: Histogram::new(&volume),
+            histogram: histogram(&mut Reader::new(&source, &failure)),
             bricks,
             ranges,
             cells: vec![[0; BRICK]; count],
@@ -131,7 +150,8 @@ impl FieldStore {
             background: 0.0,
             voxels: 0,
             lattice,
-            volume,
+            source,
+            failure,
         }
     }
 
@@ -155,17 +175,21 @@ impl FieldStore {
         self.background = background;
         self.levels = Some(levels.clone());
         let store = &*self;
-        with_samples!(store.volume.samples(), data => chunks
-        .par_iter_mut()
-        .enumerate()
-        .with_max_len(4)
-        .for_each_init(Scratch::default, |scratch, (index, chunk)| {
-            if stop.load(Ordering::Relaxed) {
-                return;
-            }
-            let job = ChunkJob { store, data, touched: &touched, all_again };
-            job.update(index, chunk, scratch);
-        }));
+        let memory = || (Scratch::default(), store.reader());
+        chunks.par_iter_mut().enumerate().with_max_len(4).for_each_init(
+            memory,
+            |(scratch, reader), (index, chunk)| {
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
+                let job = ChunkJob {
+                    store,
+                    touched: &touched,
+                    all_again,
+                };
+                job.update(index, chunk, (reader, scratch));
+            },
+        );
         self.chunks = chunks;
         self.needed.clear();
         self.voxels = 0;
@@ -245,9 +269,18 @@ impl FieldStore {
         self.lattice.margin
     }
 
-    /// The volume.
-    pub fn volume(&self) -> &Arc<Volume> {
-        &self.volume
+    /// What the field is made of.
+    pub fn source(&self) -> &SourceLevel {
+        &self.source
+    }
+
+    /// Why samples could not be read: then the field is not what it should be.
+    pub fn failure(&self) -> Option<SceneError> {
+        self.failure.get()
+    }
+
+    fn reader(&self) -> Reader<'_> {
+        Reader::new(&self.source, &self.failure)
     }
 
     /// Memory held, bytes, the volume's own not included.
@@ -268,22 +301,27 @@ impl FieldStore {
         let mut touched = vec![false; self.cells.len()];
         let intervals = levels.intervals();
         let (lattice, bricks, ranges) = (&self.lattice, self.bricks, &self.ranges);
-        with_samples!(self.volume.samples(), data => self.cells
-        .par_iter_mut()
-        .zip(&mut touched)
-        .enumerate()
-        .with_min_len(64)
-        .for_each(|(brick, (cells, touched))| {
-            let seen = cells::widened(ranges.all()[brick]);
-            if changed.is_some_and(|changed| seen != cells::NO_LEVEL && !changed.any_of(seen)) {
-                return;
-            }
-            let first = [brick % bricks[0], brick / bricks[0] % bricks[1], brick / (bricks[0] * bricks[1])]
+        let memory = || Reader::new(&self.source, &self.failure);
+        self.cells
+            .par_iter_mut()
+            .zip(&mut touched)
+            .enumerate()
+            .with_min_len(64)
+            .for_each_init(memory, |reader, (brick, (cells, touched))| {
+                let seen = cells::widened(ranges.all()[brick]);
+                if changed.is_some_and(|changed| seen != cells::NO_LEVEL && !changed.any_of(seen)) {
+                    return;
+                }
+                let first = [
+                    brick % bricks[0],
+                    brick / bricks[0] % bricks[1],
+                    brick / (bricks[0] * bricks[1]),
+                ]
                 .map(|b| b * BRICK);
-            let found = ranges.visible((lattice, data), (brick, first), (levels, &intervals));
-            *touched = found != *cells;
-            *cells = found;
-        }));
+                let found = ranges.visible((lattice, reader), (brick, first), (levels, &intervals));
+                *touched = found != *cells;
+                *cells = found;
+            });
         touched
     }
 
@@ -293,6 +331,47 @@ impl FieldStore {
         let at = [chunk % nx, chunk / nx % ny, chunk / (nx * ny)];
         std::array::from_fn(|a| at[a] * CHUNK[a])
     }
+}
+
+/// Reads regions into memory of its own.
+pub(crate) struct Reader<'a> {
+    source: &'a SourceLevel,
+    failure: &'a Failure,
+    memory: Option<Samples>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(source: &'a SourceLevel, failure: &'a Failure) -> Self {
+        Self {
+            source,
+            failure,
+            memory: None,
+        }
+    }
+
+    fn read(&mut self, region: VoxelBox) -> Option<splatvol_scene::Block<'_>> {
+        self.failure.catch(self.source.read(region, &mut self.memory))
+    }
+}
+
+/// How common values are, from up to 65 536 samples, evenly spread.
+fn histogram(reader: &mut Reader<'_>) -> Histogram {
+    let [nx, ny, nz] = reader.source.grid().dims();
+    let mut histogram = Histogram::new(reader.source.value_range(), reader.source.rescale());
+    let step = Histogram::step(nx * ny * nz);
+    for z in 0..nz {
+        let slice = VoxelBox {
+            first: [0, 0, z],
+            size: [nx, ny, 1],
+        };
+        let from = (z * nx * ny).next_multiple_of(step);
+        with_block!(reader, slice, data => {
+            for at in (from..(z + 1) * nx * ny).step_by(step) {
+                histogram.add(data.row([at / nx % ny, z]).at(at % nx).into());
+            }
+        });
+    }
+    histogram
 }
 
 /// The bricks of a chunk and those around it.
@@ -373,15 +452,14 @@ impl Chunk {
 }
 
 /// The update of one chunk.
-struct ChunkJob<'a, T> {
+struct ChunkJob<'a> {
     store: &'a FieldStore,
-    data: &'a [T],
     touched: &'a [bool],
     all_again: bool,
 }
 
-impl<T: Stored> ChunkJob<'_, T> {
-    fn update(&self, index: usize, chunk: &mut Chunk, scratch: &mut Scratch) {
+impl ChunkJob<'_> {
+    fn update(&self, index: usize, chunk: &mut Chunk, memory: (&mut Reader<'_>, &mut Scratch)) {
         let store = self.store;
         let first = store.chunk_first(index);
         let surroundings = Surroundings::new(store, self.touched, first);
@@ -421,7 +499,13 @@ impl<T: Stored> ChunkJob<'_, T> {
             }
         }
         if wanted & !chunk.held != 0 {
-            self.solve(first, wanted, chunk, scratch);
+            let (reader, scratch) = memory;
+            let region = store.solver.region(&store.lattice, first.map(|b| b * BRICK));
+            let solved =
+                with_block!(reader, region, data => self.solve(data, (first, wanted), chunk, scratch));
+            if solved.is_none() {
+                return;
+            }
         }
         for (at, needs) in again {
             let stored = chunk.stored(at);
@@ -449,10 +533,16 @@ impl<T: Stored> ChunkJob<'_, T> {
     }
 
     /// Solves for the chunk and stores the bricks that are wanted, those held before included.
-    fn solve(&self, first: [usize; 3], wanted: u128, chunk: &mut Chunk, scratch: &mut Scratch) {
+    fn solve<T: Stored>(
+        &self,
+        data: &Block<'_, T>,
+        (first, wanted): ([usize; 3], u128),
+        chunk: &mut Chunk,
+        scratch: &mut Scratch,
+    ) {
         let store = self.store;
         let origin = first.map(|b| b * BRICK);
-        let solved = store.solver.solve(&store.lattice, self.data, origin, scratch);
+        let solved = store.solver.solve(&store.lattice, data, origin, scratch);
         let mut bricks = Vec::new();
         chunk.held = 0;
         for at in 0..u128::BITS {
@@ -460,7 +550,7 @@ impl<T: Stored> ChunkJob<'_, T> {
             let inside = (0..3).all(|a| first[a] + offset[a] < store.bricks[a]);
             if inside && (store.keep_all || wanted >> at & 1 != 0) {
                 let from = (offset.map(|b| b * BRICK), origin);
-                bricks.push(solved.brick(scratch, &store.lattice, self.data, from));
+                bricks.push(solved.brick(scratch, &store.lattice, data, from));
                 chunk.held |= 1 << at;
             }
         }

@@ -9,7 +9,9 @@
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::volume::widen;
-use splatvol_scene::{Grid, Rescale, Samples, SceneError, Volume, with_samples};
+use splatvol_scene::{Block, Grid, LengthUnit, Rescale, Samples, SceneError, Volume, VoxelBox, with_samples};
+
+use crate::field::SourceLevel;
 
 /// Most old cells along an axis that a new one covers.
 const TAPS: usize = 3;
@@ -19,22 +21,19 @@ const TAPS: usize = 3;
 /// Samples of 8 and 16 bits become `u16` that span the value range (error 8e-6 of it), all others `f32`.
 ///
 /// # Errors
-/// A grid whose doubled spacing leaves the domain of [`Grid`].
-pub fn half(volume: &Volume) -> Result<Volume, SceneError> {
-    let old = volume.grid();
+/// A grid whose doubled spacing leaves the domain of [`Grid`], or samples that cannot be read.
+pub fn half(source: &SourceLevel) -> Result<Volume, SceneError> {
+    let old = source.grid();
     let dims = old.dims().map(|n| n.div_ceil(2));
     let grid = Grid::from_affine(dims, old.world_from_voxel() * half_from_own(old.dims(), dims))?;
-    let [low, high] = volume.value_range();
-    let narrow = matches!(
-        volume.samples(),
-        Samples::U8(_) | Samples::I8(_) | Samples::U16(_) | Samples::I16(_)
-    );
-    let reduction = Reduction::new(volume, dims);
+    let [low, high] = source.value_range();
+    let reduction = Reduction::new(source, dims);
+    let narrow = reduction.is_narrow()?;
     let count = grid.sample_count();
     let (samples, rescale) = if narrow && high > low {
         let mut data = vec![0u16; count];
         let steps = f64::from(u16::MAX) / (high - low);
-        reduction.run(&mut data, |mean| (f64::from(mean) * steps).round() as u16);
+        reduction.run(&mut data, |mean| (f64::from(mean) * steps).round() as u16)?;
         let rescale = Rescale {
             slope: (high - low) / f64::from(u16::MAX),
             intercept: low,
@@ -42,10 +41,10 @@ pub fn half(volume: &Volume) -> Result<Volume, SceneError> {
         (Samples::U16(data.into()), rescale)
     } else {
         let mut data = vec![0.0f32; count];
-        reduction.run(&mut data, |mean| (f64::from(mean) + low) as f32);
+        reduction.run(&mut data, |mean| (f64::from(mean) + low) as f32)?;
         (Samples::F32(data.into()), Rescale::default())
     };
-    Volume::new(grid, samples, rescale, volume.unit())
+    Volume::new(grid, samples, rescale, LengthUnit::Unknown)
 }
 
 /// Old voxel coordinates of new ones: cell edges meet at -1/2.
@@ -90,9 +89,9 @@ impl Cover {
     }
 }
 
-/// Means of a volume's samples, less the smallest of the value range (so that f32 holds them).
+/// Means of samples, less the smallest of the value range (so that f32 holds them).
 struct Reduction<'a> {
-    volume: &'a Volume,
+    source: &'a SourceLevel,
     dims: [usize; 3],
     cover: [Vec<Cover>; 3],
 }
@@ -104,49 +103,68 @@ struct Sums {
 }
 
 impl<'a> Reduction<'a> {
-    fn new(volume: &'a Volume, dims: [usize; 3]) -> Self {
-        let own = volume.grid().dims();
+    fn new(source: &'a SourceLevel, dims: [usize; 3]) -> Self {
+        let own = source.grid().dims();
         Self {
-            volume,
+            source,
             dims,
             cover: std::array::from_fn(|a| Cover::all(own[a], dims[a])),
         }
     }
 
-    fn run<T: Send>(&self, data: &mut [T], store: impl Fn(f32) -> T + Sync) {
+    /// Whether samples are of 8 or 16 bits.
+    fn is_narrow(&self) -> Result<bool, SceneError> {
+        let one = VoxelBox {
+            first: [0; 3],
+            size: [1; 3],
+        };
+        let mut memory = None;
+        let block = self.source.read(one, &mut memory)?;
+        Ok(block.samples.bytes_per_sample() <= 2)
+    }
+
+    fn run<T: Send>(&self, data: &mut [T], store: impl Fn(f32) -> T + Sync) -> Result<(), SceneError> {
         let [nx, ny, _] = self.dims;
-        let own = self.volume.grid().dims()[0];
-        let sums = || Sums {
-            values: vec![0.0; own],
-            weights: vec![0.0; own],
+        let own = self.source.grid().dims();
+        let sums = || {
+            let sums = Sums {
+                values: vec![0.0; own[0]],
+                weights: vec![0.0; own[0]],
+            };
+            (sums, None)
         };
         data.par_chunks_mut(nx * ny)
             .enumerate()
-            .for_each_init(sums, |sums, (z, slice)| {
+            .try_for_each_init(sums, |(sums, memory), (z, slice)| {
+                let first = self.cover[2][z].first;
+                let slices = VoxelBox {
+                    first: [0, 0, first],
+                    size: [own[0], own[1], TAPS.min(own[2] - first)],
+                };
+                let block = self.source.read(slices, memory)?;
                 for (y, row) in slice.chunks_mut(nx).enumerate() {
-                    sums.gather(self, [y, z]);
+                    sums.gather(self, &block, [y, z]);
                     sums.reduce(self, row, &store);
                 }
-            });
+                Ok(())
+            })
     }
 }
 
 impl Sums {
     /// Sums over the rows that a row of new samples covers.
-    fn gather(&mut self, reduction: &Reduction<'_>, [y, z]: [usize; 2]) {
-        let own = reduction.volume.grid().dims();
-        let rescale = reduction.volume.rescale();
-        let [low, _] = reduction.volume.value_range();
+    fn gather(&mut self, reduction: &Reduction<'_>, block: &Block<'_>, [y, z]: [usize; 2]) {
+        let rescale = reduction.source.rescale();
+        let [low, _] = reduction.source.value_range();
         let (slope, offset) = (rescale.slope, rescale.intercept - low);
-        let missing = reduction.volume.statistics().non_finite > 0;
+        let missing = reduction.source.statistics().non_finite > 0;
         self.values.fill(0.0);
         self.weights.fill(0.0);
         for (z, of_z) in reduction.cover[2][z].taps() {
             for (y, of_y) in reduction.cover[1][y].taps() {
-                let start = (z * own[1] + y) * own[0];
                 let weight = of_z * of_y;
-                with_samples!(reduction.volume.samples(), data => {
-                    let row = &data[start..start + own[0]];
+                with_samples!(block.samples, data => {
+                    let row = block.of.row(data, [y, z]);
                     if missing {
                         let sums = self.values.iter_mut().zip(&mut self.weights);
                         for ((value, sum), sample) in sums.zip(row) {
@@ -184,8 +202,9 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use splatvol_scene::LengthUnit;
     use splatvol_testing::random::Random;
 
     fn volume(dims: [usize; 3], samples: Samples) -> Volume {
@@ -215,7 +234,7 @@ mod tests {
             let mut random = Random::new(7);
             let data: Vec<u8> = (0..count).map(|_| (random.unit() * 255.0) as u8).collect();
             let full = volume(dims, Samples::U8(data.into()));
-            let half = half(&full).unwrap();
+            let half = half(&Arc::new(full.clone()).into()).unwrap();
             for (a, b) in full.grid().corners().iter().zip(half.grid().corners()) {
                 assert!((*a - b).length() < 1e-12, "{dims:?} {a} {b}");
             }
@@ -240,7 +259,7 @@ mod tests {
                 })
                 .collect();
             let full = volume(dims, Samples::F32(data));
-            let half = half(&full).unwrap();
+            let half = half(&Arc::new(full.clone()).into()).unwrap();
             let new = half.grid().dims();
             let own_from_half = full.grid().world_from_voxel().inverse() * half.grid().world_from_voxel();
             for i in 0..half.grid().sample_count() {
@@ -268,7 +287,7 @@ mod tests {
                 }
             }
         }
-        let half = half(&volume([6; 3], Samples::F32(data.into()))).unwrap();
+        let half = half(&Arc::new(volume([6; 3], Samples::F32(data.into()))).into()).unwrap();
         for i in 0..27 {
             let value = half.value(i);
             assert!(

@@ -6,8 +6,7 @@
 //! that hold b contribute nothing wherever they are: so in the outer half of the reach, where kernel weights are below
 //! a tenth, only voxels that differ from b are needed, and surfaces in air cost two layers of voxels less.
 
-use splatvol_scene::volume::widen;
-use splatvol_scene::{Volume, with_samples};
+use splatvol_scene::Rescale;
 
 use crate::brick::BRICK;
 use crate::classification::ClassificationTable;
@@ -169,28 +168,37 @@ impl VisibleLevels {
 #[derive(Debug, Clone)]
 pub struct Histogram {
     counts: Vec<u32>,
+    low: f64,
+    scale: f64,
+    rescale: Rescale,
 }
 
 impl Histogram {
     const BINS: usize = 256;
     const SAMPLES: usize = 1 << 16;
 
-    /// From up to 65 536 samples, evenly spread.
-    pub fn new(volume: &Volume) -> Self {
-        let [low, high] = volume.value_range();
-        let scale = if high > low { 1.0 / (high - low) } else { 1.0 };
-        let rescale = volume.rescale();
-        let mut counts = vec![0; Self::BINS];
-        with_samples!(volume.samples(), data => {
-            let step = (data.len() / Self::SAMPLES).max(1) | 1;
-            for sample in data.iter().step_by(step) {
-                let value = (rescale.apply(widen(*sample)) - low) * scale;
-                if value.is_finite() {
-                    counts[((value * (Self::BINS - 1) as f64).round() as usize).min(Self::BINS - 1)] += 1;
-                }
-            }
-        });
-        Self { counts }
+    /// Of samples in a range of real values, none yet.
+    pub fn new([low, high]: [f64; 2], rescale: Rescale) -> Self {
+        Self {
+            counts: vec![0; Self::BINS],
+            low,
+            scale: if high > low { 1.0 / (high - low) } else { 1.0 },
+            rescale,
+        }
+    }
+
+    /// Samples from one that counts to the next, of so many.
+    pub fn step(samples: usize) -> usize {
+        (samples / Self::SAMPLES).max(1) | 1
+    }
+
+    /// Counts a stored sample, unless it is missing.
+    pub fn add(&mut self, stored: f64) {
+        let value = (self.rescale.apply(stored) - self.low) * self.scale;
+        if value.is_finite() {
+            let bin = (value * (Self::BINS - 1) as f64).round() as usize;
+            self.counts[bin.min(Self::BINS - 1)] += 1;
+        }
     }
 
     /// The most common invisible value, normalised; where all values are visible, 0.

@@ -105,7 +105,7 @@ impl CpuEngine {
             cloud,
             clips: &shot.scene.clips,
         };
-        Ok(self.sheets.render_layers(run, &scene, view, (frame, start)))
+        self.sheets.render_layers(run, &scene, view, (frame, start))
     }
 
     /// Renders splats one by one.
@@ -173,7 +173,7 @@ impl Engine for CpuEngine {
             Route::Volume(volume) if classic::render(volume.motion, settings) => {
                 self.classic.render(run, volume, view, frame)?
             }
-            Route::Volume(volume) => self.sheets.render(run, volume, view, frame),
+            Route::Volume(volume) => self.sheets.render(run, volume, view, frame)?,
             Route::Layers(parts) => self.render_layers(run, parts, shot, frame)?,
             Route::Splats(splats) => self.render_splats(run, splats, shot, frame)?,
         };

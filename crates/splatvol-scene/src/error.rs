@@ -33,6 +33,18 @@ pub enum SceneError {
     /// A picture that was given up while it was made.
     #[error("stopped before the picture was finished")]
     Stopped,
+    /// Samples that a source could not give.
+    #[error("{name}: level {level}, samples from {first:?}: {reason}")]
+    Source {
+        /// The source, as users know it: a file, an address.
+        name: String,
+        /// Level of detail.
+        level: usize,
+        /// First sample of the region that was asked for.
+        first: [usize; 3],
+        /// What went wrong.
+        reason: String,
+    },
     /// Parts of a scene, or of a scene and the settings, that do not go together.
     #[error("{what} cannot be rendered: {why}")]
     Combination {

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`grid`] | where samples lie: dimensions and `world_from_voxel` |
 //! | [`volume`] | samples on a grid, in their own type, with value range and statistics |
+//! | [`source`] | samples at levels of detail, read region by region |
 //! | [`storage`] | where these lie: in their own memory, or in shared |
 //! | [`camera`] | `camera_from_world` and the projection to pixels |
 //! | [`camera_path`] | cameras that move: turntables and key frames |
@@ -52,6 +53,7 @@ pub mod points;
 mod rotation;
 pub mod scene;
 pub mod settings;
+pub mod source;
 pub mod storage;
 pub mod transfer_function;
 pub mod volume;
@@ -79,6 +81,7 @@ pub use settings::{
     GaussianMode, Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings,
     SheetContent, Stretch, TablePrecision,
 };
+pub use source::{Block, SampleSource, VoxelBox};
 pub use storage::Storage;
 pub use transfer_function::{
     AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,

@@ -10,10 +10,12 @@ use rayon::prelude::*;
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels, level_of};
 
+use super::Reader;
 use super::cells::{
     self, CellBits, LevelRange, NO_LEVEL, POINTS, Verdict, along_bricks, existing, pack, span, union,
 };
-use super::lattice::{Lattice, Stored};
+use super::lattice::{Block, Lattice, Row, Stored};
+use super::level::{Failure, SourceLevel};
 
 /// Voxels that kernels reach at most.
 const REACH: usize = 3;
@@ -36,8 +38,8 @@ pub(super) struct BrickRanges {
 
 impl BrickRanges {
     /// Reads all samples.
-    pub(super) fn new<T: Stored + Sync>(
-        (lattice, data): (&Lattice, &[T]),
+    pub(super) fn new(
+        (lattice, source, failure): (&Lattice, &SourceLevel, &Failure),
         bricks: [usize; 3],
         (interpolates, is_wide): (bool, bool),
     ) -> Self {
@@ -45,16 +47,23 @@ impl BrickRanges {
         let mut ranges = vec![NO_LEVEL; count];
         let mut loose = Vec::new();
         let layer = bricks[0] * bricks[1];
+        let reader = || Reader::new(source, failure);
+        let layer_region = |bz: usize| {
+            let [nx, ny, _] = lattice.dims;
+            lattice.region([0, 0, bz * BRICK], [nx, ny, bz * BRICK + POINTS])
+        };
         if lattice.any_missing {
             loose.resize(count, false);
             let layers = ranges.par_chunks_mut(layer).zip(loose.par_chunks_mut(layer));
-            layers
-                .enumerate()
-                .for_each(|(bz, (ranges, holed))| layer_ranges(lattice, data, bz, (ranges, holed)));
+            layers.enumerate().for_each_init(reader, |reader, (bz, (ranges, holed))| {
+                with_block!(reader, layer_region(bz), data => layer_ranges(lattice, data, bz, (ranges, holed)));
+            });
             around(&mut loose, bricks, |a, b| a | b);
         } else {
             let layers = ranges.par_chunks_mut(layer).enumerate();
-            layers.for_each(|(bz, ranges)| cells::layer_ranges(lattice, data, bz, ranges));
+            layers.for_each_init(reader, |reader, (bz, ranges)| {
+                with_block!(reader, layer_region(bz), data => cells::layer_ranges(lattice, data, bz, ranges));
+            });
         }
         if !interpolates {
             loose = vec![true; count];
@@ -106,9 +115,9 @@ impl BrickRanges {
     }
 
     /// Visible cells of the brick at `first`, of those that exist. `intervals`: the visible levels.
-    pub(super) fn visible<T: Stored>(
+    pub(super) fn visible(
         &self,
-        (lattice, data): (&Lattice, &[T]),
+        (lattice, reader): (&Lattice, &mut Reader<'_>),
         (brick, first): (usize, [usize; 3]),
         (levels, intervals): (&VisibleLevels, &[LevelRange]),
     ) -> CellBits {
@@ -126,13 +135,16 @@ impl BrickRanges {
                 let from = intervals.partition_point(|interval| interval[1] < low);
                 let to = intervals.partition_point(|interval| interval[0] <= high);
                 let intervals = &intervals[from..to];
-                match is_loose {
+                // What is read a little too far counts for nothing.
+                let region = lattice.region(first, first.map(|at| at + ROW));
+                let found = with_block!(reader, region, data => match is_loose {
                     false => vectorized!(lattice.simd, {
                         let points = cells::read(lattice, data, first);
                         cells::visible(&points, intervals)
                     }),
                     true => vectorized!(lattice.simd, self.loosely((lattice, data), first, intervals)),
-                }
+                });
+                found.unwrap_or_default()
             }
         };
         let existing = existing(lattice, first);
@@ -143,7 +155,7 @@ impl BrickRanges {
     #[inline(always)]
     fn loosely<T: Stored>(
         &self,
-        (lattice, data): (&Lattice, &[T]),
+        (lattice, data): (&Lattice, &Block<'_, T>),
         first: [usize; 3],
         intervals: &[LevelRange],
     ) -> CellBits {
@@ -189,7 +201,7 @@ fn around<T: Copy>(values: &mut [T], bricks: [usize; 3], join: impl Fn(T, T) -> 
 /// Ranges of the samples that there are in a layer of bricks, x fastest, and which bricks have missing ones.
 fn layer_ranges<T: Stored>(
     lattice: &Lattice,
-    data: &[T],
+    data: &Block<'_, T>,
     bz: usize,
     (ranges, holed): (&mut [LevelRange], &mut [bool]),
 ) {
@@ -201,7 +213,7 @@ fn layer_ranges<T: Stored>(
         let mut gaps = vec![false; lattice.own[0]];
         for z in span(bz, nz) {
             for y in span(by, ny) {
-                let samples = lattice.row(data, [y, z]);
+                let samples = lattice.row(data, [y, z]).samples();
                 for ((range, gap), &sample) in columns.iter_mut().zip(&mut gaps).zip(samples) {
                     let value = lattice.normalised(sample);
                     match value.is_finite() {
@@ -214,7 +226,7 @@ fn layer_ranges<T: Stored>(
         along_bricks(lattice, &columns, ranges);
         let mut points = [false; POINTS];
         for (bx, holed) in holed.iter_mut().enumerate() {
-            lattice.points(&gaps, bx * BRICK, &mut points);
+            lattice.points(Row::whole(&gaps), bx * BRICK, &mut points);
             *holed = points.contains(&true);
         }
     }
@@ -237,7 +249,7 @@ struct Points {
 impl Points {
     /// Reads those around the brick at `first`; beyond the lattice its outermost ones again.
     #[inline(always)]
-    fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3]) -> Self {
+    fn read<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, first: [usize; 3]) -> Self {
         let [_, ny, nz] = lattice.dims;
         let mut points = Self {
             low: [[[0; ROW]; EDGE]; EDGE],
@@ -253,7 +265,7 @@ impl Points {
                 let at =
                     |first: usize, i: usize, count: usize| (first + i).saturating_sub(before).min(count - 1);
                 let row = lattice.row(data, [at(first[1], y, ny), at(first[2], z, nz)]);
-                let mut samples = [row[0]; ROW];
+                let mut samples = [data.any(); ROW];
                 lattice.points(row, start, &mut samples[skipped..]);
                 for (x, sample) in samples.into_iter().enumerate() {
                     let value = lattice.normalised(sample);

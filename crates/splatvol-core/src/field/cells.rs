@@ -8,7 +8,7 @@
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
 
-use super::lattice::{Lattice, Stored};
+use super::lattice::{Block, Lattice, Row, Stored};
 
 /// Bit `8 y + x` of word z for each cell of a brick.
 pub(super) type CellBits = [u64; BRICK];
@@ -75,7 +75,12 @@ pub(super) fn within(counts: [usize; 3], first: [usize; 3]) -> CellBits {
 }
 
 /// Level ranges of a layer of bricks, x fastest.
-pub(super) fn layer_ranges<T: Stored>(lattice: &Lattice, data: &[T], bz: usize, out: &mut [LevelRange]) {
+pub(super) fn layer_ranges<T: Stored>(
+    lattice: &Lattice,
+    data: &Block<'_, T>,
+    bz: usize,
+    out: &mut [LevelRange],
+) {
     let [nx, ny, nz] = lattice.dims;
     let bricks_x = nx.div_ceil(BRICK);
     let mut line = Vec::new();
@@ -86,7 +91,7 @@ pub(super) fn layer_ranges<T: Stored>(lattice: &Lattice, data: &[T], bz: usize, 
         let mut high: Vec<T> = Vec::new();
         for z in zs {
             for y in ys.clone() {
-                let samples = lattice.row(data, [y, z]);
+                let samples = lattice.row(data, [y, z]).samples();
                 if low.is_empty() {
                     low.extend_from_slice(samples);
                     high.extend_from_slice(samples);
@@ -108,7 +113,7 @@ pub(super) fn layer_ranges<T: Stored>(lattice: &Lattice, data: &[T], bz: usize, 
 pub(super) fn along_bricks(lattice: &Lattice, columns: &[LevelRange], row: &mut [LevelRange]) {
     let mut points = [NO_LEVEL; POINTS];
     for (bx, range) in row.iter_mut().enumerate() {
-        lattice.points(columns, bx * BRICK, &mut points);
+        lattice.points(Row::whole(columns), bx * BRICK, &mut points);
         *range = points.into_iter().fold(NO_LEVEL, union);
     }
 }
@@ -134,10 +139,10 @@ pub(super) type PointLevels = [i16; PADDED];
 
 /// Reads the points around a brick's cells; beyond the lattice its last points again.
 #[inline(always)]
-pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3]) -> PointLevels {
+pub(super) fn read<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, first: [usize; 3]) -> PointLevels {
     let lattice = *lattice;
     let [_, ny, nz] = lattice.dims;
-    let mut samples = [data[0]; PADDED];
+    let mut samples = [data.any(); PADDED];
     let rows = samples
         .as_chunks_mut::<POINTS>()
         .0
@@ -147,10 +152,7 @@ pub(super) fn read<T: Stored>(lattice: &Lattice, data: &[T], first: [usize; 3]) 
         let (y, z) = (first[1] + i % POINTS, first[2] + i / POINTS);
         let row = lattice.row(data, [y.min(ny - 1), z.min(nz - 1)]);
         // The usual case, copied without a call.
-        match row
-            .get(first[0].wrapping_sub(lattice.margin[0])..)
-            .and_then(<[T]>::first_chunk)
-        {
+        match row.chunk(first[0].wrapping_sub(lattice.margin[0])) {
             Some(points) => *out = *points,
             None => lattice.points(row, first[0], out),
         }

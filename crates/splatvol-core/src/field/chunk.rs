@@ -5,13 +5,15 @@
 //! 2), so that a part of the lattice with a halo of some ten points on each side yields what the whole does, up to
 //! [`CUT_SHARE`]. At the lattice's own faces the part's system is the whole's, border included.
 
+use splatvol_scene::VoxelBox;
+
 use crate::brick::BRICK;
 use crate::kernel::GaussianKernel;
 use crate::prefilter::{AxisSolver, BLOCK, transpose};
 use crate::visibility::{BRICK_VOXELS, TOLERANCE};
 
 use super::cells::{CellBits, pack};
-use super::lattice::{Lattice, Stored};
+use super::lattice::{Block, Lattice, Stored};
 use super::needs::Needs;
 
 /// Bricks of a chunk along x, y, z: what is solved at once, with room for its halo in a processor's own cache.
@@ -199,15 +201,8 @@ impl ChunkSolver {
         self.axes.is_some()
     }
 
-    /// Solves for the chunk that begins at lattice point `first`.
-    pub(super) fn solve<T: Stored>(
-        &self,
-        lattice: &Lattice,
-        data: &[T],
-        first: [usize; 3],
-        scratch: &mut Scratch,
-    ) -> Solved {
-        let extents: [Extent; 3] = std::array::from_fn(|a| {
+    fn extents(&self, lattice: &Lattice, first: [usize; 3]) -> [Extent; 3] {
+        std::array::from_fn(|a| {
             let to = (first[a] + SPAN[a]).min(lattice.dims[a]);
             Extent {
                 from: first[a],
@@ -215,8 +210,24 @@ impl ChunkSolver {
                 outer_from: first[a].saturating_sub(self.halo[a]),
                 outer_to: (to + self.halo[a]).min(lattice.dims[a]),
             }
-        });
-        let [x, y, z] = extents;
+        })
+    }
+
+    /// The samples that the chunk which begins at lattice point `first` is solved from.
+    pub(super) fn region(&self, lattice: &Lattice, first: [usize; 3]) -> VoxelBox {
+        let extents = self.extents(lattice, first);
+        lattice.region(extents.map(|e| e.outer_from), extents.map(|e| e.outer_to))
+    }
+
+    /// Solves for the chunk that begins at lattice point `first`.
+    pub(super) fn solve<T: Stored>(
+        &self,
+        lattice: &Lattice,
+        data: &Block<'_, T>,
+        first: [usize; 3],
+        scratch: &mut Scratch,
+    ) -> Solved {
+        let [x, y, z] = self.extents(lattice, first);
         let (width, plane) = (x.outer(), x.len() * y.len());
         let Scratch {
             plane: slice,
@@ -276,7 +287,7 @@ impl Solved {
         &self,
         scratch: &Scratch,
         lattice: &Lattice,
-        data: &[T],
+        data: &Block<'_, T>,
         ([x, y, z], first): ([usize; 3], [usize; 3]),
     ) -> StoredBrick {
         let mut values = [f32::NAN; BRICK_VOXELS];
@@ -289,7 +300,7 @@ impl Solved {
                 out[..width].copy_from_slice(&scratch.slab[start..start + width]);
                 if lattice.any_missing {
                     let row = lattice.row(data, [first[1] + y + dy, first[2] + z + dz]);
-                    let mut samples = [row[0]; BRICK];
+                    let mut samples = [data.any(); BRICK];
                     lattice.points(row, first[0] + x, &mut samples[..width]);
                     for (value, sample) in out[..width].iter_mut().zip(samples) {
                         if !lattice.normalised(sample).is_finite() {
@@ -305,7 +316,7 @@ impl Solved {
 
 /// Normalised values of a slice of a chunk.
 #[inline(always)]
-fn load<T: Stored>(lattice: &Lattice, data: &[T], [x, y]: [Extent; 2], z: usize, slice: &mut [f32]) {
+fn load<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, [x, y]: [Extent; 2], z: usize, slice: &mut [f32]) {
     for (y, out) in (y.outer_from..y.outer_to).zip(slice.chunks_exact_mut(x.outer())) {
         lattice.fill(data, (x.outer_from, [y, z]), out);
     }

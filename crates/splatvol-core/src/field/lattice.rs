@@ -1,8 +1,9 @@
 //! Samples as the lattice of a field: normalised, continued by one mirrored sample beyond each face.
 
 use fearless_simd::Level;
-use splatvol_scene::Volume;
+use splatvol_scene::VoxelBox;
 
+use super::level::SourceLevel;
 use crate::visibility::level_of;
 
 /// A sample type.
@@ -36,6 +37,72 @@ macro_rules! large {
 small!(u8, i8, u16, i16);
 large!(u32, i32, f32, f64);
 
+/// Samples of a box of the grid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block<'a, T> {
+    samples: &'a [T],
+    of: VoxelBox,
+}
+
+impl<'a, T: Copy> Block<'a, T> {
+    pub(super) fn new(samples: &'a [T], of: VoxelBox) -> Self {
+        Self { samples, of }
+    }
+
+    /// Any sample.
+    #[inline(always)]
+    pub(super) fn any(&self) -> T {
+        self.samples[0]
+    }
+
+    /// What there is of a row of samples.
+    #[inline(always)]
+    pub(super) fn row(&self, [y, z]: [usize; 2]) -> Row<'a, T> {
+        Row {
+            samples: self.of.row(self.samples, [y, z]),
+            first: self.of.first[0],
+        }
+    }
+}
+
+/// A part of a row of samples.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row<'a, T> {
+    samples: &'a [T],
+    /// The first sample that is there.
+    first: usize,
+}
+
+impl<'a, T: Copy> Row<'a, T> {
+    /// A whole row.
+    pub(super) fn whole(samples: &'a [T]) -> Self {
+        Self { samples, first: 0 }
+    }
+
+    /// All samples that are there.
+    #[inline(always)]
+    pub(super) fn samples(&self) -> &'a [T] {
+        self.samples
+    }
+
+    /// A sample.
+    #[inline(always)]
+    pub(super) fn at(&self, x: usize) -> T {
+        self.samples[x - self.first]
+    }
+
+    /// Samples from one on, where there are so many. A start before the first sample of all may have wrapped.
+    #[inline(always)]
+    pub(super) fn chunk<const N: usize>(&self, start: usize) -> Option<&'a [T; N]> {
+        self.samples.get(start.wrapping_sub(self.first)..)?.first_chunk()
+    }
+
+    #[inline(always)]
+    fn range(&self, from: usize, to: usize) -> &'a [T] {
+        &self.samples[from - self.first..to - self.first]
+    }
+}
+
 /// Points of a row that are read at once.
 const PART: usize = 64;
 
@@ -58,7 +125,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    pub(super) fn new(volume: &Volume) -> Self {
+    pub(super) fn new(volume: &SourceLevel) -> Self {
         let own = volume.grid().dims();
         let margin = own.map(|n| usize::from(n > 1));
         let [low, high] = volume.value_range();
@@ -83,30 +150,45 @@ impl Lattice {
         if point > last { 2 * last - point } else { point }
     }
 
+    /// The samples that lattice points from one on, to before another, are made of, and their neighbours.
+    pub(super) fn region(&self, from: [usize; 3], to: [usize; 3]) -> VoxelBox {
+        // Points beyond a face are samples before it, missing ones the means of their neighbours.
+        const AROUND: usize = 3;
+        let first: [usize; 3] = std::array::from_fn(|a| {
+            from[a]
+                .saturating_sub(self.margin[a] + AROUND)
+                .min(self.own[a] - 1)
+        });
+        let end = |a: usize| (to[a] + AROUND).clamp(first[a] + 1, self.own[a]);
+        VoxelBox {
+            first,
+            size: std::array::from_fn(|a| end(a) - first[a]),
+        }
+    }
+
     /// The samples of a lattice row.
     #[inline(always)]
-    pub(super) fn row<'a, T>(&self, data: &'a [T], [y, z]: [usize; 2]) -> &'a [T] {
-        let start = (self.sample(2, z) * self.own[1] + self.sample(1, y)) * self.own[0];
-        &data[start..start + self.own[0]]
+    pub(super) fn row<'a, T: Copy>(&self, data: &Block<'a, T>, [y, z]: [usize; 2]) -> Row<'a, T> {
+        data.row([self.sample(1, y), self.sample(2, z)])
     }
 
     /// Lattice points `start ..` of a row of samples; beyond the lattice its last point.
     #[inline(always)]
-    pub(super) fn points<T: Copy>(&self, row: &[T], start: usize, out: &mut [T]) {
-        let margin = self.margin[0];
+    pub(super) fn points<T: Copy>(&self, row: Row<'_, T>, start: usize, out: &mut [T]) {
+        let (margin, count) = (self.margin[0], self.own[0]);
         let end = start + out.len();
-        if start >= margin && end <= margin + row.len() {
-            for (out, &sample) in out.iter_mut().zip(&row[start - margin..end - margin]) {
+        if start >= margin && end <= margin + count {
+            for (out, &sample) in out.iter_mut().zip(row.range(start - margin, end - margin)) {
                 *out = sample;
             }
             return;
         }
-        let (from, to) = (start.max(margin), end.min(margin + row.len()));
+        let (from, to) = (start.max(margin), end.min(margin + count));
         if from < to {
-            out[from - start..to - start].copy_from_slice(&row[from - margin..to - margin]);
+            out[from - start..to - start].copy_from_slice(row.range(from - margin, to - margin));
         }
         for x in (start..from.min(end)).chain(to.max(start)..end) {
-            out[x - start] = row[self.sample(0, x.min(self.dims[0] - 1))];
+            out[x - start] = row.at(self.sample(0, x.min(self.dims[0] - 1)));
         }
     }
 
@@ -123,11 +205,16 @@ impl Lattice {
 
     /// Normalised values of lattice points `start ..` of a row; each missing one is filled.
     #[inline(always)]
-    pub(super) fn fill<T: Stored>(&self, data: &[T], (start, [y, z]): (usize, [usize; 2]), out: &mut [f32]) {
+    pub(super) fn fill<T: Stored>(
+        &self,
+        data: &Block<'_, T>,
+        (start, [y, z]): (usize, [usize; 2]),
+        out: &mut [f32],
+    ) {
         let row = self.row(data, [y, z]);
         let mut x = start;
         for out in out.chunks_mut(PART) {
-            let mut samples = [row[0]; PART];
+            let mut samples = [data.any(); PART];
             let samples = &mut samples[..out.len()];
             self.points(row, x, samples);
             for (value, &sample) in out.iter_mut().zip(&*samples) {
@@ -143,8 +230,8 @@ impl Lattice {
     }
 
     /// Normalised value of a point; a missing sample is the mean of its finite face neighbours, 0 without any.
-    fn filled<T: Stored>(&self, data: &[T], [x, y, z]: [usize; 3]) -> f32 {
-        let at = |[x, y, z]: [usize; 3]| self.normalised(self.row(data, [y, z])[self.sample(0, x)]);
+    fn filled<T: Stored>(&self, data: &Block<'_, T>, [x, y, z]: [usize; 3]) -> f32 {
+        let at = |[x, y, z]: [usize; 3]| self.normalised(self.row(data, [y, z]).at(self.sample(0, x)));
         let own = at([x, y, z]);
         if own.is_finite() {
             return own;

@@ -1,13 +1,11 @@
 //! Samples of a field's bricks as they are, for pictures that classify voxels: nothing is kept of them but the ranges that
 //! the field has anyway, and what a transfer function shows is found anew from those in a millisecond.
 
-use splatvol_scene::with_samples;
-
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
 
 use super::FieldStore;
-use super::lattice::{Lattice, Stored};
+use super::lattice::{Block, Lattice, Stored};
 
 /// Samples along the edge of a brick with one around it.
 const AROUND: usize = BRICK + 2;
@@ -63,15 +61,20 @@ impl FieldStore {
     /// Reads the samples of one of these bricks.
     pub fn read(&self, brick: u32, out: &mut Neighbourhood) {
         let first = self.brick_first(brick).map(|c| c as usize);
-        with_samples!(self.volume.samples(), data => {
+        let mut reader = self.reader();
+        let region = self.lattice.region(first, first.map(|at| at + AROUND));
+        let read = with_block!(reader, region, data => {
             vectorized!(self.lattice.simd, self.lattice.neighbourhood(data, first, out));
         });
+        if read.is_none() {
+            *out = Neighbourhood::default();
+        }
     }
 }
 
 impl Lattice {
     #[inline(always)]
-    fn neighbourhood<T: Stored>(&self, data: &[T], first: [usize; 3], out: &mut Neighbourhood) {
+    fn neighbourhood<T: Stored>(&self, data: &Block<'_, T>, first: [usize; 3], out: &mut Neighbourhood) {
         for (axis, &first) in first.iter().enumerate() {
             let (margin, count) = (self.margin[axis], self.own[axis]);
             let within = |point: usize| (first + point).clamp(margin, margin + count) - first;
@@ -90,15 +93,14 @@ impl Lattice {
         let start = first[0].wrapping_sub(self.margin[0] + 1);
         for (z, slice) in out.values.iter_mut().enumerate() {
             for (y, values) in slice.iter_mut().enumerate() {
-                let row = (nearest(2, z) * self.own[1] + nearest(1, y)) * self.own[0];
-                let row = &data[row..row + self.own[0]];
-                if let Some(samples) = row.get(start..).and_then(|row| row.first_chunk::<AROUND>()) {
+                let row = data.row([nearest(1, y), nearest(2, z)]);
+                if let Some(samples) = row.chunk::<AROUND>(start) {
                     for x in 0..AROUND {
                         values[x] = self.normalised(samples[x]);
                     }
                 } else {
                     for (x, value) in values[..AROUND].iter_mut().enumerate() {
-                        *value = self.normalised(row[nearest(0, x)]);
+                        *value = self.normalised(row.at(nearest(0, x)));
                     }
                 }
             }

@@ -1,8 +1,10 @@
 //! The store against the whole-volume solver and the cell-by-cell store, and against itself.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use splatvol_scene::{
-    ColorPoint, Grid, Kernel, LengthUnit, OpacityPoint, Rescale, Samples, TransferFunction,
+    ColorPoint, Grid, Kernel, LengthUnit, OpacityPoint, Rescale, Samples, TransferFunction, Volume,
 };
 use splatvol_testing::random::Random;
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{Bricks, Sampling, View};
-use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings};
+use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings, SceneError};
 
 use super::analytic::Analytic;
 use super::canvas::Canvas;
@@ -127,13 +127,16 @@ impl SheetEngine {
     }
 
     /// Renders into a frame of the settings' size.
+    ///
+    /// # Errors
+    /// A picture that is given up, and samples that cannot be read.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
-    ) -> RenderStatistics {
+    ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
         // The mean of two classified values is not the mean classified: labels would become others. Analytic gradients are asked
         // for the field as it is.
@@ -168,7 +171,7 @@ impl SheetEngine {
                 detail.level,
                 frame,
                 &mut statistics,
-            );
+            )?;
             if detail.coarser > 0.0 {
                 let mut coarser = self.coarser.take().unwrap_or_else(|| frame.clone());
                 if coarser.image.size() != frame.image.size() {
@@ -184,14 +187,15 @@ impl SheetEngine {
                     detail.level + 1,
                     &mut coarser,
                     &mut statistics,
-                );
+                )?;
                 blend(frame, &coarser, detail.coarser);
                 run.task.show_all(frame);
                 self.coarser = Some(coarser);
             }
-        });
+            Ok(())
+        })?;
         statistics.seconds.total = start.elapsed().as_secs_f64();
-        statistics
+        Ok(statistics)
     }
 
     /// Renders one level of the volume.
@@ -203,22 +207,20 @@ impl SheetEngine {
         level: usize,
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
-    ) {
+    ) -> Result<(), SceneError> {
         let prepared = Instant::now();
         let [pyramid, ..] = self.prepared.of_scene(std::iter::once(&scene.volume), settings) else {
-            return;
+            return Ok(());
         };
         let wanted = Wanted::of(settings);
         let look = (&*scene.transfer_function, scene.unit_distance());
-        let Some(level) = pyramid.classify(level, look, wanted, run.task.stop) else {
-            return;
-        };
+        let level = pyramid.classify(level, look, wanted, run.task.stop)?;
         let sampling = match (wanted, settings.compositing) {
             (Wanted::Classified, Compositing::Xray) => Sampling::Rays,
             (Wanted::Classified, _) => Sampling::Planes,
             _ => Sampling::Field,
         };
-        let grid = level.field.volume().grid();
+        let grid = level.field.source().grid();
         let view = View::new(grid, (camera, settings), sampling, None);
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
@@ -280,11 +282,12 @@ impl SheetEngine {
                 let mode = Shaded {
                     store,
                     shader: shade(),
-                    operated: Operated::new(&scene.asked, spacing, (camera, store.volume().value_range())),
+                    operated: Operated::new(&scene.asked, spacing, (camera, store.source().value_range())),
                 };
                 job.render(store, &mode, frame, statistics);
             }
         }
+        store.failure().map_or(Ok(()), Err)
     }
 }
 

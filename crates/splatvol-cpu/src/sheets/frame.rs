@@ -134,7 +134,7 @@ pub(crate) fn analytic_field<'a>(
     store: &'a FieldStore,
     shader: PlaneShader<'a>,
 ) -> AnalyticField<'a> {
-    let dims = store.volume().grid().dims();
+    let dims = store.source().grid().dims();
     let sigma = view.kernel().sigma;
     AnalyticField {
         store,
@@ -149,7 +149,7 @@ pub(crate) fn shader<'a>(
     (store, table): (&'a FieldStore, &'a ShadeTable),
     (settings, mean_spacing): (&RenderSettings, f64),
 ) -> PlaneShader<'a> {
-    let dims = store.volume().grid().dims();
+    let dims = store.source().grid().dims();
     let Rays {
         principal,
         per_pixel,

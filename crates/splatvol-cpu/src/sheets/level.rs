@@ -9,11 +9,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use splatvol_core::classification::ClassificationTable;
-use splatvol_core::field::FieldStore;
+use splatvol_core::field::{FieldStore, SourceLevel};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::mip;
 use splatvol_core::visibility::VisibleLevels;
-use splatvol_scene::{Camera, Compositing, ImageSize, Kernel, RenderSettings, TransferFunction, Volume};
+use splatvol_scene::{
+    Camera, Compositing, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, TransferFunction,
+    Volume,
+};
 
 use super::table::ShadeTable;
 
@@ -66,16 +69,16 @@ pub(crate) struct Level {
 
 impl Level {
     fn new(
-        volume: Arc<Volume>,
+        source: SourceLevel,
         (kernel, prefilter): (Kernel, bool),
         (transfer_function, unit_distance): (&TransferFunction, f64),
         (wanted, stop): (Wanted, &AtomicBool),
     ) -> Self {
-        let range = volume.value_range();
+        let range = source.value_range();
         let kernel = GaussianKernel::new(kernel);
         let field = match prefilter {
-            true => FieldStore::new(volume, &kernel),
-            false => FieldStore::of_samples(volume, &kernel),
+            true => FieldStore::new(source, &kernel),
+            false => FieldStore::of_samples(source, &kernel),
         };
         let mut level = Self {
             field,
@@ -103,7 +106,7 @@ impl Level {
         if !same {
             old.clone_from(transfer_function);
             *old_distance = unit_distance;
-            let range = self.field.volume().value_range();
+            let range = self.field.source().value_range();
             self.classification = ClassificationTable::new(transfer_function, range, unit_distance);
         }
         *old_wanted = wanted;
@@ -141,7 +144,8 @@ pub(crate) struct Pyramid {
     kernel: Kernel,
     /// Whether coefficients interpolate the samples.
     prefilter: bool,
-    volumes: Vec<Arc<Volume>>,
+    /// The source's own, and halves of its last.
+    sources: Vec<SourceLevel>,
     levels: Vec<Option<Level>>,
 }
 
@@ -188,65 +192,76 @@ impl Detail {
 }
 
 impl Pyramid {
-    pub(crate) fn new(volume: Arc<Volume>, settings: &RenderSettings) -> Self {
+    pub(crate) fn new(source: Arc<dyn SampleSource>, settings: &RenderSettings) -> Self {
+        let level = |level| SourceLevel::new(Arc::clone(&source), level);
         Self {
             kernel: settings.kernel,
             prefilter: interpolates(settings),
-            volumes: vec![volume],
-            levels: vec![None],
+            levels: (0..source.levels()).map(|_| None).collect(),
+            sources: (0..source.levels()).map(level).collect(),
         }
     }
 
     /// Whether the levels are this volume's, for the kernel of these settings.
     pub(crate) fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings) -> bool {
         let same = self.kernel == settings.kernel && self.prefilter == interpolates(settings);
-        Arc::ptr_eq(&self.volumes[0], volume) && same
+        let (own, _) = self.sources[0].of();
+        std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(volume)) && same
     }
 
     /// Memory held, bytes, the samples included.
     pub(crate) fn bytes(&self) -> usize {
-        let samples = |volume: &Arc<Volume>| volume.samples().len() * volume.samples().bytes_per_sample();
-        // A level that could not be made is the one before it.
-        let is_own = |n: usize| n == 0 || !Arc::ptr_eq(&self.volumes[n], &self.volumes[n - 1]);
-        let own = (0..self.volumes.len()).filter(|&n| is_own(n));
-        let volumes = own.map(|n| samples(&self.volumes[n])).sum::<usize>();
+        let source = |n: usize| self.sources[n].of().0;
+        // Levels of one source, and one that could not be made and is the one before it.
+        let is_new = |n: usize| n == 0 || !Arc::ptr_eq(source(n), source(n - 1));
+        let own = (0..self.sources.len()).filter(|&n| is_new(n));
+        let samples = own.map(|n| source(n).bytes()).sum::<usize>();
         let levels = self.levels.iter().flatten().map(|level| level.field.bytes());
-        volumes + levels.sum::<usize>()
+        samples + levels.sum::<usize>()
     }
 
-    /// The volume at a level; the finest where a level cannot be made.
-    pub(crate) fn volume(&mut self, level: usize) -> &Arc<Volume> {
-        while self.volumes.len() <= level {
-            let last = self.volumes.len() - 1;
-            let half =
-                mip::half(&self.volumes[last]).map_or_else(|_| Arc::clone(&self.volumes[last]), Arc::new);
-            self.volumes.push(half);
+    /// The samples of a level; those of the last that can be made.
+    ///
+    /// # Errors
+    /// Samples that cannot be read.
+    fn source(&mut self, level: usize) -> Result<SourceLevel, SceneError> {
+        while self.sources.len() <= level {
+            let last = &self.sources[self.sources.len() - 1];
+            let half = match mip::half(last) {
+                Ok(half) => Arc::new(half).into(),
+                Err(error @ SceneError::Source { .. }) => return Err(error),
+                Err(_) => last.clone(),
+            };
+            self.sources.push(half);
             self.levels.push(None);
         }
-        &self.volumes[level]
+        Ok(self.sources[level].clone())
     }
 
-    /// A level, made right for a transfer function with its unit distance; `None` where `stop` is set meanwhile, and the level
-    /// forgotten, for it may be half done.
+    /// A level, made right for a transfer function with its unit distance.
+    ///
+    /// # Errors
+    /// `stop`, set meanwhile, and samples that cannot be read; the level is forgotten then, for it may be half done.
     pub(crate) fn classify(
         &mut self,
         level: usize,
         look: (&TransferFunction, f64),
         wanted: Wanted,
         stop: &AtomicBool,
-    ) -> Option<&Level> {
-        let volume = Arc::clone(self.volume(level));
+    ) -> Result<&Level, SceneError> {
+        let source = self.source(level)?;
         let slot = &mut self.levels[level];
         match slot.as_mut() {
             Some(level) => level.update(look, wanted, stop),
             None => {
                 let method = (self.kernel, self.prefilter);
-                *slot = Some(Level::new(volume, method, look, (wanted, stop)));
+                *slot = Some(Level::new(source, method, look, (wanted, stop)));
             }
         }
-        if stop.load(Ordering::Relaxed) {
+        let failure = slot.as_ref().and_then(|level| level.field.failure());
+        if failure.is_some() || stop.load(Ordering::Relaxed) {
             *slot = None;
         }
-        slot.as_ref()
+        slot.as_ref().ok_or(failure.unwrap_or(SceneError::Stopped))
     }
 }

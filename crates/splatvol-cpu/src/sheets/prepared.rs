@@ -48,7 +48,8 @@ impl Prepared {
             match others.iter().position(|pyramid| pyramid.is_of(volume, settings)) {
                 Some(at) => others[..=at].rotate_right(1),
                 None => {
-                    let new = Pyramid::new(Arc::clone(volume), settings);
+                    let own: Arc<Volume> = Arc::clone(volume);
+                    let new = Pyramid::new(own, settings);
                     self.pyramids.insert(self.own, new);
                 }
             }

@@ -8,7 +8,7 @@ use splatvol_core::bin::TileGrid;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::plan::{Sampling, View};
 use splatvol_core::splats::SplatCloud;
-use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings};
+use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError};
 
 use super::analytic::Analytic;
 use super::classified::ClassifiedBricks;
@@ -62,7 +62,7 @@ pub(crate) struct LayerStore {
 /// A view of every volume, on the planes of the one whose sheets are thinnest.
 fn views(levels: &[&Level], (camera, settings): (&Camera, &RenderSettings), sampling: Sampling) -> Vec<View> {
     let view = |level: &&Level, spacing| {
-        let grid = level.field.volume().grid();
+        let grid = level.field.source().grid();
         View::new(grid, (camera, settings), sampling, spacing)
     };
     let own: Vec<View> = levels.iter().map(|level| view(level, None)).collect();
@@ -81,13 +81,16 @@ fn views(levels: &[&Level], (camera, settings): (&Camera, &RenderSettings), samp
 
 impl SheetEngine {
     /// Renders a scene of several layers. `start`: when work on the frame began.
+    ///
+    /// # Errors
+    /// A picture that is given up, and samples that cannot be read.
     pub(crate) fn render_layers(
         &mut self,
         run: Run<'_>,
         scene: &LayeredScene<'_>,
         (camera, settings): (&Camera, &RenderSettings),
         (frame, start): (&mut Frame, Instant),
-    ) -> RenderStatistics {
+    ) -> Result<RenderStatistics, SceneError> {
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             engine: "sheets",
@@ -124,7 +127,7 @@ impl SheetEngine {
                 view,
                 frame,
                 &mut statistics,
-            );
+            )?;
             let mut pass = 0;
             for (at, detail) in details.iter().enumerate() {
                 if detail.coarser > 0.0 {
@@ -139,15 +142,16 @@ impl SheetEngine {
                     if coarser.image.size() != frame.image.size() {
                         coarser = frame.clone();
                     }
-                    self.layers_once(run, (scene, &levels), view, &mut coarser, &mut statistics);
+                    self.layers_once(run, (scene, &levels), view, &mut coarser, &mut statistics)?;
                     blend(frame, &coarser, detail.coarser);
                     self.coarser = Some(coarser);
                     levels[at] -= 1;
                 }
             }
-        });
+            Ok(())
+        })?;
         statistics.seconds.total = start.elapsed().as_secs_f64();
-        statistics
+        Ok(statistics)
     }
 
     /// Renders every volume at one of its levels, and the cloud.
@@ -158,7 +162,7 @@ impl SheetEngine {
         (camera, settings): (&Camera, &RenderSettings),
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
-    ) {
+    ) -> Result<(), SceneError> {
         let prepared = Instant::now();
         let wanted = Wanted::of(settings);
         let Self {
@@ -172,10 +176,7 @@ impl SheetEngine {
         let mut classified: Vec<&Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let look = (&*volume.transfer_function, volume.unit_distance());
-            let Some(level) = pyramid.classify(level, look, wanted, run.task.stop) else {
-                return;
-            };
-            classified.push(level);
+            classified.push(pyramid.classify(level, look, wanted, run.task.stop)?);
         }
         let levels = classified;
         let sampling = match wanted {
@@ -192,7 +193,7 @@ impl SheetEngine {
             .zip(&views)
             .zip(&levels)
             .map(|((volume, view), level)| {
-                let grid = level.field.volume().grid();
+                let grid = level.field.source().grid();
                 Cut::new(
                     &volume.asked.clips,
                     world_from_lattice(grid.world_from_voxel(), view.margin()),
@@ -243,7 +244,7 @@ impl SheetEngine {
                     operated: Operated::new(
                         &volume.asked,
                         spacing,
-                        (camera, level.field.volume().value_range()),
+                        (camera, level.field.source().value_range()),
                     ),
                 };
                 Layer::Shaded(sheets, mode)
@@ -268,5 +269,7 @@ impl SheetEngine {
         if !layers.is_empty() {
             memory.render(run, &Layers(layers), LANES as u64, frame, statistics);
         }
+        let failure = levels.iter().find_map(|level| level.field.failure());
+        failure.map_or(Ok(()), Err)
     }
 }

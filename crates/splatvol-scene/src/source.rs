@@ -1,0 +1,119 @@
+//! Where samples come from: a grid at one or several levels of detail, read region by region.
+//!
+//! A [`Volume`] has all its samples in memory, its own or shared with somebody else ([`crate::Storage`]), and lends them as they are.
+//! Other sources - chunks of a file, a store on another machine - bring a region when it is asked for. What an engine makes of
+//! samples depends on their values alone, never on the regions in which they come.
+
+use std::fmt::Debug;
+
+use crate::volume::Statistics;
+use crate::{Grid, Rescale, Samples, SceneError, Volume};
+
+/// A box of samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VoxelBox {
+    /// Its first sample along x, y, z.
+    pub first: [usize; 3],
+    /// Samples along x, y, z.
+    pub size: [usize; 3],
+}
+
+impl VoxelBox {
+    /// All samples of a grid.
+    pub fn whole(grid: &Grid) -> Self {
+        Self {
+            first: [0; 3],
+            size: grid.dims(),
+        }
+    }
+
+    /// A row of it among its samples, x fastest; y and z are those of the grid.
+    #[inline(always)]
+    pub fn row<'a, T>(&self, samples: &'a [T], [y, z]: [usize; 2]) -> &'a [T] {
+        let Self { first, size } = *self;
+        let start = ((z - first[2]) * size[1] + y - first[1]) * size[0];
+        &samples[start..start + size[0]]
+    }
+
+    /// Samples in it.
+    pub fn len(&self) -> usize {
+        self.size.iter().product()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Samples in memory, x fastest, and the region that they are of.
+#[derive(Debug, Clone, Copy)]
+pub struct Block<'a> {
+    /// As many as the region has.
+    pub samples: &'a Samples,
+    /// Where they lie.
+    pub of: VoxelBox,
+}
+
+/// Samples on a grid, at levels of detail. Level 0 has them all; each further one covers the same box with about half as many
+/// along each axis. Any thread may read at any time.
+pub trait SampleSource: Debug + Send + Sync {
+    /// Levels that there are, one at least. Engines make further ones from the last.
+    fn levels(&self) -> usize {
+        1
+    }
+
+    /// Where the samples of a level lie.
+    fn grid(&self, level: usize) -> &Grid;
+
+    /// How the stored samples of a level become real values.
+    fn rescale(&self, level: usize) -> Rescale;
+
+    /// Range, mean and missing samples of a level, real values.
+    fn statistics(&self, level: usize) -> Statistics;
+
+    /// The samples of a region, or of a larger one that holds it. `memory` is for those that lie nowhere yet; what an earlier
+    /// call left there may be used again.
+    ///
+    /// # Errors
+    /// Samples that cannot be had: [`SceneError::Source`].
+    fn read<'a>(
+        &'a self,
+        level: usize,
+        region: VoxelBox,
+        memory: &'a mut Option<Samples>,
+    ) -> Result<Block<'a>, SceneError>;
+
+    /// Bytes in memory that belong to the source.
+    fn bytes(&self) -> usize;
+}
+
+impl SampleSource for Volume {
+    fn grid(&self, _: usize) -> &Grid {
+        self.grid()
+    }
+
+    fn rescale(&self, _: usize) -> Rescale {
+        self.rescale()
+    }
+
+    fn statistics(&self, _: usize) -> Statistics {
+        self.statistics()
+    }
+
+    fn read<'a>(
+        &'a self,
+        _: usize,
+        _: VoxelBox,
+        _: &'a mut Option<Samples>,
+    ) -> Result<Block<'a>, SceneError> {
+        Ok(Block {
+            samples: self.samples(),
+            of: VoxelBox::whole(self.grid()),
+        })
+    }
+
+    fn bytes(&self) -> usize {
+        self.samples().len() * self.samples().bytes_per_sample()
+    }
+}
