@@ -12,6 +12,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
+use splatvol_scene::volume::widen;
 use splatvol_scene::{Samples, SceneError, VoxelBox};
 
 use crate::brick::BRICK;
@@ -367,7 +368,7 @@ fn histogram(reader: &mut Reader<'_>) -> Histogram {
         let from = (z * nx * ny).next_multiple_of(step);
         with_block!(reader, slice, data => {
             for at in (from..(z + 1) * nx * ny).step_by(step) {
-                histogram.add(data.row([at / nx % ny, z]).at(at % nx).into());
+                histogram.add(widen(data.row([at / nx % ny, z]).at(at % nx)));
             }
         });
     }

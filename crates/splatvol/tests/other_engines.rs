@@ -1,5 +1,7 @@
 //! A renderer makes shutters, sampled edges, parts and progress of any engine's pictures.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::sync::Mutex;
 
 use glam::DVec3;

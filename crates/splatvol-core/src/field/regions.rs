@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
-use splatvol_scene::volume::Statistics;
+use splatvol_scene::volume::{Statistics, widen};
 use splatvol_scene::{
     Block, Grid, Kernel, LengthUnit, Rescale, SampleSource, Samples, SceneError, Volume, VoxelBox,
     with_samples,
@@ -58,7 +58,7 @@ impl SampleSource for Pieces {
         let copy = with_samples!(self.volume.samples(), data => Samples::F64(
             rows.flat_map(|[y, z]| {
                 let row = whole.row(data, [of.first[1] + y, of.first[2] + z]);
-                row[of.first[0]..][..of.size[0]].iter().map(|&sample| f64::from(sample))
+                row[of.first[0]..][..of.size[0]].iter().map(|&sample| widen(sample))
             })
             .collect(),
         ));
