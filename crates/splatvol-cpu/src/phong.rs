@@ -3,6 +3,8 @@
 //! The model of `splatvol_scene::lighting` in f32: `c (ambient + diffuse (1 - s + s |n . l|)) + specular s |n . h|^power`, where
 //! the surfaceness `s = g^2 / (g^2 + floor^2)` fades from homogeneous material, lit from all sides, to a surface.
 
+use std::ops::Mul;
+
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_scene::Lighting;
 
@@ -85,17 +87,17 @@ impl Phong {
         if self.power.fract() != 0.0 || self.power > 256.0 {
             return exp2(simd, log2(simd, base) * self.power);
         }
-        let (mut exponent, mut square, mut product) = (self.power as u32, base, f32x16::splat(simd, 1.0));
-        loop {
-            if exponent & 1 != 0 {
-                product *= square;
-            }
-            exponent >>= 1;
-            if exponent == 0 {
-                return product;
-            }
-            square *= square;
+        raised(base, self.power as u32, f32x16::splat(simd, 1.0))
+    }
+
+    /// The same of one pixel or splat.
+    #[inline(always)]
+    fn gloss_of(&self, shining: f32) -> f32 {
+        let base = shining.max(self.least_shining);
+        if self.power.fract() != 0.0 || self.power > 256.0 {
+            return libm::powf(base, self.power);
         }
+        raised(base, self.power as u32, 1.0)
     }
 
     /// Surfaceness of a gradient of this length, per world length.
@@ -112,10 +114,10 @@ impl Phong {
                 .min(1.0)
         };
         let facing = dot(self.towards_light);
-        let shining = dot(self.half_way).max(self.least_shining);
+        let shining = dot(self.half_way);
         Lit {
             diffuse: (surfaceness * (facing - 1.0) + 1.0) * self.diffuse + self.ambient,
-            specular: libm::powf(shining, self.power) * surfaceness * self.specular,
+            specular: self.gloss_of(shining) * surfaceness * self.specular,
         }
     }
 
@@ -140,9 +142,25 @@ impl Phong {
             specular: if self.specular == 0.0 {
                 0.0
             } else {
-                self.specular * surface * libm::powf(shining, self.power)
+                self.specular * surface * self.gloss_of(shining)
             },
         }
+    }
+}
+
+/// A whole power, by squaring.
+#[inline(always)]
+fn raised<T: Copy + Mul<Output = T>>(base: T, power: u32, one: T) -> T {
+    let (mut exponent, mut square, mut product) = (power, base, one);
+    loop {
+        if exponent & 1 != 0 {
+            product = product * square;
+        }
+        exponent >>= 1;
+        if exponent == 0 {
+            return product;
+        }
+        square = square * square;
     }
 }
 

@@ -5,6 +5,7 @@
 //! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where a method needs whole ones |
 //! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
 //! | everything else on image sheets | `sheets`: every volume and mesh a layer, the rest a cloud, another |
+//! | one mesh, of whose values each ray shows one | `sheets`, a layer |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |
 //!
 //! A volume is brought to its place by its grid: `world_from_voxel = world_from_item * item_from_voxel`.
@@ -43,6 +44,7 @@ impl<'a> Way<'a> {
         match scene.single_volume() {
             Ok(single) => Self::Volume(single),
             Err(_) if settings.compositing == Compositing::ImageSheets => Self::Layers,
+            Err(_) if shows_values(settings) && is_mesh(scene) => Self::Layers,
             Err(_) => Self::Splats,
         }
     }
@@ -213,9 +215,18 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
 
 /// Whether the samples of a mesh are a layer of data, classified behind their kernels.
 pub(crate) fn is_data(item: &Item, settings: &RenderSettings) -> bool {
-    matches!(item.content, Content::Mesh { .. })
-        && settings.compositing == Compositing::ImageSheets
-        && !settings.splats_colors()
+    matches!(item.content, Content::Mesh { .. }) && !settings.splats_colors()
+}
+
+/// Whether pictures are of one value of each ray.
+pub(crate) fn shows_values(settings: &RenderSettings) -> bool {
+    use Compositing::{Mean, MinimumIntensity, Mip};
+    matches!(settings.compositing, Mip | MinimumIntensity | Mean)
+}
+
+/// Whether a scene is one mesh and nothing else.
+fn is_mesh(scene: &Scene) -> bool {
+    matches!(&scene.items[..], [item] if matches!(item.content, Content::Mesh { .. }))
 }
 
 fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -> Option<MeshScene<'a>> {

@@ -6,10 +6,14 @@
 //!
 //! by the midpoint rule with steps that are short against the narrowest kernel on the ray (zwicker2001 eq. 1 and 9, with no
 //! low-pass, no footprint and no order of splats).
+//!
+//! Samples of a field, of mass m and coefficient a, are integrated the same way ([`field_picture`]): with
+//! `W = sum_i m_i N(x; u_i, V_i)` and `S = sum_i m_i a_i N(x; u_i, V_i)` the field is `v = S / W`, and there are
+//! `k = min(W, 1) kappa(v)` and `e = k c(v)`.
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
-use splatvol_scene::{Camera, Image, ImageSize};
+use splatvol_scene::{Camera, Image, ImageSize, TransferFunction};
 
 /// A kernel of material.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +26,19 @@ pub struct Ellipsoid {
     pub mass: f64,
     /// Linear rgb.
     pub color: [f64; 3],
+}
+
+/// A sample of a field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Centre, world.
+    pub centre: DVec3,
+    /// Covariance, world, not singular.
+    pub covariance: DMat3,
+    /// The volume that it stands for, world.
+    pub mass: f64,
+    /// Coefficient of its kernel.
+    pub coefficient: f64,
 }
 
 /// Standard deviations beyond which a kernel is left out.
@@ -64,6 +81,40 @@ impl Ellipsoid {
 
 /// A picture of kernels: premultiplied linear rgb, and alpha.
 pub fn picture(ellipsoids: &[Ellipsoid], camera: &Camera, size: ImageSize) -> Image {
+    picture_of(ellipsoids, camera, size, |extinction, emission| {
+        (extinction, emission)
+    })
+}
+
+/// A picture of a field's samples, classified behind their kernels, unlit. Opacities refer to `unit_distance`, world.
+pub fn field_picture(
+    samples: &[Sample],
+    (transfer_function, unit_distance): (&TransferFunction, f64),
+    camera: &Camera,
+    size: ImageSize,
+) -> Image {
+    let weighted = |sample: &Sample| Ellipsoid {
+        centre: sample.centre,
+        covariance: sample.covariance,
+        mass: sample.mass,
+        color: [sample.coefficient, 0.0, 0.0],
+    };
+    let ellipsoids: Vec<Ellipsoid> = samples.iter().map(weighted).collect();
+    picture_of(&ellipsoids, camera, size, |weight, [sum, ..]| {
+        let value = sum / weight;
+        let extinction = weight.min(1.0) * transfer_function.extinction(value, unit_distance);
+        let color = transfer_function.linear_color(value);
+        (extinction, color.map(|level| extinction * level))
+    })
+}
+
+/// A picture whose extinction and emission are what `material` makes of the kernels' sums.
+fn picture_of(
+    ellipsoids: &[Ellipsoid],
+    camera: &Camera,
+    size: ImageSize,
+    material: impl Fn(f64, [f64; 3]) -> (f64, [f64; 3]) + Sync,
+) -> Image {
     let screen = camera.screen_from_camera(size);
     let world_from_camera = camera.camera_from_world().inverse();
     let mut image = Image::filled(size, [0.0; 4]);
@@ -77,13 +128,17 @@ pub fn picture(ellipsoids: &[Ellipsoid], camera: &Camera, size: ImageSize) -> Im
             let (origin, direction) = screen.ray(at);
             let direction = world_from_camera.transform_vector3(direction).normalize();
             let origin = world_from_camera.transform_point3(origin);
-            *pixel = integral(ellipsoids, origin, direction).map(|value| value as f32);
+            *pixel = integral(ellipsoids, (origin, direction), &material).map(|value| value as f32);
         });
     image
 }
 
 /// What a ray sees from its origin on.
-fn integral(ellipsoids: &[Ellipsoid], origin: DVec3, direction: DVec3) -> [f64; 4] {
+fn integral(
+    ellipsoids: &[Ellipsoid],
+    (origin, direction): (DVec3, DVec3),
+    material: impl Fn(f64, [f64; 3]) -> (f64, [f64; 3]),
+) -> [f64; 4] {
     let met: Vec<OnRay> = ellipsoids
         .iter()
         .filter_map(|ellipsoid| ellipsoid.on_ray(origin, direction))
@@ -108,15 +163,19 @@ fn integral(ellipsoids: &[Ellipsoid], origin: DVec3, direction: DVec3) -> [f64; 
     let (mut through, mut color) = (1.0, [0.0; 3]);
     for i in 0..steps as usize {
         let t = from + (i as f64 + 0.5) * step;
-        let (mut extinction, mut emission) = (0.0, [0.0; 3]);
+        let (mut density_sum, mut color_sum) = (0.0, [0.0; 3]);
         for kernel in &met {
             let z = (t - kernel.middle) / kernel.sigma;
             let density = kernel.peak * (-0.5 * z * z).exp();
-            extinction += density;
-            for (sum, level) in emission.iter_mut().zip(kernel.color) {
+            density_sum += density;
+            for (sum, level) in color_sum.iter_mut().zip(kernel.color) {
                 *sum += density * level;
             }
         }
+        if density_sum <= 0.0 {
+            continue;
+        }
+        let (extinction, emission) = material(density_sum, color_sum);
         if extinction > 0.0 {
             let opacity = -(-extinction * step).exp_m1();
             for (sum, emission) in color.iter_mut().zip(emission) {

@@ -103,7 +103,7 @@ impl MethodArgs {
 /// Whole settings by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetName {
-    /// Nearest to the exact integral
+    /// Nearest to the exact integral; meshes are lit by differences
     Best,
     /// In a hundredth of the time, hardly to be told apart
     Balanced,

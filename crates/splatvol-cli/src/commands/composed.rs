@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, ImageSize, MotionBlur, RenderSettings, Scene, View};
+use splatvol::{Camera, Content, ImageSize, Item, MotionBlur, RenderSettings, Scene, View};
 use splatvol_io::{DataKind, SceneFile, SceneItem, is_scene, read_scene};
 
 use super::render::{self, bits, kept_sub_frames};
@@ -215,7 +215,7 @@ impl Composed {
         };
         let loaded = items::load_all(&self.scene.items, self.source, reading)?;
         // What a single item wants is what its file alone would get; several share one method.
-        let (wishes, preferred) = match &loaded[..] {
+        let (mut wishes, preferred) = match &loaded[..] {
             [] => {
                 return Err(Failure::usage(format!(
                     "no item of {} is visible",
@@ -226,7 +226,10 @@ impl Composed {
             _ => (Wishes::default(), None),
         };
         let files = loaded.iter().flat_map(|loaded| loaded.files.clone()).collect();
-        let items = loaded.into_iter().map(|loaded| loaded.item).collect();
+        let items: Vec<Item> = loaded.into_iter().map(|loaded| loaded.item).collect();
+        wishes.differences = items
+            .iter()
+            .any(|item| matches!(item.content, Content::Mesh { .. }));
         Ok(Loaded {
             scene: Scene::of_items(items).during(Step::Usage)?,
             wishes,

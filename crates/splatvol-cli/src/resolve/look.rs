@@ -31,6 +31,8 @@ pub(crate) struct Wishes {
     pub(crate) classification: Option<Classification>,
     /// Colours as they are, without light.
     pub(crate) unlit: bool,
+    /// Gradients by differences, whatever the preset: meshes have no others.
+    pub(crate) differences: bool,
 }
 
 impl From<TransferFunction> for Look {
@@ -152,6 +154,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
             wishes: Wishes {
                 classification: Some(sample.preferred_classification()),
                 unlit: !sample.is_lit(),
+                ..Wishes::default()
             },
             gradient_opacity: None,
         });
@@ -162,7 +165,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         transfer_function,
         wishes: Wishes {
             classification: Some(choice.classification),
-            unlit: false,
+            ..Wishes::default()
         },
         gradient_opacity: None,
     })

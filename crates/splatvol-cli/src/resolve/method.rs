@@ -51,6 +51,9 @@ pub(crate) fn resolve(
     };
     if let Some(name) = args.preset {
         settings = preset(name, &settings);
+        if wishes.differences {
+            settings.gradient = Gradient::Differences;
+        }
     }
     settings.compositing = compositing(args, like);
     if let Some(size) = size {
@@ -282,7 +285,7 @@ mod tests {
     fn labels_are_classified_first_unless_told_otherwise() {
         let wishes = Wishes {
             classification: Some(Classification::Pre),
-            unlit: false,
+            ..Wishes::default()
         };
         let pre = resolve(&MethodArgs::default(), None, None, wishes).unwrap();
         assert_eq!(pre.classification, Classification::Pre);
@@ -295,10 +298,31 @@ mod tests {
     }
 
     #[test]
+    fn presets_light_meshes_by_differences_and_flags_say_otherwise() {
+        let wishes = Wishes {
+            differences: true,
+            ..Wishes::default()
+        };
+        let best = MethodArgs {
+            preset: Some(PresetName::Best),
+            ..MethodArgs::default()
+        };
+        let settings = resolve(&best, None, None, wishes).unwrap();
+        assert_eq!(settings.gradient, Gradient::Differences);
+        assert_eq!(settings.kernel, RenderSettings::best().kernel);
+        let asked = MethodArgs {
+            gradient: Some(GradientName::Analytic),
+            ..best
+        };
+        let settings = resolve(&asked, None, None, wishes).unwrap();
+        assert_eq!(settings.gradient, Gradient::Analytic);
+    }
+
+    #[test]
     fn photographs_are_unlit_unless_light_is_asked_for() {
         let wishes = Wishes {
-            classification: None,
             unlit: true,
+            ..Wishes::default()
         };
         let plain = resolve(&MethodArgs::default(), None, None, wishes).unwrap();
         assert_eq!(plain.lighting, None);

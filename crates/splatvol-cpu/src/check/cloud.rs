@@ -1,12 +1,12 @@
 //! What clouds of splats cannot show: several things, meshes, points, Gaussians.
 
 use splatvol_scene::{
-    Absorption, Alignment, Classification, Compositing, Content, Filter, Item, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
+    Absorption, Alignment, Classification, Compositing, Content, Filter, Gradient, Item, Occlusion,
+    Rasterizer, Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
 };
 
-use super::{asked, asked_of, volume};
-use crate::route::{is_data, own_layer};
+use super::{ONE_VALUE, asked, asked_of, volume};
+use crate::route::{is_data, own_layer, shows_values};
 
 /// Refuses what the published way to render Gaussians does not have.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
@@ -56,7 +56,7 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
         if let Some(single) = own_layer(item) {
             volume::check(scene, &single, settings)?;
         } else if is_data(item, settings) {
-            // Whatever is asked of it, its planes hold values and gradients.
+            mesh(scene, item, settings)?;
         } else if let Some(what) = asked_of(std::slice::from_ref(item), &[]) {
             return Err(SceneError::Combination {
                 what,
@@ -66,6 +66,21 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
         }
     }
     Ok(())
+}
+
+/// Refuses what a mesh's planes of values do not show: their gradients are differences, whatever is asked for.
+fn mesh(scene: &Scene, item: &Item, settings: &RenderSettings) -> Result<(), SceneError> {
+    if settings.gradient != Gradient::Differences {
+        return Err(SceneError::invalid(
+            "gradient",
+            settings.gradient,
+            "differences: analytic gradients are of the kernels of grids, and the samples of meshes have kernels of their own",
+        ));
+    }
+    match asked_of(std::slice::from_ref(item), &scene.clips) {
+        Some(what) if shows_values(settings) => Err(SceneError::Combination { what, why: ONE_VALUE }),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses what whole splats do not have.
@@ -79,10 +94,11 @@ pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
                 "per-splat, the same picture front to back: the other order is of one volume alone",
             ));
         }
+        _ if shows_values(settings) => return Err(no_values(scene)),
         _ => {
             return Err(SceneError::Combination {
                 what: "anything but one volume",
-                why: "maxima, minima, means and the slices of a grid are of one volume; use image sheets, per-splat or X-ray",
+                why: "the slices of a grid are of one volume; use image sheets, per-splat or X-ray",
             });
         }
     }
@@ -104,6 +120,29 @@ pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
         scene,
         "whole splats are drawn one by one, classified first, without it; use image sheets",
     )
+}
+
+/// Why rays through a scene have no largest, smallest or mean value.
+fn no_values(scene: &Scene) -> SceneError {
+    let has_values = |item: &Item| matches!(item.content, Content::Volume { .. } | Content::Mesh { .. });
+    let has_gaussians = |item: &Item| matches!(item.content, Content::Gaussians(_));
+    if scene.items.iter().any(has_values) {
+        SceneError::Combination {
+            what: "a maximum, minimum or mean of several things",
+            why: "points and Gaussians have no values, and those of different fields do not compare; show one volume or mesh, or use \
+                  image sheets, per-splat or X-ray",
+        }
+    } else if scene.items.iter().any(has_gaussians) {
+        SceneError::Combination {
+            what: "a maximum, minimum or mean of Gaussians",
+            why: "they have densities and colours, but no values; use image sheets, per-splat or X-ray",
+        }
+    } else {
+        SceneError::Combination {
+            what: "a maximum, minimum or mean of points",
+            why: "they have colours, but no values, and are surfaces; use image sheets, per-splat or X-ray",
+        }
+    }
 }
 
 /// Refuses the methods whose footprints are of the voxels of one grid.

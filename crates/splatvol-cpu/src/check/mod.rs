@@ -19,6 +19,9 @@ use splatvol_scene::{Clip, Item, Scene, SceneError};
 use crate::classic;
 use crate::route::Way;
 
+/// Why pictures of one value of each ray have no operators, clips and isosurfaces.
+const ONE_VALUE: &str = "maximum, minimum and mean show one value of a ray alone, use image sheets";
+
 /// Whether a scene can be rendered from a camera with these settings, what moves in it and edges aside.
 ///
 /// # Errors

@@ -4,7 +4,7 @@ use splatvol_scene::{
     Classification, Compositing, Gradient, RenderSettings, Scene, SceneError, SingleVolume,
 };
 
-use super::asked_of;
+use super::{ONE_VALUE, asked_of};
 use crate::classic;
 
 /// Refuses what the scene asks for where the settings cannot show it.
@@ -25,7 +25,7 @@ pub(super) fn check(
     }
     match settings.compositing {
         Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => {
-            return refuse("maximum, minimum and mean show one value of a ray alone, use image sheets");
+            return refuse(ONE_VALUE);
         }
         Compositing::Xray if operated => {
             return refuse("X-rays have no sheets whose pixels could be lit, use image sheets");

@@ -143,25 +143,29 @@ pub(super) struct Beside<S: Simd> {
     /// Values less the background: of a plane that has hardly any weight those of the others, continued.
     pub values: [f32x16<S>; 4],
     /// Shares of the weight that are left.
-    pub left: [f32x16<S>; 4],
+    left: [f32x16<S>; 4],
+    /// What coverage is below zero where nothing is left.
+    below: f32,
 }
 
 impl<S: Simd> Beside<S> {
-    /// `missing`: M over W.
+    /// Of an interval's sums, less the background; or of their means where its planes have weights of their own. `missing`: M
+    /// over W.
     #[inline(always)]
-    pub(super) fn new(simd: S, sums: [f32x16<S>; 4], missing: [f32x16<S>; 4]) -> Self {
-        let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST));
-        let means = [0, 1, 2, 3].map(|i| sums[i] / (one - missing[i]).max(least));
-        Self::of_means(simd, means, missing)
-    }
-
-    /// Of sums that were divided by their weights.
-    #[inline(always)]
-    pub(super) fn of_means(
+    pub(super) fn of(
         simd: S,
-        [before, near, far, after]: [f32x16<S>; 4],
+        interval: &Interval<'_>,
+        mut sums: [f32x16<S>; 4],
         missing: [f32x16<S>; 4],
     ) -> Self {
+        let divided = interval.weights.is_some();
+        if !divided {
+            let (one, least) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, LEAST));
+            for (sum, missing) in sums.iter_mut().zip(missing) {
+                *sum /= (one - missing).max(least);
+            }
+        }
+        let [before, near, far, after] = sums;
         let (one, faded) = (f32x16::splat(simd, 1.0), f32x16::splat(simd, FADED));
         let left = missing.map(|missing| one - missing);
         let nearer = left[1].simd_lt(faded.min(left[2])).select(far, near);
@@ -175,6 +179,7 @@ impl<S: Simd> Beside<S> {
                 outer(left[3], after, farther * 2.0 - nearer),
             ],
             left,
+            below: if divided { 0.0 } else { BELOW },
         }
     }
 
@@ -182,8 +187,8 @@ impl<S: Simd> Beside<S> {
     #[inline(always)]
     pub(super) fn covered(&self, simd: S, [near, far]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
         [
-            covered(simd, near, self.left[1]),
-            covered(simd, far, self.left[2]),
+            self.covered_by(simd, near, self.left[1]),
+            self.covered_by(simd, far, self.left[2]),
         ]
     }
 
@@ -196,14 +201,14 @@ impl<S: Simd> Beside<S> {
         let share = between
             .max(f32x16::splat(simd, 0.0))
             .min(f32x16::splat(simd, 1.0));
-        [near, covered(simd, middle, share), far]
+        [near, self.covered_by(simd, middle, share), far]
     }
-}
 
-/// Coverage of a share of the weight, given that of all of it.
-#[inline(always)]
-fn covered<S: Simd>(simd: S, border: f32x16<S>, left: f32x16<S>) -> f32x16<S> {
-    (border * left - (1.0 - left) * BELOW).max(f32x16::splat(simd, 0.0))
+    /// Coverage of a share of the weight, given that of all of it.
+    #[inline(always)]
+    fn covered_by(&self, simd: S, border: f32x16<S>, left: f32x16<S>) -> f32x16<S> {
+        (border * left - (1.0 - left) * self.below).max(f32x16::splat(simd, 0.0))
+    }
 }
 
 /// What coverage `q = (B - 1/2) / 0.98 + 1/2` is below zero at B = 0: of a share of B it is `q share - BELOW (1 - share)`.

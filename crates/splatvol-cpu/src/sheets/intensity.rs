@@ -17,7 +17,7 @@ use super::frame::{SheetFrame, ZonedFrame};
 use super::holes::Beside;
 use super::mode::Mode;
 use super::place::Place;
-use super::plane::HALO;
+use super::plane::{HALO, Plane, Span};
 use super::shade::{Interval, PlaneShader};
 use super::shaded::interval;
 use super::splat::Coefficient;
@@ -29,6 +29,12 @@ use crate::simd::math::exp2;
 #[derive(Debug)]
 pub(crate) struct Intensity<'a, K> {
     store: &'a FieldStore,
+    rays: RayValues<'a, K>,
+}
+
+/// What rays keep of values on planes, whatever has been splatted.
+#[derive(Debug)]
+pub(crate) struct RayValues<'a, K> {
     shader: PlaneShader<'a>,
     colors: ValueColors<'a>,
     kept: PhantomData<K>,
@@ -144,12 +150,59 @@ impl Kept for Mean {
 impl<'a, K: Kept> Intensity<'a, K> {
     /// The mode for a field.
     pub(crate) fn new(store: &'a FieldStore, shader: PlaneShader<'a>, colors: ValueColors<'a>) -> Self {
+        let rays = RayValues::new(shader, colors);
+        Self { store, rays }
+    }
+}
+
+impl<'a, K: Kept> RayValues<'a, K> {
+    pub(crate) fn new(shader: PlaneShader<'a>, colors: ValueColors<'a>) -> Self {
         Self {
-            store,
-            colors,
             shader,
+            colors,
             kept: PhantomData,
         }
+    }
+
+    /// The interval behind a sheet, and the pixels where it holds something. `at_eye`: as [`SheetScratch::at_eye`].
+    pub(crate) fn interval<'p>(
+        &self,
+        frame: &SheetFrame<'_>,
+        at: (usize, &Place),
+        planes: ([&'p Plane; 4], Option<[f32; 3]>),
+    ) -> Option<(Interval<'p>, Span)> {
+        interval(&self.shader, frame, at, planes)
+    }
+
+    /// Takes an interval's values to what the canvas has.
+    #[inline(always)]
+    pub(crate) fn keep<S: Simd>(
+        &self,
+        simd: S,
+        (interval, span): (&Interval<'_>, Span),
+        place: &Place,
+        canvas: &mut Canvas,
+    ) {
+        let [near, far] = interval.depths;
+        let [middle, _] = self.shader.borders([0.5 * (near + far); 2]);
+        let spacing = self.shader.spacing;
+        let outer = self.shader.borders([near - spacing, far + spacing]);
+        let around = Around { middle, outer };
+        for y in span.y0..span.y1 {
+            let mut x = span.x0 / 16 * 16;
+            while x < span.x1 {
+                let piece = self.piece(simd, (interval, &around, place), [x, y]);
+                let pixel = y * canvas.pitch + x;
+                K::keep(simd, &piece, self.shader.table.hull, canvas, pixel);
+                x += 16;
+            }
+        }
+    }
+
+    /// Makes pixels of what was kept.
+    #[inline(always)]
+    pub(crate) fn finish<S: Simd>(&self, simd: S, canvas: &mut Canvas) {
+        self.colors.finish::<S, K>(simd, canvas);
     }
 
     /// What sixteen pixels have of an interval.
@@ -206,7 +259,7 @@ impl<'a, K: Kept> Intensity<'a, K> {
                     *missing = shares.is_faded(simd).select(zero, *missing * shares.per_weight);
                 }
             }
-            let beside = Beside::new(simd, values, missing);
+            let beside = Beside::of(simd, interval, values, missing);
             values = beside.values;
             coverage = Some(Parabola::through(beside.covered_along(simd, along)));
         }
@@ -314,32 +367,18 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
         (canvas, scratch): (&mut Canvas, &mut SheetScratch),
     ) {
         let planes = scratch.planes.each_ref().map(|plane| &plane[0]);
-        let Some((mut interval, span)) =
-            interval(&self.shader, frame, (near, place), (planes, scratch.at_eye))
-        else {
+        let planes = (planes, scratch.at_eye);
+        let Some((mut interval, span)) = self.rays.interval(frame, (near, place), planes) else {
             return;
         };
         if self.has_holes() {
-            interval.leave_out(&scratch.holes, self.shader.background);
+            interval.leave_out(&scratch.holes, self.rays.shader.background);
         }
-        let [near, far] = interval.depths;
-        let [middle, _] = self.shader.borders([0.5 * (near + far); 2]);
-        let spacing = self.shader.spacing;
-        let outer = self.shader.borders([near - spacing, far + spacing]);
-        let around = Around { middle, outer };
-        for y in span.y0..span.y1 {
-            let mut x = span.x0 / 16 * 16;
-            while x < span.x1 {
-                let piece = self.piece(simd, (&interval, &around, place), [x, y]);
-                let pixel = y * canvas.pitch + x;
-                K::keep(simd, &piece, self.shader.table.hull, canvas, pixel);
-                x += 16;
-            }
-        }
+        self.rays.keep(simd, (&interval, span), place, canvas);
     }
 
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, _: &ZonedFrame<'_>, _: &TileRect, canvas: &mut Canvas) {
-        self.colors.finish::<S, K>(simd, canvas);
+        self.rays.finish(simd, canvas);
     }
 }

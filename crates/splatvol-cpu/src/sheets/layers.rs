@@ -10,8 +10,9 @@ use fearless_simd::prelude::*;
 
 use super::analytic::Analytic;
 use super::canvas::Canvas;
-use super::cloud::emission::CloudEmission;
-use super::cloud::field::CloudField;
+use super::cloud::emission::EmittedLight;
+use super::cloud::field::FieldMaterial;
+use super::cloud::mode::CloudMode;
 use super::compose::Compose;
 use super::engine::Tiles;
 use super::frame::ZonedFrame;
@@ -30,9 +31,9 @@ pub(crate) enum Layer<'a> {
     /// A volume, pre-classified.
     Compose(ZonedFrame<'a>, Compose<'a>),
     /// The samples of a mesh, post-classified.
-    Mesh(ZonedFrame<'a>, Box<CloudField<'a>>),
+    Mesh(ZonedFrame<'a>, Box<CloudMode<'a, FieldMaterial<'a>>>),
     /// A cloud of classified splats.
-    Cloud(ZonedFrame<'a>, CloudEmission<'a>),
+    Cloud(ZonedFrame<'a>, CloudMode<'a, EmittedLight>),
 }
 
 impl Layer<'_> {

@@ -5,7 +5,7 @@
 //! | `shaded` | coefficients | with the one before it: classified, lit, composited |
 //! | `intensity` | coefficients | with the one before it: the largest or smallest value is kept, or the mean taken |
 //! | `compose` | extinction and lit emission of classified voxels | with the one before it: composited |
-//! | `cloud::field` | weights of a mesh's samples, and their values times those | divided, then as `shaded` |
+//! | `cloud::field`, `cloud::values` | weights of a mesh's samples, and their values times those | divided, then as `shaded`, or as `intensity` |
 //! | `integral` | the same, unlit, integrated along the ray | - |
 
 use fearless_simd::prelude::*;

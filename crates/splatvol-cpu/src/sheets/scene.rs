@@ -16,9 +16,11 @@ use super::cloud::layer::MeshLayer;
 use super::cloud::plan::own_spacing;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
-use super::engine::{SheetEngine, TILE_EDGE};
+use super::engine::{SheetEngine, Single, TILE_EDGE};
+use super::extremum::{Largest, Smallest};
 use super::frame::Plan;
 use super::frame::{analytic_field, shader};
+use super::intensity::{Extreme, Kept, Mean};
 use super::layers::{Layer, Layers};
 use super::level::{Detail, Level, Wanted};
 use super::operated::Operated;
@@ -165,6 +167,19 @@ impl SheetEngine {
     ) -> Result<(), SceneError> {
         let prepared = Instant::now();
         let wanted = Wanted::of(settings);
+        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
+        let tiles = TileGrid::new(settings.size, edge);
+        let view = (camera, settings);
+        match wanted {
+            Wanted::Largest => {
+                return self.values::<Extreme<Largest>>(run, scene, (view, tiles), (frame, statistics));
+            }
+            Wanted::Smallest => {
+                return self.values::<Extreme<Smallest>>(run, scene, (view, tiles), (frame, statistics));
+            }
+            Wanted::All => return self.values::<Mean>(run, scene, (view, tiles), (frame, statistics)),
+            Wanted::Visible | Wanted::Classified => {}
+        }
         let Self {
             prepared: kept,
             layers: LayerStore { plans, meshes },
@@ -186,7 +201,6 @@ impl SheetEngine {
         let views = views(&levels, (camera, settings), sampling);
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
-        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
         let cuts: Vec<Cut> = scene
             .volumes
             .iter()
@@ -250,7 +264,6 @@ impl SheetEngine {
                 Layer::Shaded(sheets, mode)
             });
         }
-        let tiles = TileGrid::new(settings.size, edge);
         let spacing = views
             .first()
             .map(View::spacing)
@@ -271,5 +284,29 @@ impl SheetEngine {
         }
         let failure = levels.iter().find_map(|level| level.field.failure());
         failure.map_or(Ok(()), Err)
+    }
+
+    /// Renders one value of each ray of the scene's mesh.
+    fn values<K: Kept>(
+        &mut self,
+        run: Run<'_>,
+        scene: &LayeredScene<'_>,
+        (view, tiles): ((&Camera, &RenderSettings), TileGrid),
+        (frame, statistics): (&mut Frame, &mut RenderStatistics),
+    ) -> Result<(), SceneError> {
+        let start = Instant::now();
+        let meshes = self.layers.meshes.iter_mut().zip(scene.meshes);
+        for ((kept, mesh), cloud) in meshes.zip(scene.mesh_clouds.clouds()) {
+            let Some((plan, mode)) = kept.values::<K>((cloud, mesh), view, tiles) else {
+                continue;
+            };
+            statistics.seconds.bin += start.elapsed().as_secs_f64();
+            let picture = Single {
+                frame: &plan,
+                mode: &mode,
+            };
+            self.memory.render(run, &picture, LANES as u64, frame, statistics);
+        }
+        Ok(())
     }
 }

@@ -355,15 +355,9 @@ impl PlaneShader<'_> {
             for (sum, share) in whole_sums.iter_mut().zip(shares) {
                 *sum -= share * self.background;
             }
-            let beside = match interval.weights {
-                None => Beside::new(simd, [sb, s0, s1, sa], shares),
-                Some(_) => Beside::of_means(simd, [sb, s0, s1, sa], shares),
-            };
+            let beside = Beside::of(simd, interval, [sb, s0, s1, sa], shares);
             [sb, s0, s1, sa] = beside.values;
-            coverage = match interval.weights {
-                None => beside.covered(simd, coverage),
-                Some(_) => [beside.left[1], beside.left[2]],
-            };
+            coverage = beside.covered(simd, coverage);
             missing = interval.holes;
         }
         let (v0, v1) = (s0 + self.background, s1 + self.background);

@@ -338,6 +338,14 @@ fn of_several() -> Vec<Case> {
     vec![
         case("surfels", vec![surfels(900)], default),
         case("mesh", vec![mesh()], default),
+        case(
+            "mesh mip",
+            vec![mesh()],
+            RenderSettings {
+                compositing: Compositing::Mip,
+                ..default
+            },
+        ),
         case("3dgs", vec![gaussians(400)], default),
         case("volumetric gaussians", vec![gaussians(400)], volumetric),
         case("surfels one by one", vec![surfels(900)], per_splat),

@@ -8,6 +8,7 @@ mod common;
 mod ellipsoids;
 mod gaussians;
 mod layers;
+mod mesh_values;
 mod meshes;
 mod mixed;
 mod single;

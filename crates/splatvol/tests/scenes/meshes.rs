@@ -16,7 +16,7 @@ use crate::common::{orthographic, perspective};
 use crate::support::{picture, unlit};
 
 /// A field on a structured grid of `dims` points, whose places are those of the indices under a map.
-fn structured(field: &impl Field, dims: [usize; 3], place: impl Fn(DVec3) -> DVec3) -> Mesh {
+pub(crate) fn structured(field: &impl Field, dims: [usize; 3], place: impl Fn(DVec3) -> DVec3) -> Mesh {
     let [nx, ny, nz] = dims;
     let points: Vec<DVec3> = (0..nx * ny * nz)
         .map(|i| {
@@ -42,7 +42,7 @@ fn item(mesh: Mesh, transfer_function: TransferFunction) -> Item {
 }
 
 /// Coordinates along an axis, from -1 to 1, `ratio` times as dense in the middle as at the ends.
-fn graded(index: f64, count: usize) -> f64 {
+pub(crate) fn graded(index: f64, count: usize) -> f64 {
     let t = 2.0 * index / (count - 1) as f64 - 1.0;
     t * (0.75 + 0.25 * t * t)
 }

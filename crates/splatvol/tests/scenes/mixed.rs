@@ -201,7 +201,7 @@ fn what_is_of_one_volume_is_refused() {
         }
     };
     let of = |compositing| RenderSettings { compositing, ..base };
-    refused(of(Compositing::Mip), "one volume");
+    refused(of(Compositing::Mip), "maximum");
     refused(of(Compositing::AxisSheets), "one volume");
     refused(of(Compositing::PerSplatBackToFront), "per-splat");
     for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {

@@ -50,6 +50,7 @@ enum Feature {
     PerSplat,
     Xray,
     Maximum,
+    Mean,
 }
 
 /// A picture that is asked for.
@@ -77,7 +78,7 @@ const KINDS: [(Kind, &str); 6] = [
     (Kind::Several, "several things"),
 ];
 
-const FEATURES: [(Feature, &str); 12] = [
+const FEATURES: [(Feature, &str); 13] = [
     (Feature::Animation, "animation"),
     (Feature::Depth, "depth"),
     (Feature::ClipBox, "clip box"),
@@ -90,6 +91,7 @@ const FEATURES: [(Feature, &str); 12] = [
     (Feature::PerSplat, "splat by splat"),
     (Feature::Xray, "X-ray"),
     (Feature::Maximum, "maximum (MIP)"),
+    (Feature::Mean, "mean"),
 ];
 
 impl Kind {
@@ -216,6 +218,13 @@ impl Feature {
                 scene,
                 settings: RenderSettings {
                     compositing: Compositing::Mip,
+                    ..settings
+                },
+            },
+            Self::Mean => Asked {
+                scene,
+                settings: RenderSettings {
+                    compositing: Compositing::Mean,
                     ..settings
                 },
             },

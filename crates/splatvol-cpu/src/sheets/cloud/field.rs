@@ -6,30 +6,25 @@
 //! the field.
 
 use fearless_simd::{f32x16, prelude::*};
-use splatvol_core::bin::ProjectedBrick;
 
-use super::enter::{enter, window};
-use super::open::CloudView;
-use crate::sheets::activate::Window;
+use super::mode::Shown;
 use crate::sheets::canvas::Canvas;
 use crate::sheets::classified::Classified;
 use crate::sheets::frame::SheetFrame;
-use crate::sheets::mode::Mode;
 use crate::sheets::operated::Operated;
 use crate::sheets::place::Place;
 use crate::sheets::plane::{Plane, Span};
 use crate::sheets::shade::{PlaneShader, ShadeTarget};
 use crate::sheets::shaded::{interval, show};
 use crate::sheets::splat::Payload;
-use crate::sheets::tile::{SheetScratch, SheetWork, take_planes};
+use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
 
 /// Least weight that sums are divided by.
 const LEAST: f32 = 1e-6;
 
-/// Samples of a mesh, post-classified.
+/// The field of a mesh's samples, post-classified.
 #[derive(Debug)]
-pub(crate) struct CloudField<'a> {
-    pub view: CloudView<'a>,
+pub(crate) struct FieldMaterial<'a> {
     pub shader: PlaneShader<'a>,
     /// What is done pixel by pixel, where a scene asks for it.
     pub operated: Option<Operated<'a>>,
@@ -47,63 +42,18 @@ impl Payload<2> for Weighted {
     }
 }
 
-impl Mode<2> for CloudField<'_> {
+impl Shown<2> for FieldMaterial<'_> {
     type Payload<'m> = Weighted;
+
+    const HALO: u8 = 1;
 
     fn payload(_: &Classified) -> Weighted {
         Weighted
     }
 
     #[inline(always)]
-    fn open_brick<S: Simd>(
-        &self,
-        _: S,
-        frame: &SheetFrame<'_>,
-        chunk: &ProjectedBrick,
-        around: (&Place, usize),
-        scratch: &mut SheetScratch,
-    ) {
-        self.view.open_chunk(frame, chunk, around, scratch);
-    }
-
-    fn reset(&self, frame: &SheetFrame<'_>, scratch: &mut SheetScratch) {
-        scratch.waiting.reset(frame.sheets.len());
-    }
-
-    fn waits(&self, scratch: &SheetScratch) -> bool {
-        scratch.waiting.count > 0
-    }
-
-    fn window(&self, frame: &SheetFrame<'_>, _: &Place, sheet: usize) -> Window {
-        window(frame, sheet)
-    }
-
-    #[inline(always)]
-    fn enter<S: Simd>(
-        &self,
-        simd: S,
-        frame: &SheetFrame<'_>,
-        (place, _, sheet): (&Place, &Window, usize),
-        scratch: &mut SheetScratch,
-        work: &mut SheetWork,
-    ) {
-        // Gradients are differences of neighbours.
-        enter::<S, 2>(simd, frame, (place, sheet, 1), scratch, work);
-    }
-
-    /// Planes are weights, and values.
-    #[inline(always)]
-    fn take<S: Simd>(
-        &self,
-        simd: S,
-        frame: &SheetFrame<'_>,
-        place: &Place,
-        sheet: usize,
-        scratch: &mut SheetScratch,
-    ) {
-        take_planes::<S, 2>(simd, frame, (place, sheet), scratch);
-        let [.., [weights, sums, ..]] = &mut scratch.planes;
-        divide(simd, sums, weights);
+    fn taken<S: Simd>(&self, simd: S, planes: &mut [Plane; MAX_CHANNELS]) {
+        divide(simd, planes);
     }
 
     #[inline(always)]
@@ -122,8 +72,7 @@ impl Mode<2> for CloudField<'_> {
             faces,
             ..
         } = scratch;
-        let weights = planes.each_ref().map(|planes| &planes[0]);
-        let values = planes.each_ref().map(|planes| &planes[1]);
+        let [weights, values] = of_field(planes);
         let Some((mut interval, span)) = interval(&self.shader, frame, (near, place), (values, None)) else {
             return;
         };
@@ -141,9 +90,14 @@ impl Mode<2> for CloudField<'_> {
     }
 }
 
-/// Divides sums by their weights.
+/// The planes of weights, and those of values.
+pub(super) fn of_field(planes: &[[Plane; MAX_CHANNELS]; 4]) -> [[&Plane; 4]; 2] {
+    [0, 1].map(|channel| planes.each_ref().map(|planes| &planes[channel]))
+}
+
+/// Divides a finished sheet's sums by their weights.
 #[inline(always)]
-fn divide<S: Simd>(simd: S, sums: &mut Plane, weights: &Plane) {
+pub(super) fn divide<S: Simd>(simd: S, [weights, sums, ..]: &mut [Plane; MAX_CHANNELS]) {
     let Some(Span { x0, y0, x1, y1 }) = weights.filled else {
         return;
     };

@@ -7,12 +7,16 @@ use splatvol_core::splats::SplatCloud;
 use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{Camera, Clip, RenderSettings, TransferFunction};
 
-use super::emission::CloudEmission;
-use super::field::CloudField;
+use super::emission::EmittedLight;
+use super::field::FieldMaterial;
+use super::mode::CloudMode;
 use super::plan::CloudPlan;
+use super::values::MeshValues;
 use crate::phong::Phong;
 use crate::route::MeshScene;
 use crate::sheets::border::Border;
+use crate::sheets::frame::ZonedFrame;
+use crate::sheets::intensity::{Kept, RayValues, ValueColors};
 use crate::sheets::layers::Layer;
 use crate::sheets::operated::Operated;
 use crate::sheets::shade::PlaneShader;
@@ -29,7 +33,8 @@ impl CloudPlan {
     ) -> Layer<'a> {
         let (frame, view) = self.frame(cloud, view, tiles, spacing);
         let view = view.cut(clips);
-        Layer::Cloud(frame, CloudEmission { view })
+        let shown = EmittedLight;
+        Layer::Cloud(frame, CloudMode { view, shown })
     }
 }
 
@@ -38,61 +43,110 @@ impl CloudPlan {
 pub(crate) struct MeshLayer {
     plan: CloudPlan,
     table: ShadeTable,
-    /// What the table was made for: colours and opacities, the length to which those refer, and the values' range.
-    made_for: Option<(TransferFunction, f64, [f32; 2])>,
+    classified: Option<ClassifiedValues>,
 }
+
+/// Values of a mesh, classified.
+#[derive(Debug)]
+struct ClassifiedValues {
+    table: ClassificationTable,
+    /// What it was made for: colours and opacities, the length to which those refer, and the values' range.
+    made_for: (TransferFunction, f64, [f32; 2]),
+}
+
+impl ClassifiedValues {
+    fn new(mesh: &MeshScene<'_>) -> Self {
+        let (own, unit_distance) = (mesh.transfer_function, mesh.unit_distance);
+        let range = mesh.mesh.value_range();
+        Self {
+            table: ClassificationTable::new(own, range.map(f64::from), unit_distance),
+            made_for: (own.clone(), unit_distance, range),
+        }
+    }
+
+    fn is_of(&self, mesh: &MeshScene<'_>) -> bool {
+        let (own, unit_distance, range) = &self.made_for;
+        (own, *unit_distance, *range)
+            == (
+                mesh.transfer_function,
+                mesh.unit_distance,
+                mesh.mesh.value_range(),
+            )
+    }
+}
+
+/// A mesh, and its samples.
+type OfMesh<'a> = (&'a SplatCloud, &'a MeshScene<'a>);
 
 impl MeshLayer {
     /// Classifies the values of a mesh.
     fn classify(&mut self, mesh: &MeshScene<'_>) {
-        let (own, unit_distance) = (mesh.transfer_function, mesh.unit_distance);
-        let range = mesh.mesh.value_range();
-        let same = |made: &(TransferFunction, f64, [f32; 2])| {
-            (&made.0, made.1, made.2) == (own, unit_distance, range)
-        };
-        if self.made_for.as_ref().is_some_and(same) {
-            return;
+        self.classified.take_if(|classified| !classified.is_of(mesh));
+        if self.classified.is_none() {
+            let classified = ClassifiedValues::new(mesh);
+            let visible = VisibleLevels::new(&classified.table);
+            self.table.update(&classified.table, &visible, 0.0);
+            // Beside the mesh there is nothing, whatever its values.
+            self.table.shows_background = false;
+            self.classified = Some(classified);
         }
-        let table = ClassificationTable::new(own, range.map(f64::from), unit_distance);
-        self.table.update(&table, &VisibleLevels::new(&table), 0.0);
-        // Beside the mesh there is nothing, whatever its values.
-        self.table.shows_background = false;
-        self.made_for = Some((own.clone(), unit_distance, range));
     }
 
-    /// The layer of a mesh, given its samples.
+    /// The layer of a mesh.
     pub(crate) fn layer<'a>(
         &'a mut self,
-        (cloud, mesh): (&'a SplatCloud, &MeshScene<'a>),
+        (cloud, mesh): OfMesh<'a>,
         (camera, settings): (&Camera, &RenderSettings),
         tiles: TileGrid,
         spacing: Option<f64>,
     ) -> Layer<'a> {
         self.classify(mesh);
         let (frame, view) = self.plan.frame(cloud, (camera, settings), tiles, spacing);
-        let Rays {
-            principal,
-            per_pixel,
-            plane_per_pixel,
-        } = frame.plan.rays;
-        let shader = PlaneShader {
-            table: &self.table,
-            phong: settings.lighting.as_ref().map(|l| Phong::new(l, mesh.spacing)),
-            spacing: frame.plan.zones()[0].zone.planes.spacing as f32,
-            background: 0.0,
-            principal,
-            per_pixel,
-            plane_per_pixel,
-            termination: settings.termination as f32,
-            border: Border::nowhere(),
-        };
         let range = mesh.mesh.value_range().map(f64::from);
-        let operated = Operated::new(&mesh.asked, mesh.spacing, (camera, range));
-        let mode = CloudField {
-            view,
-            shader,
-            operated,
+        let shown = FieldMaterial {
+            shader: shader(&frame, &self.table, (mesh, settings)),
+            operated: Operated::new(&mesh.asked, mesh.spacing, (camera, range)),
         };
-        Layer::Mesh(frame, Box::new(mode))
+        Layer::Mesh(frame, Box::new(CloudMode { view, shown }))
+    }
+
+    /// A mesh of whose values each ray keeps one.
+    pub(crate) fn values<'a, K: Kept>(
+        &'a mut self,
+        (cloud, mesh): OfMesh<'a>,
+        (camera, settings): (&Camera, &RenderSettings),
+        tiles: TileGrid,
+    ) -> Option<(ZonedFrame<'a>, CloudMode<'a, MeshValues<'a, K>>)> {
+        self.classify(mesh);
+        let table = &self.classified.as_ref()?.table;
+        let (frame, view) = self.plan.frame(cloud, (camera, settings), tiles, None);
+        let shader = shader(&frame, &self.table, (mesh, settings));
+        let colors = ValueColors::new(table, mesh.unit_distance);
+        let shown = MeshValues(RayValues::new(shader, colors));
+        Some((frame, CloudMode { view, shown }))
+    }
+}
+
+/// What makes pixels of the planes of a mesh's frame.
+fn shader<'a>(
+    frame: &ZonedFrame<'_>,
+    table: &'a ShadeTable,
+    (mesh, settings): (&MeshScene<'_>, &RenderSettings),
+) -> PlaneShader<'a> {
+    let Rays {
+        principal,
+        per_pixel,
+        plane_per_pixel,
+    } = frame.plan.rays;
+    PlaneShader {
+        table,
+        phong: settings.lighting.as_ref().map(|l| Phong::new(l, mesh.spacing)),
+        spacing: frame.plan.zones()[0].zone.planes.spacing as f32,
+        background: 0.0,
+        principal,
+        per_pixel,
+        plane_per_pixel,
+        termination: settings.termination as f32,
+        border: Border::nowhere(),
     }
 }

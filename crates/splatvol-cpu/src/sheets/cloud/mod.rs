@@ -17,11 +17,16 @@
 //! | splat | `enter`, `splat` | a splat into the four planes that it meets next; if it reaches farther, again four planes later |
 //! | show | `emission` | planes of extinction and emission, composited |
 //! | | `field` | or planes of a mesh's values and weights, post-classified |
+//! | | `values` | or one value of each ray kept of those |
+//!
+//! What all three share of the tile loop is `mode`.
 
 pub(crate) mod emission;
 mod enter;
 pub(crate) mod field;
 pub(crate) mod layer;
+pub(crate) mod mode;
 pub(crate) mod open;
 pub(crate) mod plan;
 pub(crate) mod splat;
+mod values;
