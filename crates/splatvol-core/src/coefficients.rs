@@ -18,8 +18,6 @@ pub struct Coefficients {
     pub dims: [usize; 3],
     /// Lattice points before voxel 0 (and behind the last) along x, y, z.
     pub margin: [usize; 3],
-    /// Whether any sample is missing.
-    pub any_missing: bool,
     /// One per lattice point.
     pub values: Vec<f32>,
 }
@@ -39,9 +37,8 @@ impl Coefficients {
             Use::Field(kernel) => kernel,
         };
         let bricks = BrickGrid::new(&values, dims, interpolate.is_some());
-        let any_missing = volume.statistics().non_finite > 0;
         if let Some(kernel) = interpolate {
-            let missing = if any_missing {
+            let missing = if volume.statistics().non_finite > 0 {
                 fill_missing(&mut values, dims)
             } else {
                 Vec::new()
@@ -51,15 +48,7 @@ impl Coefficients {
                 values[index] = f32::NAN;
             }
         }
-        (
-            Self {
-                dims,
-                margin,
-                any_missing,
-                values,
-            },
-            bricks,
-        )
+        (Self { dims, margin, values }, bricks)
     }
 }
 

@@ -13,6 +13,7 @@ use super::border::{Border, BorderPlane};
 use super::canvas::{Canvas, Material};
 use super::holes::Beside;
 use super::mask::OpenMask;
+use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
 use super::table::{Segment, ShadeTable};
@@ -190,7 +191,23 @@ pub(crate) struct ShadeTarget<'a> {
     pub batch: &'a mut ShadeBatch,
 }
 
-impl ShadeTarget<'_> {
+impl<'a> ShadeTarget<'a> {
+    /// Pixels of a tile.
+    pub(crate) fn new(
+        (place, span): (&Place, Span),
+        mask: &'a mut OpenMask,
+        canvas: &'a mut Canvas,
+        batch: &'a mut ShadeBatch,
+    ) -> Self {
+        Self {
+            origin: [place.rect.x0, place.rect.y0],
+            span,
+            mask,
+            canvas,
+            batch,
+        }
+    }
+
     /// Image coordinates of a pixel of the tile.
     #[inline(always)]
     fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {

@@ -35,7 +35,7 @@ fn psnr(scene: &Scene, projection: Projection, [a, b]: [&RenderSettings; 2]) -> 
 }
 
 #[test]
-fn sections_agree_with_the_slice_engine() {
+fn sections_agree_with_the_sheets() {
     let mut failed = Vec::new();
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {

@@ -29,12 +29,16 @@ const DEPTH: usize = 8;
 
 /// The `k` nearest other places of each of these, which lie in Morton order; nearest first. More than `k` places.
 pub(super) fn nearest(places: &[[f32; 3]], k: usize) -> Vec<u32> {
+    nearest_by(Level::new(), places, k)
+}
+
+/// The same, by these instructions.
+fn nearest_by(level: Level, places: &[[f32; 3]], k: usize) -> Vec<u32> {
     let mut neighbors = vec![0u32; places.len() * k];
     if k == 0 {
         return neighbors;
     }
     let tree = Tree::new(places);
-    let level = Level::new();
     let batches = neighbors.par_chunks_mut(k * LANES * BATCH).enumerate();
     batches.for_each(|(batch, rows)| {
         dispatch!(level, simd => fill(simd, &tree, batch * BATCH, (k, rows)));
@@ -258,7 +262,10 @@ mod tests {
         for mut places in [lattice.collect(), clumps.collect(), strewn] {
             places.sort_by_key(|place: &[f32; 3]| super::super::neighbors::morton(*place));
             for k in [1, 8, 9, 64] {
-                assert!(nearest(&places, k) == by_brute_force(&places, k), "{k}");
+                let expected = by_brute_force(&places, k);
+                for level in [Level::new(), Level::baseline()] {
+                    assert!(nearest_by(level, &places, k) == expected, "{k} {level:?}");
+                }
             }
         }
     }

@@ -77,13 +77,7 @@ impl Shown<2> for FieldMaterial<'_> {
             return;
         };
         interval.weights = Some(weights);
-        let mut target = ShadeTarget {
-            origin: [place.rect.x0, place.rect.y0],
-            span,
-            mask,
-            canvas,
-            batch,
-        };
+        let mut target = ShadeTarget::new((place, span), mask, canvas, batch);
         let sheet = (frame.stack.first + near as i64) as usize;
         let look = (&self.shader, self.operated.as_ref());
         show(simd, look, (&interval, sheet), (&mut target, faces));
