@@ -73,6 +73,15 @@ impl Missing {
 /// PSNR in dB, one below what was measured: `fast` lit and unlit, `best` lit and unlit, `fast` and `best` unlit without the prefilter.
 type Floors = [f64; 6];
 
+/// Asks that a picture is so many decibels from the reference.
+fn assert_agrees(name: &str, (scene, settings): (&Scene, &RenderSettings), floor: f64) {
+    let (found, expected) = pictures(scene, PROJECTIONS[0], settings);
+    let figures = Comparison::of(&found, &expected);
+    println!("{name}: {:.2} dB, largest {:.4}", figures.psnr, figures.max_error);
+    let demanded = Tolerance::psnr(floor).max_error(0.2).bias(0.02);
+    assert_images(name, &found, &expected, demanded);
+}
+
 #[test]
 fn holes_and_plain_data_agree_with_the_reference() {
     let head = generated(Sample::Head, 40);
@@ -134,15 +143,10 @@ fn holes_and_plain_data_agree_with_the_reference() {
             "best-plain",
         ];
         for ((settings, floor), name) in all.into_iter().zip(floors).zip(names) {
-            let (found, expected) = pictures(&scene, PROJECTIONS[0], &settings);
-            let figures = Comparison::of(&found, &expected);
-            let name = format!("holes-{field}-{missing:?}-{name}");
-            println!("{name}: {:.2} dB, largest {:.4}", figures.psnr, figures.max_error);
-            assert_images(
-                &name,
-                &found,
-                &expected,
-                Tolerance::psnr(floor).max_error(0.2).bias(0.02),
+            assert_agrees(
+                &format!("holes-{field}-{missing:?}-{name}"),
+                (&scene, &settings),
+                floor,
             );
         }
     }
@@ -183,15 +187,10 @@ fn classified_holes_agree_with_the_reference() {
             .zip(floors)
             .zip(["lit", "unlit", "xray"])
         {
-            let (found, expected) = pictures(&scene, PROJECTIONS[0], &settings);
-            let figures = Comparison::of(&found, &expected);
-            let name = format!("holes-{field}-{missing:?}-pre-{name}");
-            println!("{name}: {:.2} dB, largest {:.4}", figures.psnr, figures.max_error);
-            assert_images(
-                &name,
-                &found,
-                &expected,
-                Tolerance::psnr(floor).max_error(0.2).bias(0.02),
+            assert_agrees(
+                &format!("holes-{field}-{missing:?}-pre-{name}"),
+                (&scene, &settings),
+                floor,
             );
         }
     }
@@ -220,17 +219,8 @@ fn values_of_rays_agree_with_the_reference() {
                     compositing,
                     ..settings
                 };
-                let (found, expected) = pictures(&scene, PROJECTIONS[0], &settings);
-                let figures = Comparison::of(&found, &expected);
                 let name = format!("holes-noise-{missing:?}-{preset}-{compositing:?}-{prefilter}");
-                println!("{name}: {:.2} dB, largest {:.4}", figures.psnr, figures.max_error);
-                let floor = floors.next().unwrap();
-                assert_images(
-                    &name,
-                    &found,
-                    &expected,
-                    Tolerance::psnr(floor).max_error(0.2).bias(0.02),
-                );
+                assert_agrees(&name, (&scene, &settings), floors.next().unwrap());
             }
         }
     }
