@@ -80,6 +80,7 @@ impl FourSheets {
                 principal: [0.0; 2],
                 depth_exponent: -0.6,
                 depth_edge: 1e-3,
+                per_depth: 0.0,
             },
             blocks,
             ellipses,

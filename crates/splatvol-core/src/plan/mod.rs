@@ -104,6 +104,9 @@ pub struct SplatConstants {
     pub depth_exponent: f32,
     /// What is subtracted from the kernel's profile in depth, so that it ends without a step.
     pub depth_edge: f32,
+    /// Rays move across by this times their place on a plane over its depth, per depth: 1 in perspective, 0 where they are
+    /// parallel.
+    pub per_depth: f32,
 }
 
 /// What the tiles of one layer of a frame are rendered from, in memory that the next frame uses again.

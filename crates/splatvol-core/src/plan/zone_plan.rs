@@ -56,6 +56,7 @@ impl ZonePlan {
             } else {
                 view.kernel().edge as f32
             },
+            per_depth: if screen.perspective { 1.0 } else { 0.0 },
         };
     }
 

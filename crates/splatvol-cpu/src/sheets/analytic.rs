@@ -23,11 +23,21 @@ use super::shade::{MIDDLES, PlaneShader};
 use super::shaded::filled;
 use super::tile::{MAX_CHANNELS, SheetScratch};
 
+/// What planes hold beside values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sums {
+    /// Moments, of which gradients are made ([`super::gradients`]).
+    Moments,
+    /// Slopes along the rays ([`super::slopes`]).
+    Slopes,
+}
+
 /// A field whose coefficients are splatted with their kernels' derivatives.
 #[derive(Debug)]
 pub(crate) struct AnalyticField<'a> {
     pub store: &'a FieldStore,
     pub shader: PlaneShader<'a>,
+    pub sums: Sums,
     pub weights: LatticeWeights,
 }
 
@@ -75,6 +85,7 @@ impl Derivative {
 
 /// What lies between two planes of a tile.
 pub(crate) struct Interval<'a> {
+    sums: Sums,
     planes: [&'a [Plane; MAX_CHANNELS]; 2],
     derivatives: [Derivative; 2],
     /// The gradient at the nearer plane where that is at the eye, which has no sums of moments.
@@ -97,6 +108,27 @@ impl Interval<'_> {
         [self.origin[0] + x, self.origin[1] + y]
     }
 
+    /// The gradient of a sum on one of the planes; of slopes along the rays nothing but that.
+    #[inline(always)]
+    fn gradient<S: Simd>(
+        &self,
+        simd: S,
+        (which, planes): (usize, &[Plane; MAX_CHANNELS]),
+        at: usize,
+    ) -> [f32x16<S>; 3] {
+        match self.sums {
+            Sums::Moments => self.derivatives[which].gradient([
+                load(simd, &planes[1].values, at),
+                load(simd, &planes[2].values, at),
+                load(simd, &planes[3].values, at),
+            ]),
+            Sums::Slopes => {
+                let zero = f32x16::splat(simd, 0.0);
+                [zero, zero, load(simd, &planes[1].values, at)]
+            }
+        }
+    }
+
     /// Weights of missing samples at sixteen pixels of one of the planes, and their gradient; `None` where there are none.
     #[inline(always)]
     fn missing<S: Simd>(
@@ -107,11 +139,11 @@ impl Interval<'_> {
     ) -> Option<(f32x16<S>, [f32x16<S>; 3])> {
         let planes = self.holes?[which];
         let at = (y + HALO) * planes[0].pitch + x + HALO;
-        let [missing, moments @ ..] = [0, 1, 2, 3].map(|c| load(simd, &planes[c].values, at));
+        let missing = load(simd, &planes[0].values, at);
         holes::any(simd, missing).then(|| {
             let gradient = match self.at_eye {
                 Some(_) if which == 0 => self.holes_at_eye.map(|along| f32x16::splat(simd, along)),
-                _ => self.derivatives[which].gradient(moments),
+                _ => self.gradient(simd, (which, planes), at),
             };
             (missing, gradient)
         })
@@ -169,6 +201,7 @@ impl AnalyticField<'_> {
                 .on_plane(self.shader.pixels(sheet.depth), sheet.low_pass)
         });
         let interval = Interval {
+            sums: self.sums,
             planes: [&planes[1], &planes[2]],
             derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
             at_eye,
@@ -216,7 +249,6 @@ impl AnalyticField<'_> {
     fn end<S: Simd>(&self, simd: S, interval: &Interval<'_>, which: usize, [x, y]: [usize; 2]) -> End<S> {
         let planes = interval.planes[which];
         let at = (y + HALO) * planes[0].pitch + x + HALO;
-        let channel = |c: usize| load(simd, &planes[c].values, at);
         let in_picture = interval.in_picture([x, y]);
         let face = &interval.faces[which];
         let mut weights = if interval.is_near_face && self.weights.is_near(face, in_picture) {
@@ -228,10 +260,10 @@ impl AnalyticField<'_> {
             weights.leave_out(simd, missing, gradient);
         }
         End {
-            sum: channel(0),
+            sum: load(simd, &planes[0].values, at),
             gradient: match interval.at_eye {
                 Some(gradient) if which == 0 => gradient.map(|along| f32x16::splat(simd, along)),
-                _ => interval.derivatives[which].gradient([channel(1), channel(2), channel(3)]),
+                _ => interval.gradient(simd, (which, planes), at),
             },
             weights,
         }

@@ -13,7 +13,7 @@ use super::mask::OpenMask;
 use super::place::Place;
 use super::ring::{Area, BLOCK_EDGE, LANES, Row};
 use super::sheet::GroupShape;
-use super::splat::{CAPACITY, COLUMN, Payload, ROW, Records, load};
+use super::splat::{CAPACITY, COLUMN, Offset, Payload, ROW, Records, load};
 use crate::simd::math::exp2_quick;
 
 /// The four sheets of a group in a tile.
@@ -118,8 +118,11 @@ impl<'a> DirectGroup<'a> {
             }
             touched = touched.join(area);
             let dz = depth - records.z[n];
-            let u = (dz * constants.slope[0] + records.x[n]) * scale + px;
-            let v = (dz * constants.slope[1] + records.y[n]) * scale + py;
+            let centre = [
+                dz * constants.slope[0] + records.x[n],
+                dz * constants.slope[1] + records.y[n],
+            ];
+            let (u, v) = (centre[0] * scale + px, centre[1] * scale + py);
             let profile = exp2_quick(simd, (dz * dz * constants.depth_exponent).max(least));
             let windowed = (profile - constants.depth_edge).max(zero);
             let along = profile * dz / windowed.max(tiny);
@@ -130,7 +133,14 @@ impl<'a> DirectGroup<'a> {
                 for c in area.x0..area.x1 {
                     let i = columns + (BLOCK_EDGE * c) as f32 - u;
                     let share = exp2_quick(simd, ((i * xx + linear) * i + constant).max(least));
-                    let own = payload.in_block(&weights, share, [i, j, along]);
+                    let offset = Offset {
+                        points: [i, j],
+                        depth: along,
+                        centre,
+                        shape,
+                        constants,
+                    };
+                    let own = payload.in_block(simd, &weights, share, &offset);
                     for channel in 0..N {
                         let Some(block) = rings[channel].get_mut(r).and_then(|row| row.0.get_mut(c)) else {
                             continue;

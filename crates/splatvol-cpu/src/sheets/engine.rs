@@ -11,7 +11,7 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{Bricks, Sampling, View};
 use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings, SceneError};
 
-use super::analytic::Analytic;
+use super::analytic::{Analytic, Sums};
 use super::canvas::Canvas;
 use super::classified::ClassifiedBricks;
 use super::cloud::plan::CloudPlan;
@@ -275,7 +275,10 @@ impl SheetEngine {
             }
             (Wanted::All, _) => job.values::<Mean>((store, shade()), values, (frame, statistics)),
             (Wanted::Visible, _) if settings.gradient == Gradient::Analytic => {
-                let mode = Analytic::new(analytic_field(&view, store, shade()), &level.classification);
+                let mode = Analytic::new(
+                    analytic_field(&view, store, (shade(), Sums::Moments)),
+                    &level.classification,
+                );
                 job.render(store, &mode, frame, statistics);
             }
             (Wanted::Visible, _) => {
@@ -310,7 +313,7 @@ impl Job<'_> {
     ) {
         match self.settings.gradient {
             Gradient::Analytic => {
-                let field = analytic_field(self.view, store, shader);
+                let field = analytic_field(self.view, store, (shader, Sums::Slopes));
                 self.render(store, &ExactIntensity::<K>::new(field, colors), frame, statistics);
             }
             Gradient::Differences => {

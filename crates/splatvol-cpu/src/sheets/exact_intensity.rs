@@ -1,4 +1,4 @@
-//! One value of each pixel's ray, of cubics with exact slopes: coefficients are splatted with their kernels' derivatives.
+//! One value of each pixel's ray, of cubics with exact slopes: coefficients are splatted with their kernels' derivatives along the rays.
 
 use std::marker::PhantomData;
 
@@ -11,11 +11,11 @@ use super::canvas::Canvas;
 use super::classified::Classified;
 use super::cubic::Parabola;
 use super::frame::{SheetFrame, ZonedFrame};
-use super::gradients::Moments;
 use super::intensity::{Kept, Piece, ValueColors};
 use super::lattice_weights::{WeightPlane, Weights};
 use super::mode::Mode;
 use super::place::Place;
+use super::slopes::Slopes;
 use super::tile::SheetScratch;
 
 /// One value per ray.
@@ -70,11 +70,11 @@ impl<'a, K: Kept> ExactIntensity<'a, K> {
     }
 }
 
-impl<K: Kept> Mode<4> for ExactIntensity<'_, K> {
-    type Payload<'m> = Moments;
+impl<K: Kept> Mode<2> for ExactIntensity<'_, K> {
+    type Payload<'m> = Slopes;
 
-    fn payload(_: &Classified) -> Moments {
-        Moments
+    fn payload(_: &Classified) -> Slopes {
+        Slopes
     }
 
     fn has_holes(&self) -> bool {

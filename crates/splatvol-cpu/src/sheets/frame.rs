@@ -10,7 +10,7 @@ use splatvol_core::plan::{
 use splatvol_core::sheets::Planes;
 use splatvol_scene::RenderSettings;
 
-use super::analytic::AnalyticField;
+use super::analytic::{AnalyticField, Sums};
 use super::border::Border;
 use super::eye::Eye;
 use super::lattice_weights::LatticeWeights;
@@ -132,13 +132,14 @@ fn camera_from_samples(view: &View) -> DAffine3 {
 pub(crate) fn analytic_field<'a>(
     view: &View,
     store: &'a FieldStore,
-    shader: PlaneShader<'a>,
+    (shader, sums): (PlaneShader<'a>, Sums),
 ) -> AnalyticField<'a> {
     let dims = store.source().grid().dims();
     let sigma = view.kernel().sigma;
     AnalyticField {
         store,
         shader,
+        sums,
         weights: LatticeWeights::new(camera_from_samples(view), dims, view.margin(), sigma),
     }
 }

@@ -7,8 +7,8 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
-use super::ring::{Block, Row};
-use super::splat::{COLUMN, Payload, ROW, Voxel, load, origin_block};
+use super::ring::Row;
+use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_block};
 
 /// A coefficient, with the offsets of each pixel from its footprint's centre.
 #[derive(Debug, Clone, Copy)]
@@ -23,12 +23,14 @@ impl Payload<4> for Moments {
     #[inline(always)]
     fn in_block<S: Simd>(
         &self,
+        _: S,
         [weight, ..]: &[f32x16<S>; 4],
         share: f32x16<S>,
-        [x, y, z]: [f32x16<S>; 3],
+        offset: &Offset<'_, S>,
     ) -> [f32x16<S>; 4] {
         let value = *weight * share;
-        [value, value * x, value * y, value * z]
+        let [x, y] = offset.points;
+        [value, value * x, value * y, value * offset.depth]
     }
 
     #[inline(always)]
@@ -102,9 +104,4 @@ impl Payload<4> for Moments {
             }
         }
     }
-}
-
-#[inline(always)]
-fn accumulate<S: Simd>(simd: S, weights: f32x16<S>, block: &mut Block) {
-    (weights + f32x16::from_slice(simd, &block.0)).store_slice(&mut block.0);
 }

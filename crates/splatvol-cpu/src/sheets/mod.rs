@@ -11,7 +11,7 @@
 //! | | `holes` | the same of missing samples, whose weight sums lack |
 //! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
-//! | | `analytic`, `gradients`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
+//! | | `analytic`, `gradients`, `slopes`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
 //! | | `intensity`, `exact_intensity`, `cubic` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral`, `slab` | or classified voxels integrated |
@@ -65,6 +65,7 @@ pub(crate) mod shade;
 pub(crate) mod shaded;
 pub(crate) mod sheet;
 pub(crate) mod slab;
+pub(crate) mod slopes;
 pub(crate) mod splat;
 pub(crate) mod table;
 pub(crate) mod tile;

@@ -10,7 +10,7 @@ use splatvol_core::plan::{Sampling, View};
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError};
 
-use super::analytic::Analytic;
+use super::analytic::{Analytic, Sums};
 use super::classified::ClassifiedBricks;
 use super::cloud::layer::MeshLayer;
 use super::cloud::plan::own_spacing;
@@ -245,7 +245,7 @@ impl SheetEngine {
                 let spacing = volume.volume.grid().mean_spacing();
                 let shader = shader(view, (&level.field, &level.table), (settings, spacing));
                 if settings.gradient == Gradient::Analytic {
-                    let field = analytic_field(view, &level.field, shader);
+                    let field = analytic_field(view, &level.field, (shader, Sums::Moments));
                     layers.push(Layer::Analytic(
                         sheets,
                         Analytic::new(field, &level.classification),

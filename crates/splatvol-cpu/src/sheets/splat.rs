@@ -17,7 +17,7 @@
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
 
-use super::ring::{Area, PITCH, Row};
+use super::ring::{Area, Block, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
 use crate::simd::math::{exp2, exp2_quick};
 
@@ -201,20 +201,32 @@ impl Default for Powers {
     }
 }
 
+/// Where a block of pixels lies, seen from a voxel's footprints on the four sheets of a group.
+pub(crate) struct Offset<'a, S: Simd> {
+    /// Raster points from the centre.
+    pub points: [f32x16<S>; 2],
+    /// The profile's moment in depth relative to the profile.
+    pub depth: f32x16<S>,
+    /// The centre, camera x and y.
+    pub centre: [f32x16<S>; 2],
+    pub shape: &'a GroupShape,
+    pub constants: &'a SplatConstants,
+}
+
 /// What a record's value stands for: the numbers that are splatted into N rings.
 pub(crate) trait Payload<const N: usize>: Copy {
     /// A footprint's weight (per peak) and peak times each of them.
     fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; N];
 
     /// What a block of pixels takes of a voxel where each weight is computed by itself, given [`Payload::weights`] at the
-    /// footprint's centre and the block's share of those. `offset`: raster points from the centre, and the profile's moment in
-    /// depth relative to the profile.
+    /// footprint's centre and the block's share of those.
     #[inline(always)]
     fn in_block<S: Simd>(
         &self,
+        _: S,
         weights: &[f32x16<S>; N],
         share: f32x16<S>,
-        _offset: [f32x16<S>; 3],
+        _offset: &Offset<'_, S>,
     ) -> [f32x16<S>; N] {
         weights.map(|weight| weight * share)
     }
@@ -542,6 +554,12 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
     }
 }
 
+/// Adds to a block.
+#[inline(always)]
+pub(crate) fn accumulate<S: Simd>(simd: S, weights: f32x16<S>, block: &mut Block) {
+    (weights + f32x16::from_slice(simd, &block.0)).store_slice(&mut block.0);
+}
+
 /// Adds the product of columns and rows, of ellipses times their stencil, to the blocks from the first column on.
 #[inline(always)]
 fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
@@ -553,13 +571,12 @@ fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
     for r in 0..SIZE {
         let line = &mut blocks[r].0[first..first + SIZE];
         for c in 0..SIZE {
-            let block = &mut line[c].0;
             let weights = if ELLIPSES {
                 across[c] * load(simd, &stencil.blocks[r][c])
             } else {
                 across[c]
             };
-            (weights * down[r] + f32x16::from_slice(simd, block)).store_slice(block);
+            accumulate(simd, weights * down[r], &mut line[c]);
         }
     }
 }

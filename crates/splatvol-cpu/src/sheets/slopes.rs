@@ -1,0 +1,162 @@
+//! Slopes: kernels and their derivatives along the rays, splatted side by side.
+//!
+//! Values of rays need of a gradient its part along the ray alone. A ray moves by t across per depth, and t is affine on a plane:
+//! `t = t_0 + k d`, d the offset from a footprint's centre, where it is `t_0`. With [`super::gradients`]' derivatives, Q the inverse of
+//! the footprint's covariance there and s the drift of its centre per depth, a voxel's term is
+//!
+//! `c w (-(t_0 - s + k d) . Q d - dz / s_z^2)`:
+//!
+//! two sums instead of four, of products of columns and rows.
+
+use std::f32::consts::LN_2;
+
+use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::plan::SplatConstants;
+
+use super::ring::Row;
+use super::sheet::GroupShape;
+use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_block};
+
+/// A coefficient, with its footprint's slope along each pixel's ray.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slopes;
+
+/// A voxel's slope at an offset of (x, y) raster points: `x (linear_x + xx x) + y (linear_y + yy y) + xy x y`, and `depth` times
+/// the moment in depth.
+struct Slope<S: Simd> {
+    linear: [f32x16<S>; 2],
+    xx: f32x16<S>,
+    xy: f32x16<S>,
+    yy: f32x16<S>,
+    depth: f32,
+}
+
+impl<S: Simd> Slope<S> {
+    /// `centre`: of the footprint, camera x and y.
+    #[inline(always)]
+    fn new(
+        simd: S,
+        (shape, constants): (&GroupShape, &SplatConstants),
+        [centre_x, centre_y]: [f32x16<S>; 2],
+    ) -> Self {
+        let zero = f32x16::splat(simd, 0.0);
+        let (depth, scale) = (load(simd, &shape.depth), load(simd, &shape.scale));
+        // Before the eye there is no plane.
+        let exists = depth.simd_gt(zero);
+        let per_depth =
+            f32x16::splat(simd, constants.per_depth) / exists.select(depth, f32x16::splat(simd, 1.0));
+        let per_point = per_depth / scale;
+        let [slope_x, slope_y] = constants.slope;
+        let (across, down) = (centre_x * per_depth - slope_x, centre_y * per_depth - slope_y);
+        // Per world length: -Q times raster points per world length.
+        let xx = load(simd, &shape.xx) * scale * (2.0 * LN_2);
+        let xy = load(simd, &shape.xy) * scale * LN_2;
+        let yy = load(simd, &shape.yy) * scale * (2.0 * LN_2);
+        Self {
+            linear: [across * xx + down * xy, across * xy + down * yy],
+            xx: xx * per_point,
+            xy: xy * per_point * 2.0,
+            yy: yy * per_point,
+            depth: 2.0 * LN_2 * constants.depth_exponent,
+        }
+    }
+
+    #[inline(always)]
+    fn across(&self, x: f32x16<S>) -> f32x16<S> {
+        (self.xx * x + self.linear[0]) * x
+    }
+
+    #[inline(always)]
+    fn down(&self, y: f32x16<S>) -> f32x16<S> {
+        (self.yy * y + self.linear[1]) * y
+    }
+}
+
+impl Payload<2> for Slopes {
+    #[inline(always)]
+    fn weights<S: Simd>(&self, _: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; 2] {
+        [weight * (peak * value); 2]
+    }
+
+    #[inline(always)]
+    fn in_block<S: Simd>(
+        &self,
+        simd: S,
+        [weight, _]: &[f32x16<S>; 2],
+        share: f32x16<S>,
+        offset: &Offset<'_, S>,
+    ) -> [f32x16<S>; 2] {
+        let value = *weight * share;
+        let slope = Slope::new(simd, (offset.shape, offset.constants), offset.centre);
+        let [x, y] = offset.points;
+        let along = slope.across(x) + slope.down(y) + slope.xy * x * y + offset.depth * slope.depth;
+        [value, value * along]
+    }
+
+    #[inline(always)]
+    fn add<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
+        &self,
+        simd: S,
+        voxel: &Voxel<'_, S, SIZE>,
+        rings: &mut [&mut [Row]; 2],
+    ) {
+        let (records, n) = (voxel.records, voxel.index);
+        let scale = load(simd, &voxel.shape.scale);
+        let dz = load(simd, &voxel.shape.depth) - records.z[n];
+        let [slope_x, slope_y] = voxel.constants.slope;
+        let (x, y) = (dz * slope_x + records.x[n], dz * slope_y + records.y[n]);
+        let (u, v) = (x * scale + records.origin_x[n], y * scale + records.origin_y[n]);
+        let slope = Slope::new(simd, (voxel.shape, voxel.constants), [x, y]);
+        let value = voxel.lateral.combine(voxel.lateral) * (load(simd, &voxel.shape.peak) * records.value[n]);
+        let zero = f32x16::splat(simd, 0.0);
+        let profile = voxel.depth.combine(voxel.depth);
+        let windowed = (profile - voxel.constants.depth_edge).max(zero);
+        let plain = value * windowed;
+        let in_depth = windowed
+            .simd_gt(zero)
+            .select(value * profile * dz * slope.depth, zero);
+
+        let down = voxel
+            .steps
+            .down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0), voxel.stencil);
+        let first = origin_block(SIZE, ELLIPSES) as f32 * 2.0;
+        let (column, row) = (
+            f32x16::from_slice(simd, &COLUMN) - first - u,
+            f32x16::from_slice(simd, &ROW) - first - v,
+        );
+        // Columns and rows of the value, of the slope, and of the product of both offsets.
+        let (mut across, mut rising, mut offsets) = ([zero; SIZE], [zero; SIZE], [zero; SIZE]);
+        let (mut falling, mut places) = ([zero; SIZE], [zero; SIZE]);
+        for b in 0..SIZE {
+            let step = voxel.steps.across[b];
+            let (x, y) = (column + (2 * b) as f32, row + (2 * b) as f32);
+            across[b] = step * plain;
+            rising[b] = step * in_depth + across[b] * slope.across(x);
+            falling[b] = down[b] * slope.down(y);
+            if ELLIPSES {
+                offsets[b] = across[b] * slope.xy * x;
+                places[b] = down[b] * y;
+            }
+        }
+        let [values, along] = rings;
+        let (Some(values), Some(along)) = (voxel.rows(values), voxel.rows(along)) else {
+            return;
+        };
+        let columns = voxel.column..voxel.column + SIZE;
+        for r in 0..SIZE {
+            let values = &mut values[r].0[columns.clone()];
+            let along = &mut along[r].0[columns.clone()];
+            for c in 0..SIZE {
+                let mut value = across[c] * down[r];
+                let mut rise = rising[c] * down[r] + across[c] * falling[r];
+                if ELLIPSES {
+                    let stencil = load(simd, &voxel.stencil.blocks[r][c]);
+                    rise = (rise + offsets[c] * places[r]) * stencil;
+                    value *= stencil;
+                }
+                accumulate(simd, value, &mut values[c]);
+                accumulate(simd, rise, &mut along[c]);
+            }
+        }
+    }
+}
