@@ -170,6 +170,32 @@ fn every_mode_sees_from_within() {
     }
 }
 
+/// The same of exact values of rays, whose slopes are splatted along them.
+#[test]
+fn exact_values_of_rays_from_within() {
+    let mut renderer = renderer();
+    let (mean, largest) = ((Compositing::Mean, 80.0), (Compositing::Mip, 50.0));
+    for (scene_name, scene, ways) in [
+        ("head", generated(Sample::Head, 48), [mean, largest].as_slice()),
+        ("long voxels", noise(), &[mean]),
+    ] {
+        for fov in [60.0, 90.0, 120.0] {
+            let camera = on_the_way(&scene, 0.45, fov);
+            for &(compositing, floor) in ways {
+                let settings = RenderSettings {
+                    size: settings().size,
+                    compositing,
+                    ..RenderSettings::best()
+                };
+                let [found, expected] = both(&mut renderer, &scene, &camera, &settings);
+                let psnr = Comparison::of(&found, &expected).psnr;
+                println!("{scene_name}, {fov} degrees, {compositing:?}: {psnr:.1} dB");
+                assert!(psnr > floor, "{scene_name} {fov} {compositing:?}: {psnr:.1} dB");
+            }
+        }
+    }
+}
+
 /// Threads, tiles and instructions do not show where rasters differ by depth.
 #[test]
 fn zones_do_not_depend_on_what_runs_them() {
