@@ -11,6 +11,7 @@ use splatvol_io::image::metadata;
 
 use crate::args::{EffectArgs, LookArgs, UpAxis};
 use crate::failure::{During, Failure, Step};
+use crate::resolve::look::Look;
 
 /// Everything about a picture but its pixels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,6 +68,18 @@ pub(crate) struct VolumeRecipe {
     pub(crate) look: LookArgs,
     /// What came of it.
     pub(crate) transfer_function: TransferFunction,
+    /// Whether values are names of kinds.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) labels: bool,
+}
+
+impl VolumeRecipe {
+    /// The look that it had.
+    pub(crate) fn look(&self) -> Look {
+        let mut look = Look::from(self.transfer_function.clone());
+        look.wishes.labels = self.labels;
+        look
+    }
 }
 
 /// A volume by reference.

@@ -168,12 +168,12 @@ impl Engine for CpuEngine {
             tile_edge: self.tile_edge,
             task,
         };
-        let view = (camera, settings);
         let statistics = match &route {
-            Route::Volume(volume) if classic::render(volume.motion, settings) => {
+            Route::Volume(volume) if classic::render(volume.motion, &volume.settings) => {
+                let view = (camera, &volume.settings);
                 self.classic.render(run, volume, view, frame)?
             }
-            Route::Volume(volume) => self.sheets.render(run, volume, view, frame)?,
+            Route::Volume(volume) => self.sheets.render(run, volume, camera, frame)?,
             Route::Layers(parts) => self.render_layers(run, parts, shot, frame)?,
             Route::Splats(splats) => self.render_splats(run, splats, shot, frame)?,
         };

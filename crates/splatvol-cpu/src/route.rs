@@ -51,6 +51,10 @@ impl<'a> Way<'a> {
 }
 
 /// A scene on its way.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one per picture, and pictures of a volume allocate nothing"
+)]
 pub(crate) enum Route<'a> {
     /// A volume where it lies.
     Volume(VolumeScene<'a>),
@@ -80,6 +84,10 @@ pub(crate) struct VolumeScene<'a> {
     pub asked: Asked<'a>,
     /// What moves while the shutter is open.
     pub motion: Option<&'a Motion>,
+    /// Whether values are names of kinds.
+    pub labels: bool,
+    /// The settings as they are for it.
+    pub settings: RenderSettings,
 }
 
 impl VolumeScene<'_> {
@@ -162,7 +170,7 @@ impl<'a> Route<'a> {
     ) -> Result<Self, SceneError> {
         volumes.keep(scene);
         match Way::of(scene, settings) {
-            Way::Volume(single) => volume_scene(scene, &single, volumes).map(Self::Volume),
+            Way::Volume(single) => volume_scene(scene, &single, settings, volumes).map(Self::Volume),
             Way::Published => Ok(Self::Splats(SplatScene::published(scene))),
             Way::Layers => parts(scene, settings, volumes).map(Self::Layers),
             Way::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
@@ -186,7 +194,9 @@ fn parts<'a>(
     };
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
-            parts.volumes.push(volume_scene(scene, &single, volumes)?);
+            parts
+                .volumes
+                .push(volume_scene(scene, &single, settings, volumes)?);
         } else if let Some(mesh) = mesh_layer(scene, item, settings) {
             parts.meshes.push(mesh);
         } else {
@@ -203,11 +213,13 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
             volume,
             transfer_function,
             isosurfaces,
+            labels,
         } => Some(SingleVolume {
             item,
             volume,
             transfer_function,
             isosurfaces,
+            labels: *labels,
         }),
         _ => None,
     }
@@ -258,6 +270,7 @@ fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -
 fn volume_scene<'a>(
     scene: &'a Scene,
     single: &SingleVolume<'a>,
+    settings: &RenderSettings,
     volumes: &mut PlacedVolumes,
 ) -> Result<VolumeScene<'a>, SceneError> {
     let item = single.item;
@@ -280,6 +293,8 @@ fn volume_scene<'a>(
             isosurfaces: single.isosurfaces,
         },
         motion: item.motion.as_ref(),
+        labels: single.labels,
+        settings: single.settings(settings),
     })
 }
 

@@ -22,6 +22,8 @@ pub enum Content {
         transfer_function: TransferFunction,
         /// Surfaces to show instead of material, where there are any: see [`Item::isosurfaces`].
         isosurfaces: Vec<Isosurface>,
+        /// Whether values are names of kinds: see [`Item::labels`].
+        labels: bool,
     },
     /// Samples on any other grid.
     Mesh {
@@ -153,6 +155,19 @@ impl Item {
             volume: volume.into(),
             transfer_function,
             isosurfaces: Vec::new(),
+            labels: false,
+        })
+    }
+
+    /// A label map: values are names of kinds of material, each with its colour and opacity. Between two names there is no third:
+    /// voxels get their colours before they are splatted, whatever the settings say of other volumes, and a kind's surface
+    /// is lit by the gradient of its own share, 1 in its voxels and 0 in others.
+    pub fn labels(volume: impl Into<Arc<Volume>>, transfer_function: TransferFunction) -> Self {
+        Self::new(Content::Volume {
+            volume: volume.into(),
+            transfer_function,
+            isosurfaces: Vec::new(),
+            labels: true,
         })
     }
 
@@ -171,6 +186,7 @@ impl Item {
             volume,
             transfer_function: Isosurface::transfer_function(isosurfaces, range)?,
             isosurfaces: isosurfaces.to_vec(),
+            labels: false,
         }))
     }
 
@@ -264,13 +280,15 @@ impl Item {
                     volume: a,
                     transfer_function: ta,
                     isosurfaces: ia,
+                    labels: la,
                 },
                 Content::Volume {
                     volume: b,
                     transfer_function: tb,
                     isosurfaces: ib,
+                    labels: lb,
                 },
-            ) => Arc::ptr_eq(a, b) && ta == tb && ia == ib,
+            ) => Arc::ptr_eq(a, b) && ta == tb && ia == ib && la == lb,
             (
                 Content::Mesh {
                     mesh: a,

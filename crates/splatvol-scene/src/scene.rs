@@ -8,8 +8,8 @@ use glam::DAffine3;
 
 use crate::operator::PixelOperator;
 use crate::{
-    Bounds, Clip, Compositing, Content, GaussianMode, Isosurface, Item, Motion, RenderSettings, SceneError,
-    TransferFunction, Volume,
+    Bounds, Classification, Clip, Compositing, Content, GaussianMode, Isosurface, Item, Motion,
+    RenderSettings, SceneError, TransferFunction, Volume,
 };
 
 /// Things that are rendered together.
@@ -142,11 +142,13 @@ impl Scene {
                 volume,
                 transfer_function,
                 isosurfaces,
+                labels,
             } => Ok(SingleVolume {
                 item,
                 volume,
                 transfer_function,
                 isosurfaces,
+                labels: *labels,
             }),
             Content::Mesh { .. } => refuse(&"a mesh"),
             Content::Points { .. } => refuse(&"points"),
@@ -193,9 +195,23 @@ pub struct SingleVolume<'a> {
     pub transfer_function: &'a TransferFunction,
     /// Surfaces to show instead of material, where there are any.
     pub isosurfaces: &'a [Isosurface],
+    /// Whether values are names of kinds.
+    pub labels: bool,
 }
 
 impl SingleVolume<'_> {
+    /// The settings as they are for it: label maps are classified before they are splatted.
+    pub fn settings(&self, settings: &RenderSettings) -> RenderSettings {
+        let classification = match self.labels {
+            true => Classification::Pre,
+            false => settings.classification,
+        };
+        RenderSettings {
+            classification,
+            ..*settings
+        }
+    }
+
     /// World length to which the transfer function's opacities refer.
     pub fn unit_distance(&self) -> f64 {
         let own = self.transfer_function.unit_distance;

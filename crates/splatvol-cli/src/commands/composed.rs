@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, Content, ImageSize, Item, MotionBlur, RenderSettings, Scene, View};
+use splatvol::{Camera, Classification, Content, ImageSize, Item, MotionBlur, RenderSettings, Scene, View};
 use splatvol_io::{DataKind, SceneFile, SceneItem, is_scene, read_scene};
 
 use super::render::{self, bits, kept_sub_frames};
 use super::shown::{Prepared, Preparing};
-use crate::args::{EffectArgs, LookArgs, RenderArgs, values};
+use crate::args::{ClassificationName, EffectArgs, LookArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{CameraRecipe, Recipe, Subject, command_line};
 use crate::resolve::camera::Surroundings;
@@ -139,11 +139,21 @@ impl Composed {
             motion_blur: MotionBlur::None,
             ..base
         });
-        let loaded = self.load(args, base.as_ref(), terminal)?;
+        let mut loaded = self.load(args, base.as_ref(), terminal)?;
         terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
         let mut settings = method::resolve(&args.method, self.size(args)?, base.as_ref(), loaded.wishes)?;
         if let Some(mode) = args.item.gaussians {
             settings.gaussians = mode.into();
+        }
+        // Who asks for data to be interpolated gets names interpolated.
+        let names = match loaded.scene.single_volume() {
+            Ok(_) => settings.classification == Classification::Pre,
+            Err(_) => args.method.classification != Some(ClassificationName::Post),
+        };
+        for item in loaded.scene.items.iter_mut().filter(|_| !names) {
+            if let Content::Volume { labels, .. } = &mut item.content {
+                *labels = false;
+            }
         }
         refuse::gaussians(args, &loaded.scene, &settings)?;
         let effects = like.map_or_else(|| args.effects.clone(), |like| args.effects.or(&like.effects));

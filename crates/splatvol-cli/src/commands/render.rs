@@ -105,7 +105,7 @@ pub(super) fn prepare(shown: VolumeShown, preparing: Preparing<'_>) -> Result<Pr
 
     let resolved = Resolved::new((args, like), (&loaded, moves), beside, terminal)?;
     let recipe = resolved.recipe(args, like, reference);
-    let scene = Scene::new(loaded.volume, resolved.look.transfer_function);
+    let scene = Scene::from(resolved.look.item(loaded.volume));
     let mut scene = resolved.applied.apply(scene)?;
     if let Some(motion) = &resolved.motion {
         scene = scene.with_motion(&motion.motion().during(Step::Usage)?);
@@ -181,12 +181,13 @@ impl Resolved {
         });
         let like_settings = like_settings.as_ref();
         let compositing = method::compositing(&args.method, like_settings);
-        let look = match (&function, like.filter(|like| keeps_look(args, like, compositing))) {
+        let mut look = match (&function, like.filter(|like| keeps_look(args, like, compositing))) {
             (Some(function), _) => Look::from(function.marginal().during(Step::Usage)?),
-            (None, Some(like)) => Look::from(like.volume.transfer_function.clone()),
+            (None, Some(like)) => like.volume.look(),
             (None, None) => look::resolve(&asked, input, compositing, terminal)?,
         };
         let mut settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
+        look.wishes.labels &= settings.classification == Classification::Pre;
         if let (None, Some(curve)) = (&effects.gradient_opacity, &look.gradient_opacity) {
             if shows_gradients(&settings) {
                 effects.gradient_opacity = Some(curve.clone());
@@ -235,6 +236,7 @@ impl Resolved {
                 input,
                 look: like.map_or_else(|| args.look.clone(), |like| args.look.or(&like.volume.look)),
                 transfer_function: self.look.transfer_function.clone(),
+                labels: self.look.wishes.labels,
             }),
             camera: CameraRecipe::from(&self.camera),
             sub_frames: kept_sub_frames(args, earlier),

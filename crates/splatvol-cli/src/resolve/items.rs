@@ -78,7 +78,7 @@ pub(crate) fn load(item: &SceneItem, source: Source, reading: Reading<'_>) -> Re
         preferred = input.sample.and_then(|sample| sample.preferred_view());
         let look = look_of(item, &input, reading)?;
         wishes = look.wishes;
-        let item = Item::volume(input.volume, look.transfer_function);
+        let item = look.item(input.volume);
         (item.content, DAffine3::IDENTITY)
     } else {
         let loaded = {
@@ -152,7 +152,7 @@ fn content(
                 sample: None,
             };
             let look = look_of(item, &input, reading)?;
-            let item = Item::volume(input.volume, look.transfer_function);
+            let item = look.item(input.volume);
             (item.content, DAffine3::IDENTITY)
         }
     })

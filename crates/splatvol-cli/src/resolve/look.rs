@@ -1,12 +1,14 @@
 //! The transfer function: from a file, from names, or chosen from the data.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::Context;
+use splatvol::transfer_function::DataKind;
 use splatvol::{
-    Classification, ColorMap, ColorPoint, Compositing, OpacityCurve, OpacityPoint, TransferFunction,
+    Classification, ColorMap, ColorPoint, Compositing, Item, OpacityCurve, OpacityPoint, TransferFunction,
+    Volume,
 };
-
 use splatvol_io::transfer_function::GRADIENT_OPACITY_LEFT_OUT;
 
 use super::input::Input;
@@ -33,6 +35,18 @@ pub(crate) struct Wishes {
     pub(crate) unlit: bool,
     /// Gradients by differences, whatever the preset: meshes have no others.
     pub(crate) differences: bool,
+    /// Values are names of kinds.
+    pub(crate) labels: bool,
+}
+
+impl Look {
+    /// A volume that looks so.
+    pub(crate) fn item(self, volume: Arc<Volume>) -> Item {
+        match self.wishes.labels {
+            true => Item::labels(volume, self.transfer_function),
+            false => Item::volume(volume, self.transfer_function),
+        }
+    }
 }
 
 impl From<TransferFunction> for Look {
@@ -165,6 +179,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         transfer_function,
         wishes: Wishes {
             classification: Some(choice.classification),
+            labels: choice.kind == DataKind::Labels,
             ..Wishes::default()
         },
         gradient_opacity: None,

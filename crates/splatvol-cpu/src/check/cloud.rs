@@ -54,7 +54,7 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
     footprints_in_motion(scene, settings)?;
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
-            volume::check(scene, &single, settings)?;
+            volume::check(scene, &single, &single.settings(settings))?;
         } else if is_data(item, settings) {
             mesh(scene, item, settings)?;
         } else if let Some(what) = asked_of(std::slice::from_ref(item), &[]) {

@@ -34,6 +34,7 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
     } = shot;
     match Way::of(scene, settings) {
         Way::Volume(single) => {
+            let settings = &single.settings(settings);
             settings.validate()?;
             volume::check(scene, &single, settings)?;
             if classic::render(single.item.motion.as_ref(), settings) {

@@ -13,6 +13,12 @@ pub(super) fn check(
     single: &SingleVolume<'_>,
     settings: &RenderSettings,
 ) -> Result<(), SceneError> {
+    if single.labels && settings.compositing.shows_one_value() {
+        return Err(SceneError::Combination {
+            what: "a label map",
+            why: "maxima, minima and means are of amounts, and its values are names; use image sheets or X-ray",
+        });
+    }
     let Some(what) = asked_of(std::slice::from_ref(single.item), &scene.clips) else {
         return Ok(());
     };

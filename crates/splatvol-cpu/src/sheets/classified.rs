@@ -52,6 +52,8 @@ struct VoxelLight {
     phong: Phong,
     /// Rows of the matrix from differences per voxel to gradients in camera space.
     camera_from_voxel: [[f32; 3]; 3],
+    /// Values are names of kinds, whose own shares have the gradients.
+    labels: bool,
 }
 
 /// Bricks whose voxels are classified, and how.
@@ -101,13 +103,14 @@ impl<'a> ClassifiedBricks<'a> {
         }
     }
 
-    /// The same lit.
-    pub(crate) fn lit(self, phong: Option<Phong>, camera_from_voxel: DMat3) -> Self {
+    /// The same lit; `labels`: values are names of kinds.
+    pub(crate) fn lit(self, phong: Option<Phong>, camera_from_voxel: DMat3, labels: bool) -> Self {
         let gradient = camera_from_voxel.inverse().as_mat3();
         let light = phong.map(|phong| VoxelLight {
             phong,
             // The inverse's transpose, row by row.
             camera_from_voxel: gradient.to_cols_array_2d(),
+            labels,
         });
         Self { light, ..self }
     }
@@ -232,10 +235,15 @@ impl VoxelLight {
         let own = rows(simd, around, place);
         let value = |place| {
             let value = rows(simd, around, place);
-            match around.any_missing {
+            match (self.labels, around.any_missing) {
+                // The share of the voxel's own kind: a whole voxel of it, or none.
+                (true, _) => {
+                    let one = f32x16::splat(simd, 1.0);
+                    value.simd_eq(own).select(one, f32x16::splat(simd, 0.0))
+                }
                 // A missing neighbour counts as the voxel's own value.
-                true => value.simd_eq(value).select(value, own),
-                false => value,
+                (_, true) => value.simd_eq(value).select(value, own),
+                (_, false) => value,
             }
         };
         let dx = (value([px + 1, py, pz]) - value([px - 1, py, pz])) * per_x.combine(per_x);

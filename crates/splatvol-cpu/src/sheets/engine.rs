@@ -134,10 +134,11 @@ impl SheetEngine {
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
-        (camera, settings): (&Camera, &RenderSettings),
+        camera: &Camera,
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
+        let settings = &scene.settings;
         // The mean of two classified values is not the mean classified: labels would become others. Analytic gradients are asked
         // for the field as it is.
         let of_voxels = Wanted::of(settings) == Wanted::Classified;
@@ -261,7 +262,7 @@ impl SheetEngine {
             }
             (Wanted::Classified, _) => {
                 let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
-                let bricks = bricks.lit(phong, view.camera_from_voxel());
+                let bricks = bricks.lit(phong, view.camera_from_voxel(), scene.labels);
                 let mode = Compose {
                     bricks: bricks.clone(),
                 };

@@ -62,11 +62,16 @@ pub(crate) struct LayerStore {
 }
 
 /// A view of every volume, on the planes of the one whose sheets are thinnest.
-fn views(levels: &[&Level], (camera, settings): (&Camera, &RenderSettings), sampling: Sampling) -> Vec<View> {
-    let view = |level: &&Level, spacing| {
+fn views(levels: &[&Level], (camera, volumes): (&Camera, &[VolumeScene<'_>])) -> Vec<View> {
+    let view = |(level, volume): &(&Level, &VolumeScene<'_>), spacing| {
+        let sampling = match Wanted::of(&volume.settings) {
+            Wanted::Classified => Sampling::Planes,
+            _ => Sampling::Field,
+        };
         let grid = level.field.source().grid();
-        View::new(grid, (camera, settings), sampling, spacing)
+        View::new(grid, (camera, &volume.settings), sampling, spacing)
     };
+    let levels: Vec<_> = levels.iter().copied().zip(volumes).collect();
     let own: Vec<View> = levels.iter().map(|level| view(level, None)).collect();
     let spacing = own.iter().map(View::spacing).fold(f64::INFINITY, f64::min);
     own.into_iter()
@@ -75,7 +80,7 @@ fn views(levels: &[&Level], (camera, settings): (&Camera, &RenderSettings), samp
             if own.spacing() == spacing {
                 own
             } else {
-                view(level, Some(spacing))
+                view(&level, Some(spacing))
             }
         })
         .collect()
@@ -104,13 +109,12 @@ impl SheetEngine {
             let LayerStore { plans, meshes } = &mut self.layers;
             plans.resize_with(scene.volumes.len(), Plan::default);
             meshes.resize_with(scene.meshes.len(), MeshLayer::default);
-            let classified = Wanted::of(settings) == Wanted::Classified;
             let details: Vec<Detail> = scene
                 .volumes
                 .iter()
-                .map(|volume| match classified {
-                    true => Detail::FINEST,
-                    false => Detail::new(&volume.volume, camera, settings.size),
+                .map(|volume| match Wanted::of(&volume.settings) {
+                    Wanted::Classified => Detail::FINEST,
+                    _ => Detail::new(&volume.volume, camera, settings.size),
                 })
                 .collect();
             let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
@@ -191,14 +195,11 @@ impl SheetEngine {
         let mut classified: Vec<&Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let look = (&*volume.transfer_function, volume.unit_distance());
+            let wanted = Wanted::of(&volume.settings);
             classified.push(pyramid.classify(level, look, wanted, run.task.stop)?);
         }
         let levels = classified;
-        let sampling = match wanted {
-            Wanted::Classified => Sampling::Planes,
-            _ => Sampling::Field,
-        };
-        let views = views(&levels, (camera, settings), sampling);
+        let views = views(&levels, (camera, scene.volumes));
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let cuts: Vec<Cut> = scene
@@ -226,13 +227,13 @@ impl SheetEngine {
                     (&level.classification, level.hull),
                 )
                 .cut(cut)
-                .lit(phong, view.camera_from_voxel())
+                .lit(phong, view.camera_from_voxel(), volume.labels)
             })
             .collect();
         let mut layers = Vec::with_capacity(scene.volumes.len() + 1);
         for (at, (plan, view)) in plans.iter_mut().zip(&views).enumerate() {
             let (volume, level) = (&scene.volumes[at], levels[at]);
-            layers.push(if wanted == Wanted::Classified {
+            layers.push(if Wanted::of(&volume.settings) == Wanted::Classified {
                 let sheets = plan.update(view, &bricks[at], settings, edge);
                 Layer::Compose(
                     sheets,

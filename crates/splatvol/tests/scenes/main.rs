@@ -7,6 +7,7 @@ mod common;
 
 mod ellipsoids;
 mod gaussians;
+mod labels;
 mod layers;
 mod mesh_values;
 mod meshes;
