@@ -4,7 +4,7 @@
 //! two planes each gives its material, which is put together on the canvas ([`Canvas::gather`]) and composited once. A layer
 //! that is alone goes straight to the canvas, and makes the same picture as among others that do not reach its pixels.
 //!
-//! Layers are cut into zones of depth (`zones`) each by itself: one that enters its next zone makes the planes before the one
+//! Layers are cut into zones of depth (`splatvol_core::plan`) each by itself: one that enters its next zone makes the planes before the one
 //! at hand again, in that zone's raster, while the others wait.
 
 use std::sync::atomic::{AtomicBool, Ordering};
