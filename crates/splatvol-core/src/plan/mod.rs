@@ -10,8 +10,8 @@
 //! | `project`, `zone_plan` | bricks | rectangles of the picture and first sheets, in lists per tile |
 //!
 //! A [`FramePlan`] holds numbers only: no reference to samples, no trait object, nothing of a processor's vectors. What a pixel
-//! is made of is single precision; depths and places are computed in double precision here, and rounded once. The planning
-//! depends on the grid's box and the camera, never on threads, tiles or memory.
+//! is made of is single precision; depths and places are computed in double precision here, and rounded once. Planes and
+//! footprints depend on the grid's box and the camera, never on the bricks that are needed, on threads, tiles or memory.
 
 mod blocks;
 mod extents;
