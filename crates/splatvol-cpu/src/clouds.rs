@@ -5,7 +5,7 @@
 
 use splatvol_scene::{Compositing, Content, Filter, Item, RenderSettings, Scene};
 
-use crate::splats::{Cloud, LEAST_VARIANCE, LowPass, Manner, Near, SplatSettings};
+use crate::splats::{Cloud, CloudSettings, LEAST_VARIANCE, LowPass, Manner, Near};
 
 /// A scene that is splatted one by one.
 pub(crate) struct SplatScene<'a> {
@@ -44,25 +44,26 @@ impl<'a> SplatScene<'a> {
     }
 
     /// What the loop needs of scene and settings. `spacing`: of the rest, world length.
-    pub(crate) fn settings(&self, scene: &Scene, settings: &RenderSettings, spacing: f64) -> SplatSettings {
+    pub(crate) fn settings(&self, scene: &Scene, settings: &RenderSettings, spacing: f64) -> CloudSettings {
         if self.published {
-            return SplatSettings {
+            return CloudSettings {
                 lighting: settings.lighting,
                 manner: Manner::Published {
                     background: scene.background,
                 },
-                ..SplatSettings::published(settings.size)
+                ..CloudSettings::published(settings.size)
             };
         }
         let cut = settings
-            .kernel
+            .method
+            .kernel()
             .gaussian()
             .map_or(4.0, |(sigma, radius)| radius / sigma);
-        let integral = settings.compositing == Compositing::Xray;
-        SplatSettings {
+        let integral = settings.method.compositing() == Compositing::Xray;
+        CloudSettings {
             size: settings.size,
-            low_pass: low_pass(settings.filter),
-            near: Near::World(0.5 * settings.sheet_thickness * spacing),
+            low_pass: low_pass(settings.method.filter()),
+            near: Near::World(0.5 * settings.method.sheet_thickness() * spacing),
             lighting: settings.lighting.filter(|_| !integral),
             manner: if integral {
                 Manner::Integral { cut }

@@ -2,10 +2,10 @@
 
 use fearless_simd::Level;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
-use splatvol_scene::{Frame, SceneError};
+use splatvol_scene::{Frame, RenderSettings, SceneError, SheetSettings};
 
 use crate::check::check;
-use crate::classic::{self, ClassicEngine};
+use crate::classic::ClassicEngine;
 use crate::clock::Instant;
 use crate::clouds::SplatScene;
 use crate::config::{EngineConfig, EngineError, level_name};
@@ -82,21 +82,21 @@ impl CpuEngine {
         &mut self,
         run: Run<'_>,
         parts: &Parts<'_>,
-        shot: Shot<'_>,
+        (shot, own): (Shot<'_>, &RenderSettings<SheetSettings>),
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
-        let view = (shot.camera, shot.settings);
+        let view = (shot.camera, own);
         let start = Instant::now();
         let cloud = match parts.rest.items.is_empty() {
             true => None,
             false => Some(
                 self.items
-                    .cloud(run, &parts.rest, view)
+                    .cloud(run, &parts.rest, (shot.camera, shot.settings))
                     .ok_or(SceneError::Stopped)?,
             ),
         };
         self.meshes
-            .update(run, &parts.meshes, shot.settings)
+            .update(run, &parts.meshes, own)
             .ok_or(SceneError::Stopped)?;
         let scene = LayeredScene {
             volumes: &parts.volumes,
@@ -169,12 +169,9 @@ impl Engine for CpuEngine {
             task,
         };
         let statistics = match &route {
-            Route::Volume(volume) if classic::render(volume.motion, &volume.settings) => {
-                let view = (camera, &volume.settings);
-                self.classic.render(run, volume, view, frame)?
-            }
-            Route::Volume(volume) => self.sheets.render(run, volume, camera, frame)?,
-            Route::Layers(parts) => self.render_layers(run, parts, shot, frame)?,
+            Route::Volume(volume, own) => self.sheets.render(run, volume, (camera, own), frame)?,
+            Route::Classic(volume, own) => self.classic.render(run, volume, (camera, own), frame)?,
+            Route::Layers(parts, own) => self.render_layers(run, parts, (shot, own), frame)?,
             Route::Splats(splats) => self.render_splats(run, splats, shot, frame)?,
         };
         task.go_on()?;

@@ -60,7 +60,11 @@ impl ItemStore {
         scene: &Scene,
         (camera, settings): (&Camera, &RenderSettings),
     ) -> Option<&SplatCloud> {
-        let sigma = settings.kernel.gaussian().map_or(1.0, |(sigma, _)| sigma);
+        let sigma = settings
+            .method
+            .kernel()
+            .gaussian()
+            .map_or(1.0, |(sigma, _)| sigma);
         let key = (KernelShape::Sphere { sigma }, settings.lighting.is_some());
         let same = |kept: &Kept| {
             kept.key == key

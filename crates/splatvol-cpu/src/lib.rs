@@ -25,6 +25,7 @@ mod meshes;
 mod phong;
 mod pool;
 mod prepare;
+mod room;
 mod route;
 mod run;
 mod sheets;

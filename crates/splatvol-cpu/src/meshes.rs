@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 use splatvol_core::irregular::{self, Kernels};
 use splatvol_core::splats::{Gather, Splat, SplatCloud};
-use splatvol_scene::{Mesh, RenderSettings};
+use splatvol_scene::{Mesh, RenderSettings, SheetSettings};
 
 use crate::prepare::Patience;
 use crate::route::MeshScene;
@@ -43,11 +43,11 @@ impl MeshStore {
         &mut self,
         run: Run<'_>,
         meshes: &[MeshScene<'_>],
-        settings: &RenderSettings,
+        settings: &RenderSettings<SheetSettings>,
     ) -> Option<()> {
         let key = KernelKey {
-            sigma: settings.kernel.gaussian().map_or(1.0, |(sigma, _)| sigma),
-            prefilter: settings.prefilter,
+            sigma: settings.method.kernel.sigma,
+            prefilter: settings.method.prefilter,
         };
         let mut kept = std::mem::take(&mut self.kept);
         let of =

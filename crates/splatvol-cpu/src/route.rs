@@ -2,7 +2,7 @@
 //!
 //! | scene | engine |
 //! |---|---|
-//! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where a method needs whole ones |
+//! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where the method is splats |
 //! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
 //! | everything else on image sheets | `sheets`: every volume and mesh a layer, the rest a cloud, another |
 //! | one mesh, of whose values each ray shows one | `sheets`, a layer |
@@ -16,8 +16,8 @@ use std::sync::Arc;
 use glam::DAffine3;
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
-    Clip, Compositing, Content, Isosurface, Item, Mesh, Motion, RenderSettings, Scene, SceneError,
-    SingleVolume, TransferFunction, Volume,
+    Clip, Content, Isosurface, Item, Mesh, Method, Motion, RenderSettings, Scene, SceneError, SheetSettings,
+    Shows, SingleVolume, SplatSettings, TransferFunction, Volume,
 };
 
 use crate::clouds::SplatScene;
@@ -26,11 +26,13 @@ use crate::items;
 /// Which way a scene goes.
 pub(crate) enum Way<'a> {
     /// To the engine for grids.
-    Volume(SingleVolume<'a>),
+    Volume(SingleVolume<'a>, RenderSettings<SheetSettings>),
+    /// To the papers' methods.
+    Classic(SingleVolume<'a>, RenderSettings<SplatSettings>),
     /// As the published renderer does.
     Published,
     /// To the sheets, as layers.
-    Layers,
+    Layers(RenderSettings<SheetSettings>),
     /// Splat by splat, as one cloud.
     Splats,
 }
@@ -41,25 +43,40 @@ impl<'a> Way<'a> {
         if scene.is_published(settings) {
             return Self::Published;
         }
-        match scene.single_volume() {
-            Ok(single) => Self::Volume(single),
-            Err(_) if settings.compositing == Compositing::ImageSheets => Self::Layers,
-            Err(_) if shows_values(settings) && is_mesh(scene) => Self::Layers,
-            Err(_) => Self::Splats,
+        match (scene.single_volume(), settings.method) {
+            (Ok(single), Method::Sheets(sheets)) => {
+                let own = settings.with(sheets.of_labels(single.labels));
+                Self::Volume(single, own)
+            }
+            (Ok(single), Method::Splats(splats)) => {
+                let own = settings.with(splats.of_labels(single.labels));
+                Self::Classic(single, own)
+            }
+            (Err(_), Method::Sheets(sheets)) => {
+                let on_planes = match sheets.shows {
+                    Shows::Material(_) => true,
+                    Shows::Xray => false,
+                    Shows::Mip | Shows::MinimumIntensity | Shows::Mean => is_mesh(scene),
+                };
+                if on_planes {
+                    Self::Layers(settings.with(sheets))
+                } else {
+                    Self::Splats
+                }
+            }
+            (Err(_), Method::Splats(_)) => Self::Splats,
         }
     }
 }
 
 /// A scene on its way.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is one per picture, and pictures of a volume allocate nothing"
-)]
 pub(crate) enum Route<'a> {
     /// A volume where it lies.
-    Volume(VolumeScene<'a>),
+    Volume(VolumeScene<'a>, RenderSettings<SheetSettings>),
+    /// The same, footprint by footprint.
+    Classic(VolumeScene<'a>, RenderSettings<SplatSettings>),
     /// Volumes and meshes where they lie, and the rest.
-    Layers(Parts<'a>),
+    Layers(Parts<'a>, RenderSettings<SheetSettings>),
     /// Splat by splat.
     Splats(SplatScene<'a>),
 }
@@ -86,11 +103,14 @@ pub(crate) struct VolumeScene<'a> {
     pub motion: Option<&'a Motion>,
     /// Whether values are names of kinds.
     pub labels: bool,
-    /// The settings as they are for it.
-    pub settings: RenderSettings,
 }
 
 impl VolumeScene<'_> {
+    /// The settings as they are for it: label maps are classified before they are splatted.
+    pub(crate) fn settings(&self, settings: &RenderSettings<SheetSettings>) -> RenderSettings<SheetSettings> {
+        settings.with(settings.method.of_labels(self.labels))
+    }
+
     /// World length to which the transfer function's opacities refer.
     pub(crate) fn unit_distance(&self) -> f64 {
         self.transfer_function
@@ -170,9 +190,10 @@ impl<'a> Route<'a> {
     ) -> Result<Self, SceneError> {
         volumes.keep(scene);
         match Way::of(scene, settings) {
-            Way::Volume(single) => volume_scene(scene, &single, settings, volumes).map(Self::Volume),
+            Way::Volume(single, own) => Ok(Self::Volume(volume_scene(scene, &single, volumes)?, own)),
+            Way::Classic(single, own) => Ok(Self::Classic(volume_scene(scene, &single, volumes)?, own)),
             Way::Published => Ok(Self::Splats(SplatScene::published(scene))),
-            Way::Layers => parts(scene, settings, volumes).map(Self::Layers),
+            Way::Layers(own) => Ok(Self::Layers(parts(scene, &own, volumes)?, own)),
             Way::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
         }
     }
@@ -184,7 +205,7 @@ impl<'a> Route<'a> {
 /// Volumes whose place cannot be inverted.
 fn parts<'a>(
     scene: &'a Scene,
-    settings: &RenderSettings,
+    settings: &RenderSettings<SheetSettings>,
     volumes: &mut PlacedVolumes,
 ) -> Result<Parts<'a>, SceneError> {
     let mut parts = Parts {
@@ -194,10 +215,8 @@ fn parts<'a>(
     };
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
-            parts
-                .volumes
-                .push(volume_scene(scene, &single, settings, volumes)?);
-        } else if let Some(mesh) = mesh_layer(scene, item, settings) {
+            parts.volumes.push(volume_scene(scene, &single, volumes)?);
+        } else if let Some(mesh) = mesh_layer(scene, item, &settings.method) {
             parts.meshes.push(mesh);
         } else {
             parts.rest.items.push(item.clone());
@@ -226,14 +245,8 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
 }
 
 /// Whether the samples of a mesh are a layer of data, classified behind their kernels.
-pub(crate) fn is_data(item: &Item, settings: &RenderSettings) -> bool {
-    matches!(item.content, Content::Mesh { .. }) && !settings.splats_colors()
-}
-
-/// Whether pictures are of one value of each ray.
-pub(crate) fn shows_values(settings: &RenderSettings) -> bool {
-    use Compositing::{Mean, MinimumIntensity, Mip};
-    matches!(settings.compositing, Mip | MinimumIntensity | Mean)
+pub(crate) fn is_data(item: &Item, sheets: &SheetSettings) -> bool {
+    matches!(item.content, Content::Mesh { .. }) && !sheets.splats_colors()
 }
 
 /// Whether a scene is one mesh and nothing else.
@@ -241,7 +254,7 @@ fn is_mesh(scene: &Scene) -> bool {
     matches!(&scene.items[..], [item] if matches!(item.content, Content::Mesh { .. }))
 }
 
-fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -> Option<MeshScene<'a>> {
+fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, sheets: &SheetSettings) -> Option<MeshScene<'a>> {
     let Content::Mesh {
         mesh,
         transfer_function,
@@ -252,7 +265,7 @@ fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -
     };
     let spacing = items::spacing(item);
     let own = transfer_function.unit_distance;
-    is_data(item, settings).then(|| MeshScene {
+    is_data(item, sheets).then(|| MeshScene {
         mesh,
         world_from_local: item.world_from_item * *mesh.world_from_local(),
         spacing,
@@ -270,7 +283,6 @@ fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, settings: &RenderSettings) -
 fn volume_scene<'a>(
     scene: &'a Scene,
     single: &SingleVolume<'a>,
-    settings: &RenderSettings,
     volumes: &mut PlacedVolumes,
 ) -> Result<VolumeScene<'a>, SceneError> {
     let item = single.item;
@@ -294,7 +306,6 @@ fn volume_scene<'a>(
         },
         motion: item.motion.as_ref(),
         labels: single.labels,
-        settings: single.settings(settings),
     })
 }
 

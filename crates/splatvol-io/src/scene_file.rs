@@ -17,7 +17,7 @@
 //! [camera]                              # all of it optional, as the flags
 //! view = "front"
 //!
-//! [settings]                            # any of `splatvol_scene::RenderSettings`
+//! [settings]                            # any of `splatvol_scene::FlatSettings`
 //! sheet-thickness = 0.5
 //! ```
 //!

@@ -17,7 +17,7 @@
 //! | [`mod@render`] | rays, clipping, frames |
 //! | [`ellipsoids`] | the same integral of a cloud of Gaussian kernels |
 //!
-//! `RenderSettings::sheet_thickness` and `termination` have no meaning here: this is the limit of thin sheets that
+//! `SheetSettings::thickness` and `termination` have no meaning here: this is the limit of thin sheets that
 //! are never terminated.
 #![forbid(unsafe_code)]
 

@@ -40,8 +40,8 @@ impl ViewGeometry {
             camera_from_voxel,
             voxel_from_camera,
             screen_from_camera: camera.screen_from_camera(settings.size),
-            kernel: GaussianKernel::new(&settings.kernel)?,
-            pixel_sigma: settings.filter.pixel_sigma(),
+            kernel: GaussianKernel::new(&settings.method.kernel())?,
+            pixel_sigma: settings.method.filter().pixel_sigma(),
             camera_from_voxel_gradient: voxel_from_camera.matrix3.transpose() * grid.mean_spacing(),
         })
     }
@@ -95,7 +95,11 @@ impl Medium {
     pub(crate) fn post(scene: &Scene, settings: &RenderSettings) -> Result<Self, ReferenceError> {
         let single = scene.single_volume()?;
         Ok(Self::Post(Box::new(PostClassified {
-            reconstruction: Reconstruction::new(single.volume, &settings.kernel, settings.prefilter)?,
+            reconstruction: Reconstruction::new(
+                single.volume,
+                &settings.method.kernel(),
+                settings.method.prefilter(),
+            )?,
             transfer_function: single.transfer_function.clone(),
             unit_distance: single.unit_distance(),
             shading: settings.lighting.map(Shading::new),

@@ -128,7 +128,7 @@ impl Reference {
             transfer_function: single.transfer_function.clone(),
             unit_distance: single.unit_distance(),
         };
-        let mode = match settings.compositing {
+        let mode = match settings.method.compositing() {
             // Whole footprints, however they are composited, approximate the integral.
             Compositing::ImageSheets
             | Compositing::PerSplat
@@ -139,10 +139,12 @@ impl Reference {
             Compositing::MinimumIntensity => value(ValueOf::Smallest),
             Compositing::Mean => value(ValueOf::Mean),
         };
-        let pre_shading = match settings.compositing {
+        let pre_shading = match settings.method.compositing() {
             Compositing::Xray => Some(None),
             shown if shown.shows_one_value() => None,
-            _ if settings.classification == Classification::Pre => Some(settings.lighting.map(Shading::new)),
+            _ if settings.method.classification() == Classification::Pre => {
+                Some(settings.lighting.map(Shading::new))
+            }
             _ => None,
         };
         let (medium, features) = match pre_shading {

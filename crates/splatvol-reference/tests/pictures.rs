@@ -4,12 +4,12 @@
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_reference::{PixelResult, Reconstruction, Reference, ReferenceSettings, render, render_pixels};
 use splatvol_scene::{
-    Camera, Classification, Compositing, Filter, Grid, ImageSize, Kernel, LengthUnit, Lighting, Projection,
-    RenderSettings, Rescale, Samples, Scene, TransferFunction, Volume,
+    Camera, Classification, Compositing, Filter, FlatSettings, Grid, ImageSize, Kernel, LengthUnit, Lighting,
+    Projection, RenderSettings, Rescale, Samples, Scene, TransferFunction, Volume,
 };
 use splatvol_testing::fields::{Ball, Constant, Noise, Ramp};
 use splatvol_testing::transfer::{band_extinction, constant_extinction, linear_extinction};
-use splatvol_testing::{Random, sample};
+use splatvol_testing::{Random, checked, sample};
 
 /// Kernel of these tests, voxels; their tolerances are its ripple.
 const SIGMA: f64 = 0.7;
@@ -18,7 +18,7 @@ const ORANGE: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Unlit, unfiltered pictures of 9 x 9 pixels: pixel (4, 4) looks along the view axis.
 fn settings(compositing: Compositing, classification: Classification) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         size: ImageSize::new(9, 9).unwrap(),
         compositing,
         classification,
@@ -28,8 +28,8 @@ fn settings(compositing: Compositing, classification: Classification) -> RenderS
             radius: 3.0,
         },
         lighting: None,
-        ..RenderSettings::best()
-    }
+        ..RenderSettings::best().into()
+    })
 }
 
 fn post() -> RenderSettings {
@@ -143,7 +143,10 @@ fn an_eye_inside_sees_what_is_in_front_of_it() {
         )
         .unwrap();
         for filter in [Filter::None, Filter::Ewa { pixel_sigma: 0.4 }] {
-            let settings = RenderSettings { filter, ..post() };
+            let settings = checked(FlatSettings {
+                filter,
+                ..post().into()
+            });
             let pixel = centre_pixel(&scene, &camera, &settings);
             assert_near("optical depth", pixel.optical_depth, 0.2 * 7.0, 2e-4);
         }
@@ -263,11 +266,11 @@ fn one_voxel_integrates_to_its_footprint() {
     let camera = orthographic(DVec3::new(-10.0, 3.0, 2.0), DVec3::new(10.0, -3.1, -1.9));
     for pixel_sigma in [0.0, 0.5, 1.0] {
         for compositing in [Compositing::ImageSheets, Compositing::Xray] {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 kernel,
                 filter: Filter::Ewa { pixel_sigma },
-                ..settings(compositing, Classification::Pre)
-            };
+                ..settings(compositing, Classification::Pre).into()
+            });
             let options = ReferenceSettings {
                 tolerance: 1e-8,
                 initial_step: 0.5,
@@ -295,11 +298,11 @@ fn the_low_pass_grows_with_depth_in_perspective() {
         radius: 5.6,
     };
     let scene = single_voxel(0.9);
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         kernel,
         filter: Filter::Ewa { pixel_sigma: 1.0 },
-        ..settings(Compositing::Xray, Classification::Pre)
-    };
+        ..settings(Compositing::Xray, Classification::Pre).into()
+    });
     for distance in [2000.0, 4000.0] {
         let projection = Projection::Perspective { fov_degrees: 0.2 };
         let position = distance * DVec3::new(0.6, 0.64, 0.48);
@@ -438,7 +441,12 @@ fn mip_is_the_largest_value_on_the_ray() {
     let range = volume.value_range();
     let scene = Scene::new(volume, linear_extinction(range, 2.0, ORANGE));
     let settings = settings(Compositing::Mip, Classification::Post);
-    let field = Reconstruction::new(scene.single_volume().unwrap().volume, &settings.kernel, true).unwrap();
+    let field = Reconstruction::new(
+        scene.single_volume().unwrap().volume,
+        &settings.method.kernel(),
+        true,
+    )
+    .unwrap();
     let mut random = Random::new(12);
     for _ in 0..8 {
         let direction = random.direction();
@@ -470,7 +478,12 @@ fn minimum_and_mean_are_those_of_the_ray() {
     let scene = Scene::new(volume, linear_extinction(range, 2.0, ORANGE));
     let smallest = settings(Compositing::MinimumIntensity, Classification::Post);
     let mean = settings(Compositing::Mean, Classification::Post);
-    let field = Reconstruction::new(scene.single_volume().unwrap().volume, &smallest.kernel, true).unwrap();
+    let field = Reconstruction::new(
+        scene.single_volume().unwrap().volume,
+        &smallest.method.kernel(),
+        true,
+    )
+    .unwrap();
     let mut random = Random::new(13);
     for _ in 0..8 {
         let direction = random.direction();

@@ -77,9 +77,10 @@ pub use operator::{
 pub use points::{PointAttributes, Points};
 pub use scene::{Scene, SingleVolume};
 pub use settings::{
-    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FootprintTable,
-    GaussianMode, Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings,
-    SheetContent, Stretch, TablePrecision,
+    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings,
+    FootprintTable, GaussianMode, Gradient, Kernel, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer,
+    Reconstruction, RenderSettings, SheetContent, SheetKernel, SheetSettings, Shows, SplatCompositing,
+    SplatSettings, Stretch, TablePrecision,
 };
 pub use source::{Block, SampleSource, VoxelBox};
 pub use storage::Storage;

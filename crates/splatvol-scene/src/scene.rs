@@ -8,8 +8,8 @@ use glam::DAffine3;
 
 use crate::operator::PixelOperator;
 use crate::{
-    Bounds, Classification, Clip, Compositing, Content, GaussianMode, Isosurface, Item, Motion,
-    RenderSettings, SceneError, TransferFunction, Volume,
+    Bounds, Clip, Compositing, Content, GaussianMode, Isosurface, Item, Motion, RenderSettings, SceneError,
+    TransferFunction, Volume,
 };
 
 /// Things that are rendered together.
@@ -116,7 +116,7 @@ impl Scene {
             GaussianMode::Auto => {
                 let has_gaussians = !all(|content| !matches!(content, Content::Gaussians(_)));
                 let whole = all(|content| matches!(content, Content::Gaussians(_) | Content::Points { .. }));
-                let on_sheets = settings.compositing == Compositing::ImageSheets;
+                let on_sheets = settings.method.compositing() == Compositing::ImageSheets;
                 self.is_gaussians() || (has_gaussians && whole && on_sheets)
             }
         }
@@ -200,18 +200,6 @@ pub struct SingleVolume<'a> {
 }
 
 impl SingleVolume<'_> {
-    /// The settings as they are for it: label maps are classified before they are splatted.
-    pub fn settings(&self, settings: &RenderSettings) -> RenderSettings {
-        let classification = match self.labels {
-            true => Classification::Pre,
-            false => settings.classification,
-        };
-        RenderSettings {
-            classification,
-            ..*settings
-        }
-    }
-
     /// World length to which the transfer function's opacities refer.
     pub fn unit_distance(&self) -> f64 {
         let own = self.transfer_function.unit_distance;

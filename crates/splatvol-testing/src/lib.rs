@@ -8,6 +8,7 @@
 //! | [`compare`] | how far two pictures are apart, on all four channels |
 //! | [`assertion`] | [`Tolerance`] and [`assert_images`]: the one way to demand that pictures agree |
 //! | [`snapshot`] | [`assert_snapshot`]: pictures against 16-bit PNGs kept with the tests |
+//! | [`method`] | settings of any method, varied from one base |
 //! | [`picture`] | pictures as PNG files |
 //!
 //! A failing comparison leaves `expected | difference | actual` and its figures in `target/test-output`.
@@ -16,6 +17,7 @@
 pub mod assertion;
 pub mod compare;
 pub mod fields;
+pub mod method;
 pub mod picture;
 pub mod random;
 pub mod snapshot;
@@ -24,5 +26,6 @@ pub mod transfer;
 pub use assertion::{Tolerance, assert_images};
 pub use compare::Comparison;
 pub use fields::{Field, sample};
+pub use method::checked;
 pub use random::Random;
 pub use snapshot::assert_snapshot;

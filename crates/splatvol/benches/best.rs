@@ -9,10 +9,11 @@
 #![allow(clippy::unwrap_used, reason = "a bench")]
 
 use splatvol::{
-    Camera, Classification, Compositing, EngineConfig, ImageSize, Projection, RenderSettings, Renderer,
-    Scene, View,
+    Camera, Classification, Compositing, EngineConfig, FlatSettings, ImageSize, Projection, RenderSettings,
+    Renderer, Scene, View,
 };
 use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::checked;
 
 const ROUNDS: usize = 7;
 const SIDE: u32 = 512;
@@ -23,14 +24,18 @@ fn projections(preset: RenderSettings) -> [(&'static str, RenderSettings); 6] {
         size: ImageSize::new(SIDE, SIDE).unwrap(),
         ..preset
     };
-    let of = |compositing| RenderSettings {
-        compositing,
-        lighting: None,
-        ..preset
+    let of = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            lighting: None,
+            ..preset.into()
+        })
     };
-    let classified = |settings| RenderSettings {
-        classification: Classification::Pre,
-        ..settings
+    let classified = |settings: RenderSettings| {
+        checked(FlatSettings {
+            classification: Classification::Pre,
+            ..settings.into()
+        })
     };
     [
         ("post-classified", preset),

@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Alignment, Camera, Classification, Compositing, Control, EngineConfig, Frame, GaussianAttributes,
-    GaussianMode, Gaussians, ImageSize, Item, Occlusion, PointAttributes, PointLook, Points, Projection,
-    RenderSettings, Renderer, Scene, SceneError, View,
+    Alignment, Camera, Classification, Compositing, Control, EngineConfig, FlatSettings, Frame,
+    GaussianAttributes, GaussianMode, Gaussians, ImageSize, Item, Occlusion, PointAttributes, PointLook,
+    Points, Projection, RenderSettings, Renderer, Scene, SceneError, View,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::Random;
+use splatvol_testing::{Random, checked};
 
 const STOPS: u32 = 10;
 const SIDE: u32 = 1024;
@@ -73,10 +73,12 @@ fn cases() -> Vec<Case> {
         ..settings
     };
     let default = sized(RenderSettings::default());
-    let of = |compositing| RenderSettings {
-        compositing,
-        classification: Classification::Pre,
-        ..default
+    let of = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            classification: Classification::Pre,
+            ..default.into()
+        })
     };
     let case = |name, items: Vec<Item>, settings| Case {
         name,
@@ -87,22 +89,22 @@ fn cases() -> Vec<Case> {
         gaussians: GaussianMode::Volumetric,
         ..default
     };
-    let exact = RenderSettings {
+    let exact = checked(FlatSettings {
         alignment: Alignment::Exact,
-        ..of(Compositing::PerSplat)
-    };
-    let table = RenderSettings {
+        ..of(Compositing::PerSplat).into()
+    });
+    let table = checked(FlatSettings {
         occlusion: Occlusion::Sat,
-        ..of(Compositing::PerSplat)
-    };
-    let sections = RenderSettings {
+        ..of(Compositing::PerSplat).into()
+    });
+    let sections = checked(FlatSettings {
         alignment: Alignment::Affine,
-        ..of(Compositing::ImageSheets)
-    };
-    let along_axis = RenderSettings {
+        ..of(Compositing::ImageSheets).into()
+    });
+    let along_axis = checked(FlatSettings {
         alignment: Alignment::Affine,
-        ..of(Compositing::Xray)
-    };
+        ..of(Compositing::Xray).into()
+    });
     vec![
         case("sheets", vec![head(256)], default),
         case(

@@ -10,13 +10,13 @@ mod common;
 use common::{PROJECTIONS, settings};
 use glam::{DMat3, DVec3, EulerRot};
 use splatvol::{
-    Camera, Classification, ColorPoint, Compositing, EngineConfig, Filter, Grid, Image, ImageSize,
-    OpacityPoint, Projection, RenderSettings, Renderer, Scene, TransferFunction, View,
+    Camera, Classification, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Grid, Image,
+    ImageSize, OpacityPoint, Projection, RenderSettings, Renderer, Scene, TransferFunction, View,
 };
 use splatvol_reference::{ReferenceSettings, render_pixels};
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::fields::{MarschnerLobb, Noise};
-use splatvol_testing::{Comparison, Tolerance, assert_images, sample};
+use splatvol_testing::{Comparison, Tolerance, assert_images, checked, sample};
 
 const PIXELS: u32 = 256;
 
@@ -149,10 +149,10 @@ fn post_classified_pictures_agree() {
 fn pre_classified_pictures_agree() {
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 classification: Classification::Pre,
-                ..settings(PIXELS)
-            };
+                ..settings(PIXELS).into()
+            });
             let images = compare(&scene, &camera(&scene, projection), &settings, 8);
             let name = format!("{name}-{}-pre", name_of(projection));
             check(&name, &images, Tolerance::psnr(55.0).max_error(0.02).bias(1e-3));
@@ -164,10 +164,10 @@ fn pre_classified_pictures_agree() {
 fn x_rays_agree() {
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 compositing: Compositing::Xray,
-                ..settings(PIXELS)
-            };
+                ..settings(PIXELS).into()
+            });
             let images = compare(&scene, &camera(&scene, projection), &settings, 8);
             let name = format!("{name}-{}-xray", name_of(projection));
             check(&name, &images, Tolerance::psnr(65.0).max_error(0.01).bias(5e-4));
@@ -184,10 +184,10 @@ fn values_of_rays_agree() {
                 ("minip", Compositing::MinimumIntensity),
                 ("mean", Compositing::Mean),
             ] {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     compositing,
-                    ..settings(PIXELS)
-                };
+                    ..settings(PIXELS).into()
+                });
                 let images = compare(&scene, &camera(&scene, projection), &settings, 8);
                 let name = format!("{name}-{}-{mode}", name_of(projection));
                 // Where the value steps to invisible or the coverage to less than half, single pixels fall on either side.
@@ -202,10 +202,10 @@ fn point_sampled_and_wide_filtered_pictures_agree() {
     let (_, scene) = scenes().swap_remove(3);
     for (filter, label) in [(Filter::None, "none"), (Filter::Ewa { pixel_sigma: 3.0 }, "wide")] {
         for projection in PROJECTIONS {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 filter,
-                ..settings(PIXELS)
-            };
+                ..settings(PIXELS).into()
+            });
             let images = compare(&scene, &camera(&scene, projection), &settings, 8);
             let name = format!("noise-{}-{label}", name_of(projection));
             check(&name, &images, Tolerance::psnr(45.0).max_error(0.1).bias(1.5e-3));
@@ -216,10 +216,10 @@ fn point_sampled_and_wide_filtered_pictures_agree() {
 #[test]
 fn the_plain_kernel_agrees() {
     let (_, scene) = scenes().swap_remove(1);
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         prefilter: false,
-        ..settings(PIXELS)
-    };
+        ..settings(PIXELS).into()
+    });
     let images = compare(&scene, &camera(&scene, PROJECTIONS[0]), &settings, 8);
     check(
         "head-perspective-plain",

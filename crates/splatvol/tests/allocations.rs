@@ -13,9 +13,11 @@ use common::PROJECTIONS;
 use counting::{BYTES, COUNT, SIZES};
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, Compositing, EngineConfig, ImageSize, RenderSettings, Renderer, Scene, View,
+    Camera, Classification, Compositing, EngineConfig, FlatSettings, ImageSize, RenderSettings, Renderer,
+    Scene, View,
 };
 use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::checked;
 
 /// A camera on a circle around the volume.
 fn camera(scene: &Scene, frame: usize) -> Camera {
@@ -38,38 +40,38 @@ fn frames_of_a_moving_camera_allocate_nothing_but_a_name() {
         ("post", post),
         (
             "pre",
-            RenderSettings {
+            checked(FlatSettings {
                 classification: Classification::Pre,
-                ..post
-            },
+                ..post.into()
+            }),
         ),
         (
             "xray",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Xray,
-                ..post
-            },
+                ..post.into()
+            }),
         ),
         (
             "mip",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Mip,
-                ..post
-            },
+                ..post.into()
+            }),
         ),
         (
             "minip",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::MinimumIntensity,
-                ..post
-            },
+                ..post.into()
+            }),
         ),
         (
             "mean",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Mean,
-                ..post
-            },
+                ..post.into()
+            }),
         ),
     ];
     for (mode, settings) in modes {

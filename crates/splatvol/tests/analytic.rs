@@ -8,11 +8,12 @@ use common::{modes, orthographic, perspective, render, settings, unfiltered, wor
 use glam::DVec3;
 use splatvol::transfer_function::srgb_from_linear;
 use splatvol::{
-    Camera, Classification, ColorPoint, Grid, OpacityPoint, RenderSettings, Scene, TransferFunction,
+    Camera, Classification, ColorPoint, FlatSettings, Grid, OpacityPoint, RenderSettings, Scene,
+    TransferFunction,
 };
 use splatvol_testing::fields::{Ball, Ramp};
 use splatvol_testing::transfer::{band_extinction, linear_extinction};
-use splatvol_testing::{Field, sample};
+use splatvol_testing::{Field, checked, sample};
 
 const LIMIT: f64 = 1.0 / 1024.0;
 
@@ -156,12 +157,12 @@ fn colour_converges_with_the_square_of_the_sheet_thickness() {
     for classification in [Classification::Pre, Classification::Post] {
         let camera = orthographic(DVec3::ZERO, DVec3::new(0.2, 1.0, -0.3), 12.0);
         let frame = |sheet_thickness: f64| {
-            let base = RenderSettings {
+            let base = checked(FlatSettings {
                 classification,
                 sheet_thickness,
                 lighting: None,
-                ..settings(32)
-            };
+                ..settings(32).into()
+            });
             render(
                 &scene,
                 &camera,

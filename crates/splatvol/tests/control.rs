@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use common::PROJECTIONS;
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Bounds, Camera, Classification, Compositing, Control, Coverage, EngineConfig, Frame, GaussianAttributes,
-    Gaussians, Grid, ImageSize, Item, Motion, MotionBlur, PointAttributes, PointLook, Points, RenderSettings,
-    Renderer, Scene, SceneError, TileRect, View,
+    Bounds, Camera, Classification, Compositing, Control, Coverage, EngineConfig, FlatSettings, Frame,
+    GaussianAttributes, Gaussians, Grid, ImageSize, Item, Motion, MotionBlur, PointAttributes, PointLook,
+    Points, RenderSettings, Renderer, Scene, SceneError, TileRect, View,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::Random;
+use splatvol_testing::{Random, checked};
 
 const WIDTH: u32 = 184;
 const HEIGHT: u32 = 136;
@@ -60,19 +60,21 @@ fn cases() -> Vec<Case> {
     ])
     .unwrap();
     let cloud = Scene::of_items(vec![points(&bounds), Item::gaussians(gaussians(&bounds))]).unwrap();
-    let composited = |compositing| RenderSettings {
-        compositing,
-        ..default
+    let composited = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            ..default.into()
+        })
     };
-    let pre = RenderSettings {
+    let pre = checked(FlatSettings {
         classification: Classification::Pre,
-        ..default
-    };
-    let one_by_one = RenderSettings {
+        ..default.into()
+    });
+    let one_by_one = checked(FlatSettings {
         compositing: Compositing::PerSplat,
         prefilter: false,
-        ..pre
-    };
+        ..pre.into()
+    });
     vec![
         case("default", default),
         case("best", sized(RenderSettings::best())),
@@ -113,10 +115,10 @@ fn cases() -> Vec<Case> {
             scene: moving,
             ..case(
                 "shutter",
-                RenderSettings {
+                checked(FlatSettings {
                     motion_blur: MotionBlur::Subframes { count: 3 },
-                    ..default
-                },
+                    ..default.into()
+                }),
             )
         },
         Case {

@@ -8,12 +8,12 @@ mod common;
 use common::{PROJECTIONS, modes, orthographic, perspective, render, settings, unfiltered, world_ray};
 use glam::{DMat3, DVec3, EulerRot};
 use splatvol::{
-    Camera, Classification, ColorPoint, Compositing, Grid, LengthUnit, OpacityPoint, Projection,
-    RenderSettings, Rescale, Samples, Scene, TransferFunction, View, Volume,
+    Camera, Classification, ColorPoint, Compositing, FlatSettings, Grid, LengthUnit, OpacityPoint,
+    Projection, Rescale, Samples, Scene, TransferFunction, View, Volume,
 };
 use splatvol_testing::fields::{Constant, Noise};
 use splatvol_testing::transfer::{constant_extinction, linear_extinction};
-use splatvol_testing::{Field, Random, sample};
+use splatvol_testing::{Field, Random, checked, sample};
 
 /// Depths where a ray enters and leaves the box of a unit-spaced grid, voxel space, and how far both points are from
 /// the other faces.
@@ -162,10 +162,10 @@ fn x_ray_energy_is_kept_under_rotation_and_zoom() {
                 let height = bounds.diagonal() + 12.0 + 8.0 / zoom;
                 let pixels = (height * zoom).ceil();
                 let camera = orthographic(bounds.centre(), direction, pixels / zoom);
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     compositing: Compositing::Xray,
-                    ..settings(pixels as u32)
-                };
+                    ..settings(pixels as u32).into()
+                });
                 let frame = render(&scene, &camera, &settings);
                 let sum: f64 = frame.optical_depth.iter().map(|&tau| f64::from(tau)).sum();
                 let error = sum / (zoom * zoom) / energy - 1.0;
@@ -201,10 +201,10 @@ fn noise_scene(seed: u64) -> Scene {
 fn a_quarter_turn_of_the_camera_turns_the_picture() {
     let scene = noise_scene(21);
     for classification in [Classification::Post, Classification::Pre] {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             classification,
-            ..settings(96)
-        };
+            ..settings(96).into()
+        });
         for projection in [Projection::Orthographic { height: 40.0 }, PROJECTIONS[0]] {
             let position = DVec3::new(30.0, 80.0, 20.0);
             let forward = -position.normalize();
@@ -279,11 +279,11 @@ fn what_an_opaque_wall_hides_changes_nothing() {
     let camera = orthographic(DVec3::ZERO, DVec3::NEG_Y, 16.0);
     for classification in [Classification::Post, Classification::Pre] {
         // The prefilter would carry a last digit of the hidden data through the wall.
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             classification,
             prefilter: false,
-            ..settings(64)
-        };
+            ..settings(64).into()
+        });
         let empty = render(&walled(|_| 0.0), &camera, &settings);
         let full = render(&walled(|i| (i % 7) as f32 / 6.0), &camera, &settings);
         assert!(empty == full, "{classification:?}");

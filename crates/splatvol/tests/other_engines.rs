@@ -6,10 +6,11 @@ use std::sync::Mutex;
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Control, Coverage, Engine, Frame, Grid, ImageSize, LengthUnit, MemoryUse, Motion, MotionBlur,
-    RenderSettings, RenderStatistics, Renderer, Rescale, Samples, Scene, SceneError, Shot, Task, TileRect,
-    TransferFunction, View, Volume,
+    Camera, Control, Coverage, Engine, FlatSettings, Frame, Grid, ImageSize, LengthUnit, MemoryUse, Motion,
+    MotionBlur, RenderSettings, RenderStatistics, Renderer, Rescale, Samples, Scene, SceneError, Shot, Task,
+    TileRect, TransferFunction, View, Volume,
 };
+use splatvol_testing::checked;
 
 mod common;
 
@@ -137,10 +138,10 @@ fn parts_of_sampled_pictures_are_put_together_to_the_bit() {
 fn a_shutter_takes_the_mean_and_progress_runs_once() {
     let (mut scene, camera) = subject();
     scene.items[0].motion = Some(Motion::Linear(DVec3::X));
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         motion_blur: MotionBlur::Subframes { count: 3 },
-        ..settings(Coverage::Off)
-    };
+        ..settings(Coverage::Off).into()
+    });
     let heard = Mutex::new(Vec::new());
     let hear = |share: f64| heard.lock().unwrap().push(share);
     let control = Control {
@@ -164,10 +165,10 @@ fn a_shutter_takes_the_mean_and_progress_runs_once() {
 #[test]
 fn what_an_engine_refuses_is_refused_by_its_renderer() {
     let (scene, camera) = subject();
-    let wrong = RenderSettings {
+    let wrong = checked(FlatSettings {
         sheet_thickness: -1.0,
-        ..settings(Coverage::Off)
-    };
+        ..settings(Coverage::Off).into()
+    });
     let error = Renderer::with_engine(Edge)
         .render(&scene, &camera, &wrong)
         .unwrap_err();

@@ -5,9 +5,9 @@
 mod common;
 
 use common::{PROJECTIONS, render, settings};
-use splatvol::{Camera, Classification, Compositing, RenderSettings, Scene, View};
+use splatvol::{Camera, Classification, Compositing, FlatSettings, RenderSettings, Scene, View};
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::{Tolerance, assert_snapshot};
+use splatvol_testing::{Tolerance, assert_snapshot, checked};
 
 fn assert_picture(name: &str, sample: Sample, settings: &RenderSettings) {
     let volume = sample.generate(Some(SampleSize::Longest(64))).unwrap();
@@ -28,28 +28,28 @@ fn head_post_classified() {
 
 #[test]
 fn head_pre_classified() {
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         classification: Classification::Pre,
-        ..settings(160)
-    };
+        ..settings(160).into()
+    });
     assert_picture("head-pre", Sample::Head, &settings);
 }
 
 #[test]
 fn head_x_ray() {
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         compositing: Compositing::Xray,
-        ..settings(160)
-    };
+        ..settings(160).into()
+    });
     assert_picture("head-xray", Sample::Head, &settings);
 }
 
 #[test]
 fn shells_maximum() {
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         compositing: Compositing::Mip,
-        ..settings(160)
-    };
+        ..settings(160).into()
+    });
     assert_picture("shells-mip", Sample::Shells, &settings);
 }
 

@@ -9,20 +9,23 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::PROJECTIONS;
 use splatvol::{
-    Camera, Classification, Compositing, EngineConfig, EngineError, ImageSize, Pool, RenderSettings,
-    Renderer, Scene, View,
+    Camera, Classification, Compositing, EngineConfig, EngineError, FlatSettings, ImageSize, Pool,
+    RenderSettings, Renderer, Scene, View,
 };
 use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::checked;
 
 fn settings() -> [RenderSettings; 4] {
     let default = RenderSettings {
         size: ImageSize::new(120, 90).unwrap(),
         ..RenderSettings::default()
     };
-    let with = |compositing, classification| RenderSettings {
-        compositing,
-        classification,
-        ..default
+    let with = |compositing, classification| {
+        checked(FlatSettings {
+            compositing,
+            classification,
+            ..default.into()
+        })
     };
     [
         default,

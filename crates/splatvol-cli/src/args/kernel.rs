@@ -39,5 +39,5 @@ pub(crate) enum KernelName {
 
 /// Sigma and radius of the default kernel.
 fn gaussian(settings: &RenderSettings) -> (f64, f64) {
-    settings.kernel.gaussian().unwrap_or_default()
+    settings.method.kernel().gaussian().unwrap_or_default()
 }

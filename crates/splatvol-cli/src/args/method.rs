@@ -24,7 +24,7 @@ pub(crate) struct MethodArgs {
     #[arg(long, help_heading = METHOD)]
     pub(crate) classification: Option<ClassificationName>,
     /// Thickness of a sheet, voxels
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Thickness of a sheet, voxels", |s| s.sheet_thickness))]
+    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Thickness of a sheet, voxels", |s| s.method.sheet_thickness()))]
     pub(crate) sheet_thickness: Option<f64>,
     /// Gradients that light the sheets [default: differences]
     #[arg(long, help_heading = METHOD)]
@@ -33,7 +33,7 @@ pub(crate) struct MethodArgs {
     #[arg(long, help_heading = METHOD)]
     pub(crate) filter: Option<FilterName>,
     /// Standard deviation of the EWA filter, pixels
-    #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.filter.pixel_sigma()))]
+    #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.method.filter().pixel_sigma()))]
     pub(crate) pixel_sigma: Option<f64>,
     /// Anti-aliasing of edges, where a low-pass of footprints is not one of the picture [default: off]
     #[arg(long, help_heading = METHOD)]

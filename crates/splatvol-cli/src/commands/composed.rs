@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Camera, Classification, Content, ImageSize, Item, MotionBlur, RenderSettings, Scene, View};
+use splatvol::{Camera, Content, FlatSettings, ImageSize, Item, RenderSettings, Scene, View};
 use splatvol_io::{DataKind, SceneFile, SceneItem, is_scene, read_scene};
 
 use super::render::{self, bits, kept_sub_frames};
@@ -134,11 +134,8 @@ impl Composed {
         } = preparing;
         let start = Instant::now();
         let like = self.like.as_ref();
-        let base = like.map(|like| like.settings).or(self.scene.settings);
-        let base = base.map(|base| RenderSettings {
-            motion_blur: MotionBlur::None,
-            ..base
-        });
+        let base = like.map(|like| like.settings.into()).or(self.scene.settings);
+        let base = base.map(motion::still);
         let mut loaded = self.load(args, base.as_ref(), terminal)?;
         terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
         let mut settings = method::resolve(&args.method, self.size(args)?, base.as_ref(), loaded.wishes)?;
@@ -147,7 +144,7 @@ impl Composed {
         }
         // Who asks for data to be interpolated gets names interpolated.
         let names = match loaded.scene.single_volume() {
-            Ok(_) => settings.classification == Classification::Pre,
+            Ok(_) => method::keeps_names(&args.method, &settings),
             Err(_) => args.method.classification != Some(ClassificationName::Post),
         };
         for item in loaded.scene.items.iter_mut().filter(|_| !names) {
@@ -212,7 +209,7 @@ impl Composed {
     fn load(
         &self,
         args: &RenderArgs,
-        base: Option<&RenderSettings>,
+        base: Option<&FlatSettings>,
         terminal: &Terminal,
     ) -> Result<Loaded, Failure> {
         let visible = |item: &&SceneItem| item.visible != Some(false);
@@ -240,6 +237,9 @@ impl Composed {
         wishes.differences = items
             .iter()
             .any(|item| matches!(item.content, Content::Mesh { .. }));
+        wishes.unclassified = items
+            .iter()
+            .all(|item| matches!(item.content, Content::Points { .. } | Content::Gaussians(_)));
         Ok(Loaded {
             scene: Scene::of_items(items).during(Step::Usage)?,
             wishes,

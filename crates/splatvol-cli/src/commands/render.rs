@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use splatvol::{
-    Camera, Classification, Compositing, Frame, Gradient, MotionBlur, RenderSettings, RenderStatistics, Scene,
+    Camera, Classification, Compositing, Frame, Gradient, RenderSettings, RenderStatistics, Scene,
+    SheetSettings, Shows,
 };
 use splatvol_io::ImageFormat;
 
@@ -175,10 +176,7 @@ impl Resolved {
         let function =
             effects::transfer_function_2d(&effects, &asked, input.volume.grid().mean_spacing(), beside)?;
         // Motion is blurred, or refused, when it is known what moves.
-        let like_settings = like.map(|like| RenderSettings {
-            motion_blur: MotionBlur::None,
-            ..like.recipe.settings
-        });
+        let like_settings = like.map(|like| motion::still(like.recipe.settings.into()));
         let like_settings = like_settings.as_ref();
         let compositing = method::compositing(&args.method, like_settings);
         let mut look = match (&function, like.filter(|like| keeps_look(args, like, compositing))) {
@@ -187,7 +185,7 @@ impl Resolved {
             (None, None) => look::resolve(&asked, input, compositing, terminal)?,
         };
         let mut settings = method::resolve(&args.method, args.size, like_settings, look.wishes)?;
-        look.wishes.labels &= settings.classification == Classification::Pre;
+        look.wishes.labels &= method::keeps_names(&args.method, &settings);
         if let (None, Some(curve)) = (&effects.gradient_opacity, &look.gradient_opacity) {
             if shows_gradients(&settings) {
                 effects.gradient_opacity = Some(curve.clone());
@@ -291,9 +289,9 @@ fn effects_like(args: &RenderArgs, like: &Like) -> EffectArgs {
 
 /// Whether sheets are classified pixel by pixel, with gradients.
 fn shows_gradients(settings: &RenderSettings) -> bool {
-    settings.compositing == Compositing::ImageSheets
-        && settings.classification == Classification::Post
-        && settings.gradient == Gradient::Differences
+    let is_post = |sheets: &SheetSettings| sheets.shows == Shows::Material(Classification::Post);
+    let sheets = settings.method.sheets().filter(|sheets| is_post(sheets));
+    sheets.is_some_and(|sheets| sheets.gradient == Gradient::Differences)
 }
 
 /// Whether the earlier picture's transfer function is taken as it is: nothing was asked about it, and neither the
@@ -303,7 +301,7 @@ fn keeps_look(args: &RenderArgs, like: &Like, compositing: Compositing) -> bool 
         .input
         .as_ref()
         .is_none_or(|own| *own == like.volume.input.reference);
-    args.look.is_empty() && same_input && compositing == like.recipe.settings.compositing
+    args.look.is_empty() && same_input && compositing == like.recipe.settings.method.compositing()
 }
 
 /// A camera as flags.

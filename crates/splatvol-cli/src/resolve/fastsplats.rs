@@ -1,6 +1,6 @@
 //! The settings of footprint tables and of the range of interest.
 
-use splatvol::{Extraction, Rasterizer, RenderSettings, TablePrecision};
+use splatvol::{Extraction, FlatSettings, Rasterizer, TablePrecision};
 
 use crate::args::{FastSplatsArgs, PrecisionName, RasterizerName};
 use crate::failure::Failure;
@@ -10,7 +10,7 @@ const RLUT_CELLS: u32 = 10;
 const BLIT_CELLS: u32 = 2;
 
 /// Sets what is asked for.
-pub(crate) fn set(args: &FastSplatsArgs, settings: &mut RenderSettings) -> Result<(), Failure> {
+pub(crate) fn set(args: &FastSplatsArgs, settings: &mut FlatSettings) -> Result<(), Failure> {
     settings.rasterizer = rasterizer(args, settings.rasterizer)?;
     let table = &mut settings.table;
     let asked =
@@ -65,11 +65,13 @@ fn rasterizer(args: &FastSplatsArgs, old: Rasterizer) -> Result<Rasterizer, Fail
 
 #[cfg(test)]
 mod tests {
+    use splatvol::RenderSettings;
+
     use super::*;
 
     #[test]
     fn flags_set_tables_and_ranges_over_those_of_before() {
-        let mut settings = RenderSettings::fastsplats2000();
+        let mut settings = FlatSettings::from(RenderSettings::fastsplats2000());
         let args = FastSplatsArgs {
             rasterizer: Some(RasterizerName::Rlut),
             subpixels: Some(100),
@@ -92,7 +94,7 @@ mod tests {
 
     #[test]
     fn flags_without_meaning_are_refused() {
-        let mut settings = RenderSettings::default();
+        let mut settings = FlatSettings::default();
         let entries = FastSplatsArgs {
             table_entries: Some(64),
             ..FastSplatsArgs::default()

@@ -1,7 +1,7 @@
 //! The settings of footprints.
 
 use splatvol::{
-    Absorption, Alignment, Classification, Occlusion, Reconstruction, RenderSettings, SheetContent, Stretch,
+    Absorption, Alignment, Classification, FlatSettings, Occlusion, Reconstruction, SheetContent, Stretch,
 };
 
 use crate::args::{
@@ -15,7 +15,7 @@ const FLATNESS: f64 = 10.0;
 const SURFACE_GRADIENT: f64 = 0.05;
 
 /// Sets what is asked for.
-pub(crate) fn set(args: &FootprintArgs, settings: &mut RenderSettings) -> Result<(), Failure> {
+pub(crate) fn set(args: &FootprintArgs, settings: &mut FlatSettings) -> Result<(), Failure> {
     if let Some(name) = args.absorption {
         settings.absorption = match name {
             AbsorptionName::Exp => Absorption::Exp,
@@ -86,7 +86,7 @@ fn reconstruction(args: &FootprintArgs, old: Reconstruction) -> Result<Reconstru
 
 /// What the other settings need and no flag says: colours where whole footprints are composited or flattened, sections where
 /// data are splatted as footprints. `is_free`: whether the classification may be chosen.
-pub(crate) fn complete(args: &FootprintArgs, settings: &mut RenderSettings, is_free: bool) {
+pub(crate) fn complete(args: &FootprintArgs, settings: &mut FlatSettings, is_free: bool) {
     let colors = settings.compositing.needs_colors() || settings.reconstruction != Reconstruction::Volume;
     if is_free && colors {
         settings.classification = Classification::Pre;

@@ -25,7 +25,7 @@ fn gaussian(args: &KernelArgs, old: Kernel) -> Result<Kernel, Failure> {
         args.kernel_alpha,
         "the gaussian kernel, whose shape is --kernel-sigma",
     )?;
-    let usual = || RenderSettings::default().kernel.gaussian();
+    let usual = || RenderSettings::default().method.kernel().gaussian();
     let old = old.gaussian().or_else(usual);
     let (old_sigma, old_radius) = old.ok_or_else(|| Failure::usage("no gaussian kernel is known"))?;
     let sigma = args.kernel_sigma.unwrap_or(old_sigma);
@@ -91,7 +91,7 @@ mod tests {
         let fresh = resolve(&named(KernelName::KaiserBessel), Kernel::CrawfisMax);
         assert_eq!(fresh.unwrap(), Kernel::KAISER_BESSEL);
         let usual = resolve(&named(KernelName::Gaussian), wide);
-        assert_eq!(usual.unwrap(), RenderSettings::default().kernel);
+        assert_eq!(usual.unwrap(), RenderSettings::default().method.kernel());
     }
 
     #[test]

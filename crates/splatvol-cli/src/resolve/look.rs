@@ -37,6 +37,8 @@ pub(crate) struct Wishes {
     pub(crate) differences: bool,
     /// Values are names of kinds.
     pub(crate) labels: bool,
+    /// There is nothing to classify, so it does not matter when.
+    pub(crate) unclassified: bool,
 }
 
 impl Look {

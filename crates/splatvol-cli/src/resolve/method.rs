@@ -1,7 +1,8 @@
 //! The render settings.
 
 use splatvol::{
-    Classification, Compositing, Coverage, Filter, Gradient, ImageSize, Lighting, RenderSettings,
+    Classification, Compositing, Coverage, Filter, FlatSettings, Gradient, ImageSize, Lighting,
+    RenderSettings,
 };
 
 use super::look::Wishes;
@@ -16,7 +17,7 @@ use crate::resolve::kernel;
 const SIDE: u32 = 1024;
 
 /// How sheets become a picture: the flag's, that of a paper's preset, the earlier picture's, or the default.
-pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> Compositing {
+pub(crate) fn compositing(args: &MethodArgs, like: Option<&FlatSettings>) -> Compositing {
     match args.compositing {
         Some(CompositingName::ImageSheets) => Compositing::ImageSheets,
         Some(CompositingName::Xray) => Compositing::Xray,
@@ -26,9 +27,10 @@ pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> C
         Some(CompositingName::PerSplat) => Compositing::PerSplat,
         Some(CompositingName::PerSplatBackToFront) => Compositing::PerSplatBackToFront,
         Some(CompositingName::AxisSheets) => Compositing::AxisSheets,
-        None => match args.preset.and_then(paper).or(like.copied()) {
-            Some(settings) => settings.compositing,
-            None => Compositing::default(),
+        None => match (args.preset.and_then(paper), like) {
+            (Some(settings), _) => settings.method.compositing(),
+            (None, Some(like)) => like.compositing,
+            (None, None) => Compositing::default(),
         },
     }
 }
@@ -37,16 +39,16 @@ pub(crate) fn compositing(args: &MethodArgs, like: Option<&RenderSettings>) -> C
 pub(crate) fn resolve(
     args: &MethodArgs,
     size: Option<ImageSize>,
-    like: Option<&RenderSettings>,
+    like: Option<&FlatSettings>,
     wishes: Wishes,
 ) -> Result<RenderSettings, Failure> {
     let mut settings = match like {
         Some(like) => *like,
-        None => RenderSettings {
+        None => FlatSettings {
             size: ImageSize::new(SIDE, SIDE).during(Step::Usage)?,
             classification: wishes.classification.unwrap_or_default(),
             lighting: RenderSettings::default().lighting.filter(|_| !wishes.unlit),
-            ..RenderSettings::default()
+            ..FlatSettings::default()
         },
     };
     if let Some(name) = args.preset {
@@ -86,20 +88,28 @@ pub(crate) fn resolve(
     settings.lighting = lighting(args, settings.lighting);
     footprint::set(&args.footprint, &mut settings)?;
     fastsplats::set(&args.fastsplats, &mut settings)?;
-    let is_free = args.classification.is_none() && like.is_none();
+    let is_free = args.classification.is_none() && (like.is_none() || wishes.unclassified);
     footprint::complete(&args.footprint, &mut settings, is_free);
+    let settings = RenderSettings::try_from(settings).during(Step::Usage)?;
     settings.validate().during(Step::Usage)?;
     Ok(settings)
 }
 
+/// Whether what was found to be a label map is one: who asks for data to be interpolated gets names interpolated.
+pub(crate) fn keeps_names(args: &MethodArgs, settings: &RenderSettings) -> bool {
+    let method = &settings.method;
+    let data = method.compositing() == Compositing::ImageSheets && !method.splats_colors();
+    !data && args.classification != Some(ClassificationName::Post)
+}
+
 /// The settings of a preset, for a picture that shows the same as with the settings `shown`: a preset says how well, not
 /// what, but for those of the papers, which are whole methods.
-fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
+fn preset(name: PresetName, shown: &FlatSettings) -> FlatSettings {
     if let Some(method) = paper(name) {
-        return RenderSettings {
+        return FlatSettings {
             size: shown.size,
             lighting: shown.lighting,
-            ..method
+            ..method.into()
         };
     }
     let quality = match name {
@@ -107,12 +117,12 @@ fn preset(name: PresetName, shown: &RenderSettings) -> RenderSettings {
         PresetName::Balanced => RenderSettings::balanced(),
         _ => RenderSettings::fast(),
     };
-    RenderSettings {
+    FlatSettings {
         size: shown.size,
         compositing: shown.compositing,
         classification: shown.classification,
         lighting: shown.lighting,
-        ..quality
+        ..quality.into()
     }
 }
 
@@ -201,15 +211,19 @@ mod tests {
     use super::*;
     use crate::args::KernelArgs;
 
+    fn resolve(args: &MethodArgs, like: Option<&FlatSettings>, wishes: Wishes) -> FlatSettings {
+        super::resolve(args, None, like, wishes).unwrap().into()
+    }
+
     #[test]
     fn flags_beat_the_earlier_picture_which_beats_defaults() {
-        let like = RenderSettings {
+        let like = FlatSettings {
             lighting: None,
             filter: Filter::None,
             sheet_thickness: 1.0,
-            ..RenderSettings::default()
+            ..FlatSettings::default()
         };
-        let resolve = |args: &MethodArgs| resolve(args, None, Some(&like), Wishes::default()).unwrap();
+        let resolve = |args: &MethodArgs| resolve(args, Some(&like), Wishes::default());
         assert_eq!(resolve(&MethodArgs::default()), like);
         let lit = resolve(&MethodArgs {
             ambient: Some(0.5),
@@ -226,11 +240,11 @@ mod tests {
 
     #[test]
     fn a_preset_beats_the_earlier_picture_and_loses_to_flags() {
-        let like = RenderSettings {
+        let like = FlatSettings {
             lighting: None,
             sheet_thickness: 3.0,
             prefilter: false,
-            ..RenderSettings::default()
+            ..FlatSettings::default()
         };
         let args = MethodArgs {
             preset: Some(PresetName::Fast),
@@ -241,24 +255,24 @@ mod tests {
             },
             ..MethodArgs::default()
         };
-        let settings = resolve(&args, None, Some(&like), Wishes::default()).unwrap();
+        let settings = resolve(&args, Some(&like), Wishes::default());
         let fast = preset(PresetName::Fast, &like);
         assert_eq!(settings.sheet_thickness, fast.sheet_thickness);
         assert_eq!(settings.filter, Filter::None);
         // What is shown stays the picture's.
         assert_eq!((settings.prefilter, settings.lighting), (true, None));
-        let sigma = |settings: RenderSettings| settings.kernel.gaussian().unwrap().0;
+        let sigma = |settings: FlatSettings| settings.kernel.gaussian().unwrap().0;
         assert!(sigma(settings) == 0.7 && sigma(fast) != 0.7);
         let args = MethodArgs {
             preset: Some(PresetName::Best),
             ..MethodArgs::default()
         };
-        let settings = resolve(&args, None, Some(&like), Wishes::default()).unwrap();
+        let settings = resolve(&args, Some(&like), Wishes::default());
         assert_eq!(
             settings,
-            RenderSettings {
+            FlatSettings {
                 lighting: None,
-                ..RenderSettings::best()
+                ..RenderSettings::best().into()
             }
         );
     }
@@ -273,9 +287,9 @@ mod tests {
             no_prefilter: true,
             ..MethodArgs::default()
         };
-        let settings = resolve(&args, None, None, Wishes::default()).unwrap();
+        let settings = resolve(&args, None, Wishes::default());
         let (sigma, radius) = settings.kernel.gaussian().unwrap();
-        let (default_sigma, default_radius) = RenderSettings::default().kernel.gaussian().unwrap();
+        let (default_sigma, default_radius) = FlatSettings::default().kernel.gaussian().unwrap();
         assert_eq!(sigma, 1.4);
         assert!((radius / sigma - default_radius / default_sigma).abs() < 1e-12);
         assert!(!settings.prefilter);
@@ -287,13 +301,13 @@ mod tests {
             classification: Some(Classification::Pre),
             ..Wishes::default()
         };
-        let pre = resolve(&MethodArgs::default(), None, None, wishes).unwrap();
+        let pre = resolve(&MethodArgs::default(), None, wishes);
         assert_eq!(pre.classification, Classification::Pre);
         let args = MethodArgs {
             classification: Some(ClassificationName::Post),
             ..MethodArgs::default()
         };
-        let post = resolve(&args, None, None, wishes).unwrap();
+        let post = resolve(&args, None, wishes);
         assert_eq!(post.classification, Classification::Post);
     }
 
@@ -307,14 +321,14 @@ mod tests {
             preset: Some(PresetName::Best),
             ..MethodArgs::default()
         };
-        let settings = resolve(&best, None, None, wishes).unwrap();
+        let settings = resolve(&best, None, wishes);
         assert_eq!(settings.gradient, Gradient::Differences);
-        assert_eq!(settings.kernel, RenderSettings::best().kernel);
+        assert_eq!(settings.kernel, RenderSettings::best().method.kernel());
         let asked = MethodArgs {
             gradient: Some(GradientName::Analytic),
             ..best
         };
-        let settings = resolve(&asked, None, None, wishes).unwrap();
+        let settings = resolve(&asked, None, wishes);
         assert_eq!(settings.gradient, Gradient::Analytic);
     }
 
@@ -324,13 +338,13 @@ mod tests {
             unlit: true,
             ..Wishes::default()
         };
-        let plain = resolve(&MethodArgs::default(), None, None, wishes).unwrap();
+        let plain = resolve(&MethodArgs::default(), None, wishes);
         assert_eq!(plain.lighting, None);
         let args = MethodArgs {
             gradient_floor: Some(0.25),
             ..MethodArgs::default()
         };
-        let lit = resolve(&args, None, None, wishes).unwrap().lighting.unwrap();
+        let lit = resolve(&args, None, wishes).lighting.unwrap();
         assert_eq!(
             (lit.gradient_floor, lit.ambient),
             (0.25, Lighting::default().ambient)

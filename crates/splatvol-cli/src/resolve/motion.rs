@@ -1,7 +1,7 @@
 //! What moves while the shutter is open, and how it is blurred.
 
 use glam::DVec3;
-use splatvol::{Camera, MotionBlur, RenderSettings};
+use splatvol::{Camera, FlatSettings, MotionBlur, RenderSettings, SceneError};
 
 use crate::args::{CameraArgs, MotionArgs, MotionBlurName, RenderArgs};
 use crate::failure::{During, Failure, Step};
@@ -69,7 +69,8 @@ pub(crate) fn resolve(
     shot: Shot<'_>,
     settings: &mut RenderSettings,
 ) -> Result<Option<MotionRecipe>, Failure> {
-    let method = std::mem::take(&mut settings.motion_blur);
+    let method = settings.motion_blur;
+    *settings = with_blur(settings, MotionBlur::None).during(Step::Usage)?;
     if shot.shutter {
         let blur = of_shutter(args, method)?;
         if args.spin.is_some() || args.velocity.is_some() {
@@ -78,8 +79,7 @@ pub(crate) fn resolve(
             ));
         }
         if blur.moves_footprints() {
-            settings.motion_blur = blur;
-            allowed(settings)?;
+            *settings = blurred(settings, blur)?;
         }
         return Ok(None);
     }
@@ -98,9 +98,31 @@ pub(crate) fn resolve(
     let earlier = earlier.filter(|earlier| earlier.motion.is_some());
     let known = Some(method).filter(|method| method.moves_footprints());
     let known = known.or(earlier.map(|earlier| earlier.blur));
-    settings.motion_blur = blur(args, known, &shot, settings)?;
-    allowed(settings)?;
+    *settings = blurred(settings, blur(args, known, &shot, settings)?)?;
     Ok(motion)
+}
+
+/// The settings without blur.
+pub(crate) fn still(settings: FlatSettings) -> FlatSettings {
+    FlatSettings {
+        motion_blur: MotionBlur::None,
+        ..settings
+    }
+}
+
+/// The settings with a blur that they allow.
+fn blurred(settings: &RenderSettings, blur: MotionBlur) -> Result<RenderSettings, Failure> {
+    with_blur(settings, blur).during(Step::Usage)
+}
+
+/// The settings with another blur: what was splatted one by one for the sake of one alone is on sheets without it.
+fn with_blur(settings: &RenderSettings, motion_blur: MotionBlur) -> Result<RenderSettings, SceneError> {
+    let settings = RenderSettings::try_from(FlatSettings {
+        motion_blur,
+        ..(*settings).into()
+    })?;
+    settings.validate()?;
+    Ok(settings)
 }
 
 /// How a camera's motion is blurred, where the method blurs motion like this.
@@ -110,10 +132,6 @@ pub(crate) fn of_shutter(args: &MotionArgs, method: MotionBlur) -> Result<Motion
         None if method.moves_footprints() && args.subframes.is_none() => Ok(method),
         None => named(args, MotionBlurName::Subframes, SUB_FRAMES),
     }
-}
-
-fn allowed(settings: &RenderSettings) -> Result<(), Failure> {
-    settings.validate().during(Step::Usage)
 }
 
 /// What moves by the flags.
@@ -176,11 +194,7 @@ fn named(args: &MotionArgs, name: MotionBlurName, count: u32) -> Result<MotionBl
 
 /// One picture where that is enough.
 fn automatic(settings: &RenderSettings, shot: &Shot<'_>) -> MotionBlurName {
-    let exact = RenderSettings {
-        motion_blur: MotionBlur::Exact,
-        ..*settings
-    };
-    if shot.plain && exact.validate().is_ok() {
+    if shot.plain && with_blur(settings, MotionBlur::Exact).is_ok() {
         MotionBlurName::Exact
     } else {
         MotionBlurName::Subframes

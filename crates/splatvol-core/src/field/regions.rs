@@ -117,7 +117,10 @@ fn levels() -> VisibleLevels {
 #[test]
 fn regions_make_the_same_field_as_all_samples_at_once() {
     for (dims, missing) in [([70, 37, 41], 0.0), ([19, 70, 9], 0.02), ([66, 1, 35], 0.0)] {
-        for kernel in [Kernel::default(), splatvol_scene::RenderSettings::fast().kernel] {
+        for kernel in [
+            Kernel::default(),
+            splatvol_scene::RenderSettings::fast().method.kernel(),
+        ] {
             let kernel = &GaussianKernel::new(kernel);
             let volume = volume(dims, missing);
             let whole = SourceLevel::from(Arc::new(volume.clone()));

@@ -5,7 +5,7 @@
 //! nearest and farthest footprints differ by no more than that has one raster, others have zones (`zones`).
 
 use glam::DVec2;
-use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera};
+use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
 use super::raster::{Raster, SheetShape};
 
@@ -57,9 +57,9 @@ impl Widths {
         is_exact: true,
     };
 
-    pub(super) fn of(settings: &RenderSettings) -> Self {
-        match settings.gradient {
-            Gradient::Analytic if settings.splats_colors() => Self::EXACT_COLORS,
+    pub(super) fn of(settings: &RenderSettings<SheetSettings>) -> Self {
+        match settings.method.gradient {
+            Gradient::Analytic if settings.method.splats_colors() => Self::EXACT_COLORS,
             Gradient::Analytic => Self::EXACT,
             Gradient::Differences => Self::SPLINED,
         }

@@ -27,7 +27,7 @@ mod zones;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use splatvol_scene::{ImageSize, RenderSettings, ScreenFromCamera};
+use splatvol_scene::{ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
 pub use blocks::{MAX_BLOCKS, SIZES, blocks_of, room_of};
 pub use extents::low_pass;
@@ -166,7 +166,13 @@ impl FramePlan {
     }
 
     /// Plans a frame of a grid.
-    pub fn of_grid(&mut self, view: &View, bricks: &dyn Bricks, settings: &RenderSettings, tile_edge: usize) {
+    pub fn of_grid(
+        &mut self,
+        view: &View,
+        bricks: &dyn Bricks,
+        settings: &RenderSettings<SheetSettings>,
+        tile_edge: usize,
+    ) {
         self.tiles = TileGrid::new(settings.size, tile_edge);
         self.rays = view.rays();
         self.termination = settings.termination as f32;
@@ -205,7 +211,7 @@ impl FramePlan {
     /// `count` chunks of splats lies.
     pub fn of_pixels(
         &mut self,
-        (screen, settings): (&ScreenFromCamera, &RenderSettings),
+        (screen, settings): (&ScreenFromCamera, &RenderSettings<SheetSettings>),
         (zone, sheets): (Zone, impl Iterator<Item = SheetShape>),
         (count, project): (usize, impl Fn(usize) -> Option<ProjectedBrick> + Sync),
         tiles: TileGrid,

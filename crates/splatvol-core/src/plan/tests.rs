@@ -1,5 +1,5 @@
 use glam::{DAffine3, DVec3};
-use splatvol_scene::{Camera, Grid, ImageSize, Projection, RenderSettings};
+use splatvol_scene::{Camera, Grid, ImageSize, Projection, RenderSettings, SheetSettings};
 
 use super::{Bricks, FramePlan, Sampling, View};
 use crate::brick::BRICK;
@@ -38,7 +38,7 @@ impl Bricks for Chosen {
 
 const DIMS: [usize; 3] = [40, 33, 27];
 
-fn view(settings: &RenderSettings, distance: f64, fov_degrees: f64) -> View {
+fn view(settings: &RenderSettings<SheetSettings>, distance: f64, fov_degrees: f64) -> View {
     let grid = Grid::centred(DIMS, DVec3::new(1.0, 1.2, 0.9)).expect("a grid");
     let projection = Projection::Perspective { fov_degrees };
     let from = DVec3::new(0.6, 0.5, -0.7).normalize() * distance;
@@ -46,10 +46,10 @@ fn view(settings: &RenderSettings, distance: f64, fov_degrees: f64) -> View {
     View::new(&grid, (&camera, settings), Sampling::Field, None)
 }
 
-fn settings() -> RenderSettings {
+fn settings() -> RenderSettings<SheetSettings> {
     RenderSettings {
         size: ImageSize::new(200, 150).expect("a size"),
-        ..RenderSettings::default()
+        ..RenderSettings::default().with(SheetSettings::default())
     }
 }
 

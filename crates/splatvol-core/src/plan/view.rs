@@ -1,7 +1,7 @@
 //! View: a grid's kernel as a camera sees it, and the planes and footprints that follow; independent of the samples.
 
 use glam::{DAffine3, DMat3, DVec3};
-use splatvol_scene::{Camera, Gradient, Grid, RenderSettings};
+use splatvol_scene::{Camera, Gradient, Grid, RenderSettings, SheetSettings};
 
 use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
 use super::ray_shapes::RayShapes;
@@ -51,7 +51,7 @@ impl View {
     /// `spacing`: of the planes, world length, where other layers demand one.
     pub fn new(
         grid: &Grid,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         sampling: Sampling,
         spacing: Option<f64>,
     ) -> Self {
@@ -60,8 +60,10 @@ impl View {
         let camera_from_voxel = camera.camera_from_world() * grid.world_from_voxel();
         let first_point = -DVec3::from_array(margin.map(|m| m as f64));
         let linear = camera_from_voxel.matrix3;
-        let kernel = match GaussianKernel::windowed(settings.kernel) {
-            kernel if settings.gradient == Gradient::Analytic => kernel.without_tails_cut(DEPTH_CUT_EXACT),
+        let kernel = match GaussianKernel::windowed(settings.method.kernel.into()) {
+            kernel if settings.method.gradient == Gradient::Analytic => {
+                kernel.without_tails_cut(DEPTH_CUT_EXACT)
+            }
             kernel => kernel,
         };
         let shape = FootprintShape::new(linear * linear.transpose() * kernel.sigma.powi(2));
@@ -77,7 +79,7 @@ impl View {
         } else {
             let thickness = match spacing {
                 Some(spacing) => spacing / per_voxel,
-                None => settings.sheet_thickness * thinner_where_steep(steepest),
+                None => settings.method.thickness * thinner_where_steep(steepest),
             };
             let groups = (2.0 * kernel.radius / thickness / GROUP as f64 - 1e-9).ceil();
             (spacing.unwrap_or(thickness * per_voxel), groups as usize)
@@ -101,7 +103,7 @@ impl View {
             extents: Extents {
                 screen,
                 variances: variances(&covariances),
-                low_pass: low_pass(settings.filter),
+                low_pass: low_pass(settings.method.filter.into()),
                 widths: Widths::of(settings),
                 peak: peak(&kernel, sampling),
                 steepest,
@@ -119,8 +121,8 @@ impl View {
 
 /// Slabs of X-rays per voxel: one tells enough of depth, but the footprints of voxels half of it before and behind its middle are
 /// too small or too large by as much as their distance from the eye differs.
-fn slabs_per_voxel(settings: &RenderSettings) -> f64 {
-    match settings.gradient {
+fn slabs_per_voxel(settings: &RenderSettings<SheetSettings>) -> f64 {
+    match settings.method.gradient {
         Gradient::Analytic => 8.0,
         Gradient::Differences => 1.0,
     }

@@ -1,12 +1,13 @@
 //! What clouds of splats cannot show: several things, meshes, points, Gaussians.
 
 use splatvol_scene::{
-    Absorption, Alignment, Classification, Compositing, Content, Filter, Gradient, Item, Occlusion,
-    Rasterizer, Reconstruction, RenderSettings, Scene, SceneError, SheetContent,
+    Absorption, Alignment, Compositing, Content, Filter, Gradient, Item, Method, Occlusion, Rasterizer,
+    Reconstruction, RenderSettings, Scene, SceneError, SheetContent, SheetSettings, SplatCompositing,
+    SplatSettings,
 };
 
 use super::{ONE_VALUE, asked, asked_of, volume};
-use crate::route::{is_data, own_layer, shows_values};
+use crate::route::{is_data, own_layer};
 
 /// Refuses what the published way to render Gaussians does not have.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
@@ -23,17 +24,22 @@ pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), 
              composites all of it sheet by sheet",
         );
     }
-    if any(|item| matches!(item.content, Content::Mesh { .. })) && settings.kernel.gaussian().is_none() {
+    if any(|item| matches!(item.content, Content::Mesh { .. }))
+        && settings.method.kernel().gaussian().is_none()
+    {
         return refuse("the kernels of a mesh's samples are Gaussians here; use the gaussian kernel");
     }
-    if settings.compositing != Compositing::ImageSheets {
+    let compositing = settings.method.compositing();
+    if compositing != Compositing::ImageSheets {
         return Err(SceneError::invalid(
             "compositing",
-            settings.compositing,
+            compositing,
             "image-sheets, or Gaussians volumetric: as published they are composited over each other, one by one",
         ));
     }
-    one_volume(settings)?;
+    if let Method::Splats(splats) = &settings.method {
+        one_volume(splats)?;
+    }
     footprints_in_motion(scene, settings)?;
     nothing_asked(
         scene,
@@ -42,21 +48,12 @@ pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), 
 }
 
 /// Refuses what layers do not have: volumes and meshes have what they have alone, and a cloud is cut by the clips of the scene.
-pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
-    one_volume(settings)?;
-    if settings.sheet == Some(SheetContent::Section) && settings.classification == Classification::Post {
-        return Err(SceneError::invalid(
-            "sheet",
-            SheetContent::Section,
-            "sample: sections of data are of the footprints of one volume alone",
-        ));
-    }
-    footprints_in_motion(scene, settings)?;
+pub(super) fn layers(scene: &Scene, sheets: &SheetSettings) -> Result<(), SceneError> {
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
-            volume::check(scene, &single, &single.settings(settings))?;
-        } else if is_data(item, settings) {
-            mesh(scene, item, settings)?;
+            volume::on_sheets(scene, &single, &sheets.of_labels(single.labels))?;
+        } else if is_data(item, sheets) {
+            mesh(scene, item, sheets)?;
         } else if let Some(what) = asked_of(std::slice::from_ref(item), &[]) {
             return Err(SceneError::Combination {
                 what,
@@ -69,57 +66,65 @@ pub(super) fn layers(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
 }
 
 /// Refuses what a mesh's planes of values do not show: their gradients are differences, whatever is asked for.
-fn mesh(scene: &Scene, item: &Item, settings: &RenderSettings) -> Result<(), SceneError> {
-    if settings.gradient != Gradient::Differences {
+fn mesh(scene: &Scene, item: &Item, sheets: &SheetSettings) -> Result<(), SceneError> {
+    if sheets.gradient != Gradient::Differences {
         return Err(SceneError::invalid(
             "gradient",
-            settings.gradient,
+            sheets.gradient,
             "differences: analytic gradients are of the kernels of grids, and the samples of meshes have kernels of their own",
         ));
     }
     match asked_of(std::slice::from_ref(item), &scene.clips) {
-        Some(what) if shows_values(settings) => Err(SceneError::Combination { what, why: ONE_VALUE }),
+        Some(what) if sheets.shows_one_value() => Err(SceneError::Combination { what, why: ONE_VALUE }),
         _ => Ok(()),
     }
 }
 
 /// Refuses what whole splats do not have.
 pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
-    match settings.compositing {
+    let compositing = settings.method.compositing();
+    match compositing {
         Compositing::PerSplat | Compositing::Xray => {}
         Compositing::PerSplatBackToFront => {
             return Err(SceneError::invalid(
                 "compositing",
-                settings.compositing,
+                compositing,
                 "per-splat, the same picture front to back: the other order is of one volume alone",
             ));
         }
-        _ if shows_values(settings) => return Err(no_values(scene)),
-        _ => {
+        Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => return Err(no_values(scene)),
+        Compositing::ImageSheets => return Err(no_sections(scene, settings)),
+        Compositing::AxisSheets => {
             return Err(SceneError::Combination {
                 what: "anything but one volume",
                 why: "the slices of a grid are of one volume; use image sheets, per-splat or X-ray",
             });
         }
     }
-    let has_data = |item: &Item| matches!(item.content, Content::Volume { .. } | Content::Mesh { .. });
-    if scene.items.iter().any(has_data) {
-        settings.validate()?;
-    } else {
-        // Where nothing is classified, it does not matter when.
-        let classification = Classification::Pre;
-        RenderSettings {
-            classification,
-            ..*settings
-        }
-        .validate()?;
+    settings.validate()?;
+    if let Method::Splats(splats) = &settings.method {
+        one_volume(splats)?;
     }
-    one_volume(settings)?;
     footprints_in_motion(scene, settings)?;
     nothing_asked(
         scene,
         "whole splats are drawn one by one, classified first, without it; use image sheets",
     )
+}
+
+/// Why a scene of several things has no sections of footprints: the first of its settings that asks for them.
+fn no_sections(scene: &Scene, settings: &RenderSettings) -> SceneError {
+    let asked_for = match &settings.method {
+        Method::Splats(splats) => one_volume(splats).and_then(|()| footprints_in_motion(scene, settings)),
+        Method::Sheets(_) => Ok(()),
+    };
+    asked_for.err().unwrap_or_else(|| {
+        SceneError::invalid(
+            "sheet",
+            SheetContent::Section,
+            "sample: sections are of the footprints of one volume alone",
+        )
+    })
 }
 
 /// Why rays through a scene have no largest, smallest or mean value.
@@ -146,8 +151,11 @@ fn no_values(scene: &Scene) -> SceneError {
 }
 
 /// Refuses the methods whose footprints are of the voxels of one grid.
-fn one_volume(settings: &RenderSettings) -> Result<(), SceneError> {
-    let whole = matches!(settings.compositing, Compositing::PerSplat | Compositing::Xray);
+fn one_volume(settings: &SplatSettings) -> Result<(), SceneError> {
+    let whole = matches!(
+        settings.compositing,
+        SplatCompositing::FrontToBack | SplatCompositing::Xray
+    );
     let refuse =
         |field, value: &dyn std::fmt::Debug, expected| Err(SceneError::invalid(field, value, expected));
     if matches!(settings.filter, Filter::Swan | Filter::SwanAlpha) {

@@ -14,9 +14,8 @@ mod raster;
 mod volume;
 
 use splatvol_core::engine::Shot;
-use splatvol_scene::{Clip, Item, Scene, SceneError};
+use splatvol_scene::{Clip, Item, Method, Scene, SceneError};
 
-use crate::classic;
 use crate::route::Way;
 
 /// Why pictures of one value of each ray have no operators, clips and isosurfaces.
@@ -33,18 +32,19 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
         settings,
     } = shot;
     match Way::of(scene, settings) {
-        Way::Volume(single) => {
-            let settings = &single.settings(settings);
-            settings.validate()?;
-            volume::check(scene, &single, settings)?;
-            if classic::render(single.item.motion.as_ref(), settings) {
-                raster::check(&single, camera, settings)?;
-            }
+        Way::Volume(single, own) => {
+            own.with(Method::Sheets(own.method)).validate()?;
+            volume::on_sheets(scene, &single, &own.method)?;
+        }
+        Way::Classic(single, own) => {
+            own.with(Method::Splats(own.method)).validate()?;
+            volume::footprints(scene, &single)?;
+            raster::check(&single, camera, &own.method)?;
         }
         Way::Published => cloud::published(scene, settings)?,
-        Way::Layers => {
+        Way::Layers(own) => {
             settings.validate()?;
-            cloud::layers(scene, settings)?;
+            cloud::layers(scene, &own.method)?;
         }
         Way::Splats => cloud::splats(scene, settings)?,
     }

@@ -1,7 +1,7 @@
 //! Whether a rasteriser can draw what a view makes of a grid's kernels.
 
 use glam::DMat3;
-use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, RenderSettings, SceneError, SingleVolume};
+use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, SceneError, SingleVolume, SplatSettings};
 
 /// Relative difference of squared widths below which they are the same: half of it of the radius.
 const SAME: f64 = 2e-3;
@@ -13,21 +13,21 @@ const SAME: f64 = 2e-3;
 pub(super) fn check(
     single: &SingleVolume<'_>,
     camera: &Camera,
-    settings: &RenderSettings,
+    splats: &SplatSettings,
 ) -> Result<(), SceneError> {
     let refuse = |expected| {
         Err(SceneError::InvalidField {
             field: "rasterizer",
-            value: settings.rasterizer.name().to_owned(),
+            value: splats.rasterizer.name().to_owned(),
             expected,
         })
     };
     let perspective = matches!(camera.projection(), Projection::Perspective { .. });
     let circles = matches!(
-        settings.rasterizer,
+        splats.rasterizer,
         Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. }
     );
-    if settings.rasterizer.has_table() && perspective && settings.alignment == Alignment::Exact {
+    if splats.rasterizer.has_table() && perspective && splats.alignment == Alignment::Exact {
         return refuse(
             "auto: alignment exact integrates along every pixel's own ray, which leaves no conic to look up; \
              or alignment affine or grid",
@@ -36,7 +36,7 @@ pub(super) fn check(
     if !circles {
         return Ok(());
     }
-    if perspective && settings.alignment != Alignment::Grid {
+    if perspective && splats.alignment != Alignment::Grid {
         return refuse(
             "ellipse-1d, linear-1d or auto: perspective makes ellipses of all directions, and this rasterizer draws \
              circles; or alignment grid",
@@ -46,7 +46,7 @@ pub(super) fn check(
         * single.item.world_from_item.matrix3
         * single.volume.grid().world_from_voxel().matrix3;
     let covariance = linear * linear.transpose();
-    let rlut = matches!(settings.rasterizer, Rasterizer::Rlut { .. });
+    let rlut = matches!(splats.rasterizer, Rasterizer::Rlut { .. });
     if is_sphere(covariance) || (rlut && is_upright(covariance)) {
         return Ok(());
     }

@@ -1,19 +1,27 @@
 //! Which operators, clips and isosurfaces of a volume go with which settings.
 
-use splatvol_scene::{
-    Classification, Compositing, Gradient, RenderSettings, Scene, SceneError, SingleVolume,
-};
+use splatvol_scene::{Gradient, Scene, SceneError, SheetSettings, Shows, SingleVolume};
 
 use super::{ONE_VALUE, asked_of};
-use crate::classic;
 
-/// Refuses what the scene asks for where the settings cannot show it.
-pub(super) fn check(
+/// Refuses what the scene asks for where footprints are drawn one by one.
+pub(super) fn footprints(scene: &Scene, single: &SingleVolume<'_>) -> Result<(), SceneError> {
+    match asked_of(std::slice::from_ref(single.item), &scene.clips) {
+        None => Ok(()),
+        Some(what) => Err(SceneError::Combination {
+            what,
+            why: "whole footprints and sections of them are drawn without it, use image sheets and the usual filters",
+        }),
+    }
+}
+
+/// Refuses what the scene asks for where sheets cannot show it.
+pub(super) fn on_sheets(
     scene: &Scene,
     single: &SingleVolume<'_>,
-    settings: &RenderSettings,
+    sheets: &SheetSettings,
 ) -> Result<(), SceneError> {
-    if single.labels && settings.compositing.shows_one_value() {
+    if single.labels && sheets.shows_one_value() {
         return Err(SceneError::Combination {
             what: "a label map",
             why: "maxima, minima and means are of amounts, and its values are names; use image sheets or X-ray",
@@ -24,27 +32,20 @@ pub(super) fn check(
     };
     let refuse = |why| Err(SceneError::Combination { what, why });
     let operated = !single.item.operators.is_empty() || !single.isosurfaces.is_empty();
-    if classic::render(single.item.motion.as_ref(), settings) {
-        return refuse(
-            "whole footprints and sections of them are drawn without it, use image sheets and the usual filters",
-        );
-    }
-    match settings.compositing {
-        Compositing::Mip | Compositing::MinimumIntensity | Compositing::Mean => {
-            return refuse(ONE_VALUE);
-        }
-        Compositing::Xray if operated => {
+    match sheets.shows {
+        Shows::Mip | Shows::MinimumIntensity | Shows::Mean => return refuse(ONE_VALUE),
+        Shows::Xray if operated => {
             return refuse("X-rays have no sheets whose pixels could be lit, use image sheets");
         }
-        _ => {}
+        Shows::Xray | Shows::Material(_) => {}
     }
-    let post = settings.compositing != Compositing::Xray && settings.classification == Classification::Post;
+    let post = !sheets.splats_colors();
     if operated && !post {
         return refuse(
             "pre-classified sheets hold colours, neither values nor gradients, use post-classification",
         );
     }
-    if post && settings.gradient != Gradient::Differences {
+    if post && sheets.gradient != Gradient::Differences {
         return refuse(
             "what analytic gradients (preset best) light has no operators, clips or isosurfaces, use gradients by differences",
         );

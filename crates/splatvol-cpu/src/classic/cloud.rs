@@ -7,7 +7,9 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::coefficients::{Coefficients, Use};
 use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::splats::{self, Extract, Interest, KernelShape, SplatCloud};
-use splatvol_scene::{Classification, Compositing, Extraction, RenderSettings, TransferFunction, Volume};
+use splatvol_scene::{
+    Classification, Extraction, RenderSettings, SplatCompositing, SplatSettings, TransferFunction, Volume,
+};
 
 use crate::prepare::Patience;
 use crate::route::VolumeScene;
@@ -53,8 +55,8 @@ pub(crate) struct CloudStore {
 }
 
 /// Whether data is splatted, for sheets to classify.
-pub(crate) fn splats_data(settings: &RenderSettings) -> bool {
-    settings.compositing == Compositing::ImageSheets && settings.classification == Classification::Post
+pub(crate) fn splats_data(settings: &RenderSettings<SplatSettings>) -> bool {
+    settings.method.compositing == SplatCompositing::ImageSheets(Classification::Post)
 }
 
 impl CloudStore {
@@ -73,7 +75,7 @@ impl CloudStore {
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
-        settings: &RenderSettings,
+        settings: &RenderSettings<SplatSettings>,
         shape: KernelShape,
     ) -> Option<(&SplatCloud, usize)> {
         let volume = &scene.volume;
@@ -93,7 +95,7 @@ impl CloudStore {
             shape,
             gradients: (!data && settings.lighting.is_some())
                 || matches!(shape, KernelShape::Flattened { .. }),
-            extraction: settings.extraction,
+            extraction: settings.method.extraction,
         };
         if self.cloud.as_ref().is_some_and(|(kept, _)| *kept != key) {
             self.cloud = None;
@@ -112,8 +114,8 @@ impl CloudStore {
 }
 
 /// How far a voxel acts where data is splatted, voxels: a sheet's spacing more, on either side, for its differences.
-fn data_reach(settings: &RenderSettings) -> f64 {
-    GaussianKernel::new(settings.kernel).radius + 2.0 * settings.sheet_thickness.max(1.0) + 2.0
+fn data_reach(settings: &RenderSettings<SplatSettings>) -> f64 {
+    GaussianKernel::new(settings.method.kernel).radius + 2.0 * settings.method.sheet_thickness.max(1.0) + 2.0
 }
 
 impl Key {

@@ -4,6 +4,8 @@
 //! of the ray's path through the volume within the sheet, so a pixel's value is `S / W` and its optical depth `kappa(S / W) W`.
 //! The gradient comes from central differences between neighbouring pixels and between the sheets before and behind.
 
+use std::sync::atomic::AtomicBool;
+
 use splatvol_core::splats::Profile;
 use splatvol_scene::Absorption;
 
@@ -21,12 +23,12 @@ pub(crate) struct DataSheets {
 }
 
 impl DataSheets {
-    /// Empty sheets.
-    pub(crate) fn reset(&mut self, width: usize, height: usize) {
-        for sheet in &mut self.sheets {
-            sheet.reset(width, height);
-        }
+    /// Empty sheets; `None` where the picture is given up meanwhile.
+    pub(crate) fn reset(&mut self, size: [usize; 2], stop: &AtomicBool) -> Option<()> {
         self.newest = None;
+        self.sheets
+            .iter_mut()
+            .try_for_each(|sheet| sheet.reset(size, stop))
     }
 
     /// True where all three are empty.
@@ -136,7 +138,7 @@ impl<P: Profile> Tile<'_, P> {
                 }
                 let pixel = &mut pixels[y * width + x];
                 let optical_depth = extinction * path;
-                match plan.settings.absorption {
+                match plan.settings.method.absorption {
                     Absorption::Exp => pixel.add(optical_depth, color, depth),
                     Absorption::Linear => pixel.add_opacity(optical_depth.min(1.0), color, depth),
                 }

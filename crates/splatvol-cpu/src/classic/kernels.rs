@@ -1,7 +1,9 @@
 //! What becomes of a kernel: its profile, and the tables that rasterisers look up; kept between frames.
 
 use splatvol_core::splats::{GaussianProfile, KernelShape, RadialProfile};
-use splatvol_scene::{FootprintTable, Kernel, Rasterizer, Reconstruction, RenderSettings, SceneError};
+use splatvol_scene::{
+    FootprintTable, Kernel, Rasterizer, Reconstruction, RenderSettings, SceneError, SplatSettings,
+};
 
 use super::raster::Tables;
 
@@ -45,18 +47,22 @@ impl KernelStore {
     ///
     /// # Errors
     /// Kernel or table outside their domain.
-    pub(crate) fn prepare(&mut self, settings: &RenderSettings) -> Result<(), SceneError> {
-        let key = (settings.kernel, settings.rasterizer, settings.table);
+    pub(crate) fn prepare(&mut self, settings: &RenderSettings<SplatSettings>) -> Result<(), SceneError> {
+        let key = (
+            settings.method.kernel,
+            settings.method.rasterizer,
+            settings.method.table,
+        );
         if self.key == key {
             return Ok(());
         }
-        self.prepared = match (settings.kernel.gaussian(), settings.rasterizer) {
+        self.prepared = match (settings.method.kernel.gaussian(), settings.method.rasterizer) {
             (Some((sigma, radius)), Rasterizer::Auto) => {
                 Prepared::Gaussian(GaussianProfile::new(radius / sigma))
             }
             (_, rasterizer) => Prepared::Radial(
-                RadialProfile::new(settings.kernel),
-                Tables::new((rasterizer, settings.table), settings.kernel)?,
+                RadialProfile::new(settings.method.kernel),
+                Tables::new((rasterizer, settings.method.table), settings.method.kernel)?,
             ),
         };
         self.key = key;
@@ -73,13 +79,13 @@ impl KernelStore {
 
     /// Covariances of the splats: the kernel's second moment. A Gaussian without tables goes by its name, its cut being
     /// taken off smoothly.
-    pub(crate) fn shape(&self, settings: &RenderSettings) -> KernelShape {
+    pub(crate) fn shape(&self, settings: &RenderSettings<SplatSettings>) -> KernelShape {
         let sigma = match (&self.prepared, self.key.0.gaussian()) {
             (Prepared::Gaussian(_), Some((sigma, _))) => sigma,
             (Prepared::Radial(profile, _), _) => profile.sigma(),
             (Prepared::Gaussian(_), None) => 1.0,
         };
-        match settings.reconstruction {
+        match settings.method.reconstruction {
             Reconstruction::Volume => KernelShape::Sphere { sigma },
             Reconstruction::Surface { flatness } => KernelShape::Flattened {
                 sigma,

@@ -37,11 +37,9 @@ mod turns;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use splatvol_core::engine::{RenderStatistics, StageSeconds};
 use splatvol_core::splats::Profile;
-use splatvol_scene::{
-    Absorption, Alignment, Camera, Classification, Compositing, Filter, Frame, Motion, Occlusion, Rasterizer,
-    Reconstruction, RenderSettings, SceneError, SheetContent,
-};
+use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SplatSettings};
 
 use self::cloud::CloudStore;
 use self::kernels::{Footprints, KernelStore};
@@ -51,29 +49,6 @@ use self::tile::{TileScratch, TileWork};
 use crate::clock::Instant;
 use crate::route::VolumeScene;
 use crate::run::Run;
-use splatvol_core::engine::{RenderStatistics, StageSeconds};
-
-/// Whether settings ask for something that the engines for grids do not have.
-fn is_needed(settings: &RenderSettings) -> bool {
-    let post = settings.classification == Classification::Post;
-    settings.compositing.needs_colors()
-        || matches!(settings.filter, Filter::Swan | Filter::SwanAlpha)
-        || settings.alignment != Alignment::Sheet
-        || settings.rasterizer != Rasterizer::Auto
-        || settings.occlusion != Occlusion::Auto
-        || settings.absorption != Absorption::Exp
-        || settings.reconstruction != Reconstruction::Volume
-        || settings.extraction.is_some()
-        || settings.kernel.gaussian().is_none()
-        || (post
-            && settings.compositing == Compositing::ImageSheets
-            && settings.sheet == Some(SheetContent::Section))
-}
-
-/// Whether a volume is rendered by its footprints: where the settings need them, or its motion blurs them.
-pub(crate) fn render(motion: Option<&Motion>, settings: &RenderSettings) -> bool {
-    is_needed(settings) || (motion.is_some() && settings.motion_blur.moves_footprints())
-}
 
 /// Keeps the cloud between frames.
 #[derive(Debug, Default)]
@@ -96,7 +71,7 @@ impl ClassicEngine {
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SplatSettings>),
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
@@ -116,7 +91,7 @@ impl ClassicEngine {
 fn draw(
     run: Run<'_>,
     (drawn, footprints): (Drawn<'_>, Footprints<'_>),
-    view: (&Camera, &RenderSettings),
+    view: (&Camera, &RenderSettings<SplatSettings>),
     frame: &mut Frame,
     start: Instant,
 ) -> RenderStatistics {

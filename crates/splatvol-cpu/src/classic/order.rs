@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use splatvol_core::sheets::SheetStack;
 use splatvol_core::splats::{Bounds, Chunk, SplatCloud, View};
-use splatvol_scene::{Compositing, RenderSettings};
+use splatvol_scene::{RenderSettings, SplatCompositing, SplatSettings};
 
 /// What a turn is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,22 +39,24 @@ pub(crate) enum Order {
 impl Order {
     /// The order that a method wants. `corners`: of the cloud, camera space.
     pub(crate) fn new(
-        settings: &RenderSettings,
+        settings: &RenderSettings<SplatSettings>,
         cloud: &SplatCloud,
         view: &View,
         corners: &[DVec3; 8],
         reach: f32,
     ) -> Self {
-        let spacing = settings.sheet_thickness * cloud.spacing;
+        let spacing = settings.method.sheet_thickness * cloud.spacing;
         let stack = |reach: f64, spacing: f64| SheetStack::covering(corners, reach, spacing, &view.screen);
-        match settings.compositing {
-            Compositing::PerSplat | Compositing::PerSplatBackToFront => Self::Depth {
-                ranges: stack(cloud.spacing, cloud.spacing),
-                reversed: settings.compositing == Compositing::PerSplatBackToFront,
-            },
-            Compositing::AxisSheets => Self::slices(cloud, view),
-            Compositing::Xray => Self::Once,
-            _ => Self::Sheets {
+        let depth = |reversed| Self::Depth {
+            ranges: stack(cloud.spacing, cloud.spacing),
+            reversed,
+        };
+        match settings.method.compositing {
+            SplatCompositing::FrontToBack => depth(false),
+            SplatCompositing::BackToFront => depth(true),
+            SplatCompositing::AxisSheets => Self::slices(cloud, view),
+            SplatCompositing::Xray => Self::Once,
+            SplatCompositing::ImageSheets(_) => Self::Sheets {
                 sheets: stack(f64::from(reach), spacing),
             },
         }

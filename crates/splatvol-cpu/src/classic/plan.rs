@@ -6,7 +6,7 @@ use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
-use splatvol_scene::{Camera, Compositing, MotionBlur, Occlusion, RenderSettings};
+use splatvol_scene::{Camera, MotionBlur, Occlusion, RenderSettings, SplatCompositing, SplatSettings};
 
 use super::cloud::splats_data;
 use super::order::{Order, extent};
@@ -32,7 +32,7 @@ pub(crate) struct Drawn<'a> {
 /// Everything that tiles need.
 #[derive(Debug)]
 pub(crate) struct Plan<'a, P> {
-    pub settings: &'a RenderSettings,
+    pub settings: &'a RenderSettings<SplatSettings>,
     pub cloud: &'a SplatCloud,
     pub projection: Projection<'a>,
     pub profile: &'a P,
@@ -58,7 +58,7 @@ impl<'a, P: Profile> Plan<'a, P> {
     /// Projects and bins a cloud's chunks.
     pub(crate) fn new(
         Drawn { cloud, bricks, scene }: Drawn<'a>,
-        (camera, settings): (&Camera, &'a RenderSettings),
+        (camera, settings): (&Camera, &'a RenderSettings<SplatSettings>),
         (profile, tables): (&'a P, Option<&'a Tables>),
     ) -> Self {
         let start = Instant::now();
@@ -67,10 +67,15 @@ impl<'a, P: Profile> Plan<'a, P> {
             camera_from_world,
             screen: camera.screen_from_camera(settings.size),
             size: settings.size,
-            near: 0.5 * settings.sheet_thickness * cloud.spacing,
+            near: 0.5 * settings.method.sheet_thickness * cloud.spacing,
         };
-        let mut projection = Projection::new(cloud, &view, (settings.filter, settings.alignment), profile)
-            .with_stretch(settings.stretch);
+        let mut projection = Projection::new(
+            cloud,
+            &view,
+            (settings.method.filter, settings.method.alignment),
+            profile,
+        )
+        .with_stretch(settings.method.stretch);
         if let Some(motion) = scene.motion.filter(|_| settings.motion_blur.moves_footprints()) {
             let capsule = settings.motion_blur == MotionBlur::Capsule;
             projection = projection.moving(motion, scene.volume.grid().dims(), &view, capsule);
@@ -81,7 +86,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         let order = Order::new(settings, cloud, &view, &corners, reach);
         let data = splats_data(settings);
         let apron = usize::from(data);
-        let edge = if settings.occlusion == Occlusion::Sat {
+        let edge = if settings.method.occlusion == Occlusion::Sat {
             settings.size.width().max(settings.size.height()) as usize
         } else {
             TILE_EDGE
@@ -104,7 +109,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         let projected: Vec<_> = cloud.chunks.par_iter().enumerate().filter_map(chunk).collect();
         let lists = TileLists::new(projected, &tiles);
         let lighting = settings.lighting.as_ref();
-        let lit = lighting.filter(|_| !data && settings.compositing != Compositing::Xray);
+        let lit = lighting.filter(|_| !data && settings.method.compositing != SplatCompositing::Xray);
         Self {
             settings,
             cloud,

@@ -1,5 +1,9 @@
 //! A sheet: the sums of footprints per pixel of a tile.
 
+use std::sync::atomic::AtomicBool;
+
+use crate::room::grow_with;
+
 /// Pixels of C channels, and which of them were touched.
 #[derive(Debug, Default)]
 pub(crate) struct Sheet<const C: usize> {
@@ -12,12 +16,12 @@ pub(crate) struct Sheet<const C: usize> {
 const UNTOUCHED: [usize; 4] = [usize::MAX, usize::MAX, 0, 0];
 
 impl<const C: usize> Sheet<C> {
-    /// Makes it a sheet of nothing of this size.
-    pub(crate) fn reset(&mut self, width: usize, height: usize) {
+    /// Makes it a sheet of nothing of this size; `None` where the picture is given up meanwhile.
+    pub(crate) fn reset(&mut self, [width, height]: [usize; 2], stop: &AtomicBool) -> Option<()> {
         self.values.clear();
-        self.values.resize(width * height, [0.0; C]);
         self.width = width;
         self.touched = UNTOUCHED;
+        grow_with(&mut self.values, width * height, || [0.0; C], stop)
     }
 
     /// Makes all touched pixels zero again.

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use splatvol_core::bin::{ProjectedBrick, TileRect};
 use splatvol_core::splats::{Footprint, Profile};
-use splatvol_scene::{Absorption, Compositing};
+use splatvol_scene::{Absorption, SplatCompositing};
 
 use super::data::DataSheets;
 use super::occlusion::Finished;
@@ -21,6 +21,7 @@ use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
 use crate::clock::Instant;
+use crate::room::grow_with;
 
 /// Splats between two looks at whether the picture is given up.
 const PATIENCE: usize = 64;
@@ -92,32 +93,36 @@ pub(crate) fn render<P: Profile>(
         work: TileWork::default(),
         stop,
     };
-    run.reset();
-    run.all_turns(tile);
+    if run.reset().is_some() {
+        run.all_turns(tile);
+    }
     if run.is_stopped() {
         return (Vec::new(), run.work);
     }
-    let resolved = |pixel: &Pixel| resolve(pixel, plan.settings.compositing == Compositing::Xray);
+    let resolved = |pixel: &Pixel| resolve(pixel, plan.settings.method.compositing == SplatCompositing::Xray);
     (run.scratch.pixels.iter().map(resolved).collect(), run.work)
 }
 
 impl<P: Profile> Tile<'_, P> {
-    fn reset(&mut self) {
+    /// `None` where the picture is given up meanwhile.
+    fn reset(&mut self) -> Option<()> {
         let splatted = self.brush.rect;
         let (width, height) = (splatted.x1 - splatted.x0, splatted.y1 - splatted.y0);
         let (own_width, own_height) = (self.rect.x1 - self.rect.x0, self.rect.y1 - self.rect.y0);
         let scratch = &mut *self.scratch;
         scratch.turns.reset(self.plan.order.count());
         scratch.open.clear();
-        scratch.sheet.reset(width, height);
+        scratch.sheet.reset([width, height], self.stop)?;
         if self.plan.shading.is_some() {
-            scratch.data.reset(width, height);
+            scratch.data.reset([width, height], self.stop)?;
         }
         scratch.pixels.clear();
-        scratch.pixels.resize(own_width * own_height, Pixel::EMPTY);
+        let own = own_width * own_height;
+        grow_with(&mut scratch.pixels, own, || Pixel::EMPTY, self.stop)?;
         scratch
             .finished
-            .reset(self.plan.settings.occlusion, own_width, own_height);
+            .reset(self.plan.settings.method.occlusion, own_width, own_height);
+        Some(())
     }
 
     fn all_turns(&mut self, tile: usize) {
@@ -370,7 +375,7 @@ impl<P: Profile> Tile<'_, P> {
                 extinction,
                 color: [r, g, b].map(|e| e / extinction),
                 footprint: &open.footprint,
-                absorption: plan.settings.absorption,
+                absorption: plan.settings.method.absorption,
                 termination: plan.settings.termination as f32,
                 reversed,
             };
@@ -400,13 +405,13 @@ impl<P: Profile> Tile<'_, P> {
                     continue;
                 }
                 let pixel = &mut pixels[y * width + x];
-                if settings.compositing == Compositing::Xray {
+                if settings.method.compositing == SplatCompositing::Xray {
                     pixel.integrate(extinction, [r, g, b], weighted);
                     continue;
                 }
                 let color = [r, g, b].map(|e| e / extinction);
                 let depth = depth.unwrap_or(weighted / extinction);
-                match settings.absorption {
+                match settings.method.absorption {
                     Absorption::Exp => pixel.add(extinction, color, depth),
                     Absorption::Linear => pixel.add_opacity(extinction.min(1.0), color, depth),
                 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{Bricks, Sampling, View};
-use splatvol_scene::{Camera, Compositing, Frame, Gradient, RenderSettings, SceneError};
+use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows};
 
 use super::analytic::{Analytic, Sums};
 use super::canvas::Canvas;
@@ -134,15 +134,14 @@ impl SheetEngine {
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
-        camera: &Camera,
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
-        let settings = &scene.settings;
         // The mean of two classified values is not the mean classified: labels would become others. Analytic gradients are asked
         // for the field as it is.
         let of_voxels = Wanted::of(settings) == Wanted::Classified;
-        let detail = if of_voxels || settings.gradient == Gradient::Analytic {
+        let detail = if of_voxels || settings.method.gradient == Gradient::Analytic {
             Detail::FINEST
         } else {
             Detail::new(&scene.volume, camera, settings.size)
@@ -204,7 +203,7 @@ impl SheetEngine {
         &mut self,
         run: Run<'_>,
         scene: &VolumeScene<'_>,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         level: usize,
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
@@ -216,8 +215,8 @@ impl SheetEngine {
         let wanted = Wanted::of(settings);
         let look = (&*scene.transfer_function, scene.unit_distance());
         let level = pyramid.classify(level, look, wanted, run.task.stop)?;
-        let sampling = match (wanted, settings.compositing) {
-            (Wanted::Classified, Compositing::Xray) => Sampling::Rays,
+        let sampling = match (wanted, settings.method.shows) {
+            (Wanted::Classified, Shows::Xray) => Sampling::Rays,
             (Wanted::Classified, _) => Sampling::Planes,
             _ => Sampling::Field,
         };
@@ -275,7 +274,7 @@ impl SheetEngine {
                 job.values::<Extreme<Smallest>>((store, shade()), values, (frame, statistics));
             }
             (Wanted::All, _) => job.values::<Mean>((store, shade()), values, (frame, statistics)),
-            (Wanted::Visible, _) if settings.gradient == Gradient::Analytic => {
+            (Wanted::Visible, _) if settings.method.gradient == Gradient::Analytic => {
                 let mode = Analytic::new(
                     analytic_field(&view, store, (shade(), Sums::Moments)),
                     &level.classification,
@@ -299,7 +298,7 @@ impl SheetEngine {
 struct Job<'a> {
     run: Run<'a>,
     view: &'a View,
-    settings: &'a RenderSettings,
+    settings: &'a RenderSettings<SheetSettings>,
     plan: &'a mut Plan,
     memory: &'a mut TileMemory,
 }
@@ -312,7 +311,7 @@ impl Job<'_> {
         colors: ValueColors<'_>,
         (frame, statistics): (&mut Frame, &mut RenderStatistics),
     ) {
-        match self.settings.gradient {
+        match self.settings.method.gradient {
             Gradient::Analytic => {
                 let field = analytic_field(self.view, store, (shader, Sums::Slopes));
                 self.render(store, &ExactIntensity::<K>::new(field, colors), frame, statistics);

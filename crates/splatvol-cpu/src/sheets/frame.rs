@@ -8,7 +8,7 @@ use splatvol_core::plan::{
     room_of,
 };
 use splatvol_core::sheets::Planes;
-use splatvol_scene::RenderSettings;
+use splatvol_scene::{RenderSettings, SheetSettings};
 
 use super::analytic::{AnalyticField, Sums};
 use super::border::Border;
@@ -32,7 +32,7 @@ impl Plan {
         &'a mut self,
         view: &View,
         bricks: &dyn Bricks,
-        settings: &RenderSettings,
+        settings: &RenderSettings<SheetSettings>,
         tile_edge: usize,
     ) -> ZonedFrame<'a> {
         let Self { plan, eyes } = self;
@@ -148,7 +148,7 @@ pub(crate) fn analytic_field<'a>(
 pub(crate) fn shader<'a>(
     view: &View,
     (store, table): (&'a FieldStore, &'a ShadeTable),
-    (settings, mean_spacing): (&RenderSettings, f64),
+    (settings, mean_spacing): (&RenderSettings<SheetSettings>, f64),
 ) -> PlaneShader<'a> {
     let dims = store.source().grid().dims();
     let Rays {

@@ -14,8 +14,8 @@ use splatvol_core::kernel::GaussianKernel;
 use splatvol_core::mip;
 use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Compositing, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, TransferFunction,
-    Volume,
+    Camera, Classification, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, SheetKernel,
+    SheetSettings, Shows, TransferFunction, Volume,
 };
 
 use super::table::ShadeTable;
@@ -42,13 +42,13 @@ pub(crate) enum Wanted {
 
 impl Wanted {
     /// What settings ask for.
-    pub(crate) fn of(settings: &RenderSettings) -> Self {
-        match settings.compositing {
-            Compositing::Mip => Self::Largest,
-            Compositing::MinimumIntensity => Self::Smallest,
-            Compositing::Mean => Self::All,
-            _ if settings.splats_colors() => Self::Classified,
-            _ => Self::Visible,
+    pub(crate) fn of(settings: &RenderSettings<SheetSettings>) -> Self {
+        match settings.method.shows {
+            Shows::Mip => Self::Largest,
+            Shows::MinimumIntensity => Self::Smallest,
+            Shows::Mean => Self::All,
+            Shows::Xray | Shows::Material(Classification::Pre) => Self::Classified,
+            Shows::Material(Classification::Post) => Self::Visible,
         }
     }
 }
@@ -134,14 +134,14 @@ impl Level {
 }
 
 /// Whether coefficients interpolate the samples: of classified voxels there are none.
-fn interpolates(settings: &RenderSettings) -> bool {
-    settings.prefilter || settings.splats_colors()
+fn interpolates(settings: &RenderSettings<SheetSettings>) -> bool {
+    settings.method.prefilter || settings.method.splats_colors()
 }
 
 /// A volume's levels, made as they are wanted.
 #[derive(Debug)]
 pub(crate) struct Pyramid {
-    kernel: Kernel,
+    kernel: SheetKernel,
     /// Whether coefficients interpolate the samples.
     prefilter: bool,
     /// The source's own, and halves of its last.
@@ -192,10 +192,10 @@ impl Detail {
 }
 
 impl Pyramid {
-    pub(crate) fn new(source: Arc<dyn SampleSource>, settings: &RenderSettings) -> Self {
+    pub(crate) fn new(source: Arc<dyn SampleSource>, settings: &RenderSettings<SheetSettings>) -> Self {
         let level = |level| SourceLevel::new(Arc::clone(&source), level);
         Self {
-            kernel: settings.kernel,
+            kernel: settings.method.kernel,
             prefilter: interpolates(settings),
             levels: (0..source.levels()).map(|_| None).collect(),
             sources: (0..source.levels()).map(level).collect(),
@@ -203,8 +203,8 @@ impl Pyramid {
     }
 
     /// Whether the levels are this volume's, for the kernel of these settings.
-    pub(crate) fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings) -> bool {
-        let same = self.kernel == settings.kernel && self.prefilter == interpolates(settings);
+    pub(crate) fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings<SheetSettings>) -> bool {
+        let same = self.kernel == settings.method.kernel && self.prefilter == interpolates(settings);
         let (own, _) = self.sources[0].of();
         std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(volume)) && same
     }
@@ -254,7 +254,7 @@ impl Pyramid {
         match slot.as_mut() {
             Some(level) => level.update(look, wanted, stop),
             None => {
-                let method = (self.kernel, self.prefilter);
+                let method = (self.kernel.into(), self.prefilter);
                 *slot = Some(Level::new(source, method, look, (wanted, stop)));
             }
         }

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use splatvol_scene::{RenderSettings, Volume};
+use splatvol_scene::{RenderSettings, SheetSettings, Volume};
 
 use super::level::Pyramid;
 
@@ -40,7 +40,7 @@ impl Prepared {
     pub(crate) fn of_scene<'v>(
         &mut self,
         volumes: impl Iterator<Item = &'v Arc<Volume>>,
-        settings: &RenderSettings,
+        settings: &RenderSettings<SheetSettings>,
     ) -> &mut [Pyramid] {
         self.own = 0;
         for volume in volumes {
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn volumes_used_last_stay_as_long_as_they_fit() {
-        let settings = RenderSettings::default();
+        let settings = RenderSettings::default().with(SheetSettings::default());
         // Room for two volumes of 16 cubed, 4 bytes per voxel, besides the scene's.
         let mut prepared = Prepared::with_spare(2 * 4 * 4096 + 1000);
         let mut weak: Vec<Weak<Volume>> = Vec::new();

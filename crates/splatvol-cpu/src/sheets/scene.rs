@@ -8,7 +8,7 @@ use splatvol_core::bin::TileGrid;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::plan::{Sampling, View};
 use splatvol_core::splats::SplatCloud;
-use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError};
+use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError, SheetSettings};
 
 use super::analytic::{Analytic, Sums};
 use super::classified::ClassifiedBricks;
@@ -48,7 +48,7 @@ pub(crate) struct LayeredScene<'a> {
 
 impl LayeredScene<'_> {
     /// Distance of planes where there are no volumes: that of the finest cloud.
-    fn spacing(&self, view: (&Camera, &RenderSettings)) -> Option<f64> {
+    fn spacing(&self, view: (&Camera, &RenderSettings<SheetSettings>)) -> Option<f64> {
         let clouds = self.mesh_clouds.clouds().chain(self.cloud);
         clouds.map(|cloud| own_spacing(cloud, view)).reduce(f64::min)
     }
@@ -62,14 +62,19 @@ pub(crate) struct LayerStore {
 }
 
 /// A view of every volume, on the planes of the one whose sheets are thinnest.
-fn views(levels: &[&Level], (camera, volumes): (&Camera, &[VolumeScene<'_>])) -> Vec<View> {
+fn views(
+    levels: &[&Level],
+    volumes: &[VolumeScene<'_>],
+    (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
+) -> Vec<View> {
     let view = |(level, volume): &(&Level, &VolumeScene<'_>), spacing| {
-        let sampling = match Wanted::of(&volume.settings) {
+        let settings = &volume.settings(settings);
+        let sampling = match Wanted::of(settings) {
             Wanted::Classified => Sampling::Planes,
             _ => Sampling::Field,
         };
         let grid = level.field.source().grid();
-        View::new(grid, (camera, &volume.settings), sampling, spacing)
+        View::new(grid, (camera, settings), sampling, spacing)
     };
     let levels: Vec<_> = levels.iter().copied().zip(volumes).collect();
     let own: Vec<View> = levels.iter().map(|level| view(level, None)).collect();
@@ -95,7 +100,7 @@ impl SheetEngine {
         &mut self,
         run: Run<'_>,
         scene: &LayeredScene<'_>,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         (frame, start): (&mut Frame, Instant),
     ) -> Result<RenderStatistics, SceneError> {
         let mut statistics = RenderStatistics {
@@ -112,7 +117,7 @@ impl SheetEngine {
             let details: Vec<Detail> = scene
                 .volumes
                 .iter()
-                .map(|volume| match Wanted::of(&volume.settings) {
+                .map(|volume| match Wanted::of(&volume.settings(settings)) {
                     Wanted::Classified => Detail::FINEST,
                     _ => Detail::new(&volume.volume, camera, settings.size),
                 })
@@ -165,7 +170,7 @@ impl SheetEngine {
         &mut self,
         run: Run<'_>,
         (scene, levels): (&LayeredScene<'_>, &[usize]),
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
     ) -> Result<(), SceneError> {
@@ -195,11 +200,11 @@ impl SheetEngine {
         let mut classified: Vec<&Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let look = (&*volume.transfer_function, volume.unit_distance());
-            let wanted = Wanted::of(&volume.settings);
+            let wanted = Wanted::of(&volume.settings(settings));
             classified.push(pyramid.classify(level, look, wanted, run.task.stop)?);
         }
         let levels = classified;
-        let views = views(&levels, (camera, scene.volumes));
+        let views = views(&levels, scene.volumes, (camera, settings));
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let cuts: Vec<Cut> = scene
@@ -233,7 +238,7 @@ impl SheetEngine {
         let mut layers = Vec::with_capacity(scene.volumes.len() + 1);
         for (at, (plan, view)) in plans.iter_mut().zip(&views).enumerate() {
             let (volume, level) = (&scene.volumes[at], levels[at]);
-            layers.push(if Wanted::of(&volume.settings) == Wanted::Classified {
+            layers.push(if Wanted::of(&volume.settings(settings)) == Wanted::Classified {
                 let sheets = plan.update(view, &bricks[at], settings, edge);
                 Layer::Compose(
                     sheets,
@@ -245,7 +250,7 @@ impl SheetEngine {
                 let sheets = plan.update(view, &level.field, settings, edge);
                 let spacing = volume.volume.grid().mean_spacing();
                 let shader = shader(view, (&level.field, &level.table), (settings, spacing));
-                if settings.gradient == Gradient::Analytic {
+                if settings.method.gradient == Gradient::Analytic {
                     let field = analytic_field(view, &level.field, (shader, Sums::Moments));
                     layers.push(Layer::Analytic(
                         sheets,
@@ -292,7 +297,7 @@ impl SheetEngine {
         &mut self,
         run: Run<'_>,
         scene: &LayeredScene<'_>,
-        (view, tiles): ((&Camera, &RenderSettings), TileGrid),
+        (view, tiles): ((&Camera, &RenderSettings<SheetSettings>), TileGrid),
         (frame, statistics): (&mut Frame, &mut RenderStatistics),
     ) -> Result<(), SceneError> {
         let start = Instant::now();

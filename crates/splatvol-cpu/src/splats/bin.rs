@@ -10,9 +10,10 @@ use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
 
 use super::cover::TILE;
-use super::order::{even, grow, index, starts};
+use super::order::{even, index, starts};
 use super::project::Rect;
 use super::view::REFERENCE_TILE;
+use crate::room::grow;
 
 /// Reference tiles along an edge of a tile.
 const RATIO: u16 = (TILE as u32 / REFERENCE_TILE) as u16;

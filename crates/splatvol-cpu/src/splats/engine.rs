@@ -7,6 +7,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DAffine3;
 use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
+use splatvol_core::engine::StageSeconds;
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Frame, Gaussians};
 
@@ -15,14 +16,14 @@ use super::blend::{Blend, Integral, Light, Profile, Published};
 use super::composite::{self, Place, Scratch};
 use super::cover::TILE;
 use super::kernels::Kernels;
-use super::order::{Keys, grow};
+use super::order::Keys;
 use super::project::{self, Rect, Splat, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
-use super::settings::{Manner, Near, SplatSettings, sane};
+use super::settings::{CloudSettings, Manner, Near, sane};
 use super::view::View;
 use crate::clock::Instant;
+use crate::room::grow;
 use crate::run::Run;
-use splatvol_core::engine::StageSeconds;
 
 /// Splats that a thread projects at a time.
 const CHUNK: usize = 4096;
@@ -57,7 +58,7 @@ impl Cloud<'_> {
     }
 
     /// The camera depth from which on it is drawn, world length; `None` where it has none of its own.
-    fn near(&self, settings: &SplatSettings) -> Option<f64> {
+    fn near(&self, settings: &CloudSettings) -> Option<f64> {
         match settings.near {
             Near::World(near) => Some(sane(near)),
             Near::OfGaussians(near) => {
@@ -132,7 +133,7 @@ impl SplatEngine {
         &mut self,
         run: Run<'_>,
         clouds: &[Cloud<'_>],
-        (camera, settings): (&Camera, &SplatSettings),
+        (camera, settings): (&Camera, &CloudSettings),
         frame: &mut Frame,
     ) -> StageSeconds {
         if !frame.fits(settings.size) {
@@ -275,7 +276,7 @@ struct Clouds<'a> {
 /// Clouds before a camera.
 fn seen<'a>(
     clouds: &[Cloud<'a>],
-    (camera, settings): (&Camera, &SplatSettings),
+    (camera, settings): (&Camera, &CloudSettings),
     profile: Option<Profile>,
 ) -> Vec<SeenCloud<'a>> {
     let nearest = clouds

@@ -9,13 +9,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use crate::room::grow;
+
 /// At most this many bits are sorted by at once.
 const DIGIT_BITS: u32 = 12;
 /// Keys per part at least.
 const PART: usize = 1 << 13;
-
-/// Values between two looks at whether anybody waits for them.
-const GROWTH: usize = 1 << 16;
 
 /// Keys, and as many again to sort them.
 #[derive(Debug, Default)]
@@ -27,18 +26,6 @@ pub(crate) struct Keys {
 /// The index in a key.
 pub(crate) fn index(key: &AtomicU64) -> usize {
     (key.load(Ordering::Relaxed) & u64::from(u32::MAX)) as usize
-}
-
-/// Room for `count` values; `None` once `stop` is set: a system takes its time to give memory.
-pub(crate) fn grow<T: Default>(values: &mut Vec<T>, count: usize, stop: &AtomicBool) -> Option<()> {
-    values.reserve_exact(count.saturating_sub(values.len()));
-    while values.len() < count {
-        if stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        values.resize_with(count.min(values.len() + GROWTH), T::default);
-    }
-    Some(())
 }
 
 impl Keys {

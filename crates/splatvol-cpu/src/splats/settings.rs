@@ -4,7 +4,7 @@ use splatvol_scene::{ImageSize, Lighting};
 
 /// How splats are rendered. Values that make no sense (negative, not finite) count as zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SplatSettings {
+pub(crate) struct CloudSettings {
     /// Pixels of the picture.
     pub size: ImageSize,
     /// What footprints are widened by.
@@ -59,7 +59,7 @@ pub(crate) enum Near {
     World(f64),
 }
 
-impl SplatSettings {
+impl CloudSettings {
     /// The published values for a picture of a size.
     pub(crate) fn published(size: ImageSize) -> Self {
         Self {

@@ -7,7 +7,7 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::Camera;
 
-use super::settings::{LowPass, SplatSettings, sane};
+use super::settings::{CloudSettings, LowPass, sane};
 
 /// Pixels along an edge of the published renderer's tiles, to which it widens three standard deviations.
 pub(crate) const REFERENCE_TILE: u32 = 16;
@@ -45,7 +45,7 @@ impl View {
         world_from_local: &DAffine3,
         near: f64,
         camera: &Camera,
-        settings: &SplatSettings,
+        settings: &CloudSettings,
     ) -> Self {
         let local_from_world = world_from_local.inverse();
         let linear = camera.camera_from_world().matrix3 * world_from_local.matrix3;

@@ -1,7 +1,7 @@
 //! What a scene can say, key by key.
 
 use serde::{Deserialize, Serialize};
-use splatvol_scene::RenderSettings;
+use splatvol_scene::FlatSettings;
 
 /// A scene as its file has it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -15,7 +15,7 @@ pub struct SceneFile {
     pub camera: Option<SceneCamera>,
     /// How the picture is made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub settings: Option<RenderSettings>,
+    pub settings: Option<FlatSettings>,
     /// What is behind it: a name, `#rrggbb`, `r,g,b[,a]` or `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<String>,

@@ -26,7 +26,44 @@ pub enum Filter {
     SwanAlpha,
 }
 
+/// The same where samples are summed on sheets: swan's filter is of whole footprints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PixelFilter {
+    /// As [`Filter::None`].
+    None,
+    /// As [`Filter::Ewa`].
+    Ewa {
+        /// Standard deviation of the Gaussian, pixels.
+        pixel_sigma: f64,
+    },
+    /// As [`Filter::Matched`].
+    Matched {
+        /// Smallest standard deviation of a footprint, pixels.
+        pixel_sigma: f64,
+    },
+}
+
+impl From<PixelFilter> for Filter {
+    fn from(filter: PixelFilter) -> Self {
+        match filter {
+            PixelFilter::None => Self::None,
+            PixelFilter::Ewa { pixel_sigma } => Self::Ewa { pixel_sigma },
+            PixelFilter::Matched { pixel_sigma } => Self::Matched { pixel_sigma },
+        }
+    }
+}
+
 impl Filter {
+    /// The same for sheets; `None` for swan's.
+    pub fn of_sheets(self) -> Option<PixelFilter> {
+        match self {
+            Self::None => Some(PixelFilter::None),
+            Self::Ewa { pixel_sigma } => Some(PixelFilter::Ewa { pixel_sigma }),
+            Self::Matched { pixel_sigma } => Some(PixelFilter::Matched { pixel_sigma }),
+            Self::Swan | Self::SwanAlpha => None,
+        }
+    }
+
     /// Standard deviation in pixels, 0 for none.
     pub fn pixel_sigma(self) -> f64 {
         match self {

@@ -134,3 +134,19 @@ pub enum Reconstruction {
         gradient: f64,
     },
 }
+
+impl Reconstruction {
+    pub(super) fn validate(self) -> Result<(), SceneError> {
+        match self {
+            Self::Surface { flatness } | Self::Mixed { flatness, .. } if !(1.0..=1e6).contains(&flatness) => {
+                Err(SceneError::invalid("flatness", flatness, "1 to 1000000"))
+            }
+            Self::Mixed { gradient, .. } if !(0.0..=1e3).contains(&gradient) => Err(SceneError::invalid(
+                "surface gradient",
+                gradient,
+                "0 to 1000 value ranges per voxel",
+            )),
+            _ => Ok(()),
+        }
+    }
+}

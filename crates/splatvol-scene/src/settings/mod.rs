@@ -1,16 +1,17 @@
 //! Plain settings of a frame. The methods of the papers are values here, never separate renderers.
 
-mod combinations;
 mod compositing;
 mod coverage;
 mod extraction;
 mod filter;
+mod flat;
 mod footprint;
 mod gaussians;
 mod kernel;
+mod method;
 mod motion_blur;
-mod papers;
 mod presets;
+mod splats;
 mod stretch;
 mod table;
 mod validate;
@@ -18,67 +19,52 @@ mod validate;
 pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
 pub use coverage::Coverage;
 pub use extraction::Extraction;
-pub use filter::Filter;
+pub use filter::{Filter, PixelFilter};
+pub use flat::FlatSettings;
 pub use footprint::{Alignment, Occlusion, Rasterizer, Reconstruction};
 pub use gaussians::GaussianMode;
 pub use kernel::Kernel;
+pub use method::{Method, SheetKernel, SheetSettings, Shows};
 pub use motion_blur::MotionBlur;
+pub use splats::{SplatCompositing, SplatSettings};
 pub use stretch::Stretch;
 pub use table::{FootprintTable, TablePrecision};
 
-use serde::{Deserialize, Serialize};
-
 use crate::{ImageSize, Lighting};
 
-/// Everything about a frame that is neither scene nor camera.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-pub struct RenderSettings {
+/// Everything about a frame that is neither scene nor camera. Engines that have but one method take the settings of that
+/// one: `RenderSettings<SheetSettings>`.
+///
+/// Files and flags have them as [`FlatSettings`], key beside key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RenderSettings<M = Method> {
     /// Picture size, pixels.
     pub size: ImageSize,
-    /// How sheets become a picture.
-    pub compositing: Compositing,
-    /// Splat colours or splat data.
-    pub classification: Classification,
-    /// Sheet thickness, mean voxel spacings.
-    pub sheet_thickness: f64,
-    /// What footprints leave on sheets; none for what suits the classification: sections of classified colours,
-    /// samples of data.
-    pub sheet: Option<SheetContent>,
-    /// How light is lost on the way through material.
-    pub absorption: Absorption,
-    /// Screen-space low-pass.
-    pub filter: Filter,
+    /// How samples become a picture.
+    pub method: M,
     /// Anti-aliasing of edges.
     pub coverage: Coverage,
-    /// Which integrals of a kernel make up its footprint.
-    pub alignment: Alignment,
-    /// How the swan filter stretches kernels.
-    pub stretch: Stretch,
-    /// How footprints become pixels.
-    pub rasterizer: Rasterizer,
-    /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
-    pub table: FootprintTable,
-    /// How what is hidden is left out.
-    pub occlusion: Occlusion,
-    /// Which voxels have splats; `None` for all that the transfer function shows.
-    pub extraction: Option<Extraction>,
-    /// What the kernels stand for.
-    pub reconstruction: Reconstruction,
     /// How 3-D Gaussians are composited.
     pub gaussians: GaussianMode,
-    /// How motion is blurred.
+    /// How motion is blurred; what moves footprints is of [`Method::Splats`].
     pub motion_blur: MotionBlur,
-    /// Where the gradient that lights a sheet comes from (post-classification).
-    #[serde(default)]
-    pub gradient: Gradient,
-    /// Reconstruction kernel.
-    pub kernel: Kernel,
-    /// Whether kernel weights are solved so that the reconstruction interpolates the samples
-    /// (post-classification and MIP only; classified values are never prefiltered).
-    pub prefilter: bool,
     /// Phong lighting; `None` shows the transfer function's colours as they are.
     pub lighting: Option<Lighting>,
     /// A pixel is finished when its transmittance falls below this; the error it leaves is at most this.
     pub termination: f64,
+}
+
+impl<M> RenderSettings<M> {
+    /// The same with another method.
+    pub fn with<N>(&self, method: N) -> RenderSettings<N> {
+        RenderSettings {
+            size: self.size,
+            method,
+            coverage: self.coverage,
+            gaussians: self.gaussians,
+            motion_blur: self.motion_blur,
+            lighting: self.lighting,
+            termination: self.termination,
+        }
+    }
 }

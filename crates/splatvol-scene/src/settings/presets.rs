@@ -1,11 +1,18 @@
 //! Whole settings by name.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Coverage, Filter, FootprintTable, GaussianMode,
-    Gradient, Kernel, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent,
-    Stretch,
+    Absorption, Alignment, Classification, Coverage, Filter, GaussianMode, Gradient, Kernel, MotionBlur,
+    Occlusion, PixelFilter, Rasterizer, RenderSettings, SheetKernel, SheetSettings, Shows, SplatCompositing,
+    SplatSettings,
 };
 use crate::{ImageSize, Lighting};
+
+/// Error that a finished pixel may leave, in the exact presets.
+const EXACT_TERMINATION: f64 = 1.0 / 1024.0;
+/// The same where a level of eight bits is not seen.
+const FAST_TERMINATION: f64 = 1.0 / 256.0;
+/// Low-pass of a footprint, pixels.
+const PIXEL_SIGMA: f64 = 0.55;
 
 impl Default for RenderSettings {
     /// [`RenderSettings::balanced`].
@@ -14,60 +21,73 @@ impl Default for RenderSettings {
     }
 }
 
+impl Default for SheetSettings {
+    /// [`SheetSettings::balanced`].
+    fn default() -> Self {
+        Self::balanced()
+    }
+}
+
+impl SheetSettings {
+    /// Those of [`RenderSettings::best`].
+    pub fn best() -> Self {
+        Self {
+            shows: Shows::Material(Classification::Post),
+            thickness: 0.5,
+            kernel: SheetKernel {
+                sigma: 0.74,
+                radius: 3.0,
+            },
+            filter: PixelFilter::Ewa {
+                pixel_sigma: PIXEL_SIGMA,
+            },
+            gradient: Gradient::Analytic,
+            prefilter: true,
+        }
+    }
+
+    /// Those of [`RenderSettings::balanced`].
+    pub fn balanced() -> Self {
+        Self {
+            thickness: 0.5,
+            ..Self::fast()
+        }
+    }
+
+    /// Those of [`RenderSettings::fast`].
+    pub fn fast() -> Self {
+        Self {
+            thickness: 1.0,
+            kernel: SheetKernel {
+                sigma: 0.64,
+                radius: 2.0,
+            },
+            filter: PixelFilter::Matched {
+                pixel_sigma: PIXEL_SIGMA,
+            },
+            gradient: Gradient::Differences,
+            ..Self::best()
+        }
+    }
+}
+
 impl RenderSettings {
     /// The most exact method: sheets half a voxel apart, a kernel that reaches 36 dB on Marschner-Lobb data, analytic
     /// gradients, and the EWA filter on every footprint.
     pub fn best() -> Self {
-        Self {
-            size: ImageSize::default(),
-            compositing: Compositing::default(),
-            classification: Classification::default(),
-            sheet_thickness: 0.5,
-            sheet: None,
-            absorption: Absorption::default(),
-            filter: Filter::default(),
-            coverage: Coverage::default(),
-            alignment: Alignment::default(),
-            stretch: Stretch::default(),
-            rasterizer: Rasterizer::default(),
-            table: FootprintTable::default(),
-            occlusion: Occlusion::default(),
-            extraction: None,
-            reconstruction: Reconstruction::default(),
-            gaussians: GaussianMode::default(),
-            motion_blur: MotionBlur::default(),
-            gradient: Gradient::Analytic,
-            kernel: Kernel::default(),
-            prefilter: true,
-            lighting: Some(Lighting::default()),
-            termination: 1.0 / 1024.0,
-        }
+        Self::of(SheetSettings::best(), EXACT_TERMINATION)
     }
 
     /// The fast method with sheets half a voxel apart: pictures do not depend on where sheets happen to lie.
     pub fn balanced() -> Self {
-        Self {
-            sheet_thickness: 0.5,
-            termination: Self::best().termination,
-            ..Self::fast()
-        }
+        Self::of(SheetSettings::balanced(), EXACT_TERMINATION)
     }
 
     /// The fastest method: a kernel four voxels wide that meets four sheets a voxel apart, gradients by differences, the EWA
     /// filter only where footprints are smaller than pixels, and pixels finished when what shows through is less than a
     /// level of eight bits.
     pub fn fast() -> Self {
-        Self {
-            sheet_thickness: 1.0,
-            filter: Filter::Matched { pixel_sigma: 0.55 },
-            gradient: Gradient::Differences,
-            kernel: Kernel::Gaussian {
-                sigma: 0.64,
-                radius: 2.0,
-            },
-            termination: 1.0 / 256.0,
-            ..Self::best()
-        }
+        Self::of(SheetSettings::fast(), FAST_TERMINATION)
     }
 
     /// FastSplats as huang2000 measured them (section 6): classified splats on sheets a voxel apart, a Gaussian of radius 2
@@ -75,24 +95,76 @@ impl RenderSettings {
     /// sheet, and a summed-area table that hides voxels and bricks. `exp(-1.38 r^2)`, which is sigma 0.602, is the papers'
     /// kernel of that radius (mueller1998 section 4.3). Footprints lie parallel to the picture, so that they are circles.
     pub fn fastsplats2000() -> Self {
-        Self {
-            classification: Classification::Pre,
+        let splats = SplatSettings {
+            compositing: SplatCompositing::ImageSheets(Classification::Pre),
             sheet_thickness: 1.0,
-            sheet: Some(SheetContent::Section),
             absorption: Absorption::Linear,
             filter: Filter::None,
             alignment: Alignment::Grid,
             rasterizer: Rasterizer::Square1d,
-            table: FootprintTable::default(),
             occlusion: Occlusion::Sat,
-            gradient: Gradient::Differences,
             kernel: Kernel::Gaussian {
                 sigma: 0.602,
                 radius: 2.0,
             },
-            prefilter: false,
-            termination: 1.0 / 256.0,
-            ..Self::best()
+            ..SplatSettings::default()
+        };
+        Self::of(splats, FAST_TERMINATION)
+    }
+
+    /// swan1997: splats composited one by one, each perpendicular to the ray through its voxel; beyond the distance k they
+    /// grow and their opacity falls (section 4.3, 5). Set the filter to [`Filter::Swan`] to let extinction fall instead,
+    /// which keeps opaque data opaque.
+    pub fn swan1997() -> Self {
+        Self::of(swan(Alignment::Ray), EXACT_TERMINATION)
+    }
+
+    /// mueller1998: the same, but each footprint takes the cheapest alignment that errs by less than a level of eight bits
+    /// (section 4.2 switches by depth instead), and motion, where a scene has any, makes capsules of them (section 5.1).
+    pub fn mueller1998() -> Self {
+        Self {
+            motion_blur: MotionBlur::Capsule,
+            ..Self::of(swan(Alignment::AUTO), EXACT_TERMINATION)
         }
+    }
+
+    /// zwicker2001: affine footprints of Gaussians as wide as a voxel, cut at two standard deviations, low-passed by the
+    /// identity, added up on slices of the grid (sections 4 and 6); `1 - x` in place of `exp(-x)` (eq. 4).
+    pub fn ewa2001() -> Self {
+        let splats = SplatSettings {
+            compositing: SplatCompositing::AxisSheets,
+            absorption: Absorption::Linear,
+            filter: Filter::Ewa { pixel_sigma: 1.0 },
+            alignment: Alignment::Affine,
+            kernel: Kernel::Gaussian {
+                sigma: 1.0,
+                radius: 2.0,
+            },
+            ..SplatSettings::default()
+        };
+        Self::of(splats, EXACT_TERMINATION)
+    }
+
+    /// A method, and what a frame has besides.
+    fn of(method: impl Into<super::Method>, termination: f64) -> Self {
+        Self {
+            size: ImageSize::default(),
+            method: method.into(),
+            coverage: Coverage::default(),
+            gaussians: GaussianMode::default(),
+            motion_blur: MotionBlur::default(),
+            lighting: Some(Lighting::default()),
+            termination,
+        }
+    }
+}
+
+/// Swan's splats, across rays or not.
+fn swan(alignment: Alignment) -> SplatSettings {
+    SplatSettings {
+        filter: Filter::SwanAlpha,
+        alignment,
+        kernel: Kernel::CrawfisMax,
+        ..SplatSettings::default()
     }
 }

@@ -5,15 +5,10 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::{
-    Alignment, Classification, Compositing, Kernel, MotionBlur, RenderSettings, SheetContent, Stretch,
+    Alignment, Classification, Compositing, Coverage, Filter, Kernel, Method, MotionBlur, RenderSettings,
+    SheetSettings, SplatSettings, Stretch,
 };
-use crate::SceneError;
-
-const NO_PREFILTER: &str = "gaussian where data are interpolated; others with prefilter off";
-
-const NO_MAXIMA: &str = "gaussian: maxima are of values on planes, which other kernels do not have";
-const NO_SAMPLES: &str = "gaussian where sheets hold samples (post); others are splatted as colours (pre) or as \
-                          sections of sheets";
+use crate::{Lighting, SceneError};
 
 fn check(
     field: &'static str,
@@ -50,23 +45,73 @@ impl Kernel {
 }
 
 impl RenderSettings {
-    /// Checks every field's domain.
+    /// Checks every field's domain, and what the parts of a method ask of each other.
     ///
     /// # Errors
-    /// The first field outside its domain, by name.
+    /// The first field that is refused, by name.
     pub fn validate(&self) -> Result<(), SceneError> {
-        check(
-            "sheet thickness",
-            self.sheet_thickness,
-            0.01..=16.0,
-            "0.01 to 16 voxels",
-        )?;
-        check(
-            "pixel sigma",
-            self.filter.pixel_sigma(),
-            0.0..=16.0,
-            "0 to 16 pixels",
-        )?;
+        self.coverage.validate()?;
+        self.moving()?;
+        check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
+        match &self.method {
+            Method::Sheets(sheets) => sheets.validate()?,
+            Method::Splats(splats) => splats.validate()?,
+        }
+        if let Some(light) = &self.lighting {
+            lit(light)?;
+        }
+        let sums = matches!(self.method.compositing(), Compositing::Xray | Compositing::Mean);
+        if self.coverage != Coverage::Off && sums {
+            return Err(SceneError::invalid(
+                "coverage",
+                self.coverage,
+                "off: X-rays and means are sums, which the filter of footprints is right for",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Refuses motion blur of footprints where their sums are not light, or where they have no closed form.
+    fn moving(&self) -> Result<(), SceneError> {
+        if let MotionBlur::Subframes { count } = self.motion_blur {
+            check("sub-frames", f64::from(count), 1.0..=4096.0, "1 to 4096")?;
+        }
+        if !self.motion_blur.moves_footprints() {
+            return Ok(());
+        }
+        let reason = match &self.method {
+            Method::Sheets(_) => {
+                "subframes, or method splats: sheets hold sums of footprints, not footprints"
+            }
+            Method::Splats(splats) => match splats.blurred() {
+                Ok(()) => return Ok(()),
+                Err(reason) => reason,
+            },
+        };
+        Err(SceneError::invalid("motion blur", self.motion_blur, reason))
+    }
+}
+
+impl SheetSettings {
+    /// Checks every field's domain.
+    fn validate(&self) -> Result<(), SceneError> {
+        thickness(self.thickness)?;
+        pixel_sigma(self.filter.into())?;
+        Kernel::from(self.kernel).validate()?;
+        // Wider kernels amplify noise without bound when they are inverted.
+        if self.prefilter && !self.splats_colors() {
+            let expected = "0.3 to 1.2 voxels with the prefilter";
+            check("kernel sigma", self.kernel.sigma, 0.3..=1.2, expected)?;
+        }
+        Ok(())
+    }
+}
+
+impl SplatSettings {
+    /// Checks every field's domain, and what they ask of each other.
+    fn validate(&self) -> Result<(), SceneError> {
+        thickness(self.sheet_thickness)?;
+        pixel_sigma(self.filter)?;
         if let Alignment::Auto { budget } = self.alignment {
             check(
                 "alignment budget",
@@ -75,115 +120,68 @@ impl RenderSettings {
                 "0 to 1 of a footprint's peak",
             )?;
         }
-        self.coverage.validate()?;
-        self.stretching()?;
-        if let MotionBlur::Subframes { count } = self.motion_blur {
-            check("sub-frames", f64::from(count), 1.0..=4096.0, "1 to 4096")?;
-        }
-        self.moving()?;
-        check("termination", self.termination, 0.0..=0.5, "0 to 0.5")?;
         self.kernel.validate()?;
-        self.kernel_suits_method()?;
+        self.reconstruction.validate()?;
         self.combinations()?;
         self.rasterizer.validate()?;
         self.table.validate()?;
-        self.extraction
-            .map_or(Ok(()), |extraction| extraction.validate())?;
-        if let Some(light) = self.lighting {
-            for (field, value) in [
-                ("ambient", light.ambient),
-                ("diffuse", light.diffuse),
-                ("specular", light.specular),
-            ] {
-                check(field, value, 0.0..=10.0, "0 to 10")?;
-            }
-            let direction = DVec3::from_array(light.direction);
-            if direction.try_normalize().is_none() || (direction.normalize() - DVec3::Z).length() < 1e-6 {
-                return Err(SceneError::invalid(
-                    "light direction",
-                    light.direction,
-                    "finite, and not from behind",
-                ));
-            }
-            check("specular power", light.specular_power, 1.0..=1000.0, "1 to 1000")?;
-            check(
-                "gradient floor",
-                light.gradient_floor,
-                1e-6..=10.0,
-                "0.000001 to 10",
-            )?;
+        self.extraction.map_or(Ok(()), |extraction| extraction.validate())
+    }
+
+    /// Why footprints have no closed form in motion, where they have none.
+    fn blurred(&self) -> Result<(), &'static str> {
+        if self.compositing.classification() == Classification::Post {
+            return Err(DATA_IN_MOTION);
+        }
+        if self.alignment == Alignment::Ray || self.stretch == Stretch::Trapezoid {
+            return Err(
+                "subframes: footprints across the ray through the centre, and trapezoids, have no closed form in motion",
+            );
         }
         Ok(())
     }
-    /// Refuses motion blur of footprints where their sums are not light, or where they have no closed form.
-    fn moving(&self) -> Result<(), SceneError> {
-        let reason = match self.compositing {
-            _ if !self.motion_blur.moves_footprints() => return Ok(()),
-            shown if shown.shows_one_value() => {
-                "subframes: the value that is shown of a ray is no sum of footprints that could be blurred one by one"
-            }
-            Compositing::Xray => "",
-            _ if self.classification == Classification::Post => {
-                "subframes, or classification before splatting (pre): data that are blurred before they are classified \
-                 take colours that nothing in the scene has"
-            }
-            _ => "",
-        };
-        let reason = match reason {
-            "" if self.alignment == Alignment::Ray || self.stretch == Stretch::Trapezoid => {
-                "subframes: footprints across the ray through the centre, and trapezoids, have no closed form in motion"
-            }
-            reason => reason,
-        };
-        if reason.is_empty() {
-            return Ok(());
-        }
-        Err(SceneError::invalid("motion blur", self.motion_blur, reason))
-    }
+}
 
-    /// Whether the kernel and the method can be used together.
-    fn kernel_suits_method(&self) -> Result<(), SceneError> {
-        let Some((sigma, _)) = self.kernel.gaussian() else {
-            return match self.compositing {
-                shown if shown.shows_one_value() => Err(self.refused_kernel(NO_MAXIMA)),
-                _ if self.interpolates() => Err(self.refused_kernel(NO_PREFILTER)),
-                Compositing::ImageSheets
-                    if self.classification == Classification::Post
-                        && self.sheet != Some(SheetContent::Section) =>
-                {
-                    Err(self.refused_kernel(NO_SAMPLES))
-                }
-                _ => Ok(()),
-            };
-        };
-        // Wider kernels amplify noise without bound when they are inverted.
-        if self.prefilter && self.classification == Classification::Post {
-            let expected = "0.3 to 1.2 voxels with the prefilter";
-            check("kernel sigma", sigma, 0.3..=1.2, expected)?;
-        }
-        Ok(())
-    }
+/// Why data are not blurred footprint by footprint.
+pub(super) const DATA_IN_MOTION: &str = "subframes, or classification before splatting (pre): data that are blurred before they are \
+     classified take colours that nothing in the scene has";
 
-    /// Whether the prefilter has an effect.
-    fn interpolates(&self) -> bool {
-        let of_data = match self.compositing {
-            Compositing::ImageSheets => {
-                self.classification == Classification::Post && self.sheet != Some(SheetContent::Section)
-            }
-            shown => shown.shows_one_value(),
-        };
-        self.prefilter && of_data
-    }
+fn thickness(voxels: f64) -> Result<(), SceneError> {
+    check("sheet thickness", voxels, 0.01..=16.0, "0.01 to 16 voxels")
+}
 
-    fn refused_kernel(&self, expected: &'static str) -> SceneError {
-        SceneError::invalid("kernel", self.kernel.name(), expected)
+fn pixel_sigma(filter: Filter) -> Result<(), SceneError> {
+    check("pixel sigma", filter.pixel_sigma(), 0.0..=16.0, "0 to 16 pixels")
+}
+
+fn lit(light: &Lighting) -> Result<(), SceneError> {
+    for (field, value) in [
+        ("ambient", light.ambient),
+        ("diffuse", light.diffuse),
+        ("specular", light.specular),
+    ] {
+        check(field, value, 0.0..=10.0, "0 to 10")?;
     }
+    let direction = DVec3::from_array(light.direction);
+    if direction.try_normalize().is_none() || (direction.normalize() - DVec3::Z).length() < 1e-6 {
+        return Err(SceneError::invalid(
+            "light direction",
+            light.direction,
+            "finite, and not from behind",
+        ));
+    }
+    check("specular power", light.specular_power, 1.0..=1000.0, "1 to 1000")?;
+    check(
+        "gradient floor",
+        light.gradient_floor,
+        1e-6..=10.0,
+        "0.000001 to 10",
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Extraction, FootprintTable, Rasterizer, Reconstruction};
 
     fn refusal(kernel: Kernel) -> String {
         kernel.validate().expect_err("outside its domain").to_string()
@@ -206,84 +204,6 @@ mod tests {
             blob(1.0, 0.0),
         ] {
             assert_eq!(kernel.validate(), Ok(()));
-        }
-    }
-
-    #[test]
-    fn other_kernels_are_not_prefiltered() {
-        for compositing in [Compositing::ImageSheets, Compositing::Mip, Compositing::Mean] {
-            let settings = RenderSettings {
-                kernel: Kernel::CrawfisMax,
-                compositing,
-                prefilter: true,
-                ..RenderSettings::default()
-            };
-            let text = settings.validate().expect_err("refused").to_string();
-            assert!(text.starts_with("kernel: \"crawfis-max\""), "{text}");
-        }
-    }
-
-    #[test]
-    fn footprints_of_any_kernel_are_splatted_but_planes_have_none() {
-        let colors = RenderSettings {
-            kernel: Kernel::CubicBspline,
-            classification: Classification::Pre,
-            ..RenderSettings::default()
-        };
-        let sections = RenderSettings {
-            classification: Classification::Post,
-            sheet: Some(SheetContent::Section),
-            prefilter: false,
-            ..colors
-        };
-        assert_eq!(colors.validate(), Ok(()));
-        assert_eq!(sections.validate(), Ok(()));
-        let planes = RenderSettings {
-            sheet: None,
-            ..sections
-        };
-        let text = planes.validate().expect_err("refused").to_string();
-        assert!(text.contains("sections of sheets"), "{text}");
-    }
-
-    #[test]
-    fn rasterizers_tables_and_ranges_outside_their_domain_are_refused() {
-        let base = RenderSettings::fastsplats2000();
-        assert_eq!(base.validate(), Ok(()));
-        let table = |entries, sections| RenderSettings {
-            table: FootprintTable {
-                entries,
-                sections,
-                ..base.table
-            },
-            ..base
-        };
-        let raster = |rasterizer| RenderSettings { rasterizer, ..base };
-        let range = |density, gradient| RenderSettings {
-            extraction: Some(Extraction { density, gradient }),
-            ..base
-        };
-        let flat = RenderSettings {
-            reconstruction: Reconstruction::Surface { flatness: 4.0 },
-            ..base
-        };
-        let planes = RenderSettings {
-            rasterizer: Rasterizer::Ellipse1d,
-            ..RenderSettings::default()
-        };
-        for (settings, start) in [
-            (table(31, 128), "table entries: 31"),
-            (table(1025, 128), "table entries: 1025"),
-            (table(128, 0), "table sections: 0"),
-            (raster(Rasterizer::Rlut { subpixels: 129 }), "subpixels: 129"),
-            (raster(Rasterizer::Blit2d { subpixels: 0 }), "subpixels: 0"),
-            (range(Some([2.0, 1.0]), 0.0), "extraction density: [2.0, 1.0]"),
-            (range(None, f64::NAN), "extraction gradient: NaN"),
-            (flat, "rasterizer: \"square-1d\""),
-            (planes, "sheet: None"),
-        ] {
-            let text = settings.validate().expect_err(start).to_string();
-            assert!(text.starts_with(start), "{text}");
         }
     }
 }

@@ -4,9 +4,10 @@
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, Compositing, EngineConfig, Filter, Frame, ImageSize, Projection, RenderSettings,
-    Renderer, Scene,
+    Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame, ImageSize, Projection,
+    RenderSettings, Renderer, Scene,
 };
+use splatvol_testing::checked;
 
 /// Central and parallel projection.
 pub(crate) const PROJECTIONS: [Projection; 2] = [
@@ -32,27 +33,27 @@ pub(crate) fn modes(pixels: u32) -> [(&'static str, RenderSettings); 3] {
         ("post", base),
         (
             "pre",
-            RenderSettings {
+            checked(FlatSettings {
                 classification: Classification::Pre,
-                ..base
-            },
+                ..base.into()
+            }),
         ),
         (
             "xray",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Xray,
-                ..base
-            },
+                ..base.into()
+            }),
         ),
     ]
 }
 
 /// Settings without the low-pass.
 pub(crate) fn unfiltered(settings: RenderSettings) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         filter: Filter::None,
-        ..settings
-    }
+        ..settings.into()
+    })
 }
 
 /// Orthographic camera looking along `direction` at `target`, showing `height` world units.

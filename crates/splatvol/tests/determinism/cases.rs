@@ -3,13 +3,13 @@
 use glam::{DAffine3, DVec3, Vec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    BumpMap, Camera, Classification, Clip, Compositing, Coverage, Frame, GaussianAttributes, GaussianMode,
-    Gaussians, Gradient, Grid, Image, ImageSize, Isosurface, Item, Mesh, Motion, MotionBlur, PointAttributes,
-    PointLook, Points, Projection, RenderSettings, Renderer, Rescale, Samples, Scene, SolidTexture, Stuff,
-    TransferFunction, View, Volume,
+    BumpMap, Camera, Classification, Clip, Compositing, Coverage, FlatSettings, Frame, GaussianAttributes,
+    GaussianMode, Gaussians, Gradient, Grid, Image, ImageSize, Isosurface, Item, Mesh, Motion, MotionBlur,
+    PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Rescale, Samples, Scene,
+    SolidTexture, Stuff, TransferFunction, View, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::Random;
+use splatvol_testing::{Random, checked};
 
 /// One picture.
 pub(crate) struct Case {
@@ -71,7 +71,12 @@ fn holed(volume: &Volume) -> Volume {
 /// Every way to composite and to classify, by the settings of a preset.
 fn modes(preset: &str, base: RenderSettings) -> Vec<(String, RenderSettings)> {
     let named = |name: &str, settings| (format!("{preset} {name}"), settings);
-    let composited = |compositing| RenderSettings { compositing, ..base };
+    let composited = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            ..base.into()
+        })
+    };
     vec![
         named("post", base),
         named(
@@ -83,10 +88,10 @@ fn modes(preset: &str, base: RenderSettings) -> Vec<(String, RenderSettings)> {
         ),
         named(
             "pre",
-            RenderSettings {
+            checked(FlatSettings {
                 classification: Classification::Pre,
-                ..base
-            },
+                ..base.into()
+            }),
         ),
         named("xray", composited(Compositing::Xray)),
         named("mip", composited(Compositing::Mip)),
@@ -109,12 +114,12 @@ fn methods() -> Vec<(String, RenderSettings)> {
         Compositing::AxisSheets,
     ]
     .map(|compositing| {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing,
             classification: Classification::Pre,
             prefilter: false,
-            ..RenderSettings::default()
-        };
+            ..FlatSettings::default()
+        });
         (format!("{compositing:?}"), settings)
     });
     let mut methods: Vec<_> = papers.map(|(name, s)| (name.to_owned(), s)).into();
@@ -155,10 +160,10 @@ fn of_one() -> Vec<Case> {
         coverage: Coverage::ADAPTIVE,
         ..default
     };
-    let open = RenderSettings {
+    let open = checked(FlatSettings {
         motion_blur: MotionBlur::Subframes { count: 3 },
-        ..default
-    };
+        ..default.into()
+    });
     let image = Image::filled(ImageSize::new(8, 4).unwrap(), [0.3, 0.7, 0.1, 1.0]);
     let operated = scene
         .clone()
@@ -178,11 +183,16 @@ fn of_one() -> Vec<Case> {
         angle: 0.3,
     });
     let of_holes = Scene::new(holed(volume), look());
-    let plain = RenderSettings {
+    let plain = checked(FlatSettings {
         prefilter: false,
-        ..default
+        ..default.into()
+    });
+    let composited = |compositing, base: RenderSettings| {
+        checked(FlatSettings {
+            compositing,
+            ..base.into()
+        })
     };
-    let composited = |compositing, base| RenderSettings { compositing, ..base };
     let mip = composited(Compositing::Mip, default);
     let mean = composited(Compositing::Mean, RenderSettings::best());
     let xray = composited(Compositing::Xray, default);
@@ -325,26 +335,26 @@ fn of_several() -> Vec<Case> {
         ..unlit
     };
     let everything = || vec![fog(), mesh(), surfels(300), gaussians(100)];
-    let xray = RenderSettings {
+    let xray = checked(FlatSettings {
         compositing: Compositing::Xray,
-        ..unlit
-    };
-    let per_splat = RenderSettings {
+        ..unlit.into()
+    });
+    let per_splat = checked(FlatSettings {
         compositing: Compositing::PerSplat,
         classification: Classification::Pre,
         gradient: Gradient::Differences,
-        ..default
-    };
+        ..default.into()
+    });
     vec![
         case("surfels", vec![surfels(900)], default),
         case("mesh", vec![mesh()], default),
         case(
             "mesh mip",
             vec![mesh()],
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Mip,
-                ..default
-            },
+                ..default.into()
+            }),
         ),
         case("3dgs", vec![gaussians(400)], default),
         case("volumetric gaussians", vec![gaussians(400)], volumetric),

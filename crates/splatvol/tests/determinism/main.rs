@@ -9,10 +9,11 @@ mod common;
 use cases::{Case, cases};
 use common::settings;
 use splatvol::{
-    Camera, Classification, Compositing, EngineConfig, Frame, ImageSize, Projection, RenderSettings,
-    Renderer, Scene, SimdLevel, View,
+    Camera, Classification, Compositing, EngineConfig, FlatSettings, Frame, ImageSize, Projection,
+    RenderSettings, Renderer, Scene, SimdLevel, View,
 };
 use splatvol_samples::{Sample, SampleSize};
+use splatvol_testing::checked;
 
 fn head() -> Scene {
     let volume = Sample::Head.generate(Some(SampleSize::Longest(48))).unwrap();
@@ -26,26 +27,26 @@ fn variants() -> Vec<RenderSettings> {
     };
     vec![
         base,
-        RenderSettings {
+        checked(FlatSettings {
             classification: Classification::Pre,
-            ..base
-        },
-        RenderSettings {
+            ..base.into()
+        }),
+        checked(FlatSettings {
             compositing: Compositing::Xray,
-            ..base
-        },
-        RenderSettings {
+            ..base.into()
+        }),
+        checked(FlatSettings {
             compositing: Compositing::Mip,
-            ..base
-        },
-        RenderSettings {
+            ..base.into()
+        }),
+        checked(FlatSettings {
             compositing: Compositing::MinimumIntensity,
-            ..base
-        },
-        RenderSettings {
+            ..base.into()
+        }),
+        checked(FlatSettings {
             compositing: Compositing::Mean,
-            ..base
-        },
+            ..base.into()
+        }),
     ]
 }
 
@@ -136,8 +137,10 @@ fn settings_outside_their_domain_are_refused_by_name() {
     let projection = Projection::Orthographic { height: 1.0 };
     let camera = Camera::framing(&scene.bounds().unwrap(), View::Front, projection, 1.0).unwrap();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
-    let mut wrong = settings(16);
-    wrong.sheet_thickness = 0.0;
+    let wrong = checked(FlatSettings {
+        sheet_thickness: 0.0,
+        ..settings(16).into()
+    });
     let error = renderer.render(&scene, &camera, &wrong).unwrap_err().to_string();
     assert!(
         error.starts_with("sheet thickness: 0.0 is not allowed"),

@@ -4,12 +4,13 @@
 //! Pictures have 256 x 256 pixels; the reference integrates every fourth along both axes.
 
 use splatvol::{
-    ColorPoint, Filter, Image, ImageSize, OpacityPoint, Projection, RenderSettings, Scene, TransferFunction,
+    ColorPoint, Filter, FlatSettings, Image, ImageSize, OpacityPoint, Projection, RenderSettings, Scene,
+    TransferFunction,
 };
 use splatvol_reference::{ReferenceSettings, render_pixels};
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::fields::MarschnerLobb;
 use splatvol_testing::{Comparison, Tolerance, assert_images, sample};
+use splatvol_testing::{checked, fields::MarschnerLobb};
 
 use crate::common::PROJECTIONS;
 use crate::support::{fast, framing, generated, name_of, noise, render, translucent};
@@ -67,11 +68,11 @@ fn pictures_agree_with_the_reference() {
         for projection in PROJECTIONS {
             for lit in [true, false] {
                 let base = fast(PIXELS, PIXELS);
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     filter: Filter::None,
                     lighting: base.lighting.filter(|_| lit),
-                    ..base
-                };
+                    ..base.into()
+                });
                 let (found, expected) = pictures(&scene, projection, &settings);
                 let figures = Comparison::of(&found, &expected);
                 let bias = figures.bias.into_iter().fold(0.0, |m: f64, b| m.max(b.abs()));

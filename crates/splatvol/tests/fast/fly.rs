@@ -2,12 +2,13 @@
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Classification, Clip, Compositing, EngineConfig, Filter, Image, ImageSize, Isosurface, Item,
-    PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Scene, SimdLevel,
+    Camera, Classification, Clip, Compositing, EngineConfig, Filter, FlatSettings, Image, ImageSize,
+    Isosurface, Item, PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Scene,
+    SimdLevel,
 };
 use splatvol_reference::{ReferenceSettings, render_pixels};
 use splatvol_samples::Sample;
-use splatvol_testing::Comparison;
+use splatvol_testing::{Comparison, checked};
 
 use crate::support::{bits, generated, noise, rendered, renderer};
 
@@ -16,11 +17,11 @@ const PIXELS: u32 = 96;
 const STRIDE: u32 = 6;
 
 fn settings() -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         size: ImageSize::new(PIXELS, PIXELS).unwrap(),
         filter: Filter::Ewa { pixel_sigma: 0.55 },
-        ..RenderSettings::balanced()
-    }
+        ..RenderSettings::balanced().into()
+    })
 }
 
 /// Share 0 lies before the face, 1 behind the head; between them the camera passes through an eye.
@@ -118,24 +119,24 @@ fn modes() -> [(&'static str, RenderSettings); 5] {
         ),
         (
             "pre",
-            RenderSettings {
+            checked(FlatSettings {
                 classification: Classification::Pre,
-                ..base
-            },
+                ..base.into()
+            }),
         ),
         (
             "mean",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Mean,
-                ..base
-            },
+                ..base.into()
+            }),
         ),
         (
             "x-ray",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Xray,
-                ..base
-            },
+                ..base.into()
+            }),
         ),
     ]
 }
@@ -182,11 +183,11 @@ fn exact_values_of_rays_from_within() {
         for fov in [60.0, 90.0, 120.0] {
             let camera = on_the_way(&scene, 0.45, fov);
             for &(compositing, floor) in ways {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     size: settings().size,
                     compositing,
-                    ..RenderSettings::best()
-                };
+                    ..RenderSettings::best().into()
+                });
                 let [found, expected] = both(&mut renderer, &scene, &camera, &settings);
                 let psnr = Comparison::of(&found, &expected).psnr;
                 println!("{scene_name}, {fov} degrees, {compositing:?}: {psnr:.1} dB");

@@ -3,13 +3,13 @@
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, Compositing, Filter, Grid, LengthUnit, Projection, RenderSettings, Rescale,
-    Samples, Scene, View, Volume,
+    Camera, Classification, Compositing, Filter, FlatSettings, Grid, LengthUnit, Projection, RenderSettings,
+    Rescale, Samples, Scene, View, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::fields::Constant;
 use splatvol_testing::transfer::constant_extinction;
 use splatvol_testing::{Comparison, Random, Tolerance, assert_images, sample};
+use splatvol_testing::{checked, fields::Constant};
 
 use crate::agreement::pictures;
 use crate::common::PROJECTIONS;
@@ -120,18 +120,22 @@ fn holes_and_plain_data_agree_with_the_reference() {
     ];
     for (field, scene, missing, floors) in cases {
         let scene = missing.of(&scene);
-        let [fast, best] = [fast(256, 256), RenderSettings::best()].map(|settings| RenderSettings {
-            size: fast(256, 256).size,
-            filter: Filter::None,
-            ..settings
+        let [fast, best] = [fast(256, 256), RenderSettings::best()].map(|settings| {
+            checked(FlatSettings {
+                size: fast(256, 256).size,
+                filter: Filter::None,
+                ..settings.into()
+            })
         });
         let unlit = |settings| RenderSettings {
             lighting: None,
             ..settings
         };
-        let plain = |settings| RenderSettings {
-            prefilter: false,
-            ..unlit(settings)
+        let plain = |settings| {
+            checked(FlatSettings {
+                prefilter: false,
+                ..unlit(settings).into()
+            })
         };
         let all = [fast, unlit(fast), best, unlit(best), plain(fast), plain(best)];
         let names = [
@@ -169,19 +173,19 @@ fn classified_holes_agree_with_the_reference() {
     ];
     for (field, scene, missing, floors) in cases {
         let scene = missing.of(&scene);
-        let lit = RenderSettings {
+        let lit = checked(FlatSettings {
             filter: Filter::None,
             classification: Classification::Pre,
-            ..fast(256, 256)
-        };
+            ..fast(256, 256).into()
+        });
         let unlit = RenderSettings {
             lighting: None,
             ..lit
         };
-        let xray = RenderSettings {
+        let xray = checked(FlatSettings {
             compositing: Compositing::Xray,
-            ..unlit
-        };
+            ..unlit.into()
+        });
         for ((settings, floor), name) in [lit, unlit, xray]
             .into_iter()
             .zip(floors)
@@ -212,13 +216,13 @@ fn values_of_rays_agree_with_the_reference() {
         let mut floors = floors.into_iter();
         for (preset, settings) in [("fast", fast(256, 256)), ("best", RenderSettings::best())] {
             for compositing in [Compositing::Mip, Compositing::MinimumIntensity, Compositing::Mean] {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     size: fast(256, 256).size,
                     filter: Filter::None,
                     prefilter,
                     compositing,
-                    ..settings
-                };
+                    ..settings.into()
+                });
                 let name = format!("holes-noise-{missing:?}-{preset}-{compositing:?}-{prefilter}");
                 assert_agrees(&name, (&scene, &settings), floors.next().unwrap());
             }
@@ -294,16 +298,16 @@ fn fog_ends_half_way_to_what_is_missing() {
         let camera = Camera::new(towards, DVec3::ZERO, DVec3::Z, projection).unwrap();
         for base in [RenderSettings::default(), RenderSettings::best()] {
             for prefilter in [true, false] {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     size: fast(64, 64).size,
                     lighting: None,
                     prefilter,
-                    ..base
-                };
+                    ..base.into()
+                });
                 let frame = render(&gap, &camera, &settings);
                 let found = f64::from(frame.optical_depth[32 * 64 + 32]);
                 let exact = 0.05 * 22.0;
-                println!("{:?} {prefilter}: {found} {exact}", base.gradient);
+                println!("{:?} {prefilter}: {found} {exact}", base.method);
                 assert!((found / exact - 1.0).abs() < 0.02, "{found} {exact}");
             }
         }

@@ -2,10 +2,10 @@
 //! spacings thick.
 
 use glam::{DMat3, DVec3, EulerRot};
-use splatvol::{Camera, Filter, Grid, RenderSettings, Scene};
+use splatvol::{Camera, Filter, FlatSettings, Grid, RenderSettings, Scene};
 use splatvol_testing::fields::{Ball, Constant, Ramp};
 use splatvol_testing::transfer::{band_extinction, constant_extinction, linear_extinction};
-use splatvol_testing::{Field, Random, sample};
+use splatvol_testing::{Field, Random, checked, sample};
 
 use crate::common::{orthographic, perspective, unfiltered, world_ray};
 use crate::support::{fast, render};
@@ -85,7 +85,7 @@ fn a_constant_field_has_constant_optical_depth_per_length_in_every_view() {
                 );
                 println!(
                     "constant {name} {direction:.2} {:?}: ratio {low:.5} to {high:.5}",
-                    settings.filter
+                    settings.method.filter()
                 );
                 ripple = ripple.max(high - low);
                 offset = offset.max((low - 1.0).abs()).max((high - 1.0).abs());
@@ -261,10 +261,10 @@ fn the_whole_optical_depth_is_that_of_the_box() {
     let mut worst = 0.0f64;
     for pixels in [64u32, 144, 200] {
         for direction in [DVec3::Y, random.direction(), random.direction()] {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 filter: Filter::Matched { pixel_sigma: 0.55 },
-                ..plain(pixels)
-            };
+                ..plain(pixels).into()
+            });
             let frame = render(
                 &scene,
                 &orthographic(bounds.centre(), direction, height),

@@ -5,14 +5,14 @@ use std::borrow::Cow;
 
 use glam::DVec3;
 use splatvol::{
-    Classification, ColorPoint, Compositing, EngineConfig, Filter, Frame, Gradient, Grid, ImageSize,
-    LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene, SimdLevel,
-    TransferFunction, Volume,
+    Classification, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Frame, Gradient, Grid,
+    ImageSize, LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene,
+    SimdLevel, TransferFunction, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::fields::Noise;
 use splatvol_testing::transfer::linear_extinction;
 use splatvol_testing::{Comparison, Random, sample};
+use splatvol_testing::{checked, fields::Noise};
 
 use crate::agreement::pictures;
 use crate::common::{PROJECTIONS, orthographic, perspective};
@@ -22,11 +22,16 @@ use crate::support::{
 
 /// The modes with their names.
 pub(crate) fn modes(base: RenderSettings) -> [(&'static str, RenderSettings); 6] {
-    let pre = RenderSettings {
+    let pre = checked(FlatSettings {
         classification: Classification::Pre,
-        ..base
+        ..base.into()
+    });
+    let of = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            ..base.into()
+        })
     };
-    let of = |compositing| RenderSettings { compositing, ..base };
     [
         ("mip", of(Compositing::Mip)),
         ("xray", of(Compositing::Xray)),
@@ -111,10 +116,10 @@ fn pictures_of_all_modes_agree_with_the_reference() {
             _ => REFERENCE[2],
         };
         for (projection, floors) in PROJECTIONS.into_iter().zip(floors) {
-            let base = RenderSettings {
+            let base = checked(FlatSettings {
                 filter: Filter::None,
-                ..fast(256, 256)
-            };
+                ..fast(256, 256).into()
+            });
             demand(
                 &format!("{name} {} reference", name_of(projection)),
                 floors,
@@ -150,21 +155,21 @@ fn pictures_of_all_modes_agree_with_the_best_method() {
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {
             let camera = framing(&scene, projection, 1.0, 1.0);
-            let base = RenderSettings {
+            let base = checked(FlatSettings {
                 filter: Filter::Ewa { pixel_sigma: 0.55 },
-                ..fast(256, 256)
-            };
+                ..fast(256, 256).into()
+            });
             let name = format!("{name} {} best", name_of(projection));
             let mut figures = Vec::new();
             for (mode, settings) in modes(base) {
                 let scene = &*shown(mode, &scene);
                 let (found, _) = rendered(&mut renderer, scene, &camera, &settings);
-                let best = RenderSettings {
+                let best = checked(FlatSettings {
                     gradient: Gradient::Analytic,
                     sheet_thickness: 0.5,
-                    kernel: RenderSettings::best().kernel,
-                    ..settings
-                };
+                    kernel: RenderSettings::best().method.kernel(),
+                    ..settings.into()
+                });
                 let (expected, _) = rendered(&mut renderer, scene, &camera, &best);
                 figures.push((mode, Comparison::of(&found.image, &expected.image)));
             }
@@ -192,10 +197,10 @@ fn depths_are_those_of_the_best_method() {
         {
             let scene = &*shown(mode, &scene);
             let (found, _) = rendered(&mut renderer, scene, &camera, &settings);
-            let best = RenderSettings {
+            let best = checked(FlatSettings {
                 gradient: Gradient::Analytic,
-                ..settings
-            };
+                ..settings.into()
+            });
             let (expected, _) = rendered(&mut renderer, scene, &camera, &best);
             let spacing = scene.single_volume().unwrap().volume.grid().mean_spacing();
             let seen = |frame: &Frame, i: usize| frame.image.pixels[i][3] > 0.05;
@@ -311,16 +316,16 @@ fn x_rays_of_wide_views_have_no_seams() {
         translucent(),
     );
     let camera = perspective(DVec3::ZERO, DVec3::new(0.3, 1.0, 0.2), 90.0, 50.0);
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         filter: Filter::Ewa { pixel_sigma: 0.55 },
-        ..modes(fast(320, 320))[1].1
-    };
+        ..modes(fast(320, 320))[1].1.into()
+    });
     let mut renderer = renderer();
     let (found, _) = rendered(&mut renderer, &scene, &camera, &settings);
-    let best = RenderSettings {
+    let best = checked(FlatSettings {
         gradient: Gradient::Analytic,
-        ..settings
-    };
+        ..settings.into()
+    });
     let (expected, _) = rendered(&mut renderer, &scene, &camera, &best);
     let figures = Comparison::of(&found.image, &expected.image);
     println!(

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use splatvol::{
-    Classification, Clip, ColorPoint, Compositing, Frame, Grid, OpacityPoint, RenderSettings, Scene,
-    TransferFunction, Volume,
+    Classification, Clip, ColorPoint, Compositing, FlatSettings, Frame, Grid, OpacityPoint, RenderSettings,
+    Scene, TransferFunction, Volume,
 };
-use splatvol_testing::{Field, sample};
+use splatvol_testing::{Field, checked, sample};
 
 use crate::common::PROJECTIONS;
 use crate::support::{fast, framing, render};
@@ -60,10 +60,12 @@ fn look(small: bool, large: bool) -> TransferFunction {
 
 fn variants() -> [(&'static str, RenderSettings); 4] {
     let base = fast(150, 130);
-    let with = |compositing, classification| RenderSettings {
-        compositing,
-        classification,
-        ..base
+    let with = |compositing, classification| {
+        checked(FlatSettings {
+            compositing,
+            classification,
+            ..base.into()
+        })
     };
     [
         ("fast", base),

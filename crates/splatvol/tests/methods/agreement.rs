@@ -1,21 +1,21 @@
 //! The footprint engine against the other engine, which agrees with the reference (docs/numerics.md).
 
 use splatvol::{
-    Alignment, Classification, Compositing, Filter, Occlusion, Projection, RenderSettings, Scene,
-    SheetContent,
+    Alignment, Classification, Compositing, Filter, FlatSettings, Occlusion, Projection, RenderSettings,
+    Scene, SheetContent,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::Comparison;
+use splatvol_testing::{Comparison, checked};
 
 use crate::common::{self, PROJECTIONS};
 use crate::support::{bits, framing, generated, name_of, noise, translucent};
 
 /// Sheets of classified colours.
 fn colors(pixels: u32) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         classification: Classification::Pre,
-        ..common::settings(pixels)
-    }
+        ..common::settings(pixels).into()
+    })
 }
 
 fn scenes() -> Vec<(&'static str, Scene)> {
@@ -41,7 +41,10 @@ fn sections_agree_with_the_sheets() {
         for projection in PROJECTIONS {
             let slices = colors(128);
             for (alignment, floor) in [(Alignment::Exact, 50.0), (Alignment::Affine, 45.0)] {
-                let footprints = RenderSettings { alignment, ..slices };
+                let footprints = checked(FlatSettings {
+                    alignment,
+                    ..slices.into()
+                });
                 let found = psnr(&scene, projection, [&footprints, &slices]);
                 println!("{name} {} {alignment:?}: {found:.1} dB", name_of(projection));
                 if found < floor {
@@ -59,23 +62,23 @@ fn whole_footprints_show_nearly_the_same_picture() {
         for projection in PROJECTIONS {
             let sheets = colors(128);
             for compositing in [Compositing::PerSplat, Compositing::AxisSheets] {
-                let whole = RenderSettings {
+                let whole = checked(FlatSettings {
                     compositing,
-                    ..sheets
-                };
+                    ..sheets.into()
+                });
                 let found = psnr(&scene, projection, [&whole, &sheets]);
                 println!("{name} {} {compositing:?}: {found:.1} dB", name_of(projection));
                 assert!(found > 20.0, "{name} {compositing:?}: {found:.1}");
             }
-            let front = RenderSettings {
+            let front = checked(FlatSettings {
                 compositing: Compositing::PerSplat,
                 termination: 0.0,
-                ..sheets
-            };
-            let back = RenderSettings {
+                ..sheets.into()
+            });
+            let back = checked(FlatSettings {
                 compositing: Compositing::PerSplatBackToFront,
-                ..front
-            };
+                ..front.into()
+            });
             let found = psnr(&scene, projection, [&front, &back]);
             assert!(found > 120.0, "{name}: {found}");
         }
@@ -86,14 +89,14 @@ fn whole_footprints_show_nearly_the_same_picture() {
 fn an_x_ray_is_the_same_by_whole_footprints() {
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {
-            let slabs = RenderSettings {
+            let slabs = checked(FlatSettings {
                 compositing: Compositing::Xray,
-                ..colors(128)
-            };
-            let whole = RenderSettings {
+                ..colors(128).into()
+            });
+            let whole = checked(FlatSettings {
                 alignment: Alignment::Exact,
-                ..slabs
-            };
+                ..slabs.into()
+            });
             let found = psnr(&scene, projection, [&whole, &slabs]);
             println!("{name} {}: {found:.1} dB", name_of(projection));
             assert!(found > 55.0, "{name}: {found}");
@@ -105,14 +108,14 @@ fn an_x_ray_is_the_same_by_whole_footprints() {
 fn sheets_of_data_show_nearly_what_planes_show() {
     for (name, scene) in scenes() {
         for projection in PROJECTIONS {
-            let planes = RenderSettings {
+            let planes = checked(FlatSettings {
                 prefilter: false,
-                ..common::settings(128)
-            };
-            let sections = RenderSettings {
+                ..common::settings(128).into()
+            });
+            let sections = checked(FlatSettings {
                 sheet: Some(SheetContent::Section),
-                ..planes
-            };
+                ..planes.into()
+            });
             let found = psnr(&scene, projection, [&sections, &planes]);
             println!("{name} {}: {found:.1} dB", name_of(projection));
             assert!(found > 20.0, "{name}: {found}");
@@ -147,18 +150,18 @@ fn what_is_hidden_changes_no_byte() {
     let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
     for settings in every_way() {
         if matches!(
-            settings.compositing,
+            settings.method.compositing(),
             Compositing::PerSplatBackToFront | Compositing::Xray
         ) {
             continue;
         }
         let frame = |occlusion, termination| {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 occlusion,
                 termination,
                 absorption: splatvol::Absorption::Linear,
-                ..settings
-            };
+                ..settings.into()
+            });
             common::render(&scene, &camera, &settings)
         };
         let everything = frame(Occlusion::None, 0.0);
@@ -175,31 +178,36 @@ fn what_is_hidden_changes_no_byte() {
 }
 
 fn every_way() -> Vec<RenderSettings> {
-    let base = RenderSettings {
+    let base = checked(FlatSettings {
         alignment: Alignment::Affine,
         filter: Filter::default(),
-        ..colors(96)
+        ..colors(96).into()
+    });
+    let of = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            ..base.into()
+        })
     };
-    let of = |compositing| RenderSettings { compositing, ..base };
     vec![
         base,
         of(Compositing::PerSplat),
         of(Compositing::PerSplatBackToFront),
         of(Compositing::AxisSheets),
         of(Compositing::Xray),
-        RenderSettings {
+        checked(FlatSettings {
             classification: Classification::Post,
             sheet: Some(SheetContent::Section),
-            ..base
-        },
-        RenderSettings {
+            ..base.into()
+        }),
+        checked(FlatSettings {
             kernel: splatvol::Kernel::CubicBspline,
-            ..base
-        },
-        RenderSettings {
+            ..base.into()
+        }),
+        checked(FlatSettings {
             rasterizer: splatvol::Rasterizer::Ellipse1d,
             alignment: Alignment::Grid,
-            ..base
-        },
+            ..base.into()
+        }),
     ]
 }

@@ -8,11 +8,11 @@ mod laws;
 
 use glam::DVec3;
 use splatvol::{
-    Alignment, Camera, Classification, Compositing, Filter, Grid, Image, ImageSize, Projection,
+    Alignment, Camera, Classification, Compositing, Filter, FlatSettings, Grid, Image, ImageSize, Projection,
     RenderSettings, Scene, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::Comparison;
+use splatvol_testing::{Comparison, checked};
 
 use crate::common;
 
@@ -25,14 +25,14 @@ const GROUND: [u32; 2] = [48, 30];
 const TUNNEL: [u32; 2] = [32, 20];
 
 fn settings([width, height]: [u32; 2], filter: Filter) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         size: ImageSize::new(width, height).unwrap(),
         classification: Classification::Pre,
         alignment: Alignment::Affine,
         lighting: None,
         filter,
-        ..RenderSettings::best()
-    }
+        ..RenderSettings::best().into()
+    })
 }
 
 /// Samples per pixel along x and y.
@@ -128,10 +128,10 @@ fn tunnel() -> (Scene, Camera) {
 /// Gaussian of the default's width. The former's second moment is that of `pixel_sigma` 0.29, so ewa has 0.3 there.
 fn quality(scene: &Scene, camera: &Camera, size: [u32; 2]) -> [[f64; 3]; 2] {
     let of = |size, filter| {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing: Compositing::AxisSheets,
-            ..settings(size, filter)
-        };
+            ..settings(size, filter).into()
+        });
         common::render(scene, camera, &settings).image
     };
     let samples = of(size.map(|side| SAMPLES as u32 * side), Filter::None);

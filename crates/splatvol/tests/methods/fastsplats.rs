@@ -2,12 +2,12 @@
 
 use glam::{DMat3, DVec3};
 use splatvol::{
-    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FootprintTable,
-    Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings, Renderer, Samples,
-    Scene, SheetContent, TablePrecision, Volume,
+    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FlatSettings,
+    FootprintTable, Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings,
+    Renderer, Samples, Scene, SheetContent, TablePrecision, Volume,
 };
 use splatvol_samples::Sample;
-use splatvol_testing::Comparison;
+use splatvol_testing::{Comparison, checked};
 
 use crate::common::{self, PROJECTIONS};
 use crate::support::{bits, framing, generated, noise, opaque, translucent};
@@ -22,15 +22,15 @@ const ALL: [Rasterizer; 5] = [
 
 /// The preset, into tables that leave next to no error.
 fn fine(pixels: u32) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         size: ImageSize::new(pixels, pixels).unwrap(),
         table: FootprintTable {
             entries: 1024,
             precision: TablePrecision::F32,
             sections: 128,
         },
-        ..RenderSettings::fastsplats2000()
-    }
+        ..RenderSettings::fastsplats2000().into()
+    })
 }
 
 fn psnr(a: &Frame, b: &Frame) -> f64 {
@@ -42,24 +42,31 @@ fn pictures_from_tables_are_those_without() {
     let scene = generated(Sample::Head, 48);
     for projection in PROJECTIONS {
         let camera = framing(&scene, projection, 1.0, 1.0);
-        let post = RenderSettings {
+        let post = checked(FlatSettings {
             classification: Classification::Post,
-            ..fine(128)
-        };
-        let whole = RenderSettings {
+            ..fine(128).into()
+        });
+        let whole = checked(FlatSettings {
             compositing: Compositing::AxisSheets,
             sheet: None,
-            ..fine(128)
-        };
+            ..fine(128).into()
+        });
         for (name, base) in [("pre", fine(128)), ("post", post), ("whole", whole)] {
-            let auto = RenderSettings {
+            let auto = checked(FlatSettings {
                 rasterizer: Rasterizer::Auto,
-                ..base
-            };
+                ..base.into()
+            });
             let evaluated = common::render(&scene, &camera, &auto);
             for rasterizer in ALL {
                 let found = psnr(
-                    &common::render(&scene, &camera, &RenderSettings { rasterizer, ..base }),
+                    &common::render(
+                        &scene,
+                        &camera,
+                        &checked(FlatSettings {
+                            rasterizer,
+                            ..base.into()
+                        }),
+                    ),
                     &evaluated,
                 );
                 println!("{name} {rasterizer:?}: {found:.1} dB");
@@ -78,11 +85,11 @@ fn every_rasterizer_is_the_same_for_any_number_of_threads() {
     let scene = generated(Sample::Head, 32);
     let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.4);
     for rasterizer in ALL {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             rasterizer,
             occlusion: Occlusion::Auto,
-            ..fine(150)
-        };
+            ..fine(150).into()
+        });
         let frame = |threads| {
             let config = EngineConfig {
                 threads: Some(threads),
@@ -94,15 +101,15 @@ fn every_rasterizer_is_the_same_for_any_number_of_threads() {
         let first = frame(1);
         assert!(bits(&first) == bits(&frame(3)), "{rasterizer:?}");
         // The summed-area table makes the picture one tile: footprints do not depend on where tiles end.
-        let one_tile = RenderSettings {
+        let one_tile = checked(FlatSettings {
             occlusion: Occlusion::Sat,
             termination: 0.0,
-            ..settings
-        };
-        let many = RenderSettings {
+            ..settings.into()
+        });
+        let many = checked(FlatSettings {
             occlusion: Occlusion::None,
-            ..one_tile
-        };
+            ..one_tile.into()
+        });
         let [one, many] = [one_tile, many].map(|settings| common::render(&scene, &camera, &settings));
         assert!(bits(&one) == bits(&many), "{rasterizer:?}");
     }
@@ -121,10 +128,10 @@ fn footprints_that_are_no_circles_are_refused_with_what_to_use() {
     let (oblong, cubes) = (noise(), generated(Sample::Head, 16));
     for projection in PROJECTIONS {
         for rasterizer in ALL {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 rasterizer,
-                ..fine(32)
-            };
+                ..fine(32).into()
+            });
             let any = matches!(rasterizer, Rasterizer::Linear1d | Rasterizer::Ellipse1d);
             assert_eq!(refusal(&cubes, projection, settings), Ok(()));
             match refusal(&oblong, projection, settings) {
@@ -134,16 +141,16 @@ fn footprints_that_are_no_circles_are_refused_with_what_to_use() {
                     "{text}"
                 ),
             }
-            let affine = RenderSettings {
+            let affine = checked(FlatSettings {
                 alignment: Alignment::Affine,
-                ..settings
-            };
+                ..settings.into()
+            });
             let perspective = matches!(projection, Projection::Perspective { .. });
             assert_eq!(refusal(&cubes, projection, affine).is_ok(), any || !perspective);
-            let exact = RenderSettings {
+            let exact = checked(FlatSettings {
                 alignment: Alignment::Exact,
-                ..settings
-            };
+                ..settings.into()
+            });
             assert_eq!(refusal(&cubes, projection, exact).is_ok(), !perspective);
         }
     }
@@ -183,15 +190,15 @@ fn an_x_ray_through_a_constant_field_is_right_for_each_kernel() {
         Kernel::KAISER_BESSEL,
     ];
     let depth = |kernel, rasterizer| {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing: Compositing::Xray,
             occlusion: Occlusion::Auto,
             absorption: Absorption::Exp,
             sheet: None,
             kernel,
             rasterizer,
-            ..fine(48)
-        };
+            ..fine(48).into()
+        });
         let frame = common::render(&scene, &camera, &settings);
         let sum: f64 = frame.optical_depth.iter().copied().map(f64::from).sum();
         let (least, most) = frame
@@ -227,14 +234,14 @@ fn only_the_range_of_interest_has_splats() {
     let [low, high] = scene.single_volume().unwrap().volume.value_range();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let mut drawn = |extraction| {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             extraction,
             compositing: Compositing::PerSplatBackToFront,
             occlusion: Occlusion::None,
             sheet: None,
             filter: Filter::None,
-            ..fine(64)
-        };
+            ..fine(64).into()
+        });
         let frame = renderer.render(&scene, &camera, &settings).unwrap();
         (frame, renderer.statistics().voxels)
     };
@@ -266,10 +273,10 @@ fn the_summed_area_table_hides_most_of_an_opaque_head() {
     let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let mut render = |occlusion| {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             occlusion,
-            ..fine(192)
-        };
+            ..fine(192).into()
+        });
         let frame = renderer.render(&scene, &camera, &settings).unwrap();
         (frame, renderer.statistics().clone())
     };
@@ -292,21 +299,21 @@ fn sheets_take_sections_of_other_kernels() {
     let scene = generated(Sample::Head, 32);
     let camera = framing(&scene, PROJECTIONS[1], 1.0, 1.0);
     for kernel in [Kernel::CrawfisMax, Kernel::CubicBspline, Kernel::KAISER_BESSEL] {
-        let interpolated = RenderSettings {
+        let interpolated = checked(FlatSettings {
             kernel,
             rasterizer: Rasterizer::Auto,
-            ..fine(96)
-        };
-        let looked_up = RenderSettings {
+            ..fine(96).into()
+        });
+        let looked_up = checked(FlatSettings {
             kernel,
             rasterizer: Rasterizer::Linear1d,
-            ..fine(96)
-        };
-        let data = RenderSettings {
+            ..fine(96).into()
+        });
+        let data = checked(FlatSettings {
             classification: Classification::Post,
             sheet: Some(SheetContent::Section),
-            ..interpolated
-        };
+            ..interpolated.into()
+        });
         let [a, b, _] =
             [interpolated, looked_up, data].map(|settings| common::render(&scene, &camera, &settings));
         let found = psnr(&a, &b);

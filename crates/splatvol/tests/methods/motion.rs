@@ -4,24 +4,24 @@
 
 use glam::{DMat3, DVec3, EulerRot};
 use splatvol::{
-    Alignment, Camera, Classification, Compositing, EngineConfig, Filter, Frame, Grid, Motion, MotionBlur,
-    RenderSettings, Renderer, Scene, Volume,
+    Alignment, Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame, Grid, Motion,
+    MotionBlur, RenderSettings, Renderer, Scene, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::fields::Noise;
 use splatvol_testing::{Comparison, sample};
+use splatvol_testing::{checked, fields::Noise};
 
 use crate::common::{self, PROJECTIONS};
 use crate::support::{bits, framing, translucent};
 
 fn settings(pixels: u32, motion_blur: MotionBlur) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         classification: Classification::Pre,
         filter: Filter::None,
         termination: 0.0,
         motion_blur,
-        ..common::settings(pixels)
-    }
+        ..common::settings(pixels).into()
+    })
 }
 
 /// A look of which each voxel takes little light.
@@ -107,13 +107,13 @@ fn x_rays_keep_their_energy_and_capsules_gain() {
         for motion in [linear(&scene), spin(&scene)] {
             let scene = moving(&scene, motion);
             let frame = |motion_blur| {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     compositing: Compositing::Xray,
                     // Whole footprints for the still picture, too.
                     alignment: Alignment::Affine,
                     filter,
-                    ..settings(96, motion_blur)
-                };
+                    ..settings(96, motion_blur).into()
+                });
                 energy(&common::render(&scene, &camera, &settings))
             };
             let still = frame(MotionBlur::None);
@@ -140,12 +140,12 @@ fn slow_motion_is_the_still_picture() {
     ] {
         for alignment in [Alignment::Affine, Alignment::Exact] {
             let frame = |motion: DVec3, motion_blur| {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     compositing,
                     alignment,
                     filter: Filter::default(),
-                    ..settings(64, motion_blur)
-                };
+                    ..settings(64, motion_blur).into()
+                });
                 common::render(&moving(&scene, Motion::Linear(motion)), &camera, &settings)
             };
             let still = frame(DVec3::ZERO, MotionBlur::None);
@@ -210,10 +210,10 @@ fn pictures_of_motion_do_not_depend_on_threads() {
                 threads: Some(threads),
                 ..EngineConfig::default()
             };
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 classification,
-                ..settings(72, blur)
-            };
+                ..settings(72, blur).into()
+            });
             let mut renderer = Renderer::new(config).unwrap();
             renderer.render(&scene, &camera, &settings).unwrap()
         };
@@ -223,18 +223,20 @@ fn pictures_of_motion_do_not_depend_on_threads() {
 
 #[test]
 fn what_cannot_be_blurred_is_refused_with_a_reason() {
-    let of = |settings: RenderSettings| settings.validate().unwrap_err().to_string();
+    let of = |flat: FlatSettings| RenderSettings::try_from(flat).unwrap_err().to_string();
     for blur in [MotionBlur::Exact, MotionBlur::Capsule] {
-        let data = RenderSettings {
+        let data = FlatSettings {
             classification: Classification::Post,
-            ..settings(32, blur)
+            ..settings(32, blur).into()
         };
         assert!(of(data).contains("before they are classified"));
-        let mip = RenderSettings {
+        let mip = FlatSettings {
             compositing: Compositing::Mip,
-            ..settings(32, blur)
+            ..settings(32, blur).into()
         };
         assert!(of(mip).contains("no sum of footprints"));
     }
-    assert!(of(settings(32, MotionBlur::Subframes { count: 0 })).starts_with("sub-frames: 0"));
+    let none = settings(32, MotionBlur::Subframes { count: 0 });
+    let text = none.validate().unwrap_err().to_string();
+    assert!(text.starts_with("sub-frames: 0"), "{text}");
 }

@@ -1,7 +1,8 @@
 //! Clipped balls: depth and normal on the cut, and what is left of X-rays.
 
 use glam::DVec3;
-use splatvol::{Bounds, Classification, Clip, Compositing, Keep, RenderSettings, Scene};
+use splatvol::{Bounds, Classification, Clip, Compositing, FlatSettings, Keep, Scene};
+use splatvol_testing::checked;
 
 use crate::common::{render, world_ray};
 use crate::support::{NormalColors, ball, cameras, normal, solid, unlit};
@@ -103,18 +104,18 @@ fn a_half_ball_has_half_the_energy() {
         ("post", base, 0.002),
         (
             "pre",
-            RenderSettings {
+            checked(FlatSettings {
                 classification: Classification::Pre,
-                ..base
-            },
+                ..base.into()
+            }),
             0.01,
         ),
         (
             "xray",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::Xray,
-                ..base
-            },
+                ..base.into()
+            }),
             0.01,
         ),
     ];

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use splatvol::{
-    Bounds, BumpMap, Camera, Classification, Clip, Compositing, EngineConfig, EnvironmentMap, Frame,
-    Gradient, GradientOpacity, GradientOpacityPoint, Image, ImageSize, Isosurface, Keep, RenderSettings,
-    Renderer, Scene, SimdLevel, SolidTexture, Stuff,
+    Bounds, BumpMap, Camera, Classification, Clip, Compositing, EngineConfig, EnvironmentMap, FlatSettings,
+    Frame, Gradient, GradientOpacity, GradientOpacityPoint, Image, ImageSize, Isosurface, Keep,
+    RenderSettings, Renderer, Scene, SimdLevel, SolidTexture, Stuff,
 };
 use splatvol_samples::{Sample, SampleSize};
-use splatvol_testing::compare::Comparison;
+use splatvol_testing::{checked, compare::Comparison};
 
 use crate::support::{Identity, ball, cameras, gaussian, solid, unlit};
 
@@ -168,28 +168,28 @@ fn what_cannot_be_shown_is_refused_with_the_reason() {
     let clip = Clip::plane(DVec3::ZERO, DVec3::X).unwrap();
     let clipped = Scene::new(ball(18.0), solid(0.0, 0.9)).with_clip(clip);
     let base = unlit(32);
-    let mip = RenderSettings {
+    let mip = checked(FlatSettings {
         compositing: Compositing::Mip,
-        ..base
-    };
-    let xray = RenderSettings {
+        ..base.into()
+    });
+    let xray = checked(FlatSettings {
         compositing: Compositing::Xray,
-        ..base
-    };
-    let pre = RenderSettings {
+        ..base.into()
+    });
+    let pre = checked(FlatSettings {
         classification: Classification::Pre,
-        ..base
-    };
-    let analytic = RenderSettings {
+        ..base.into()
+    });
+    let analytic = checked(FlatSettings {
         gradient: Gradient::Analytic,
-        ..base
-    };
-    let per_splat = RenderSettings {
+        ..base.into()
+    });
+    let per_splat = checked(FlatSettings {
         compositing: Compositing::PerSplat,
         classification: Classification::Pre,
         prefilter: false,
-        ..base
-    };
+        ..base.into()
+    });
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let [camera, _] = cameras();
     for (scene, settings, words) in [
@@ -207,9 +207,11 @@ fn what_cannot_be_shown_is_refused_with_the_reason() {
             .to_string();
         assert!(error.contains(words), "{error}");
     }
-    let analytic = |settings| RenderSettings {
-        gradient: Gradient::Analytic,
-        ..settings
+    let analytic = |settings: RenderSettings| {
+        checked(FlatSettings {
+            gradient: Gradient::Analytic,
+            ..settings.into()
+        })
     };
     for settings in [base, xray, pre, analytic(xray), analytic(pre)] {
         assert!(renderer.render(&clipped, &camera, &settings).is_ok());

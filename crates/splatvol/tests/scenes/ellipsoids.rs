@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Quat, Vec3};
-use splatvol::{Camera, Content, Filter, GaussianMode, Gaussians, Item, RenderSettings};
+use splatvol::{Camera, Content, Filter, FlatSettings, GaussianMode, Gaussians, Item, RenderSettings};
 use splatvol_reference::ellipsoids::{self, Ellipsoid};
-use splatvol_testing::{Comparison, Random};
+use splatvol_testing::{Comparison, Random, checked};
 
 use crate::common::{orthographic, perspective};
 use crate::support::{cloud, picture, unlit};
@@ -52,13 +52,13 @@ fn kernels(gaussians: &Gaussians, camera: &Camera) -> Vec<Ellipsoid> {
 #[test]
 fn clouds_on_sheets_agree_with_the_integral() {
     let gaussians = cloud(60, [0.12, 0.4], 31);
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         gaussians: GaussianMode::Volumetric,
         filter: Filter::None,
         sheet_thickness: 0.1,
         termination: 1e-4,
-        ..unlit(48, 48)
-    };
+        ..unlit(48, 48).into()
+    });
     let item = Item::new(Content::Gaussians(Arc::new(gaussians.clone())));
     for (name, camera, least) in [
         (

@@ -2,10 +2,10 @@
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, EngineConfig, Filter, Frame, GaussianAttributes, GaussianMode, Gaussians, Item, Lighting,
-    PointLook, RenderSettings, Renderer, Scene,
+    Camera, EngineConfig, Filter, FlatSettings, Frame, GaussianAttributes, GaussianMode, Gaussians, Item,
+    Lighting, PointLook, RenderSettings, Renderer, Scene,
 };
-use splatvol_testing::Comparison;
+use splatvol_testing::{Comparison, checked};
 
 use crate::common::{orthographic, perspective};
 use crate::support::{self, cloud, picture, unlit};
@@ -52,11 +52,11 @@ fn small_gaussians_keep_their_energy() {
     let gaussians = cloud(1, [0.5, 0.5], 7);
     let energy = |height: f64| {
         let camera = orthographic(DVec3::ZERO, DVec3::Z, height);
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing: splatvol::Compositing::Xray,
             filter: Filter::Ewa { pixel_sigma: 0.5 },
-            ..of(GaussianMode::Volumetric, 64)
-        };
+            ..of(GaussianMode::Volumetric, 64).into()
+        });
         let frame = picture(vec![item(gaussians.clone())], &camera, &settings);
         let sum: f64 = frame.optical_depth.iter().map(|d| f64::from(*d)).sum();
         sum * (height / 64.0).powi(2)
@@ -180,12 +180,12 @@ fn single_gaussians_look_alike_in_both_ways() {
     let white = Gaussians::new(attributes, 0, DAffine3::IDENTITY).unwrap();
     let camera = perspective(DVec3::ZERO, DVec3::new(0.5, 0.1, 1.0), 6.0, 30.0);
     let pictures = [GaussianMode::Auto, GaussianMode::Volumetric].map(|mode| {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             filter: Filter::Ewa {
                 pixel_sigma: 0.3_f64.sqrt(),
             },
-            ..of(mode, 256)
-        };
+            ..of(mode, 256).into()
+        });
         picture(vec![item(white.clone())], &camera, &settings).image
     });
     let figures = Comparison::of(&pictures[0], &pictures[1]);

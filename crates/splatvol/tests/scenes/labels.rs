@@ -2,9 +2,10 @@
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Camera, Classification, ColorPoint, Compositing, Frame, Grid, ImageSize, Item, LengthUnit, OpacityPoint,
-    RenderSettings, Rescale, Samples, Scene, TransferFunction, View, Volume, check,
+    Camera, Classification, ColorPoint, Compositing, FlatSettings, Frame, Grid, ImageSize, Item, LengthUnit,
+    OpacityPoint, RenderSettings, Rescale, Samples, Scene, TransferFunction, View, Volume, check,
 };
+use splatvol_testing::checked;
 
 use super::support;
 use crate::common::PROJECTIONS;
@@ -91,10 +92,10 @@ fn names_are_names() {
         let difference = largest_difference(&one, &other);
         assert!(difference < 2e-5, "{difference}");
         assert!(one.image.pixels.iter().any(|pixel| pixel[3] > 0.9));
-        let pre = RenderSettings {
+        let pre = checked(FlatSettings {
             classification: Classification::Pre,
-            ..settings
-        };
+            ..settings.into()
+        });
         let values = |names, colors| Item::volume(ball(names), look(colors));
         let one = picture(vec![values([1, 3], [RED, GREEN, BLUE])], &pre);
         let other = picture(vec![values([3, 1], [BLUE, GREEN, RED])], &pre);
@@ -125,10 +126,10 @@ fn nothing_lies_between_two_names() {
 
 #[test]
 fn what_names_have_not_is_refused() {
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         compositing: Compositing::Mip,
-        ..small(RenderSettings::default())
-    };
+        ..small(RenderSettings::default()).into()
+    });
     let scene = Scene::from(Item::labels(ball([1, 3]), look([RED, GREEN, BLUE])));
     let error = check(&scene, &camera(), &settings).unwrap_err().to_string();
     assert!(

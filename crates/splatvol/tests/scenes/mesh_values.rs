@@ -2,13 +2,13 @@
 
 use glam::{DMat3, DVec3};
 use splatvol::{
-    Camera, Clip, Compositing, Filter, Frame, Gradient, Grid, Item, Mesh, RenderSettings, Scene,
-    TransferFunction, check,
+    Camera, Clip, Compositing, Filter, FlatSettings, Frame, Gradient, Grid, Item, Mesh, RenderSettings,
+    Scene, TransferFunction, check,
 };
 use splatvol_reference::ellipsoids::{Sample, field_picture};
 use splatvol_testing::fields::{Ball, Field};
-use splatvol_testing::transfer::linear_extinction;
 use splatvol_testing::{Comparison, Random, sample};
+use splatvol_testing::{checked, transfer::linear_extinction};
 
 use crate::common::{orthographic, perspective, world_ray};
 use crate::meshes::{graded, structured};
@@ -48,10 +48,10 @@ fn graded_mesh(field: &impl Field) -> Mesh {
 }
 
 fn of_values(compositing: Compositing) -> RenderSettings {
-    RenderSettings {
+    checked(FlatSettings {
         compositing,
-        ..unlit(72, 72)
-    }
+        ..unlit(72, 72).into()
+    })
 }
 
 /// The value that a pixel's opacity stands for.
@@ -123,10 +123,10 @@ fn what_values_of_meshes_cannot_have_is_refused() {
     let why =
         |scene: &Scene, settings: &RenderSettings| check(scene, &camera, settings).unwrap_err().to_string();
     for compositing in [Compositing::ImageSheets, Compositing::Mip] {
-        let analytic = RenderSettings {
+        let analytic = checked(FlatSettings {
             gradient: Gradient::Analytic,
-            ..of_values(compositing)
-        };
+            ..of_values(compositing).into()
+        });
         let why = why(&scene, &analytic);
         assert!(why.contains("gradient") && why.contains("meshes"), "{why}");
     }
@@ -168,12 +168,12 @@ fn meshes_agree_with_the_integral_of_their_kernels() {
     ] {
         let look =
             TransferFunction::new(look.colors().to_vec(), look.opacities().to_vec(), Some(1.0)).unwrap();
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             filter: Filter::None,
             sheet_thickness: 0.125,
             termination: 1e-4,
-            ..unlit(40, 40)
-        };
+            ..unlit(40, 40).into()
+        });
         for camera in [
             perspective(DVec3::ZERO, DVec3::new(1.0, -2.0, 0.5), 6.0, 26.0),
             orthographic(DVec3::ZERO, DVec3::new(-1.0, 0.3, 2.0), 2.6),
@@ -211,7 +211,7 @@ fn integrated(
     camera: &Camera,
     settings: &RenderSettings,
 ) -> splatvol::Image {
-    let sigma = settings.kernel.gaussian().unwrap().0;
+    let sigma = settings.method.kernel().gaussian().unwrap().0;
     let kernels = splatvol_core::irregular::kernels(mesh, sigma);
     let coefficients = kernels.coefficients();
     let samples: Vec<Sample> = (0..kernels.len())

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    Classification, Clip, EngineConfig, Filter, Grid, Isosurface, Item, Mesh, RenderSettings, Renderer,
-    Scene, TransferFunction,
+    Classification, Clip, EngineConfig, Filter, FlatSettings, Grid, Isosurface, Item, Mesh, RenderSettings,
+    Renderer, Scene, TransferFunction,
 };
 use splatvol_testing::fields::{Ball, Constant, Field};
-use splatvol_testing::transfer::linear_extinction;
 use splatvol_testing::{Comparison, sample};
+use splatvol_testing::{checked, transfer::linear_extinction};
 
 use crate::common::{orthographic, perspective};
 use crate::support::{picture, unlit};
@@ -61,11 +61,11 @@ fn a_rectilinear_grid_shows_what_a_regular_one_shows() {
     let mesh = structured(&field, dims, |i| {
         DVec3::from_array(std::array::from_fn(|a| graded(i[a], dims[a])))
     });
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         classification: Classification::Pre,
         filter: Filter::Ewa { pixel_sigma: 0.55 },
-        ..unlit(96, 96)
-    };
+        ..unlit(96, 96).into()
+    });
     let camera = perspective(DVec3::ZERO, DVec3::new(0.4, 1.0, 0.3), 6.0, 25.0);
     let regular = Renderer::new(EngineConfig::default())
         .unwrap()
@@ -159,10 +159,10 @@ fn constant_fields_are_constant_in_pictures() {
         let mesh = structured(&Constant(1.0), dims, |i| map(unit(i)));
         let length = map(DVec3::new(0.0, 0.0, 1.0)) - map(DVec3::new(0.0, 0.0, -1.0));
         let camera = orthographic(DVec3::ZERO, length.normalize(), 0.8);
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing: splatvol::Compositing::Xray,
-            ..unlit(48, 48)
-        };
+            ..unlit(48, 48).into()
+        });
         let frame = picture(vec![item(mesh, look.clone())], &camera, &settings);
         let depths: Vec<f64> = frame.optical_depth.iter().map(|d| f64::from(*d)).collect();
         let mean = depths.iter().sum::<f64>() / depths.len() as f64;

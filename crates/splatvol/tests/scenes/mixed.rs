@@ -2,13 +2,13 @@
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
-    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, Grid, Item, Kernel,
-    Occlusion, PointLook, Rasterizer, Reconstruction, RenderSettings, Renderer, Scene, TransferFunction,
-    check,
+    Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FlatSettings, Grid,
+    Item, Kernel, Occlusion, PointLook, Rasterizer, Reconstruction, RenderSettings, Renderer, Scene,
+    TransferFunction, check,
 };
 use splatvol_testing::fields::{Ball, Noise};
-use splatvol_testing::transfer::linear_extinction;
 use splatvol_testing::{Comparison, sample};
+use splatvol_testing::{checked, transfer::linear_extinction};
 
 use crate::common::{orthographic, perspective};
 use crate::support::{cloud, item, picture, pictured, sphere, unlit};
@@ -109,7 +109,7 @@ fn a_volume_beside_others_is_the_volume() {
             Filter::Ewa { pixel_sigma: 0.55 },
             Filter::Matched { pixel_sigma: 2.0 },
         ] {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 compositing,
                 classification: Classification::Pre,
                 alignment,
@@ -118,7 +118,8 @@ fn a_volume_beside_others_is_the_volume() {
                     size: unlit(96, 80).size,
                     ..RenderSettings::default()
                 }
-            };
+                .into()
+            });
             let alone = picture(vec![volume((data.clone(), look.clone()))], &camera, &settings);
             let unseen = item(sphere(100), PointLook::default(), 1.0);
             let unseen = unseen.at(DAffine3::from_translation(DVec3::new(0.0, 0.0, 500.0)));
@@ -160,11 +161,11 @@ fn pictures_do_not_depend_on_threads() {
     let scene = Scene::of_items(items).unwrap();
     let camera = orthographic(DVec3::ZERO, DVec3::new(0.1, 0.5, 1.0), 3.0);
     for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing,
             classification: Classification::Pre,
-            ..unlit(150, 130)
-        };
+            ..unlit(150, 130).into()
+        });
         let bits = |threads| {
             let frame = pictured(&scene, &camera, &settings, Some(threads));
             frame
@@ -187,10 +188,10 @@ fn what_is_of_one_volume_is_refused() {
         Scene::of_items(vec![fog(), points()]).unwrap(),
     ];
     let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
-    let base = RenderSettings {
+    let base = checked(FlatSettings {
         classification: Classification::Pre,
-        ..unlit(16, 16)
-    };
+        ..unlit(16, 16).into()
+    });
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
     let mut refused = |settings: RenderSettings, words: &str| {
         for scene in &scenes {
@@ -200,37 +201,84 @@ fn what_is_of_one_volume_is_refused() {
             assert!(expected.contains(words), "{words}: {expected}");
         }
     };
-    let of = |compositing| RenderSettings { compositing, ..base };
+    let of = |compositing| {
+        checked(FlatSettings {
+            compositing,
+            ..base.into()
+        })
+    };
     refused(of(Compositing::Mip), "maximum");
     refused(of(Compositing::AxisSheets), "one volume");
     refused(of(Compositing::PerSplatBackToFront), "per-splat");
     for compositing in [Compositing::ImageSheets, Compositing::PerSplat, Compositing::Xray] {
         let base = of(compositing);
         let filter = Filter::Swan;
-        refused(RenderSettings { filter, ..base }, "ewa or matched");
+        refused(
+            checked(FlatSettings {
+                filter,
+                ..base.into()
+            }),
+            "ewa or matched",
+        );
         let alignment = Alignment::Exact;
-        refused(RenderSettings { alignment, ..base }, "alignment");
+        refused(
+            checked(FlatSettings {
+                alignment,
+                ..base.into()
+            }),
+            "alignment",
+        );
         let occlusion = Occlusion::None;
-        refused(RenderSettings { occlusion, ..base }, "occlusion");
+        refused(
+            checked(FlatSettings {
+                occlusion,
+                ..base.into()
+            }),
+            "occlusion",
+        );
         let absorption = Absorption::Linear;
-        refused(RenderSettings { absorption, ..base }, "absorption");
+        refused(
+            checked(FlatSettings {
+                absorption,
+                ..base.into()
+            }),
+            "absorption",
+        );
         let rasterizer = Rasterizer::Ellipse1d;
-        refused(RenderSettings { rasterizer, ..base }, "rasterizer");
+        refused(
+            checked(FlatSettings {
+                rasterizer,
+                ..base.into()
+            }),
+            "rasterizer",
+        );
         let kernel = Kernel::CubicBspline;
-        refused(RenderSettings { kernel, ..base }, "kernel");
+        refused(
+            checked(FlatSettings {
+                kernel,
+                ..base.into()
+            }),
+            "kernel",
+        );
         let reconstruction = Reconstruction::Surface { flatness: 4.0 };
         refused(
-            RenderSettings {
+            checked(FlatSettings {
                 reconstruction,
-                ..base
-            },
+                ..base.into()
+            }),
             "reconstruction",
         );
         let extraction = Some(Extraction {
             density: Some([0.2, 0.8]),
             gradient: 0.0,
         });
-        refused(RenderSettings { extraction, ..base }, "extraction");
+        refused(
+            checked(FlatSettings {
+                extraction,
+                ..base.into()
+            }),
+            "extraction",
+        );
     }
 }
 
@@ -239,15 +287,19 @@ fn what_is_of_one_volume_is_refused() {
 fn data_are_not_classified_first_unasked() {
     let points = item(sphere(100), PointLook::default(), 1.0);
     let camera = orthographic(DVec3::ZERO, DVec3::Z, 3.0);
-    let settings = RenderSettings {
+    let whole = FlatSettings {
         compositing: Compositing::PerSplat,
-        ..unlit(16, 16)
+        ..unlit(16, 16).into()
     };
-    let both = Scene::of_items(vec![fog(), points.clone()]).unwrap();
-    let error = check(&both, &camera, &settings).unwrap_err().to_string();
+    let error = RenderSettings::try_from(whole).unwrap_err().to_string();
     assert!(error.starts_with("classification: Post"), "{error}");
-    // Points have nothing to classify.
-    check(&Scene::from(points), &camera, &settings).unwrap();
+    let colors = checked(FlatSettings {
+        classification: Classification::Pre,
+        ..whole
+    });
+    let both = Scene::of_items(vec![fog(), points.clone()]).unwrap();
+    check(&both, &camera, &colors).unwrap();
+    check(&Scene::from(points), &camera, &colors).unwrap();
 }
 
 #[test]

@@ -2,12 +2,12 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use splatvol::{
-    Clip, EngineConfig, Frame, Grid, Item, Keep, Motion, MotionBlur, PointLook, RenderSettings, Renderer,
-    Scene, TransferFunction, Volume,
+    Clip, EngineConfig, FlatSettings, Frame, Grid, Item, Keep, Motion, MotionBlur, PointLook, RenderSettings,
+    Renderer, Scene, TransferFunction, Volume,
 };
-use splatvol_testing::fields::Noise;
 use splatvol_testing::transfer::linear_extinction;
 use splatvol_testing::{Comparison, sample};
+use splatvol_testing::{checked, fields::Noise};
 
 use crate::common::perspective;
 use crate::support::{item, sphere, unlit};
@@ -125,10 +125,10 @@ fn items_move_on_their_own() {
     .unwrap();
     let camera = perspective(DVec3::ZERO, DVec3::Y, 20.0, 30.0);
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         motion_blur: MotionBlur::Subframes { count: 2 },
-        ..unlit(64, 64)
-    };
+        ..unlit(64, 64).into()
+    });
     let found = renderer.render(&moving, &camera, &settings).unwrap();
     let mut exposure = splatvol::Exposure::new(settings.size);
     for time in [-0.25, 0.25] {

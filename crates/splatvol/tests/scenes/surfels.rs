@@ -1,7 +1,8 @@
 //! Surfels: spheres of oriented points.
 
 use glam::DVec3;
-use splatvol::{Filter, Lighting, PointLook, RenderSettings};
+use splatvol::{Filter, FlatSettings, Lighting, PointLook, RenderSettings};
+use splatvol_testing::checked;
 
 use crate::common::{orthographic, perspective};
 use crate::support::{item, picture, sphere, unlit};
@@ -65,10 +66,10 @@ fn surfaces_are_as_opaque_as_they_are_told() {
                 let frame = picture(
                     vec![item(sphere(count), look, 1.0)],
                     &camera,
-                    &RenderSettings {
+                    &checked(FlatSettings {
                         filter: Filter::Ewa { pixel_sigma: 0.5 },
-                        ..unlit(64, 64)
-                    },
+                        ..unlit(64, 64).into()
+                    }),
                 );
                 // Both sides of the sphere, seen at right angles.
                 let expected = 1.0 - (1.0 - opacity).powi(2);

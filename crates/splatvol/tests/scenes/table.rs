@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DVec3};
 use splatvol::mesh::{Association, MeshField, Topology};
 use splatvol::{
-    Bounds, Camera, Classification, Clip, Compositing, Coverage, EngineConfig, Frame, GaussianMode, Grid,
-    Isosurface, Item, Keep, Mesh, Motion, MotionBlur, PointLook, RenderSettings, Renderer, Scene,
-    SolidTexture, Stuff, check,
+    Bounds, Camera, Classification, Clip, Compositing, Coverage, EngineConfig, FlatSettings, Frame,
+    GaussianMode, Grid, Isosurface, Item, Keep, Mesh, Motion, MotionBlur, PointLook, RenderSettings,
+    Renderer, Scene, SolidTexture, Stuff, check,
 };
 use splatvol_testing::fields::{Ball, Field};
-use splatvol_testing::sample;
 use splatvol_testing::transfer::linear_extinction;
+use splatvol_testing::{checked, sample};
 
 use crate::common::perspective;
 use crate::support::{cloud, item, sphere, unlit};
@@ -186,47 +186,47 @@ impl Feature {
             },
             Self::SubFrames => Asked {
                 scene: scene.with_motion(&motion),
-                settings: RenderSettings {
+                settings: checked(FlatSettings {
                     motion_blur: MotionBlur::Subframes { count: 3 },
-                    ..settings
-                },
+                    ..settings.into()
+                }),
             },
             Self::ExactBlur => Asked {
                 scene: scene.with_motion(&motion),
-                settings: RenderSettings {
+                settings: checked(FlatSettings {
                     motion_blur: MotionBlur::Exact,
                     classification: Classification::Pre,
-                    ..settings
-                },
+                    ..settings.into()
+                }),
             },
             Self::PerSplat => Asked {
                 scene,
-                settings: RenderSettings {
+                settings: checked(FlatSettings {
                     compositing: Compositing::PerSplat,
                     classification: Classification::Pre,
-                    ..settings
-                },
+                    ..settings.into()
+                }),
             },
             Self::Xray => Asked {
                 scene,
-                settings: RenderSettings {
+                settings: checked(FlatSettings {
                     compositing: Compositing::Xray,
-                    ..settings
-                },
+                    ..settings.into()
+                }),
             },
             Self::Maximum => Asked {
                 scene,
-                settings: RenderSettings {
+                settings: checked(FlatSettings {
                     compositing: Compositing::Mip,
-                    ..settings
-                },
+                    ..settings.into()
+                }),
             },
             Self::Mean => Asked {
                 scene,
-                settings: RenderSettings {
+                settings: checked(FlatSettings {
                     compositing: Compositing::Mean,
-                    ..settings
-                },
+                    ..settings.into()
+                }),
             },
         })
     }

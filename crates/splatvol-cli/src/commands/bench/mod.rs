@@ -186,7 +186,7 @@ impl<'a> Bench<'a> {
         variant: &Variant,
         subject: &Subject,
     ) -> Result<(CaseReport, Measured), Failure> {
-        let classification = subject.settings.classification;
+        let classification = subject.settings.method.classification();
         let projection = subject.camera.projection().into();
         let name = scenes::case_name(&scene.name, variant.look, classification, projection);
         process::reset_peak_memory();

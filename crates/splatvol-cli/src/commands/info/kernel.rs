@@ -13,7 +13,7 @@ use crate::output::Target;
 use crate::resolve::kernel;
 
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let kernel = kernel::resolve(&args.kernel, RenderSettings::default().kernel)?;
+    let kernel = kernel::resolve(&args.kernel, RenderSettings::default().method.kernel())?;
     kernel.validate().during(Step::Usage)?;
     let report = Report::new(kernel, usize::from(args.bins));
     let text = if args.json {

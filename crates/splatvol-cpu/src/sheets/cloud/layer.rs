@@ -5,7 +5,7 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::plan::Rays;
 use splatvol_core::splats::SplatCloud;
 use splatvol_core::visibility::VisibleLevels;
-use splatvol_scene::{Camera, Clip, RenderSettings, TransferFunction};
+use splatvol_scene::{Camera, Clip, RenderSettings, SheetSettings, TransferFunction};
 
 use super::emission::EmittedLight;
 use super::field::FieldMaterial;
@@ -27,7 +27,7 @@ impl CloudPlan {
     pub(crate) fn layer<'a>(
         &'a mut self,
         (cloud, clips): (&'a SplatCloud, &[Clip]),
-        view: (&Camera, &RenderSettings),
+        view: (&Camera, &RenderSettings<SheetSettings>),
         tiles: TileGrid,
         spacing: Option<f64>,
     ) -> Layer<'a> {
@@ -96,7 +96,7 @@ impl MeshLayer {
     pub(crate) fn layer<'a>(
         &'a mut self,
         (cloud, mesh): OfMesh<'a>,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         tiles: TileGrid,
         spacing: Option<f64>,
     ) -> Layer<'a> {
@@ -114,7 +114,7 @@ impl MeshLayer {
     pub(crate) fn values<'a, K: Kept>(
         &'a mut self,
         (cloud, mesh): OfMesh<'a>,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         tiles: TileGrid,
     ) -> Option<(ZonedFrame<'a>, CloudMode<'a, MeshValues<'a, K>>)> {
         self.classify(mesh);
@@ -131,7 +131,7 @@ impl MeshLayer {
 fn shader<'a>(
     frame: &ZonedFrame<'_>,
     table: &'a ShadeTable,
-    (mesh, settings): (&MeshScene<'_>, &RenderSettings),
+    (mesh, settings): (&MeshScene<'_>, &RenderSettings<SheetSettings>),
 ) -> PlaneShader<'a> {
     let Rays {
         principal,

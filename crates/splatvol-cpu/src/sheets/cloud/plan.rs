@@ -6,7 +6,7 @@ use splatvol_core::brick::ActiveBrick;
 use splatvol_core::plan::{FramePlan, SheetShape, Zone, low_pass};
 use splatvol_core::sheets::Planes;
 use splatvol_core::splats::{Chunk, KernelShape, SplatCloud};
-use splatvol_scene::{Camera, ImageSize, RenderSettings, ScreenFromCamera};
+use splatvol_scene::{Camera, ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
 use super::open::{CUT, CloudView, DEPTH_CUT};
 use crate::sheets::frame::ZonedFrame;
@@ -23,7 +23,10 @@ pub(crate) struct CloudPlan {
 }
 
 /// Distance of planes that suits a cloud, world length.
-pub(crate) fn own_spacing(cloud: &SplatCloud, (camera, settings): (&Camera, &RenderSettings)) -> f64 {
+pub(crate) fn own_spacing(
+    cloud: &SplatCloud,
+    (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
+) -> f64 {
     let screen = camera.screen_from_camera(settings.size);
     let camera_from_local = camera.camera_from_world() * cloud.world_from_local;
     ChunkBounds::new(camera_from_local, cloud, settings, screen)
@@ -37,7 +40,7 @@ impl CloudPlan {
     pub(crate) fn frame<'a>(
         &'a mut self,
         cloud: &'a SplatCloud,
-        (camera, settings): (&Camera, &RenderSettings),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
         tiles: TileGrid,
         spacing: Option<f64>,
     ) -> (ZonedFrame<'a>, CloudView<'a>) {
@@ -56,7 +59,7 @@ impl CloudPlan {
             ),
             camera_from_local,
             screen,
-            low_pass(settings.filter),
+            low_pass(settings.method.filter.into()),
             (stack.plane(usize::from(stack.first == 0)), stack.spacing),
         );
         let least = nearest(&stack, &screen);
@@ -109,7 +112,7 @@ impl ChunkBounds {
     fn new(
         camera_from_local: DAffine3,
         cloud: &SplatCloud,
-        settings: &RenderSettings,
+        settings: &RenderSettings<SheetSettings>,
         screen: ScreenFromCamera,
     ) -> Self {
         let linear = camera_from_local.matrix3;
@@ -126,7 +129,7 @@ impl ChunkBounds {
             screen,
             size: settings.size,
             stretch,
-            pixel_sigma: low_pass(settings.filter).0.sqrt(),
+            pixel_sigma: low_pass(settings.method.filter.into()).0.sqrt(),
             shared_sigma: match cloud.shape {
                 KernelShape::Ellipsoids { .. } => 0.0,
                 shape => shape.sigma(),
@@ -153,8 +156,13 @@ impl ChunkBounds {
 
     /// Planes this far apart; or as far as the settings ask for, but no nearer to each other than the pixels are in the middle
     /// of the cloud: nearer ones cost more and show nothing.
-    fn planes(&self, cloud: &SplatCloud, settings: &RenderSettings, spacing: Option<f64>) -> Planes {
-        let wanted = settings.sheet_thickness * cloud.spacing;
+    fn planes(
+        &self,
+        cloud: &SplatCloud,
+        settings: &RenderSettings<SheetSettings>,
+        spacing: Option<f64>,
+    ) -> Planes {
+        let wanted = settings.method.thickness * cloud.spacing;
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for chunk in &cloud.chunks {
             let [near, far] = self.centres(chunk);

@@ -7,7 +7,7 @@ use splatvol_scene::{Camera, Frame, Projection};
 
 use super::kernels::kernels;
 use super::robust::bits;
-use super::{Renderer, SplatSettings, cloud, perspective, settings};
+use super::{CloudSettings, Renderer, cloud, perspective, settings};
 use crate::config::SimdLevel;
 use crate::splats::{Cloud, LowPass, Manner, Near};
 
@@ -28,8 +28,8 @@ fn gathered() -> SplatCloud {
     cloud
 }
 
-fn shown(size: [u32; 2], low_pass: LowPass, manner: Manner) -> SplatSettings {
-    SplatSettings {
+fn shown(size: [u32; 2], low_pass: LowPass, manner: Manner) -> CloudSettings {
+    CloudSettings {
         low_pass,
         near: Near::World(0.05),
         manner,
@@ -37,7 +37,7 @@ fn shown(size: [u32; 2], low_pass: LowPass, manner: Manner) -> SplatSettings {
     }
 }
 
-fn render(cloud: &SplatCloud, camera: &Camera, settings: &SplatSettings) -> Frame {
+fn render(cloud: &SplatCloud, camera: &Camera, settings: &CloudSettings) -> Frame {
     let mut frame = Frame::empty(settings.size);
     Renderer::new(2, None)
         .expect("the best instructions")
@@ -56,7 +56,7 @@ struct Footprint {
     color: DVec3,
 }
 
-fn project(cloud: &SplatCloud, index: usize, camera: &Camera, settings: &SplatSettings) -> Option<Footprint> {
+fn project(cloud: &SplatCloud, index: usize, camera: &Camera, settings: &CloudSettings) -> Option<Footprint> {
     let camera_from_local = camera.camera_from_world() * cloud.world_from_local;
     let u = camera_from_local.transform_point3(DVec3::from(cloud.positions[index].map(f64::from)));
     let screen = camera.screen_from_camera(settings.size);
@@ -125,7 +125,7 @@ impl Footprint {
 }
 
 /// Colour and alpha of all pixels.
-fn expected(cloud: &SplatCloud, camera: &Camera, settings: &SplatSettings) -> Vec<[f64; 4]> {
+fn expected(cloud: &SplatCloud, camera: &Camera, settings: &CloudSettings) -> Vec<[f64; 4]> {
     let mut footprints: Vec<Footprint> = (0..cloud.len())
         .filter_map(|index| project(cloud, index, camera, settings))
         .collect();

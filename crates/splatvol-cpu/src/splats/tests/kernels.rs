@@ -6,7 +6,7 @@ use splatvol_scene::{Camera, Frame, Gaussians, Lighting, Projection};
 
 use super::published::{display, errors};
 use super::robust::bits;
-use super::{Published, Random, Renderer, SplatSettings, cloud, perspective, settings};
+use super::{CloudSettings, Published, Random, Renderer, cloud, perspective, settings};
 use crate::splats::Cloud;
 
 /// Discs, needles and balls, from thin to opaque, in the cube -1..1.
@@ -53,7 +53,7 @@ fn render(
     gaussians: Option<&Gaussians>,
     kernels: &SplatCloud,
     camera: &Camera,
-    settings: &SplatSettings,
+    settings: &CloudSettings,
 ) -> Frame {
     let own = gaussians.map(|cloud| Cloud::Gaussians(cloud, DAffine3::IDENTITY));
     let clouds: Vec<Cloud<'_>> = own.into_iter().chain([Cloud::Kernels(kernels)]).collect();
@@ -144,7 +144,7 @@ fn light_falls_on_kernels_in_linear_light() {
         direction: [0.0, 0.6, -0.8],
         ..Lighting::default()
     };
-    let lit = SplatSettings {
+    let lit = CloudSettings {
         lighting: Some(lighting),
         ..plain
     };
@@ -165,7 +165,7 @@ fn bytes_of_mixed_pictures_do_not_depend_on_threads_or_instructions() {
     let gaussians = cloud(59, 5000, 1, [0.01, 0.1]);
     let cloud = gathered(&kernels(61, 5000));
     let camera = perspective(DVec3::new(1.7, 1.0, 0.4), 70.0);
-    let settings = SplatSettings {
+    let settings = CloudSettings {
         lighting: Some(Lighting::default()),
         ..settings(233, 122)
     };

@@ -13,7 +13,7 @@ use splatvol_core::splats::Splat;
 use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection};
 
-use super::{Cloud, LowPass, Manner, Near, SplatEngine, SplatSettings};
+use super::{Cloud, CloudSettings, LowPass, Manner, Near, SplatEngine};
 use crate::config::SimdLevel;
 
 use crate::pool::Pool;
@@ -36,7 +36,7 @@ impl Renderer {
         })
     }
 
-    fn render(&mut self, clouds: &[&Gaussians], camera: &Camera, settings: &SplatSettings) -> Frame {
+    fn render(&mut self, clouds: &[&Gaussians], camera: &Camera, settings: &CloudSettings) -> Frame {
         let mut frame = Frame::empty(settings.size);
         self.render_into(clouds, camera, settings, &mut frame);
         frame
@@ -46,7 +46,7 @@ impl Renderer {
         &mut self,
         clouds: &[&Gaussians],
         camera: &Camera,
-        settings: &SplatSettings,
+        settings: &CloudSettings,
         frame: &mut Frame,
     ) {
         let own = |cloud| Cloud::Gaussians(cloud, DAffine3::IDENTITY);
@@ -58,7 +58,7 @@ impl Renderer {
         &mut self,
         clouds: &[Cloud<'_>],
         camera: &Camera,
-        settings: &SplatSettings,
+        settings: &CloudSettings,
         frame: &mut Frame,
     ) {
         let run = Run {
@@ -71,8 +71,8 @@ impl Renderer {
     }
 }
 
-fn settings(width: u32, height: u32) -> SplatSettings {
-    SplatSettings::published(ImageSize::new(width, height).expect("a valid size"))
+fn settings(width: u32, height: u32) -> CloudSettings {
+    CloudSettings::published(ImageSize::new(width, height).expect("a valid size"))
 }
 
 /// PCG (O'Neill 2014).
@@ -178,7 +178,7 @@ struct Ellipse {
 }
 
 impl Published {
-    fn of(settings: &SplatSettings) -> Self {
+    fn of(settings: &CloudSettings) -> Self {
         let (LowPass::Added(low_pass), Near::OfGaussians(near)) = (settings.low_pass, settings.near) else {
             panic!("not as published: {settings:?}");
         };

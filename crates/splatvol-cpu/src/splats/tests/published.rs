@@ -5,7 +5,7 @@ use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
 use super::{
-    LowPass, Manner, Pixel, Published, Renderer, SplatSettings, attributes, cloud, perspective, settings,
+    CloudSettings, LowPass, Manner, Pixel, Published, Renderer, attributes, cloud, perspective, settings,
 };
 
 /// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32 swaps them.
@@ -58,7 +58,7 @@ pub(super) fn errors(frame: &Frame, expected: &[Pixel]) -> (f64, f64) {
     (-10.0 * mean.max(1e-30).log10(), worst_depth)
 }
 
-fn demand(name: &str, clouds: &[&Gaussians], camera: &Camera, settings: &SplatSettings) {
+fn demand(name: &str, clouds: &[&Gaussians], camera: &Camera, settings: &CloudSettings) {
     let frame = renderer().render(clouds, camera, settings);
     let (psnr, depth) = errors(&frame, &Published::of(settings).render(clouds, camera));
     println!("{name}: {psnr:.1} dB, depth {depth:.1e}");
@@ -156,7 +156,7 @@ fn antialiased_clouds_and_other_low_passes() {
     let gaussians = cloud(23, 6000, 0, [0.0005, 0.02]).with_antialiasing(true);
     let camera = perspective(DVec3::new(3.0, 1.0, 1.0), 45.0);
     demand("antialiased", &[&gaussians], &camera, &settings(128, 128));
-    let wide = SplatSettings {
+    let wide = CloudSettings {
         low_pass: LowPass::Added(1.5),
         ..settings(128, 128)
     };
@@ -174,7 +174,7 @@ fn a_background_is_composited_in_display_space() {
     let camera = perspective(DVec3::new(3.0, 1.0, 1.0), 45.0);
     let transparent = settings(96, 64);
     let background = [0.2, 0.5, 0.9, 1.0];
-    let opaque = SplatSettings {
+    let opaque = CloudSettings {
         manner: Manner::Published { background },
         ..transparent
     };

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
 use super::{
-    LowPass, Manner, Near, Random, Renderer, SplatSettings, attributes, cloud, perspective, settings,
+    CloudSettings, LowPass, Manner, Near, Random, Renderer, attributes, cloud, perspective, settings,
 };
 use crate::config::SimdLevel;
 
@@ -102,7 +102,7 @@ fn hostile_numbers_make_finite_pictures() {
     let mut renderer = renderer(2, None);
     for camera in &cameras {
         for low_pass in [0.3, 0.0, f32::NAN, -1.0, 1e30] {
-            let settings = SplatSettings {
+            let settings = CloudSettings {
                 low_pass: LowPass::Added(low_pass),
                 near: Near::OfGaussians(if low_pass == 0.0 { f64::NAN } else { 0.2 }),
                 manner: Manner::Published {

@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use splatvol::{
-    Absorption, Alignment, Compositing, Grid, LengthUnit, RenderSettings, Renderer, Rescale, Samples, Scene,
-    SceneError, Volume,
+    Absorption, Alignment, Compositing, FlatSettings, Grid, LengthUnit, RenderSettings, Renderer, Rescale,
+    Samples, Scene, SceneError, Volume,
 };
 use splatvol_testing::transfer::constant_extinction;
 
@@ -75,12 +75,12 @@ fn through(
 
 /// Classified splats in a picture of one pixel.
 fn one_pixel(compositing: Compositing, absorption: Absorption) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
+    Ok(RenderSettings::try_from(FlatSettings {
         compositing,
         absorption,
         alignment: Alignment::Affine,
-        ..colors(1, SMOOTH)?
-    })
+        ..colors(1, SMOOTH)?.into()
+    })?)
 }
 
 fn one_sheet(renderer: &mut Renderer, outcome: &mut Outcome) -> Result<(), LabError> {
@@ -202,10 +202,10 @@ fn splat_by_splat(kappa: f64) -> f64 {
 impl Way {
     /// Extinction per voxel of what a box of the greater length has more than the other.
     fn measured(&self, renderer: &mut Renderer, kappa: f64) -> Result<f64, LabError> {
-        let settings = RenderSettings {
+        let settings = RenderSettings::try_from(FlatSettings {
             sheet_thickness: self.thickness,
-            ..one_pixel(self.compositing, self.absorption)?
-        };
+            ..one_pixel(self.compositing, self.absorption)?.into()
+        })?;
         let mut depth = |length| through(renderer, &constant(length)?, kappa, &settings).map(|[tau, _]| tau);
         let [short, long] = LENGTHS;
         Ok((depth(long)? - depth(short)?) / (long - short) as f64)
@@ -270,21 +270,21 @@ fn pictures(bench: &Workbench<'_>, renderer: &mut Renderer, outcome: &mut Outcom
     let side = bench.choose(48, 24);
     let scene = noise_ball(side, 0.6)?;
     let camera = orthographic(DVec3::new(0.48, -0.75, 0.4), DVec3::Z, side as f64)?;
-    let base = RenderSettings {
+    let base = RenderSettings::try_from(FlatSettings {
         alignment: Alignment::Affine,
-        ..colors(bench.choose(160, 64), SMOOTH)?
-    };
+        ..colors(bench.choose(160, 64), SMOOTH)?.into()
+    })?;
     let thicknesses = [1.0, 0.5, 0.25, 0.125];
     let caption = format!("Opacity .6 per voxel; right, {GAIN} times the difference");
     let mut plate = Plate::new("pictures", FIGURE, &caption);
     let mut errors = Vec::new();
     for sheet_thickness in thicknesses {
         let mut image = |absorption| {
-            let settings = RenderSettings {
+            let settings = RenderSettings::try_from(FlatSettings {
                 absorption,
                 sheet_thickness,
-                ..base
-            };
+                ..base.into()
+            })?;
             renderer
                 .render(&scene, &camera, &settings)
                 .map(|frame| frame.image)

@@ -3,7 +3,7 @@
 //! its neighbours.
 
 use glam::DVec3;
-use splatvol::{Compositing, Image, RenderSettings, Renderer, Scene};
+use splatvol::{Compositing, FlatSettings, Image, RenderSettings, Renderer, Scene};
 use splatvol_core::radial::RadialKernel;
 
 use super::scenes::{SMOOTH, colors, difference, noise_ball, orthographic, rms, shown};
@@ -76,10 +76,10 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
                 LOOKS.len() * METHODS.len(),
                 &format!("{look}, {name}"),
             );
-            let settings = RenderSettings {
+            let settings = RenderSettings::try_from(FlatSettings {
                 compositing,
-                ..colors(pixels, SMOOTH)?
-            };
+                ..colors(pixels, SMOOTH)?.into()
+            })?;
             let turn = Turn::render(&mut renderer, &scene, &settings, bench.choose(30, 12))?;
             if compositing == Compositing::AxisSheets {
                 plate = plate.panel("before", shown(&turn.around[0]));

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, ColorPoint, Filter, Grid, Image, ImageSize, Kernel, OpacityPoint, Projection,
-    RenderSettings, Scene, TransferFunction,
+    Camera, Classification, ColorPoint, Filter, FlatSettings, Grid, Image, ImageSize, Kernel, OpacityPoint,
+    Projection, RenderSettings, Scene, TransferFunction,
 };
 use splatvol_testing::fields::Noise;
 use splatvol_testing::sample;
@@ -19,7 +19,7 @@ pub(super) const SMOOTH: Kernel = Kernel::Gaussian {
 
 /// Settings of a square picture of classified, unlit, unfiltered splats that are never left out.
 pub(super) fn colors(pixels: u32, kernel: Kernel) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
+    Ok(RenderSettings::try_from(FlatSettings {
         size: ImageSize::new(pixels, pixels)?,
         classification: Classification::Pre,
         filter: Filter::None,
@@ -27,8 +27,8 @@ pub(super) fn colors(pixels: u32, kernel: Kernel) -> Result<RenderSettings, LabE
         prefilter: false,
         lighting: None,
         termination: 0.0,
-        ..RenderSettings::best()
-    })
+        ..RenderSettings::best().into()
+    })?)
 }
 
 /// An orthographic camera that looks at the origin from a direction, showing `height` world units.

@@ -5,7 +5,10 @@
 //! of the grid, are as thick as the kernel, whatever the sheets.
 
 use glam::DVec3;
-use splatvol::{Camera, Classification, Compositing, Image, RenderSettings, Renderer, Scene, SheetContent};
+use splatvol::{
+    Camera, Classification, Compositing, FlatSettings, Image, RenderSettings, Renderer, Scene, SceneError,
+    SheetContent,
+};
 use splatvol_reference::ReferenceSettings;
 
 use super::scenes::{SMOOTH, colors, difference, noise_ball, orthographic, rms, shown};
@@ -123,11 +126,26 @@ struct Judge<'a> {
     camera: &'a Camera,
 }
 
-fn data(base: &RenderSettings) -> RenderSettings {
-    RenderSettings {
+fn data(base: &RenderSettings) -> Result<RenderSettings, SceneError> {
+    RenderSettings::try_from(FlatSettings {
         classification: Classification::Post,
-        ..*base
-    }
+        ..(*base).into()
+    })
+}
+
+/// Whole footprints, composited like this.
+fn whole(base: &RenderSettings, compositing: Compositing) -> Result<RenderSettings, SceneError> {
+    RenderSettings::try_from(FlatSettings {
+        compositing,
+        ..(*base).into()
+    })
+}
+
+fn of_thickness(base: &RenderSettings, sheet_thickness: f64) -> Result<RenderSettings, SceneError> {
+    RenderSettings::try_from(FlatSettings {
+        sheet_thickness,
+        ..(*base).into()
+    })
 }
 
 impl Judge<'_> {
@@ -140,7 +158,7 @@ impl Judge<'_> {
         };
         Ok(Truth {
             colors: integral(base)?,
-            data: integral(&data(base))?,
+            data: integral(&data(base)?)?,
         })
     }
 
@@ -149,26 +167,25 @@ impl Judge<'_> {
     }
 
     fn errors(&mut self, base: &RenderSettings, truth: &Truth) -> Result<Errors, LabError> {
-        let sections = RenderSettings {
+        let sections = RenderSettings::try_from(FlatSettings {
             sheet: Some(SheetContent::Section),
-            ..data(base)
-        };
-        let whole = |compositing| RenderSettings { compositing, ..*base };
+            ..data(base)?.into()
+        })?;
         Ok(Errors {
             colors: self.by_thickness(base, &truth.colors)?,
-            planes: self.by_thickness(&data(base), &truth.data)?,
+            planes: self.by_thickness(&data(base)?, &truth.data)?,
             sections: self.by_thickness(&sections, &truth.data)?,
-            per_splat: rms(&self.image(&whole(Compositing::PerSplat))?, &truth.colors),
-            axis_sheets: rms(&self.image(&whole(Compositing::AxisSheets))?, &truth.colors),
+            per_splat: rms(&self.image(&whole(base, Compositing::PerSplat)?)?, &truth.colors),
+            axis_sheets: rms(
+                &self.image(&whole(base, Compositing::AxisSheets)?)?,
+                &truth.colors,
+            ),
         })
     }
 
     fn by_thickness(&mut self, base: &RenderSettings, truth: &Image) -> Result<Vec<f64>, LabError> {
         let error = |sheet_thickness| {
-            let settings = RenderSettings {
-                sheet_thickness,
-                ..*base
-            };
+            let settings = of_thickness(base, sheet_thickness)?;
             Ok(rms(&self.image(&settings)?, truth))
         };
         THICKNESSES.into_iter().map(error).collect()
@@ -178,16 +195,11 @@ impl Judge<'_> {
         let caption = format!("The {look} ball, and {GAIN} times what is wrong with it (grey: nothing)");
         let mut plate = Plate::new(&format!("errors-{look}"), FIGURE, &caption);
         plate = plate.panel("the integral", shown(&truth.colors));
-        let sheets = |sheet_thickness| RenderSettings {
-            sheet_thickness,
-            ..*base
-        };
-        let whole = |compositing| RenderSettings { compositing, ..*base };
         for (label, settings) in [
-            ("splats one by one", whole(Compositing::PerSplat)),
-            ("axis sheets", whole(Compositing::AxisSheets)),
-            ("sheets of 1 voxel", sheets(1.0)),
-            ("sheets of 1/4 voxel", sheets(0.25)),
+            ("splats one by one", whole(base, Compositing::PerSplat)?),
+            ("axis sheets", whole(base, Compositing::AxisSheets)?),
+            ("sheets of 1 voxel", of_thickness(base, 1.0)?),
+            ("sheets of 1/4 voxel", of_thickness(base, 0.25)?),
         ] {
             let image = self.image(&settings)?;
             plate = plate.panel(label, difference(&image, &truth.colors, GAIN));

@@ -17,8 +17,8 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use rustfft::num_complex::Complex64;
 use splatvol::{
-    Alignment, Compositing, Coverage, Filter, Grid, Kernel, LengthUnit, RenderSettings, Rescale, Samples,
-    Scene, Volume,
+    Alignment, Compositing, Coverage, Filter, FlatSettings, Grid, Kernel, LengthUnit, RenderSettings,
+    Rescale, Samples, Scene, Volume,
 };
 use splatvol_testing::transfer::linear_extinction;
 
@@ -114,13 +114,13 @@ impl Method {
             sigma: SIGMA,
             radius: 2.5,
         };
-        Ok(RenderSettings {
+        Ok(RenderSettings::try_from(FlatSettings {
             compositing: Compositing::AxisSheets,
             alignment: Alignment::Affine,
             filter: self.filter,
             coverage: self.coverage,
-            ..colors(pixels, kernel)?
-        })
+            ..colors(pixels, kernel)?.into()
+        })?)
     }
 }
 

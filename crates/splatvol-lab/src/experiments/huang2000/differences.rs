@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use splatvol::radial::{Precision, Spacing, TableSettings};
 use splatvol::{
-    Camera, ColorPoint, FootprintTable, Grid, Image, ImageSize, OpacityPoint, Rasterizer, RenderSettings,
-    Samples, Scene, TablePrecision, TransferFunction, View, Volume,
+    Camera, ColorPoint, FlatSettings, FootprintTable, Grid, Image, ImageSize, OpacityPoint, Rasterizer,
+    RenderSettings, Samples, Scene, TablePrecision, TransferFunction, View, Volume,
 };
 
 use super::data;
@@ -85,18 +85,18 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let camera = data::orthographic(&scene, View::Iso)?;
     let edge = bench.choose(512, 256);
     let base = fastsplats(ImageSize::new(edge, edge)?, Rasterizer::Linear1d);
-    let reference = RenderSettings {
+    let reference = RenderSettings::try_from(FlatSettings {
         table: FootprintTable {
             entries: 256,
             precision: TablePrecision::U16,
             ..FootprintTable::default()
         },
         ..base
-    };
+    })?;
     let reference = image(&scene, &camera, reference)?;
     let mut compared = Vec::new();
     for (name, rasterizer, published) in METHODS {
-        let settings = RenderSettings { rasterizer, ..base };
+        let settings = RenderSettings::try_from(FlatSettings { rasterizer, ..base })?;
         let found = differences(&image(&scene, &camera, settings)?, &reference);
         compared.push((name, found, published));
     }
@@ -107,10 +107,10 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     outcome.tables.push(numbers(&compared, &buffers));
     outcome.plots.push(histogram(&compared));
     bench.step(2, 3, "picture");
-    let square = RenderSettings {
+    let square = RenderSettings::try_from(FlatSettings {
         rasterizer: Rasterizer::Square1d,
         ..base
-    };
+    })?;
     let plate = Plate::new("cube", "Fig. 9 (c)", "the phantom cube, by the square FastSplat");
     outcome
         .plates

@@ -1,7 +1,8 @@
 //! FastSplats as section 6 sets them up, and their times.
 
 use splatvol::{
-    Camera, EngineConfig, Frame, ImageSize, Rasterizer, RenderSettings, RenderStatistics, Renderer, Scene,
+    Camera, EngineConfig, FlatSettings, Frame, ImageSize, Rasterizer, RenderSettings, RenderStatistics,
+    Renderer, Scene,
 };
 
 use crate::measure::{Rounds, Timed, median_seconds};
@@ -27,11 +28,11 @@ pub(super) fn picture_size(bench: &Workbench<'_>) -> Result<ImageSize, LabError>
 }
 
 /// FastSplats with one of the rasterisers.
-pub(super) fn fastsplats(size: ImageSize, rasterizer: Rasterizer) -> RenderSettings {
-    RenderSettings {
+pub(super) fn fastsplats(size: ImageSize, rasterizer: Rasterizer) -> FlatSettings {
+    FlatSettings {
         size,
         rasterizer,
-        ..RenderSettings::fastsplats2000()
+        ..RenderSettings::fastsplats2000().into()
     }
 }
 
@@ -48,7 +49,7 @@ impl<'a> Subject<'a> {
     pub(super) fn new(
         scene: &'a Scene,
         camera: &'a Camera,
-        settings: RenderSettings,
+        settings: impl Into<FlatSettings>,
     ) -> Result<Self, LabError> {
         let config = EngineConfig {
             threads: Some(1),
@@ -57,7 +58,7 @@ impl<'a> Subject<'a> {
         Ok(Self {
             scene,
             camera,
-            settings,
+            settings: RenderSettings::try_from(settings.into())?,
             renderer: Renderer::new(config)?,
         })
     }

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use splatvol::{
-    Alignment, Camera, Compositing, Filter, Kernel, Motion, MotionBlur, Projection, RenderSettings, Renderer,
-    Scene,
+    Alignment, Camera, Compositing, Filter, FlatSettings, Kernel, Motion, MotionBlur, Projection,
+    RenderSettings, Renderer, Scene,
 };
 use splatvol_core::radial::RadialKernel;
 use splatvol_samples::Sample;
@@ -103,13 +103,13 @@ fn energies(bench: &Workbench<'_>, kernel: Kernel, ways: &[f64]) -> Result<Vec<[
     let projection = Projection::Orthographic { height: 48.0 };
     let camera = Camera::new(centre - 100.0 * DVec3::Y, centre, DVec3::Z, projection)?;
     let settings = |motion_blur| -> Result<RenderSettings, LabError> {
-        Ok(RenderSettings {
+        Ok(RenderSettings::try_from(FlatSettings {
             compositing: Compositing::Xray,
             alignment: Alignment::Affine,
             kernel,
             motion_blur,
-            ..settings([192, 192], Filter::None)?
-        })
+            ..settings([192, 192], Filter::None)?.into()
+        })?)
     };
     let radius = RadialKernel::new(kernel).support();
     let mut energy = |scene: &Scene, motion_blur| -> Result<f64, LabError> {

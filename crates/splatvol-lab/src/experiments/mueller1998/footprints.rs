@@ -1,6 +1,6 @@
 //! Section 4.2 in a whole picture: each alignment against exact footprints.
 
-use splatvol::{Alignment, Camera, Filter, Image, RenderSettings, Renderer, Scene};
+use splatvol::{Alignment, Camera, Filter, FlatSettings, Image, RenderSettings, Renderer, Scene};
 
 use super::scenes::settings;
 use crate::measure::psnr;
@@ -14,10 +14,10 @@ pub(super) fn alignments(
     size: [u32; 2],
 ) -> Result<(), LabError> {
     let mut picture = |alignment: Alignment| -> Result<Image, LabError> {
-        let settings = RenderSettings {
+        let settings = RenderSettings::try_from(FlatSettings {
             alignment,
-            ..settings(size, Filter::Swan)?
-        };
+            ..settings(size, Filter::Swan)?.into()
+        })?;
         Ok(renderer.render(scene, camera, &settings)?.image)
     };
     let exact = picture(Alignment::Exact)?;

@@ -1,7 +1,9 @@
 //! Scenes, settings and pictures that several experiments share.
 
 use glam::DVec3;
-use splatvol::{Camera, Filter, Image, ImageSize, Motion, MotionBlur, Projection, RenderSettings, Scene};
+use splatvol::{
+    Camera, Filter, FlatSettings, Image, ImageSize, Motion, MotionBlur, Projection, RenderSettings, Scene,
+};
 use splatvol_samples::{Sample, SampleSize};
 
 use crate::LabError;
@@ -15,13 +17,13 @@ pub(super) fn scene(sample: Sample, dims: [usize; 3]) -> Result<Scene, LabError>
 /// The paper's method, without motion blur: Crawfis-Max splats one by one, each aligned by an error budget; unlit, as its
 /// splats have the colours of the data.
 pub(super) fn settings([width, height]: [u32; 2], filter: Filter) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
+    Ok(RenderSettings::try_from(FlatSettings {
         size: ImageSize::new(width, height)?,
         filter,
         motion_blur: MotionBlur::None,
         lighting: None,
-        ..RenderSettings::mueller1998()
-    })
+        ..RenderSettings::mueller1998().into()
+    })?)
 }
 
 /// The paper's four pictures: plain, anti-aliased, motion-blurred, both.

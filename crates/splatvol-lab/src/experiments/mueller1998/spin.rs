@@ -1,7 +1,9 @@
 //! Figures 12 and 13: a nerve cell and a landscape that spin, anti-aliased, motion-blurred, both.
 
 use glam::DVec3;
-use splatvol::{Camera, Filter, Frame, Image, MotionBlur, Projection, RenderSettings, Renderer, Scene, View};
+use splatvol::{
+    Camera, Filter, FlatSettings, Frame, Image, MotionBlur, Projection, RenderSettings, Renderer, Scene, View,
+};
 use splatvol_samples::Sample;
 
 use super::scenes::{FOUR, above_terrain, made_faint, scene, settings, spinning};
@@ -303,10 +305,10 @@ pub(super) fn blurred(
     size: [u32; 2],
     (filter, motion_blur): (Filter, MotionBlur),
 ) -> Result<Frame, LabError> {
-    let settings = RenderSettings {
+    let settings = RenderSettings::try_from(FlatSettings {
         motion_blur,
-        ..settings(size, filter)?
-    };
+        ..settings(size, filter)?.into()
+    })?;
     Ok(renderer.render(scene, camera, &settings)?)
 }
 

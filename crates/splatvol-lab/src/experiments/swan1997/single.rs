@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 use splatvol::{
-    Camera, ColorPoint, Compositing, Filter, Grid, ImageSize, LengthUnit, OpacityPoint, Projection,
-    RenderSettings, Renderer, Rescale, Samples, Scene, TransferFunction, Volume,
+    Camera, ColorPoint, Compositing, Filter, FlatSettings, Grid, ImageSize, LengthUnit, OpacityPoint,
+    Projection, RenderSettings, Renderer, Rescale, Samples, Scene, TransferFunction, Volume,
 };
 
 use crate::LabError;
@@ -64,13 +64,13 @@ impl Single {
         let aside = self.scale * angle.tan();
         let columns = 2 * aside.ceil() as u32 + ROWS;
         let size = ImageSize::new(columns, ROWS)?;
-        let settings = RenderSettings {
+        let settings = RenderSettings::try_from(FlatSettings {
             size,
             filter,
             compositing: Compositing::Xray,
             lighting: None,
-            ..RenderSettings::swan1997()
-        };
+            ..RenderSettings::swan1997().into()
+        })?;
         let fov_degrees = 2.0 * (0.5 * f64::from(ROWS) / self.scale).atan().to_degrees();
         let projection = Projection::Perspective { fov_degrees };
         let (mut mass, mut first, mut second) = (0.0, DVec2::ZERO, DVec2::ZERO);

@@ -5,7 +5,9 @@
 //! (eq. 11), which folds everything above `phi / 2` back.
 
 use glam::DVec3;
-use splatvol::{Camera, Compositing, Filter, ImageSize, Kernel, Projection, RenderSettings, Renderer, Scene};
+use splatvol::{
+    Camera, Compositing, Filter, FlatSettings, ImageSize, Kernel, Projection, RenderSettings, Renderer, Scene,
+};
 use splatvol_core::radial::RadialKernel;
 
 use super::waves::{PERIOD, amplitudes, repeated, scene, spectrum};
@@ -109,13 +111,13 @@ fn panel(
 fn sampled(renderer: &mut Renderer, scene: &Scene, panel: &Panel) -> Result<Vec<f64>, LabError> {
     let columns = (PERIOD as f64 / panel.distance) as usize;
     let size = ImageSize::new(columns as u32, 1)?;
-    let settings = RenderSettings {
+    let settings = RenderSettings::try_from(FlatSettings {
         size,
         filter: panel.filter,
         compositing: Compositing::Xray,
         lighting: None,
-        ..RenderSettings::swan1997()
-    };
+        ..RenderSettings::swan1997().into()
+    })?;
     let projection = Projection::Orthographic {
         height: panel.distance,
     };

@@ -2,7 +2,8 @@
 //! finer than by pixels.
 
 use splatvol::{
-    Camera, Filter, Frame, Image, ImageSize, Lighting, Projection, RenderSettings, Renderer, Scene,
+    Camera, Filter, FlatSettings, Frame, Image, ImageSize, Lighting, Projection, RenderSettings, Renderer,
+    Scene, SceneError,
 };
 
 use super::window::Window;
@@ -51,13 +52,13 @@ pub(super) struct View {
 
 impl View {
     /// The paper's splats (section 5) with a filter.
-    fn settings(&self, filter: Filter, size: ImageSize) -> RenderSettings {
-        RenderSettings {
+    fn settings(&self, filter: Filter, size: ImageSize) -> Result<RenderSettings, SceneError> {
+        RenderSettings::try_from(FlatSettings {
             size,
             filter,
             lighting: self.lighting,
-            ..RenderSettings::swan1997()
-        }
+            ..RenderSettings::swan1997().into()
+        })
     }
 
     /// `k = s D / p` (eq. 3), camera depth: D / p are the pixels per unit of slope.
@@ -68,7 +69,7 @@ impl View {
 
     /// The picture, as the paper has it.
     pub(super) fn frame(&self, renderer: &mut Renderer, filter: Filter) -> Result<Frame, LabError> {
-        Ok(renderer.render(&self.scene, &self.camera, &self.settings(filter, self.size))?)
+        Ok(renderer.render(&self.scene, &self.camera, &self.settings(filter, self.size)?)?)
     }
 
     /// The same from another camera.
@@ -99,7 +100,7 @@ impl View {
             // The sample half a pixel before the first is that of the larger picture.
             let size = ImageSize::new(width + 1 - x as u32, height + 1 - y as u32)?;
             let camera = self.as_wide_per_pixel(size)?;
-            let frame = renderer.render(&self.scene, &camera, &self.settings(filter, size))?;
+            let frame = renderer.render(&self.scene, &camera, &self.settings(filter, size)?)?;
             let light = luminance(&frame.image);
             for row in 0..height as usize {
                 for column in 0..width as usize {
@@ -157,7 +158,7 @@ impl View {
         let [width, height] = <[u32; 2]>::from(self.size);
         let size = ImageSize::new(per_pixel * width, per_pixel * height)?;
         Ok(renderer
-            .render(&self.scene, &self.camera, &self.settings(filter, size))?
+            .render(&self.scene, &self.camera, &self.settings(filter, size)?)?
             .image)
     }
 }

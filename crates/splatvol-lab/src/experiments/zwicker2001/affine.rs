@@ -6,7 +6,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol::{
-    Alignment, Camera, Classification, Compositing, Filter, ImageSize, Projection, RenderSettings, Scene,
+    Alignment, Camera, Classification, Compositing, Filter, FlatSettings, ImageSize, Projection,
+    RenderSettings, Scene,
 };
 use splatvol_core::splats::GaussianProfile;
 use splatvol_samples::{Sample, SampleSize};
@@ -211,14 +212,14 @@ fn pictures(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError
         let projection = Projection::Perspective { fov_degrees };
         let camera = Camera::framing(&bounds, splatvol::View::Iso, projection, 1.0)?;
         let mut of = |alignment| -> Result<splatvol::Image, LabError> {
-            let settings = RenderSettings {
+            let settings = RenderSettings::try_from(FlatSettings {
                 size: ImageSize::new(pixels, pixels)?,
                 compositing: Compositing::AxisSheets,
                 classification: Classification::Pre,
                 filter: Filter::Ewa { pixel_sigma: 0.55 },
                 alignment,
-                ..RenderSettings::best()
-            };
+                ..RenderSettings::best().into()
+            })?;
             Ok(renderer.render(&scene, &camera, &settings)?.image)
         };
         let [affine, exact] = [of(Alignment::Affine)?, of(Alignment::Exact)?];

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use splatvol::{
-    Absorption, Camera, Compositing, Image, ImageSize, Projection, Reconstruction, RenderSettings, Renderer,
-    Scene,
+    Absorption, Camera, Compositing, FlatSettings, Image, ImageSize, Projection, Reconstruction,
+    RenderSettings, Renderer, Scene,
 };
 use splatvol_reference::{ReferenceSettings, render_pixels};
 use splatvol_samples::{Sample, SampleSize};
@@ -150,12 +150,12 @@ impl Object {
                 .map(|at| at as u32)
         };
         let pixels: Vec<(u32, u32)> = (0..count).map(|_| pixel().into()).collect();
-        let exact = RenderSettings {
+        let exact = RenderSettings::try_from(FlatSettings {
             compositing: Compositing::ImageSheets,
             absorption: Absorption::Exp,
             alignment: splatvol::Alignment::Sheet,
-            ..settings(side)?
-        };
+            ..settings(side)?.into()
+        })?;
         let options = ReferenceSettings {
             tolerance: 1e-4,
             ..ReferenceSettings::default()
@@ -175,11 +175,11 @@ impl Object {
 
     /// Sum of the optical depths of an X-ray picture.
     fn matter(&self, settings: &RenderSettings, renderer: &mut Renderer) -> Result<f64, LabError> {
-        let settings = RenderSettings {
+        let settings = RenderSettings::try_from(FlatSettings {
             compositing: Compositing::Xray,
             absorption: Absorption::Exp,
-            ..*settings
-        };
+            ..(*settings).into()
+        })?;
         let frame = renderer.render(&self.scene, &self.camera, &settings)?;
         Ok(frame.optical_depth.iter().map(|&tau| f64::from(tau)).sum())
     }
@@ -192,18 +192,18 @@ fn measure(
     (renderer, outcome): (&mut Renderer, &mut Outcome),
 ) -> Result<Vec<Cell>, LabError> {
     let volume = settings(pixels)?;
-    let mixed = RenderSettings {
+    let mixed = RenderSettings::try_from(FlatSettings {
         reconstruction: object.mixed(),
-        ..volume
-    };
-    let exponential = RenderSettings {
+        ..volume.into()
+    })?;
+    let exponential = RenderSettings::try_from(FlatSettings {
         absorption: Absorption::Exp,
-        ..volume
-    };
-    let sections = RenderSettings {
+        ..volume.into()
+    })?;
+    let sections = RenderSettings::try_from(FlatSettings {
         compositing: Compositing::ImageSheets,
-        ..exponential
-    };
+        ..exponential.into()
+    })?;
     let mut picture = |settings: &RenderSettings| -> Result<Image, LabError> {
         Ok(renderer.render(&object.scene, &object.camera, settings)?.image)
     };

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use splatvol::{
-    Classification, Compositing, Coverage, EngineConfig, Filter, Grid, ImageSize, RenderSettings, Renderer,
-    Scene, TransferFunction,
+    Classification, Compositing, Coverage, EngineConfig, Filter, FlatSettings, Grid, ImageSize,
+    RenderSettings, Renderer, Scene, TransferFunction,
 };
-use splatvol_testing::fields::Ball;
 use splatvol_testing::{Comparison, sample};
+use splatvol_testing::{checked, fields::Ball};
 
 use super::{GROUND, SAMPLES, TUNNEL, common, inner, low_passed, settings, tunnel};
 
@@ -17,20 +17,20 @@ fn edges_of_opaque_material_are_right() {
     for (name, base) in [
         (
             "whole footprints",
-            RenderSettings {
+            checked(FlatSettings {
                 compositing: Compositing::AxisSheets,
-                ..settings(TUNNEL, Filter::None)
-            },
+                ..settings(TUNNEL, Filter::None).into()
+            }),
         ),
         (
             "image sheets",
-            RenderSettings {
+            checked(FlatSettings {
                 size: ImageSize::new(TUNNEL[0], TUNNEL[1]).unwrap(),
                 classification: Classification::Pre,
                 lighting: None,
                 filter: Filter::None,
-                ..RenderSettings::balanced()
-            },
+                ..RenderSettings::balanced().into()
+            }),
         ),
     ] {
         let fine = TUNNEL.map(|side| SAMPLES as u32 * side);
@@ -38,11 +38,11 @@ fn edges_of_opaque_material_are_right() {
         let samples = common::render(&scene, &camera, &RenderSettings { size, ..base }).image;
         let truth = inner(&low_passed(&samples, None));
         let quality = |filter, coverage| {
-            let settings = RenderSettings {
+            let settings = checked(FlatSettings {
                 filter,
                 coverage,
-                ..base
-            };
+                ..base.into()
+            });
             Comparison::of(&inner(&common::render(&scene, &camera, &settings).image), &truth).psnr
         };
         let ewa = Filter::Ewa { pixel_sigma: 0.3 };
@@ -75,10 +75,10 @@ fn edges_alone_are_sampled() {
     for base in [
         RenderSettings::best(),
         RenderSettings::balanced(),
-        RenderSettings {
+        checked(FlatSettings {
             compositing: Compositing::Mip,
-            ..RenderSettings::balanced()
-        },
+            ..RenderSettings::balanced().into()
+        }),
         RenderSettings::ewa2001(),
     ] {
         let base = RenderSettings { size, ..base };
@@ -118,7 +118,7 @@ fn edges_alone_are_sampled() {
                 }
                 found += 1;
                 assert!(off(is) < 1e-5, "{x} {y}: {is:?} {mean:?}");
-                if base.compositing == Compositing::ImageSheets {
+                if base.method.compositing() == Compositing::ImageSheets {
                     let transmittance = (-covered.optical_depth[at]).exp();
                     assert!((transmittance - (1.0 - is[3])).abs() < 1e-4, "{x} {y}");
                 }
@@ -138,11 +138,11 @@ fn sums_need_no_coverage_and_samples_have_bounds() {
     for compositing in [Compositing::Xray, Compositing::Mean] {
         let coverage = Coverage::ADAPTIVE;
         refused(
-            RenderSettings {
+            checked(FlatSettings {
                 compositing,
                 coverage,
-                ..RenderSettings::default()
-            },
+                ..FlatSettings::default()
+            }),
             "sums",
         );
     }

@@ -2,9 +2,10 @@
 
 use glam::{DVec2, DVec3};
 use splatvol::{
-    Absorption, Camera, ColorPoint, Compositing, Filter, Frame, Grid, Kernel, LengthUnit, OpacityPoint,
-    Projection, RenderSettings, Rescale, Samples, Scene, TransferFunction, Volume,
+    Absorption, Camera, ColorPoint, Compositing, Filter, FlatSettings, Frame, Grid, Kernel, LengthUnit,
+    OpacityPoint, Projection, Rescale, Samples, Scene, TransferFunction, Volume,
 };
+use splatvol_testing::checked;
 
 use super::{EWA, settings};
 use crate::common;
@@ -36,10 +37,10 @@ fn moments(scene: &Scene, camera_at: impl Fn(DVec2) -> Camera, filter: Filter) -
     let (mut mass, mut first, mut second) = (0.0, DVec2::ZERO, DVec2::ZERO);
     for shift in 0..16 {
         let moved = DVec2::new(f64::from(shift % 4), f64::from(shift / 4)) / 4.0;
-        let settings = RenderSettings {
+        let settings = checked(FlatSettings {
             compositing: Compositing::Xray,
-            ..settings([PIXELS; 2], filter)
-        };
+            ..settings([PIXELS; 2], filter).into()
+        });
         let frame = common::render(scene, &camera_at(moved), &settings);
         for (i, &tau) in frame.optical_depth.iter().enumerate() {
             let pixel = DVec2::new((i as u32 % PIXELS).into(), (i as u32 / PIXELS).into());
@@ -106,12 +107,12 @@ fn layer(depth: f64, filter: Filter, method: (Compositing, Absorption)) -> f64 {
     values[0] = 0;
     let scene = uniform([96, 96, 1], DVec3::ONE, values, depth);
     let camera = common::orthographic(DVec3::ZERO, -DVec3::Z, 48.0);
-    let settings = RenderSettings {
+    let settings = checked(FlatSettings {
         compositing: method.0,
         absorption: method.1,
         termination: 0.0,
-        ..settings([12; 2], filter)
-    };
+        ..settings([12; 2], filter).into()
+    });
     let image = common::render(&scene, &camera, &settings).image;
     let middle = (4..8).flat_map(|y| (4..8).map(move |x| (x, y)));
     middle.map(|(x, y)| f64::from(image.pixel(x, y)[3])).sum::<f64>() / 16.0
@@ -179,12 +180,12 @@ fn swan_keeps_the_energy_of_x_rays() {
     ] {
         for kernel in kernels {
             let of = |pixels: u32, filter| {
-                let settings = RenderSettings {
+                let settings = checked(FlatSettings {
                     compositing: Compositing::Xray,
                     prefilter: false,
                     kernel,
-                    ..settings([pixels; 2], filter)
-                };
+                    ..settings([pixels; 2], filter).into()
+                });
                 // Kernels that no engine renders are refused by name, which other tests hold.
                 settings.validate().ok()?;
                 let area = 1.0 / f64::from(pixels * pixels);

@@ -12,8 +12,8 @@ mod layer;
 
 use glam::DVec3;
 use splatvol::{
-    Alignment, Compositing, Grid, Kernel, LengthUnit, RenderSettings, Renderer, Rescale, Samples, Scene,
-    Volume,
+    Alignment, Compositing, FlatSettings, Grid, Kernel, LengthUnit, RenderSettings, Renderer, Rescale,
+    Samples, Scene, Volume,
 };
 use splatvol_core::radial::{RadialKernel, analyse};
 use splatvol_testing::transfer::constant_extinction;
@@ -160,11 +160,11 @@ fn rendered(renderer: &mut Renderer, kernel: Kernel) -> Result<Vec<f64>, LabErro
     let samples = Samples::F32(vec![1.0; grid.sample_count()].into());
     let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown)?;
     let scene = Scene::new(volume, constant_extinction(OPTICAL_DEPTH, [1.0; 3]));
-    let settings = RenderSettings {
+    let settings = RenderSettings::try_from(FlatSettings {
         compositing: Compositing::Xray,
         alignment: Alignment::Affine,
-        ..colors(ZOOM * VOXELS, kernel)?
-    };
+        ..colors(ZOOM * VOXELS, kernel)?.into()
+    })?;
     let camera = orthographic(DVec3::Z, DVec3::Y, f64::from(VOXELS))?;
     let frame = renderer.render(&scene, &camera, &settings)?;
     Ok(frame

@@ -8,8 +8,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Filter, Image, ImageSize, Kernel, Projection, RenderSettings, Renderer, Scene, TransferFunction,
-    Volume,
+    Camera, Filter, FlatSettings, Image, ImageSize, Kernel, Projection, RenderSettings, Renderer, Scene,
+    TransferFunction, Volume,
 };
 use splatvol_testing::fields::MarschnerLobb;
 use splatvol_testing::sample;
@@ -27,14 +27,14 @@ const DRAWN: [(&str, Kernel, bool); 4] = [
 ];
 
 fn settings(pixels: u32, kernel: Kernel, prefilter: bool) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
+    Ok(RenderSettings::try_from(FlatSettings {
         size: ImageSize::new(pixels, pixels)?,
         filter: Filter::None,
         kernel,
         prefilter,
         sheet_thickness: 0.25,
-        ..RenderSettings::best()
-    })
+        ..RenderSettings::best().into()
+    })?)
 }
 
 /// Draws surfaces and compares their depth.

@@ -4,8 +4,8 @@ mod findings;
 mod show;
 
 use splatvol::{
-    Appearance, BumpMap, Camera, Classification, Extraction, Image, ImageSize, PixelOperator, Rasterizer,
-    RenderSettings, Scene, SheetSample, SolidTexture, Stuff, View,
+    Appearance, BumpMap, Camera, Classification, Extraction, FlatSettings, Image, ImageSize, PixelOperator,
+    Rasterizer, RenderSettings, Scene, SheetSample, SolidTexture, Stuff, View,
 };
 
 use super::data;
@@ -57,14 +57,14 @@ impl View8 {
         let visible = opacities.iter().map(|point| point.value).fold(high, f64::min);
         let from = visible.min(low + 0.1 * (high - low));
         let data = classification == Classification::Post;
-        Ok(RenderSettings {
+        Ok(RenderSettings::try_from(FlatSettings {
             classification,
             extraction: data.then_some(Extraction {
                 density: Some([from, high]),
                 gradient: 0.0,
             }),
             ..fastsplats(size, self.rasterizer)
-        })
+        })?)
     }
 }
 

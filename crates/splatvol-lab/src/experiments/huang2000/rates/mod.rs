@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, ColorPoint, FootprintTable, Grid, ImageSize, OpacityPoint, Projection,
-    Rasterizer, RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
+    Camera, Classification, ColorPoint, FlatSettings, FootprintTable, Grid, ImageSize, OpacityPoint,
+    Projection, Rasterizer, RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
 };
 
 use super::method::{FASTSPLATS, RLUT, Subject, fastsplats};
@@ -80,8 +80,8 @@ fn slab(radius: f64, edge: f64) -> Result<(Scene, Camera), LabError> {
 }
 
 /// The picture as one tile, of which nothing is ever finished.
-fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classification) -> RenderSettings {
-    RenderSettings {
+fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classification) -> FlatSettings {
+    FlatSettings {
         classification,
         lighting: None,
         termination: 0.0,
@@ -90,13 +90,13 @@ fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classificat
 }
 
 /// The same by the engine that grids are rendered with.
-fn engine_settings(size: ImageSize, classification: Classification) -> RenderSettings {
-    RenderSettings {
+fn engine_settings(size: ImageSize, classification: Classification) -> FlatSettings {
+    FlatSettings {
         size,
         classification,
         lighting: None,
         termination: 0.0,
-        ..RenderSettings::fast()
+        ..RenderSettings::fast().into()
     }
 }
 
@@ -141,10 +141,10 @@ struct Station<'a> {
 impl<'a> Station<'a> {
     fn new(
         (radius, slab): (f64, &'a (Scene, Camera)),
-        methods: &[(&str, RenderSettings)],
+        methods: &[(&str, FlatSettings)],
     ) -> Result<Self, LabError> {
         let (scene, camera) = slab;
-        let subject = |(_, settings): &(&str, RenderSettings)| Subject::new(scene, camera, *settings);
+        let subject = |(_, settings): &(&str, FlatSettings)| Subject::new(scene, camera, *settings);
         Ok(Self {
             radius,
             subjects: methods.iter().map(subject).collect::<Result<_, _>>()?,
@@ -163,7 +163,7 @@ impl<'a> Station<'a> {
 }
 
 /// FastSplats, footprints that are evaluated, and the default engine, with four channels or one.
-fn methods(size: ImageSize, channels: usize) -> Vec<(&'static str, RenderSettings)> {
+fn methods(size: ImageSize, channels: usize) -> Vec<(&'static str, FlatSettings)> {
     let classification = match channels {
         1 => Classification::Post,
         _ => Classification::Pre,
@@ -232,14 +232,14 @@ fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError
     let size = ImageSize::new(edge, edge)?;
     let (scene, camera) = slab(radius, f64::from(edge))?;
     let square = settings(size, Rasterizer::Square1d, Classification::Pre);
-    let wide = RenderSettings {
+    let wide = FlatSettings {
         table: FootprintTable {
             precision: TablePrecision::U16,
             ..square.table
         },
         ..square
     };
-    let rlut = |rasterizer| RenderSettings { rasterizer, ..square };
+    let rlut = |rasterizer| FlatSettings { rasterizer, ..square };
     let each = [square, wide, rlut(RLUT), rlut(Rasterizer::Rlut { subpixels: 10 })];
     let mut subjects = each
         .into_iter()

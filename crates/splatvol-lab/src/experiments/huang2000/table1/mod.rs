@@ -3,7 +3,7 @@
 mod findings;
 mod show;
 
-use splatvol::{Camera, Occlusion, Rasterizer, RenderSettings, Scene, View};
+use splatvol::{Camera, FlatSettings, Occlusion, Rasterizer, Scene, View};
 
 use super::data;
 use super::lookups::Lookups;
@@ -143,7 +143,7 @@ fn measure(bench: &Workbench<'_>, case: &mut Case) -> Result<(), LabError> {
     // A kernel of radius 2 voxels; the nerve's voxels are as wide as cubes where it is seen along z.
     let section = (4.0 * pixels_per_unit).powi(2);
     let subjects = |occlusion| -> Result<Vec<Subject<'_>>, LabError> {
-        let settings = |rasterizer| RenderSettings {
+        let settings = |rasterizer| FlatSettings {
             occlusion,
             ..fastsplats(size, rasterizer)
         };

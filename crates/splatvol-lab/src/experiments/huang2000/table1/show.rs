@@ -1,6 +1,6 @@
 //! Pictures of Fig. 2 and 7, rows and bars of Table 1.
 
-use splatvol::{FootprintTable, Frame, Rasterizer, RenderSettings, TablePrecision};
+use splatvol::{FlatSettings, FootprintTable, Frame, Rasterizer, RenderSettings, TablePrecision};
 
 use super::Case;
 use crate::experiments::huang2000::lookups::Lookups;
@@ -14,26 +14,26 @@ use crate::{
 pub(super) fn pictures(bench: &Workbench<'_>, outcome: &mut Outcome, cases: &[Case]) -> Result<(), LabError> {
     let size = picture_size(bench)?;
     let render = |case: &Case, rasterizer, entries| -> Result<Frame, LabError> {
-        let settings = RenderSettings {
+        let settings = RenderSettings::try_from(FlatSettings {
             table: FootprintTable {
                 entries,
                 ..FootprintTable::default()
             },
             ..fastsplats(size, rasterizer)
-        };
+        })?;
         Subject::new(&case.scene, &case.camera, settings)?.render()
     };
     let [brain, nerve, _, tomato] = cases else {
         return Err(LabError::Measurement("not four volumes".to_owned()));
     };
-    let fine = RenderSettings {
+    let fine = RenderSettings::try_from(FlatSettings {
         table: FootprintTable {
             entries: 256,
             precision: TablePrecision::U16,
             ..FootprintTable::default()
         },
         ..fastsplats(size, Rasterizer::Linear1d)
-    };
+    })?;
     let fine = Subject::new(&brain.scene, &brain.camera, fine)?.render()?.image;
     let of_brain = |rasterizer| Ok::<_, LabError>(render(brain, rasterizer, 128)?.image);
     let quality = |image: &_| psnr(image, &fine);

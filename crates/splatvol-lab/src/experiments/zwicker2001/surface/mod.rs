@@ -7,7 +7,8 @@ mod texture;
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol::{
-    Alignment, Classification, Compositing, Filter, Image, ImageSize, Kernel, RenderSettings, Scene,
+    Alignment, Classification, Compositing, Filter, FlatSettings, Image, ImageSize, Kernel, RenderSettings,
+    Scene,
 };
 use splatvol_core::splats::GaussianProfile;
 
@@ -76,7 +77,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
 }
 
 fn settings([width, height]: [u32; 2], compositing: Compositing) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
+    Ok(RenderSettings::try_from(FlatSettings {
         size: ImageSize::new(width, height)?,
         compositing,
         classification: Classification::Pre,
@@ -89,8 +90,8 @@ fn settings([width, height]: [u32; 2], compositing: Compositing) -> Result<Rende
         prefilter: false,
         lighting: None,
         termination: 0.0,
-        ..RenderSettings::best()
-    })
+        ..RenderSettings::best().into()
+    })?)
 }
 
 /// What footprints look like in this view.

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol::{
-    Camera, ColorPoint, Filter, Grid, ImageSize, Kernel, LengthUnit, OpacityPoint, Projection,
+    Camera, ColorPoint, Filter, FlatSettings, Grid, ImageSize, Kernel, LengthUnit, OpacityPoint, Projection,
     RenderSettings, Rescale, Samples, Scene, TransferFunction, Volume,
 };
 use splatvol_samples::{Sample, SampleSize};
@@ -25,7 +25,7 @@ pub(super) fn settings(
     filter: Filter,
     cut: f64,
 ) -> Result<RenderSettings, LabError> {
-    Ok(RenderSettings {
+    Ok(RenderSettings::try_from(FlatSettings {
         size: ImageSize::new(width, height)?,
         filter,
         kernel: Kernel::Gaussian {
@@ -34,8 +34,8 @@ pub(super) fn settings(
         },
         lighting: None,
         termination: 0.0,
-        ..RenderSettings::ewa2001()
-    })
+        ..RenderSettings::ewa2001().into()
+    })?)
 }
 
 impl Case {

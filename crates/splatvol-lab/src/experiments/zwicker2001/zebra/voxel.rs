@@ -1,7 +1,7 @@
 //! The picture of one voxel, whose width is compared with that of the ideal filter.
 
 use glam::{DMat2, DVec2};
-use splatvol::{Absorption, Compositing, Filter, RenderSettings, Renderer};
+use splatvol::{Absorption, Compositing, Filter, FlatSettings, RenderSettings, Renderer};
 
 use super::case::{Case, settings};
 use super::{Plane, widths};
@@ -18,11 +18,11 @@ fn voxel_widths(
     samples: u32,
 ) -> Result<[f64; 2], LabError> {
     let mut sum = DMat2::ZERO;
-    let settings = RenderSettings {
+    let settings = RenderSettings::try_from(FlatSettings {
         compositing: Compositing::Xray,
         absorption: Absorption::Exp,
-        ..settings(case.size.map(|side| side * samples), filter, cut)?
-    };
+        ..settings(case.size.map(|side| side * samples), filter, cut)?.into()
+    })?;
     for shift in 0..9 {
         let shift = DVec2::new(f64::from(shift % 3), f64::from(shift / 3)) / 3.0;
         let frame = renderer.render(&case.voxel(shift)?, &case.camera()?, &settings)?;

@@ -1,0 +1,185 @@
+//! The methods of the papers: whole footprints, or sections of them, drawn and composited one by one.
+
+use super::{
+    Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Kernel,
+    Occlusion, Rasterizer, Reconstruction, Stretch,
+};
+use crate::SceneError;
+
+/// How footprints are shaped, drawn, hidden and composited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SplatSettings {
+    /// In which order, and what is splatted.
+    pub compositing: SplatCompositing,
+    /// Thickness of image sheets, and twice the distance at which whole footprints begin, mean voxel spacings.
+    pub sheet_thickness: f64,
+    /// How light is lost on the way through material.
+    pub absorption: Absorption,
+    /// Screen-space low-pass.
+    pub filter: Filter,
+    /// Which integrals of a kernel make up its footprint.
+    pub alignment: Alignment,
+    /// How the swan filter stretches kernels.
+    pub stretch: Stretch,
+    /// How footprints become pixels.
+    pub rasterizer: Rasterizer,
+    /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
+    pub table: FootprintTable,
+    /// How what is hidden is left out.
+    pub occlusion: Occlusion,
+    /// Which voxels have splats; `None` for all that the transfer function shows.
+    pub extraction: Option<Extraction>,
+    /// What the kernels stand for.
+    pub reconstruction: Reconstruction,
+    /// Reconstruction kernel.
+    pub kernel: Kernel,
+}
+
+/// In which order footprints are composited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SplatCompositing {
+    /// Whole ones, front to back (Westover 1989; zwicker2001 eq. 4).
+    FrontToBack,
+    /// Whole ones, back to front: the same picture, and nothing can be left out for being hidden.
+    BackToFront,
+    /// Whole ones, added up on the slices of the grid that are most nearly parallel to the picture (Westover 1990,
+    /// zwicker2001 section 6).
+    AxisSheets,
+    /// Sections of them, added up on sheets parallel to the picture (huang2000 section 2).
+    ImageSheets(Classification),
+    /// Whole ones, in no order: their optical depth is added up.
+    Xray,
+}
+
+impl SplatCompositing {
+    /// What is splatted.
+    pub fn classification(self) -> Classification {
+        match self {
+            Self::ImageSheets(classification) => classification,
+            _ => Classification::Pre,
+        }
+    }
+}
+
+impl From<SplatCompositing> for Compositing {
+    fn from(compositing: SplatCompositing) -> Self {
+        match compositing {
+            SplatCompositing::FrontToBack => Self::PerSplat,
+            SplatCompositing::BackToFront => Self::PerSplatBackToFront,
+            SplatCompositing::AxisSheets => Self::AxisSheets,
+            SplatCompositing::ImageSheets(_) => Self::ImageSheets,
+            SplatCompositing::Xray => Self::Xray,
+        }
+    }
+}
+
+impl Default for SplatSettings {
+    /// Whole footprints of the kernel of [`super::RenderSettings::best`], front to back.
+    fn default() -> Self {
+        Self {
+            compositing: SplatCompositing::FrontToBack,
+            sheet_thickness: 0.5,
+            absorption: Absorption::default(),
+            filter: Filter::default(),
+            alignment: Alignment::default(),
+            stretch: Stretch::default(),
+            rasterizer: Rasterizer::default(),
+            table: FootprintTable::default(),
+            occlusion: Occlusion::default(),
+            extraction: None,
+            reconstruction: Reconstruction::default(),
+            kernel: Kernel::default(),
+        }
+    }
+}
+
+impl SplatSettings {
+    /// Whether whole footprints are composited one by one.
+    fn is_per_splat(&self) -> bool {
+        matches!(
+            self.compositing,
+            SplatCompositing::FrontToBack | SplatCompositing::BackToFront
+        )
+    }
+
+    /// The same for a volume that is a label map, or is none: names are classified before they are splatted.
+    #[must_use]
+    pub fn of_labels(self, labels: bool) -> Self {
+        Self {
+            compositing: match self.compositing {
+                SplatCompositing::ImageSheets(_) if labels => {
+                    SplatCompositing::ImageSheets(Classification::Pre)
+                }
+                compositing => compositing,
+            },
+            ..self
+        }
+    }
+
+    /// Refuses parts that make no sense together.
+    pub(super) fn combinations(&self) -> Result<(), SceneError> {
+        let refuse =
+            |field, value: &dyn std::fmt::Debug, reason| Err(SceneError::invalid(field, value, reason));
+        if self.filter == Filter::SwanAlpha && !self.is_per_splat() {
+            return refuse(
+                "filter",
+                &self.filter,
+                "swan: swan-alpha lowers the opacity of single splats, which only per-splat compositing has",
+            );
+        }
+        let has_no_front = matches!(
+            self.compositing,
+            SplatCompositing::BackToFront | SplatCompositing::Xray
+        );
+        if self.occlusion == Occlusion::Sat && has_no_front {
+            return refuse(
+                "occlusion",
+                &self.occlusion,
+                "none: only what is composited front to back can be hidden by what is there",
+            );
+        }
+        let data = self.compositing.classification() == Classification::Post;
+        if data && self.reconstruction != Reconstruction::Volume {
+            return refuse(
+                "reconstruction",
+                &self.reconstruction,
+                "volume: flattened kernels of data do not add up to one; classify before splatting (pre)",
+            );
+        }
+        self.stretching()?;
+        self.rasterizer_suits_kernels()
+    }
+
+    /// Refuses a stretch that nothing would apply.
+    fn stretching(&self) -> Result<(), SceneError> {
+        if self.stretch == Stretch::Box {
+            return Ok(());
+        }
+        let reason = if !matches!(self.filter, Filter::Swan | Filter::SwanAlpha) {
+            ONLY_SWAN
+        } else if self.alignment != Alignment::Exact {
+            "box: a trapezoid has another footprint at every depth, which only exact alignment integrates"
+        } else {
+            return Ok(());
+        };
+        Err(SceneError::invalid("stretch", self.stretch, reason))
+    }
+
+    /// Refuses rasterisers of circles where footprints are none, whatever the camera.
+    fn rasterizer_suits_kernels(&self) -> Result<(), SceneError> {
+        let flattened = self.reconstruction != Reconstruction::Volume;
+        match self.rasterizer {
+            Rasterizer::Square1d | Rasterizer::Rlut { .. } | Rasterizer::Blit2d { .. } if flattened => {
+                Err(SceneError::invalid(
+                    "rasterizer",
+                    self.rasterizer.name(),
+                    "ellipse-1d, linear-1d or auto: flattened kernels leave ellipses of every direction",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Why kernels are not stretched.
+pub(super) const ONLY_SWAN: &str = "box: only the swan filter stretches kernels";
