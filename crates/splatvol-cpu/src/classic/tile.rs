@@ -96,11 +96,7 @@ pub(crate) fn render<P: Profile>(
     if run.reset().is_some() {
         run.all_turns(tile);
     }
-    if run.is_stopped() {
-        return (Vec::new(), run.work);
-    }
-    let resolved = |pixel: &Pixel| resolve(pixel, plan.settings.method.compositing == SplatCompositing::Xray);
-    (run.scratch.pixels.iter().map(resolved).collect(), run.work)
+    (run.resolved().unwrap_or_default(), run.work)
 }
 
 impl<P: Profile> Tile<'_, P> {
@@ -165,6 +161,20 @@ impl<P: Profile> Tile<'_, P> {
         if plan.shading.is_some() {
             self.finish_data();
         }
+    }
+
+    /// The pixels as they are shown; `None` where the picture is given up: a tile may be the whole picture.
+    fn resolved(&self) -> Option<Vec<Resolved>> {
+        let is_integral = self.plan.settings.method.compositing == SplatCompositing::Xray;
+        let pixels = &self.scratch.pixels;
+        let mut resolved = Vec::with_capacity(pixels.len());
+        for row in pixels.chunks(self.rect.x1 - self.rect.x0) {
+            if self.is_stopped() {
+                return None;
+            }
+            resolved.extend(row.iter().map(|pixel| resolve(pixel, is_integral)));
+        }
+        Some(resolved)
     }
 
     fn is_stopped(&self) -> bool {
@@ -395,10 +405,14 @@ impl<P: Profile> Tile<'_, P> {
             ..
         } = &mut *self.scratch;
         let [x0, y0, x1, y1] = sheet.touched();
+        let stop = self.stop;
         let settings = self.plan.settings;
         let termination = settings.termination as f32;
         let width = self.rect.x1 - self.rect.x0;
         for y in y0..y1 {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
             for x in x0..x1 {
                 let &[extinction, r, g, b, weighted] = sheet.pixel(x, y);
                 if extinction <= 0.0 || finished.is(x, y) {
