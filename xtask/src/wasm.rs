@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// The crates that run in a browser; they bring those below them.
-const CRATES: [&str; 3] = ["splatvol", "splatvol-io", "splatvol-samples"];
+const CRATES: [&str; 4] = ["splatvol", "splatvol-document", "splatvol-io", "splatvol-samples"];
 
 /// Checks the crates for the target.
 pub(crate) fn check(root: &Path) -> Result<String> {

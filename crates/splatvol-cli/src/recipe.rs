@@ -5,7 +5,8 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use splatvol::{Camera, Motion, Projection, RenderSettings, SceneError, TransferFunction};
+use splatvol::{Motion, RenderSettings, SceneError, TransferFunction};
+use splatvol_document::CameraPose;
 use splatvol_io::SceneFile;
 use splatvol_io::image::metadata;
 
@@ -25,10 +26,10 @@ pub(crate) struct Recipe {
     #[serde(flatten)]
     pub(crate) subject: Subject,
     /// Camera, world.
-    pub(crate) camera: CameraRecipe,
+    pub(crate) camera: CameraPose,
     /// Cameras of the pictures of which this is the mean, where it is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) sub_frames: Vec<CameraRecipe>,
+    pub(crate) sub_frames: Vec<CameraPose>,
     /// What moves while the shutter is open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) motion: Option<MotionRecipe>,
@@ -130,39 +131,6 @@ pub(crate) struct RawRecipe {
     pub(crate) offset: u64,
 }
 
-/// A camera, world.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) struct CameraRecipe {
-    pub(crate) position: [f64; 3],
-    pub(crate) target: [f64; 3],
-    pub(crate) up: [f64; 3],
-    pub(crate) projection: Projection,
-}
-
-impl From<&Camera> for CameraRecipe {
-    fn from(camera: &Camera) -> Self {
-        Self {
-            position: camera.position().to_array(),
-            target: camera.target().to_array(),
-            up: camera.up().to_array(),
-            projection: camera.projection(),
-        }
-    }
-}
-
-impl CameraRecipe {
-    /// The camera.
-    pub(crate) fn camera(&self) -> Result<Camera, SceneError> {
-        Camera::new(
-            DVec3::from_array(self.position),
-            DVec3::from_array(self.target),
-            DVec3::from_array(self.up),
-            self.projection,
-        )
-    }
-}
-
 /// A motion while the shutter is open, world.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -180,8 +148,8 @@ pub(crate) enum MotionRecipe {
     },
     /// The camera moves.
     Camera {
-        opening: CameraRecipe,
-        closing: CameraRecipe,
+        opening: CameraPose,
+        closing: CameraPose,
     },
 }
 

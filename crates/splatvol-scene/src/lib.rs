@@ -50,7 +50,7 @@ pub mod mesh;
 pub mod motion;
 pub mod operator;
 pub mod points;
-mod rotation;
+pub mod rotation;
 pub mod scene;
 pub mod settings;
 pub mod source;

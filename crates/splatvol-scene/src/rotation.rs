@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 /// The rotation about an axis of length 1, right-handed, by an angle in radians.
-pub(crate) fn about(axis: DVec3, angle: f64) -> DQuat {
+pub fn about(axis: DVec3, angle: f64) -> DQuat {
     let (sine, cosine) = libm::sincos(0.5 * angle);
     let [x, y, z] = (axis * sine).to_array();
     DQuat::from_xyzw(x, y, z, cosine)

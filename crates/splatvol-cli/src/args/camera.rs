@@ -1,6 +1,8 @@
 //! Flags about the camera.
 
 use clap::{Args, ValueEnum};
+use splatvol::View;
+use splatvol_document::{CameraKeys, Fit, Lens};
 
 use super::values::{self, Triple};
 
@@ -14,7 +16,7 @@ pub(crate) struct CameraArgs {
     pub(crate) view: Option<ViewName>,
     /// What fills the picture: the voxels that can be seen, or the whole grid [default: visible]
     #[arg(long, value_name = "WHAT", help_heading = HEADING)]
-    pub(crate) fit: Option<Fit>,
+    pub(crate) fit: Option<FitName>,
     /// Camera position, world
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = HEADING,
           allow_hyphen_values = true, conflicts_with = "view")]
@@ -44,22 +46,24 @@ pub(crate) struct CameraArgs {
     pub(crate) zoom: Option<f64>,
 }
 
-impl CameraArgs {
-    /// These flags, and where they are silent those of `other`. Flags that exclude each other do not mix.
-    pub(crate) fn or(&self, other: &Self) -> Self {
-        let placed = self.view.is_some() || self.camera_pos.is_some();
-        let projected = self.camera_fov.is_some() || self.orthographic.is_some();
+impl From<&CameraArgs> for CameraKeys {
+    fn from(args: &CameraArgs) -> Self {
         Self {
-            view: self.view.or(other.view.filter(|_| !placed)),
-            fit: self.fit.or(other.fit),
-            camera_pos: self.camera_pos.or(other.camera_pos.filter(|_| !placed)),
-            camera_target: self.camera_target.or(other.camera_target),
-            camera_up: self.camera_up.or(other.camera_up),
-            camera_fov: self.camera_fov.or(other.camera_fov.filter(|_| !projected)),
-            orthographic: self.orthographic.or(other.orthographic.filter(|_| !projected)),
-            azimuth: self.azimuth.or(other.azimuth),
-            elevation: self.elevation.or(other.elevation),
-            zoom: self.zoom.or(other.zoom),
+            view: args.view.map(View::from),
+            fit: args.fit.map(|fit| match fit {
+                FitName::Visible => Fit::Visible,
+                FitName::Volume => Fit::Volume,
+            }),
+            position: args.camera_pos,
+            target: args.camera_target,
+            up: args.camera_up,
+            lens: match (args.camera_fov, args.orthographic) {
+                (Some(degrees), _) => Some(Lens::FieldOfView(degrees)),
+                (None, height) => height.map(Lens::Parallel),
+            },
+            azimuth: args.azimuth,
+            elevation: args.elevation,
+            zoom: args.zoom,
         }
     }
 }
@@ -78,10 +82,24 @@ pub(crate) enum ViewName {
 
 /// What an automatic camera shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Fit {
+pub(crate) enum FitName {
     /// The voxels with some opacity, but for specks
     #[default]
     Visible,
     /// The whole grid
     Volume,
+}
+
+impl From<ViewName> for View {
+    fn from(name: ViewName) -> Self {
+        match name {
+            ViewName::Front => Self::Front,
+            ViewName::Back => Self::Back,
+            ViewName::Left => Self::Left,
+            ViewName::Right => Self::Right,
+            ViewName::Top => Self::Top,
+            ViewName::Bottom => Self::Bottom,
+            ViewName::Iso => Self::Iso,
+        }
+    }
 }

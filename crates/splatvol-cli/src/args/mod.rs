@@ -31,7 +31,7 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
-pub(crate) use camera::{CameraArgs, Fit, ViewName};
+pub(crate) use camera::{CameraArgs, ViewName};
 pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve, TextureName};
 pub(crate) use fastsplats::{FastSplatsArgs, PrecisionName, RasterizerName};
 pub(crate) use footprint::{

@@ -8,21 +8,20 @@ use std::time::Instant;
 
 use splatvol::transfer_function::linear_from_srgb;
 use splatvol::{Camera, Content, FlatSettings, ImageSize, Item, RenderSettings, Scene, View};
+use splatvol_document::{CameraKeys, CameraPose, Surroundings, outline};
 use splatvol_io::{DataKind, SceneFile, SceneItem, is_scene, read_scene};
 
 use super::render::{self, bits, kept_sub_frames};
 use super::shown::{Prepared, Preparing};
 use crate::args::{ClassificationName, EffectArgs, LookArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
-use crate::recipe::{CameraRecipe, Recipe, Subject, command_line};
-use crate::resolve::camera::Surroundings;
+use crate::recipe::{Recipe, Subject, command_line};
 use crate::resolve::effects::Effects;
 use crate::resolve::item_keys::{self, Source};
 use crate::resolve::items::{self, Reading};
 use crate::resolve::look::Wishes;
 use crate::resolve::motion::{CameraMotion, Earlier, Shot};
-use crate::resolve::outline::outline;
-use crate::resolve::{camera, effects, method, motion};
+use crate::resolve::{effects, method, motion};
 use crate::terminal::Terminal;
 
 /// Who says what an item is, by its number.
@@ -188,7 +187,7 @@ impl Composed {
                     ..SceneFile::default()
                 },
             },
-            camera: CameraRecipe::from(&camera),
+            camera: CameraPose::from(&camera),
             sub_frames: kept_sub_frames(args, like),
             motion,
             effects,
@@ -273,18 +272,20 @@ impl Composed {
     ) -> Result<Camera, Failure> {
         let like = self.like.as_ref();
         let own = self.scene.camera.as_ref().filter(|_| like.is_none());
-        let flags = match own {
-            Some(own) => args.camera.or(&scene_camera::as_flags(own)?),
-            None => args.camera.clone(),
+        let flags = CameraKeys::from(&args.camera);
+        let keys = match own {
+            Some(own) => flags.or(&scene_camera::keys(own)?),
+            None => flags,
         };
         let outlines = || {
-            let of = |item| outline(item, flags.fit.unwrap_or_default());
+            let of = |item| outline(item, keys.fit.unwrap_or_default());
             scene.items.iter().flat_map(of).collect()
         };
         let surroundings = Surroundings::of_outline(outlines, settings.size.aspect())
             .preferring(framing.preferred)
             .turning(framing.moves.turns);
-        camera::resolve(&flags, &surroundings, like.map(|like| &like.camera))
+        keys.resolve(&surroundings, like.map(|like| &like.camera))
+            .during(Step::Usage)
     }
 
     /// The flag's size, or the scene's; an earlier picture's, or that of the scene's settings, is in the settings.

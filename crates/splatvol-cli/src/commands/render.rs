@@ -7,6 +7,7 @@ use splatvol::{
     Camera, Classification, Compositing, Frame, Gradient, RenderSettings, RenderStatistics, Scene,
     SheetSettings, Shows,
 };
+use splatvol_document::CameraPose;
 use splatvol_io::ImageFormat;
 
 use super::outputs::{Outputs, encode_with_bits};
@@ -15,8 +16,7 @@ use super::studio::{Studio, engine};
 use crate::args::{Background, CameraArgs, EffectArgs, MotionArgs, RenderArgs, values};
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::recipe::{CameraRecipe, InputRecipe, MotionRecipe, Recipe, Subject, VolumeRecipe, command_line};
-use crate::resolve::camera::Surroundings;
+use crate::recipe::{InputRecipe, MotionRecipe, Recipe, Subject, VolumeRecipe, command_line};
 use crate::resolve::effects::Effects;
 use crate::resolve::input::Input;
 use crate::resolve::look::Look;
@@ -129,7 +129,7 @@ fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStat
         ..
     } = prepared;
     if !recipe.sub_frames.is_empty() {
-        let cameras = recipe.sub_frames.iter().map(CameraRecipe::camera);
+        let cameras = recipe.sub_frames.iter().map(CameraPose::camera);
         let cameras: Vec<Camera> = cameras.collect::<Result<_, _>>().during(Step::Input)?;
         let mut studio = Studio::new(scene, recipe.settings, *threads)?;
         let frame = studio.expose(&cameras)?.clone();
@@ -197,7 +197,7 @@ impl Resolved {
         let applied = effects::resolve(&effects, &asked, &bounds, (function, beside))?;
         let camera = camera::resolve(
             &args.camera,
-            &Surroundings::new(
+            &camera::surroundings(
                 &args.camera,
                 input,
                 &look.transfer_function,
@@ -236,7 +236,7 @@ impl Resolved {
                 transfer_function: self.look.transfer_function.clone(),
                 labels: self.look.wishes.labels,
             }),
-            camera: CameraRecipe::from(&self.camera),
+            camera: CameraPose::from(&self.camera),
             sub_frames: kept_sub_frames(args, earlier),
             motion: self.motion,
             effects: self.effects.clone(),
@@ -249,7 +249,7 @@ impl Resolved {
 }
 
 /// A frame of an animation is the mean that it was, unless it is seen from elsewhere, or moves otherwise.
-pub(super) fn kept_sub_frames(args: &RenderArgs, like: Option<&Recipe>) -> Vec<CameraRecipe> {
+pub(super) fn kept_sub_frames(args: &RenderArgs, like: Option<&Recipe>) -> Vec<CameraPose> {
     let still = args.camera == CameraArgs::default() && args.motion == MotionArgs::default();
     like.filter(|_| still)
         .map_or_else(Vec::new, |like| like.sub_frames.clone())

@@ -8,14 +8,15 @@ use glam::{DAffine3, DVec3};
 use splatvol::{
     Compositing, Content, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples, View, Volume,
 };
+use splatvol_document::standing;
 use splatvol_io::scene_file::Opacity;
 use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, SceneItem, data_kind, read_data};
 
 use super::input::{self, Input, locate};
 use super::item_keys::{Source, check, known_keys};
 use super::look::{self, Look, Wishes};
+use super::upright;
 use super::upright::Up;
-use super::{standing, upright};
 use crate::args::{LookArgs, UpAxis, values};
 use crate::failure::{During, Failure, Step};
 use crate::recipe::{InputRecipe, RawRecipe};

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use clap::ValueEnum;
 use glam::{DAffine3, DMat3, DVec3};
 use serde::Serialize;
+use splatvol_document::standing;
 
 use super::input::Input;
-use super::standing;
 use crate::args::UpAxis;
 use crate::failure::{During, Failure, Step};
 use crate::recipe::InputRecipe;

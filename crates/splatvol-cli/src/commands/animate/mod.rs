@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use splatvol::Frame;
+use splatvol_document::CameraPose;
 use splatvol_io::ImageFormat;
 
 use self::destination::{Destination, FrameNames};
@@ -22,7 +23,7 @@ use crate::commands::shown::{Prepared, Shown};
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::recipe::{CameraRecipe, Recipe};
+use crate::recipe::Recipe;
 use crate::resolve::motion::CameraMotion;
 use crate::terminal::Terminal;
 
@@ -202,8 +203,8 @@ impl Job<'_> {
 fn frame_recipe(prepared: &Prepared, plan: &Plan, frame: u32) -> Result<Recipe, Failure> {
     let sub_frames = plan.sub_frames(frame)?;
     Ok(Recipe {
-        camera: CameraRecipe::from(&plan.camera(frame)?),
-        sub_frames: sub_frames.iter().map(CameraRecipe::from).collect(),
+        camera: CameraPose::from(&plan.camera(frame)?),
+        sub_frames: sub_frames.iter().map(CameraPose::from).collect(),
         motion: plan.motion(frame)?.or(prepared.recipe.motion),
         ..prepared.recipe.clone()
     })

@@ -8,11 +8,12 @@
 use anyhow::Context;
 use glam::DVec3;
 use splatvol::{Camera, CameraKey, CameraPath, MotionBlur, Projection};
+use splatvol_document::CameraPose;
 use splatvol_io::{StoredCameraKey, read_camera_keys};
 
 use crate::args::AnimateArgs;
 use crate::failure::{During, Failure, Step};
-use crate::recipe::{CameraRecipe, MotionRecipe};
+use crate::recipe::MotionRecipe;
 use crate::resolve::motion;
 
 /// Frames unless asked otherwise.
@@ -122,9 +123,9 @@ impl Plan {
             ))
             .hint("--motion-blur subframes can show it"));
         }
-        let [opening, closing] = [opening, closing].map(|camera| CameraRecipe {
+        let [opening, closing] = [opening, closing].map(|camera| CameraPose {
             projection: middle,
-            ..CameraRecipe::from(&camera)
+            ..CameraPose::from(&camera)
         });
         Ok(Some(MotionRecipe::Camera { opening, closing }))
     }

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use splatvol::{Camera, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene};
+use splatvol_document::orbited;
 
 use super::process;
 use crate::failure::{During, Failure, Step};
-use crate::resolve::camera::orbited;
 
 /// How often and from where.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -89,7 +89,7 @@ struct Times {
 }
 
 fn timed_frame(renderer: &mut Renderer, subject: &Subject, turn: f64) -> Result<(Frame, Times), Failure> {
-    let camera = orbited(subject.camera, turn, 0.0)?;
+    let camera = orbited(subject.camera, turn, 0.0).during(Step::Render)?;
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
     let (start, cpu_before) = (Instant::now(), process::cpu_time());
     let frame = renderer.render(&subject.scene, &camera, &subject.settings);

@@ -16,6 +16,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use splatvol::{ImageSize, Scene};
+use splatvol_document::CameraPose;
 
 use self::checksum::{Check, Checksum, Expected};
 use self::looks::Window;
@@ -26,9 +27,7 @@ use crate::args::values::CHARCOAL;
 use crate::args::{BenchArgs, LookName, MethodArgs, ProjectionName};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, encode_frame, picture_format};
-use crate::recipe::CameraRecipe;
 use crate::resolve::around::around;
-use crate::resolve::camera::Surroundings;
 use crate::resolve::input::Input;
 use crate::resolve::look::Look;
 use crate::resolve::{camera, input, look, method};
@@ -169,8 +168,8 @@ impl<'a> Bench<'a> {
         let around = around(input.volume.grid(), projection, size.aspect()).during(Step::Usage)?;
         let camera = camera::resolve(
             &args.camera,
-            &Surroundings::new(&args.camera, input, &look.transfer_function, size.aspect()),
-            Some(&CameraRecipe::from(&around)),
+            &camera::surroundings(&args.camera, input, &look.transfer_function, size.aspect()),
+            Some(&CameraPose::from(&around)),
         )?;
         Ok(Subject {
             scene: Scene::new(Arc::clone(&input.volume), look.transfer_function),
@@ -210,7 +209,7 @@ impl<'a> Bench<'a> {
             look: variant.look,
             threads: subject.threads,
             settings: subject.settings,
-            camera: CameraRecipe::from(&subject.camera),
+            camera: CameraPose::from(&subject.camera),
             transfer_function: single.transfer_function.clone(),
             median_wall_ms: median(&measured.wall_ms),
             median_cpu_ms: measured.cpu_ms.as_deref().map(median),

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 use splatvol::{RenderSettings, RenderStatistics, StageSeconds, TransferFunction};
+use splatvol_document::CameraPose;
 
 use super::checksum::{Check, Checksum};
 use super::measure::Course;
 use super::scenes::SceneChoice;
 use crate::args::LookName;
-use crate::recipe::CameraRecipe;
 
 /// All measurements of a run.
 #[derive(Debug, Serialize)]
@@ -40,7 +40,7 @@ pub(super) struct CaseReport {
     pub(super) threads: usize,
     pub(super) settings: RenderSettings,
     /// Of the first measured frame.
-    pub(super) camera: CameraRecipe,
+    pub(super) camera: CameraPose,
     pub(super) transfer_function: TransferFunction,
     pub(super) median_wall_ms: f64,
     pub(super) median_cpu_ms: Option<f64>,

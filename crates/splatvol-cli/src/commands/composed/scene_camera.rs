@@ -1,13 +1,15 @@
 //! The camera of a scene.
 
 use clap::ValueEnum;
+use splatvol::View;
+use splatvol_document::{CameraKeys, Lens};
 use splatvol_io::SceneCamera;
 
-use crate::args::{CameraArgs, ViewName};
+use crate::args::ViewName;
 use crate::failure::Failure;
 
-/// A scene's camera as flags.
-pub(super) fn as_flags(camera: &SceneCamera) -> Result<CameraArgs, Failure> {
+/// The keys of a scene's camera.
+pub(super) fn keys(camera: &SceneCamera) -> Result<CameraKeys, Failure> {
     let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
     let triples = [camera.position, camera.target, camera.up];
     let numbers = [
@@ -42,14 +44,16 @@ pub(super) fn as_flags(camera: &SceneCamera) -> Result<CameraArgs, Failure> {
         camera.orthographic.is_some(),
         "fov and orthographic",
     )?;
-    Ok(CameraArgs {
-        view: view.transpose()?,
+    Ok(CameraKeys {
+        view: view.transpose()?.map(View::from),
         fit: None,
-        camera_pos: camera.position,
-        camera_target: camera.target,
-        camera_up: camera.up,
-        camera_fov: camera.fov,
-        orthographic: camera.orthographic.map(Some),
+        position: camera.position,
+        target: camera.target,
+        up: camera.up,
+        lens: match (camera.fov, camera.orthographic) {
+            (Some(degrees), _) => Some(Lens::FieldOfView(degrees)),
+            (None, height) => height.map(|height| Lens::Parallel(Some(height))),
+        },
         azimuth: camera.azimuth,
         elevation: camera.elevation,
         zoom: camera.zoom,

@@ -11,9 +11,9 @@
 
 use std::ops::Range;
 
-use splatvol::{TransferFunction, Volume};
+use splatvol_scene::{TransferFunction, Volume};
 
-use super::visible::{SeenValues, opacity_per_slice, without_specks};
+use crate::visible::{SeenValues, opacity_per_slice, without_specks};
 
 /// Share of the height that counts as the bottom.
 const BOTTOM: f32 = 0.03;
@@ -31,7 +31,7 @@ const WIDE: f64 = 0.5;
 const SLICES: usize = 10;
 
 /// Whether points stand with y up, but not with z up.
-pub(super) fn is_y_up(positions: &[[f32; 3]]) -> bool {
+pub fn is_y_up(positions: &[[f32; 3]]) -> bool {
     stands(positions, 1) && !stands(positions, 2)
 }
 
@@ -64,7 +64,7 @@ fn bounds<'a>(positions: impl Iterator<Item = &'a [f32; 3]>) -> ([f32; 3], [f32;
 }
 
 /// Whether what can be seen of a volume stands with y up, but not with z up.
-pub(super) fn is_volume_y_up(volume: &Volume) -> bool {
+pub fn is_volume_y_up(volume: &Volume) -> bool {
     let grid = volume.grid();
     let direction = grid.direction();
     let along = [direction.x_axis.x, direction.y_axis.y, direction.z_axis.z];
@@ -141,7 +141,7 @@ impl Extent {
 mod tests {
     use super::*;
     use glam::{DMat3, DVec3};
-    use splatvol::{Grid, LengthUnit, Rescale, Samples};
+    use splatvol_scene::{Grid, LengthUnit, Rescale, Samples};
 
     /// Points within a pyramid, `up` being the axis along its height.
     fn pyramid(up: usize) -> Vec<[f32; 3]> {

@@ -5,14 +5,14 @@
 //! likewise for y: the nearest camera has the largest `c.z` for which both intervals are not empty.
 
 use glam::DVec3;
-use splatvol::{Bounds, Camera, Projection, SceneError, View};
+use splatvol_scene::{Bounds, Camera, Projection, SceneError, View};
 
 /// Space around what is shown.
 const MARGIN: f64 = 1.06;
 
 /// Camera from a named side that shows all `points` (world) of a picture `aspect` as wide as high. A perspective
 /// camera keeps its field of view; an orthographic one fits its height.
-pub(super) fn framing(
+pub(crate) fn framing(
     points: &[DVec3],
     view: View,
     projection: Projection,
@@ -40,7 +40,7 @@ pub(super) fn framing(
             (middle, Projection::Orthographic { height })
         }
         Projection::Perspective { fov_degrees } => {
-            let slope = (0.5 * fov_degrees).to_radians().tan() / MARGIN;
+            let slope = libm::tan((0.5 * fov_degrees).to_radians()) / MARGIN;
             // Ends of the interval for x at depth 0, and the largest depth at which it is not empty.
             let interval = |slope: f64, axis: fn(&DVec3) -> f64| {
                 let low = most(&|p| axis(p) - slope * p.z);
@@ -68,7 +68,7 @@ pub(super) fn framing(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatvol::ImageSize;
+    use splatvol_scene::ImageSize;
 
     /// A lopsided cloud.
     fn points() -> Vec<DVec3> {

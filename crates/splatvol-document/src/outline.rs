@@ -1,13 +1,13 @@
-//! What an automatic camera shows of the items of a composition.
+//! What an automatic camera shows of the items of a scene.
 //!
 //! Scans and captures have strays far from everything else, which would shrink the picture: what lies further from the
 //! innermost 99 % than a share of its size is left out of the outline (not out of the picture).
 
 use glam::{DAffine3, DVec3};
-use splatvol::{Content, Gaussians, Item};
+use splatvol_scene::{Content, Gaussians, Item};
 
-use super::visible::visible_outline;
-use crate::args::Fit;
+use crate::Fit;
+use crate::visible::visible_outline;
 
 /// Places looked at per item.
 const MOST: usize = 50_000;
@@ -21,7 +21,7 @@ const SIGMAS: f64 = 2.0;
 const USUAL: f64 = 0.95;
 
 /// World positions that bound an item.
-pub(crate) fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
+pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
     let world = |frame: &DAffine3, places: &[[f32; 3]]| -> Vec<DVec3> {
         let frame = item.world_from_item * *frame;
         sampled(places)
@@ -74,7 +74,7 @@ fn sampled(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 3]> {
 /// Radii of the sampled Gaussians, world; huge ones, such as those of a sky, are not taken at their word.
 fn radii(gaussians: &Gaussians, world_from_item: &DAffine3) -> Vec<f64> {
     let frame = *world_from_item * *gaussians.world_from_local();
-    let factor = SIGMAS * frame.matrix3.determinant().abs().cbrt();
+    let factor = SIGMAS * libm::cbrt(frame.matrix3.determinant().abs());
     let radii: Vec<f64> = sampled(&gaussians.attributes().scales)
         .map(|scales| factor * f64::from(scales.into_iter().fold(0.0, f32::max)))
         .collect();
@@ -111,7 +111,7 @@ fn reach(places: &[DVec3]) -> [DVec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatvol::{PointAttributes, PointLook, Points};
+    use splatvol_scene::{PointAttributes, PointLook, Points};
     use std::sync::Arc;
 
     fn item(positions: Vec<[f32; 3]>) -> Item {

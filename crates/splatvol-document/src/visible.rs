@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use splatvol::volume::widen;
-use splatvol::{TransferFunction, Volume, with_samples};
+use splatvol_scene::volume::widen;
+use splatvol_scene::{TransferFunction, Volume, with_samples};
 
 /// Opacity per unit distance from which a voxel counts as seen: this, or this share of the largest one.
 const SEEN: [f64; 2] = [0.004, 0.01];
@@ -24,14 +24,14 @@ const DIRECTIONS: usize = 32;
 
 /// World positions that bound the voxels with some opacity as a convex hull would: the extremes of every slice. The
 /// grid's corners where nothing is seen.
-pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunction) -> Vec<DVec3> {
+pub fn visible_outline(volume: &Volume, transfer_function: &TransferFunction) -> Vec<DVec3> {
     let seen = SeenValues::new(volume, transfer_function);
     let rows = 0..volume.grid().dims()[1];
     let [xs, ys, zs] = opacity_per_slice(volume, &seen, &rows).map(|weights| without_specks(&weights));
     let rescale = volume.rescale();
     let [nx, ny, _] = volume.grid().dims();
     let directions = std::array::from_fn(|i| {
-        let (sin, cos) = (i as f64 * std::f64::consts::TAU / DIRECTIONS as f64).sin_cos();
+        let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::TAU / DIRECTIONS as f64);
         [cos, sin]
     });
     let outlines: Vec<SliceOutline<'_>> = with_samples!(volume.samples(), data => {
@@ -67,7 +67,7 @@ pub(crate) fn visible_outline(volume: &Volume, transfer_function: &TransferFunct
 
 /// Sums of the seen voxels' opacities, in whole steps, in the slices across x, y and z; of those voxels whose y is one of
 /// `rows`.
-pub(super) fn opacity_per_slice(volume: &Volume, seen: &SeenValues, rows: &Range<usize>) -> [Vec<u64>; 3] {
+pub(crate) fn opacity_per_slice(volume: &Volume, seen: &SeenValues, rows: &Range<usize>) -> [Vec<u64>; 3] {
     let rescale = volume.rescale();
     let dims = volume.grid().dims();
     let [nx, ny, _] = dims;
@@ -100,7 +100,7 @@ pub(super) fn opacity_per_slice(volume: &Volume, seen: &SeenValues, rows: &Range
 }
 
 /// The slices from the first to the last that is seen, without the specks at the ends.
-pub(super) fn without_specks(weights: &[u64]) -> Range<usize> {
+pub(crate) fn without_specks(weights: &[u64]) -> Range<usize> {
     let span = |least: u64| {
         let first = weights.iter().position(|&w| w >= least)?;
         let last = weights.iter().rposition(|&w| w >= least)?;
@@ -126,14 +126,14 @@ pub(super) fn without_specks(weights: &[u64]) -> Range<usize> {
 }
 
 /// A table of the opacity of values in steps of 1/65535, 0 where they are not seen.
-pub(super) struct SeenValues {
+pub(crate) struct SeenValues {
     weights: Vec<u16>,
     low: f64,
     scale: f64,
 }
 
 impl SeenValues {
-    pub(super) fn new(volume: &Volume, transfer_function: &TransferFunction) -> Self {
+    pub(crate) fn new(volume: &Volume, transfer_function: &TransferFunction) -> Self {
         let [low, high] = volume.value_range();
         let step = (high - low) / (ENTRIES as f64 - 1.0);
         let opacities: Vec<f64> = (0..ENTRIES)
@@ -208,7 +208,7 @@ impl<'a> SliceOutline<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatvol::{ColorPoint, Grid, LengthUnit, OpacityPoint, Rescale, Samples};
+    use splatvol_scene::{ColorPoint, Grid, LengthUnit, OpacityPoint, Rescale, Samples};
 
     fn from(value: f64) -> TransferFunction {
         TransferFunction::new(

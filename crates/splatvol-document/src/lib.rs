@@ -1,0 +1,24 @@
+//! What a picture is made of, and the decisions that it leaves open.
+//!
+//! Whoever makes pictures - the command, a notebook, a viewer, machines of a cluster - decides by these, so that all of
+//! them make the same picture of the same data.
+//!
+//! | module | decides |
+//! |---|---|
+//! | [`camera`] | the camera: asked for, framed automatically, or moved from an earlier one |
+//! | [`mod@outline`] | what an automatic camera shows of an item |
+//! | [`visible`] | which voxels can be seen, but for specks |
+//! | [`standing`] | which way is up where no file says so |
+//! | `framing`, `turning` | where a camera has to be for an outline to fill the picture, still or on a turntable |
+#![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+pub mod camera;
+mod framing;
+pub mod outline;
+pub mod standing;
+mod turning;
+pub mod visible;
+
+pub use camera::{CameraKeys, CameraPose, Fit, Lens, Surroundings, orbited};
+pub use outline::outline;
