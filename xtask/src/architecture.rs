@@ -117,7 +117,7 @@ fn crate_rows(text: &str) -> BTreeMap<&str, BTreeSet<&str>> {
         .collect()
 }
 
-/// What stands between backticks.
+/// The text between backticks.
 fn code(cell: &str) -> BTreeSet<&str> {
     cell.split('`').skip(1).step_by(2).collect()
 }

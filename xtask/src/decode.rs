@@ -1,4 +1,4 @@
-//! What a function's machine code contains.
+//! Analysis of a function's machine code.
 
 use iced_x86::{Decoder, DecoderOptions, Mnemonic, OpKind, Register};
 

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a function's machine code at an address is made of.
+/// Decoder of the machine code of a function at an address.
 type Decode = fn(&[u8], u64) -> Found;
 
 use anyhow::{Context, Result, bail};
@@ -23,7 +23,7 @@ use crate::metadata::run;
 /// Part of the name of operations that ought to be inlined.
 const OPERATION: &str = "__fearless_simd_kernel";
 
-/// What functions of a level must contain somewhere.
+/// Instruction that the functions of a SIMD level must contain somewhere.
 struct Level {
     function: &'static str,
     instruction: &'static str,

@@ -15,7 +15,7 @@ pub(crate) enum Platforms {
     Host,
 }
 
-/// What cargo knows of one package.
+/// Cargo's metadata of one package.
 #[derive(Debug)]
 pub(crate) struct Package {
     pub(crate) name: String,
@@ -101,7 +101,7 @@ fn host() -> Result<String> {
     Ok(host.context("rustc -vV names no host")?.to_owned())
 }
 
-/// What a command prints.
+/// Standard output of a command.
 pub(crate) fn run(command: &mut Command) -> Result<Vec<u8>> {
     let output = command
         .output()

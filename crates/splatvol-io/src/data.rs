@@ -29,7 +29,7 @@ use crate::{
     read_gaussians, read_height_field, read_mesh, read_points, read_volume, volume,
 };
 
-/// What can be read.
+/// Data of any kind that can be read.
 #[derive(Debug, Clone)]
 pub enum Data {
     /// Samples on a regular grid.
@@ -38,7 +38,7 @@ pub enum Data {
     Points(Points),
     /// 3-D Gaussians.
     Gaussians(Gaussians),
-    /// Samples on any other grid.
+    /// The reader for a file.
     Mesh(Mesh),
 }
 
@@ -103,7 +103,7 @@ impl FromStr for DataKind {
 /// How any data are read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DataOptions {
-    /// What the file is; otherwise its contents decide.
+    /// Kind of the file; if absent, detected from its contents.
     pub kind: Option<DataKind>,
     /// For the reader; each takes what concerns it.
     pub read: ReadOptions,
@@ -118,11 +118,11 @@ pub struct DataOptions {
 pub struct LoadedData {
     /// The data.
     pub data: Data,
-    /// Which reader it was.
+    /// The reader that was used.
     pub kind: DataKind,
-    /// What the file said. Warnings are among it.
+    /// Description of the file, including warnings.
     pub description: Description,
-    /// What Gaussians were trained for: `antialiased`, `mip`, `flat`, `linear`.
+    /// Rendering modes that the Gaussians were trained for: `antialiased`, `mip`, `flat`, `linear`.
     pub tags: Vec<String>,
     /// Arrays of the file, any of which can be named as [`ReadOptions::array`].
     pub arrays: Vec<String>,

@@ -15,7 +15,7 @@ pub enum IoError {
     /// The file cannot be opened or read at all.
     #[error("cannot read: {source}, in {path}", path = path.display())]
     Open {
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
         /// The file.
         path: PathBuf,
@@ -37,7 +37,7 @@ pub enum IoError {
     Truncated {
         /// Format of the file.
         format: &'static str,
-        /// What is cut short: "data", "header".
+        /// The truncated part: "data", "header".
         what: &'static str,
         /// Bytes that the header declares.
         expected: u64,
@@ -53,7 +53,7 @@ pub enum IoError {
     Corrupt {
         /// Format of the file.
         format: &'static str,
-        /// What the decoder said.
+        /// Error of the decoder.
         source: std::io::Error,
         /// The file.
         path: PathBuf,
@@ -63,7 +63,7 @@ pub enum IoError {
     Unsupported {
         /// Format of the file.
         format: &'static str,
-        /// What is not supported, and what to do instead.
+        /// The unsupported feature, and what to do instead.
         what: String,
         /// The file.
         path: PathBuf,
@@ -94,18 +94,18 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
-    /// What is to be written does not fit the format.
+    /// The data to be written do not fit the format.
     #[error("cannot encode {format}: {what}")]
     Encode {
         /// Format of the file.
         format: &'static str,
-        /// What does not fit, or what the encoder said.
+        /// The data that do not fit, or the encoder's message.
         what: String,
     },
     /// The output cannot be written.
     #[error("cannot write: {source}, to {path}", path = path.display())]
     Write {
-        /// What the operating system or the encoder said.
+        /// Error of the operating system or of the encoder.
         source: std::io::Error,
         /// The file.
         path: PathBuf,
@@ -123,7 +123,7 @@ pub struct FormatError {
     pub field: String,
     /// The offending value (its start, where it is long).
     pub value: String,
-    /// What would be accepted.
+    /// Accepted values.
     pub expected: String,
     /// Position of the field or its line in the (decompressed) file, bytes.
     pub offset: Option<u64>,

@@ -13,10 +13,10 @@
 //! | [`scene_file`] | `scene.toml`: several things in one picture |
 //! | [`camera_keys`] | key frames of a camera path, TOML or JSON |
 //!
-//! What every reader promises: no panic and no endless loop on any bytes; no allocation that the bytes present do
-//! not justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed,
-//! and [`ReadOptions::strict`] makes errors of them); no path outside the input's folder is followed (but absolute ones
-//! of a scene, which its user wrote).
+//! Guarantees of every reader: no panic and no endless loop on any bytes; no allocation that the bytes present do not
+//! justify; every error names file, field, value and offset; nothing is repaired silently (warnings are listed, and
+//! [`ReadOptions::strict`] turns them into errors); no path outside the input's folder is followed (except absolute
+//! paths in a scene file, which its user wrote).
 #![forbid(unsafe_code)]
 
 pub mod animation;

@@ -80,7 +80,7 @@ macro_rules! sample_types {
     };
 }
 
-/// What the macro needs of an element.
+/// Element type that the macro can read and byte-swap.
 trait Sample: Pod + Default {
     fn swapped(self) -> Self;
 }

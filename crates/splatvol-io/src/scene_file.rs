@@ -192,7 +192,7 @@ fn beside(name: &str, field: &str, context: &Context<'_>) -> Result<String, IoEr
     Ok(path.to_string_lossy().into_owned())
 }
 
-/// What TOML's reader said, with the key and the value of the line.
+/// Converts an error of the TOML parser, adding the key and the value of its line.
 fn refused(error: &toml::de::Error, text: &str, context: &Context<'_>) -> IoError {
     let Range { start, end } = error.span().unwrap_or(0..0);
     let line_start = text[..start.min(text.len())].rfind('\n').map_or(0, |at| at + 1);

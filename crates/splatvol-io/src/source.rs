@@ -15,7 +15,7 @@ use crate::error::Context;
 
 /// Best ratio of deflate: 258 bytes from 2 bits.
 const DEFLATE_RATIO: u64 = 1032;
-/// What a tiny stream may give on top of the ratio.
+/// Bytes that a tiny stream may yield beyond the ratio.
 const DEFLATE_SLACK: u64 = 1024;
 /// First growth step of a buffer whose final length is only declared.
 const FIRST_CHUNK: usize = 1 << 20;
@@ -29,7 +29,7 @@ pub(crate) enum Codec {
     Zlib,
 }
 
-/// What follows the data that a header declares.
+/// Bytes after the data that a header declares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rest {
     /// Nothing; checksums, if any, are right.
@@ -194,7 +194,7 @@ impl<'a> Source<'a> {
         self.read_bytes("contents", self.at_most, context)
     }
 
-    /// What follows. Reading past the end also makes the decoder check its checksum.
+    /// Whether bytes follow. Reading past the end also makes the decoder check its checksum.
     pub(crate) fn rest(&mut self, context: &Context<'_>) -> Result<Rest, IoError> {
         match self.reader.fill_buf() {
             Ok([]) => Ok(Rest::Nothing),
@@ -240,7 +240,7 @@ pub(crate) fn grow<T: Copy + Default>(
     Ok(())
 }
 
-/// What follows a gzip member is neither another member nor the end.
+/// The bytes after a gzip member are neither another member nor the end of the stream.
 #[derive(Debug, thiserror::Error)]
 #[error("the bytes after the end of the gzip stream are not gzip")]
 struct NotAMember;

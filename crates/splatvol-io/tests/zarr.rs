@@ -35,7 +35,7 @@ fn value([t, c, z, y, x]: [usize; 5]) -> u16 {
     (10_000 * t + 1000 * c + 100 * z + 10 * y + x) as u16
 }
 
-/// What a volume of `dims` at (t, c) holds.
+/// Expected samples of a volume of `dims` at (t, c).
 fn expected(t: usize, c: usize, [nx, ny, nz]: [usize; 3]) -> Vec<u16> {
     let at = |i: usize| value([t, c, i / (nx * ny), i / nx % ny, i % nx]);
     (0..nx * ny * nz).map(at).collect()

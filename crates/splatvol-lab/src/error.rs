@@ -13,7 +13,7 @@ pub enum LabError {
     /// No experiment of this name.
     #[error("no experiment is called '{name}'{}", nearest.map(|near| format!("; did you mean '{near}'?")).unwrap_or_default())]
     UnknownName {
-        /// What was asked for.
+        /// The name asked for.
         name: String,
         /// The most similar name, if one is similar.
         nearest: Option<&'static str>,
@@ -46,7 +46,7 @@ pub enum LabError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A measurement made no sense, which is an error of the experiment.

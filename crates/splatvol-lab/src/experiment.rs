@@ -1,4 +1,4 @@
-//! What an experiment and a paper are.
+//! Experiments and papers.
 
 use crate::{LabError, Outcome, Workbench};
 
@@ -13,7 +13,7 @@ pub struct Experiment {
     pub title: &'static str,
     /// The figures, tables and sections that it reproduces, as the paper numbers them: `Fig. 7`, `Table 1`.
     pub figures: &'static [&'static str],
-    /// What is done, on which data (and how it stands in for what is not public), and what is measured. Markdown
+    /// The method, the data (and how they stand in for data that are not public) and the measured quantities. Markdown
     /// paragraphs without headings.
     pub about: &'static str,
     /// Runs it.
@@ -36,7 +36,7 @@ pub struct Paper {
 pub struct FigureEntry {
     /// As the paper numbers it: `Fig. 7`, `Table 1`.
     pub number: &'static str,
-    /// What it shows.
+    /// Subject of the figure or table.
     pub shows: &'static str,
     /// Experiments that reproduce it; none for drawings that explain, with nothing to measure.
     pub experiments: &'static [&'static str],

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What a measured number must satisfy to count as reproduced.
+/// Condition that a measured number must satisfy to count as reproduced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expectation {
     /// At most this far from a value, in the value's unit.
@@ -51,7 +51,7 @@ impl fmt::Display for Expectation {
     }
 }
 
-/// What the paper says.
+/// Published result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Published {
     /// A number, in the finding's unit.
@@ -79,11 +79,11 @@ pub struct Explanation {
     pub reason: String,
     /// The number that decides.
     pub measured: f64,
-    /// What it must satisfy.
+    /// Condition that the number must satisfy.
     pub expected: Expectation,
 }
 
-/// What follows from the numbers.
+/// Conclusion from the numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdict {
     /// The measured number satisfies the expectation.
@@ -102,17 +102,17 @@ pub struct Finding {
     pub key: String,
     /// The figure, table or section of the paper.
     pub figure: String,
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: String,
     /// Unit of all its numbers; empty for a ratio or a count.
     pub unit: &'static str,
-    /// What the paper says.
+    /// Published result.
     pub published: Published,
-    /// What came out.
+    /// Measured value.
     pub measured: f64,
     /// More about what came out, such as the order that a count of swaps sums up.
     pub detail: String,
-    /// What must hold for it to count as reproduced.
+    /// Condition that must hold for the result to count as reproduced.
     pub expected: Expectation,
     /// Reasons for a difference, tried in this order.
     pub explanations: Vec<Explanation>,
@@ -207,7 +207,7 @@ impl Finding {
         self
     }
 
-    /// What follows from the numbers.
+    /// Conclusion from the numbers.
     pub fn verdict(&self) -> Verdict {
         if self.expected.holds(self.measured) {
             return Verdict::Reproduced;

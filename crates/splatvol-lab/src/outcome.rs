@@ -1,10 +1,10 @@
-//! What an experiment brought out.
+//! Results of an experiment.
 
 use std::time::Duration;
 
 use crate::{Effort, Experiment, Finding, Plate, Plot, Table};
 
-/// What an experiment brought out.
+/// Results of an experiment.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// Numbers beside the published ones.
@@ -33,7 +33,7 @@ pub struct Run {
     pub effort: Effort,
     /// By how many worker threads; `None`: one per logical processor.
     pub threads: Option<usize>,
-    /// What it brought out.
+    /// Its results.
     pub outcome: Outcome,
     /// How long it took.
     pub took: Duration,

@@ -9,7 +9,7 @@ pub struct Plate {
     pub name: String,
     /// The paper's figure.
     pub figure: String,
-    /// What is to be seen.
+    /// Description of the pictures.
     pub caption: String,
     /// The pictures, from left to right.
     pub panels: Vec<Panel>,
@@ -18,7 +18,7 @@ pub struct Plate {
 /// One of them.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// What it is, in few words.
+    /// Label, in few words.
     pub label: String,
     /// The picture, linear light.
     pub image: Image,

@@ -11,7 +11,7 @@ pub struct Table {
     pub name: String,
     /// The paper's figure or table.
     pub figure: String,
-    /// What the rows are.
+    /// Description of the rows.
     pub caption: String,
     /// Heads of the columns, with units: `radius (pixels)`.
     pub columns: Vec<String>,

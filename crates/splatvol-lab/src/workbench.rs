@@ -1,4 +1,4 @@
-//! What an experiment works with: how thorough to be, threads, data, progress.
+//! Working environment of an experiment: thoroughness, threads, data, progress.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub enum Effort {
     Quick,
 }
 
-/// What an experiment works with.
+/// Working environment of an experiment.
 #[derive(Clone, Copy)]
 pub struct Workbench<'a> {
     /// How thorough to be.

@@ -17,7 +17,7 @@ fn stored(paper: &str) -> Ranges {
     toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// What is wrong with an outcome; lines to store are given for what has none.
+/// Faults of an outcome; findings without a stored range are listed as lines to store.
 fn complaints(name: &str, outcome: &Outcome, ranges: &BTreeMap<String, [f64; 2]>) -> Vec<String> {
     let mut wrong = Vec::new();
     for finding in &outcome.findings {

@@ -133,7 +133,7 @@ fn picture_of(
     image
 }
 
-/// What a ray sees from its origin on.
+/// Colour and opacity integrated along a ray from its origin.
 fn integral(
     ellipsoids: &[Ellipsoid],
     (origin, direction): (DVec3, DVec3),

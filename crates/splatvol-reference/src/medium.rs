@@ -1,4 +1,4 @@
-//! What a ray meets: extinction and emission at a point in camera space.
+//! The participating medium: extinction and emission at a point in camera space.
 //!
 //! Post-classified: `kappa = q kappa_tf(v)` and `e = kappa c` with the colour of v, lit by `grad S`. Pre-classified:
 //! `kappa = sum_k kappa_k h(x - k)`, `e = sum_k kappa_k c_k h(x - k)` with colours lit at the voxels. Both with the
@@ -59,7 +59,7 @@ impl ViewGeometry {
     }
 }
 
-/// What one point of a ray holds.
+/// Properties of the medium at one point of a ray.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct MediumSample {
     /// Reconstructed value, data units; NaN where nothing is known of it (no sample near, or pre-classified).

@@ -31,7 +31,7 @@ pub struct Reconstruction {
     first_voxel: DVec3,
 }
 
-/// What the samples add up to at a point.
+/// Weighted sums of the samples at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sums {
     /// `S = sum_k c_k h(x - k)`.

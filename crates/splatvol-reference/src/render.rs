@@ -282,7 +282,7 @@ fn show_value(
     }
 }
 
-/// What the eye sees of an integrated ray.
+/// Colour, opacity and depth of an integrated ray.
 fn resolve(segment: &Segment, ray: &Ray, optics: Optics) -> PixelResult {
     let alpha = -(-segment.tau).exp_m1();
     if alpha <= 0.0 {

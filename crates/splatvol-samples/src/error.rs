@@ -23,7 +23,7 @@ pub enum SampleError {
         name: &'static str,
         /// The size asked for.
         size: String,
-        /// What would be accepted.
+        /// Accepted values.
         expected: &'static str,
     },
     /// The scene types refused what was generated.

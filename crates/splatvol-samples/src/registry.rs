@@ -97,7 +97,7 @@ impl Sample {
         }
     }
 
-    /// What it is, in a line.
+    /// Description, in one line.
     pub fn description(self) -> &'static str {
         match self {
             Self::Head => "CT-like head phantom in Hounsfield units (RAS+, 1 mm)",

@@ -78,9 +78,9 @@ impl ClipPlane {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Keep {
-    /// What lies inside all planes.
+    /// The part inside all planes.
     Inside,
-    /// What lies outside any of them.
+    /// The part outside any of the planes.
     Outside,
 }
 

@@ -11,7 +11,7 @@ pub enum SceneError {
         field: &'static str,
         /// The offending value.
         value: String,
-        /// What would be accepted.
+        /// Accepted values.
         expected: &'static str,
     },
     /// The number of samples does not fit the dimensions.
@@ -42,15 +42,15 @@ pub enum SceneError {
         level: usize,
         /// First sample of the region that was asked for.
         first: [usize; 3],
-        /// What went wrong.
+        /// Cause of the failure.
         reason: String,
     },
     /// Parts of a scene, or of a scene and the settings, that do not go together.
     #[error("{what} cannot be rendered: {why}")]
     Combination {
-        /// What was asked for.
+        /// The refused request.
         what: &'static str,
-        /// Why it is not possible, and what is.
+        /// Why it is refused, and what is possible instead.
         why: &'static str,
     },
 }

@@ -14,7 +14,7 @@ use glam::DAffine3;
 use crate::points::{bounds_of, check_finite, check_frame};
 use crate::{Bounds, SceneError};
 
-/// What Gaussians are made of; every field has one element per Gaussian.
+/// Attributes of 3-D Gaussians; every field has one element per Gaussian.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GaussianAttributes {
     /// Means, local.
@@ -101,7 +101,7 @@ impl Gaussians {
         &self.world_from_local
     }
 
-    /// What they are made of.
+    /// Attributes of the Gaussians.
     pub fn attributes(&self) -> &GaussianAttributes {
         &self.attributes
     }

@@ -1,4 +1,4 @@
-//! What comes out: float images, linear light, premultiplied alpha.
+//! Output images: floats, linear light, premultiplied alpha.
 
 use std::ops::Range;
 

@@ -11,7 +11,7 @@ use crate::operator::PixelOperator;
 use crate::points::check_frame;
 use crate::{Bounds, Clip, Gaussians, Mesh, Motion, Points, SceneError, TransferFunction, Volume};
 
-/// What an item is, and how it looks.
+/// The data of an item and its appearance.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Samples on a regular grid.
@@ -38,7 +38,7 @@ pub enum Content {
     Points {
         /// The data.
         points: Arc<Points>,
-        /// What is not in the data.
+        /// Appearance that the data do not define.
         look: PointLook,
     },
     /// 3-D Gaussians.
@@ -125,13 +125,14 @@ impl PointLook {
 /// A thing of a scene.
 #[derive(Debug, Clone)]
 pub struct Item {
-    /// What it is, and how it looks.
+    /// Data and appearance.
     pub content: Content,
     /// Where the content's own world lies.
     pub world_from_item: DAffine3,
-    /// What changes the appearance of its material, in this order (post-classified pictures only); places are world.
+    /// Operators that change the appearance of its material, applied in this order (post-classified pictures only);
+    /// positions are in world space.
     pub operators: Vec<Arc<dyn PixelOperator>>,
-    /// What of it is cut away, item space: a point is seen where every clip keeps it.
+    /// Clips of this item, item space: a point is visible if every clip keeps it.
     pub clips: Vec<Clip>,
     /// How it moves while the shutter is open, world.
     pub motion: Option<Motion>,

@@ -12,7 +12,7 @@ pub use cells::{CellKind, Cells};
 use crate::points::{bounds_of, check_finite, check_frame, check_length};
 use crate::{Bounds, SceneError};
 
-/// What the values of a mesh belong to.
+/// Whether a mesh has its values at the points or at the cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Association {
     /// One value per point; between points it is interpolated.
@@ -35,7 +35,7 @@ pub enum Topology {
 pub struct MeshField {
     /// Name, as the file has it.
     pub name: String,
-    /// What the values belong to.
+    /// Whether the values belong to the points or to the cells.
     pub association: Association,
     /// One value each; NaN where it is missing.
     pub values: Vec<f32>,

@@ -1,4 +1,4 @@
-//! What moves while the shutter is open.
+//! Motion while the shutter is open.
 //!
 //! The shutter is open from t = -1/2 to t = 1/2; the scene and the camera of a frame are those of its middle, t = 0. As in
 //! mueller1998 section 5 every voxel moves linearly: at the time t a voxel at x is at `x + t d(x)`, d being its
@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::{Camera, CameraKey, CameraPath, Content, SceneError, Volume, rotation};
 
-/// What moves while the shutter is open, world space.
+/// Motion while the shutter is open, world space.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a scene has one")]
 pub enum Motion {
@@ -207,7 +207,7 @@ mod tests {
         }
     }
 
-    /// What the sub-frames' cameras see moves as the displacements say.
+    /// To first order, a point moves between the sub-frames' cameras by its displacement.
     #[test]
     fn displacements_are_the_first_order_of_the_sub_frames() {
         let angle = 1e-3;

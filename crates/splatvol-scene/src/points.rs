@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 
 use crate::{Bounds, SceneError};
 
-/// What is known of each point besides its place; a field is empty where nothing is known.
+/// Attributes of points besides their positions; a field is empty if the attribute is unknown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointAttributes {
     /// sRGB and opacity, 0..255.
@@ -78,7 +78,7 @@ impl Points {
         &self.positions
     }
 
-    /// What else is known.
+    /// Attributes besides the positions.
     pub fn attributes(&self) -> &PointAttributes {
         &self.attributes
     }

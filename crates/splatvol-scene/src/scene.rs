@@ -17,7 +17,7 @@ use crate::{
 pub struct Scene {
     /// The things.
     pub items: Vec<Item>,
-    /// What is cut away of all of them, world: a point is seen where every clip keeps it.
+    /// Clips of all items, world space: a point is visible if every clip keeps it.
     pub clips: Vec<Clip>,
     /// Linear light, straight alpha: what Gaussians in the published renderer's way are composited over, in display space
     /// as there. Nothing else takes notice of it.

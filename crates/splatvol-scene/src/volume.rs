@@ -126,7 +126,7 @@ impl Default for Rescale {
     }
 }
 
-/// What one pass over the samples found, in real (rescaled) values.
+/// Statistics of the samples from one pass, in real (rescaled) values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
     /// Smallest finite value.

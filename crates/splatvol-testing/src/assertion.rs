@@ -17,7 +17,7 @@ use splatvol_scene::{Image, ImageSize};
 
 use crate::{Comparison, picture};
 
-/// What a comparison must fulfil. A PSNR is always demanded; the rest as far as set.
+/// Limits on a comparison. A minimum PSNR is always required; the others apply if set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Tolerance {
     psnr: f64,
@@ -91,7 +91,7 @@ impl Tolerance {
         self
     }
 
-    /// What a comparison violates, in words; empty where it passes.
+    /// Violated limits, in words; empty if the comparison passes.
     pub fn violations(&self, found: &Comparison) -> Vec<String> {
         let mut violations = Vec::new();
         let mut demand = |holds: bool, text: String| {

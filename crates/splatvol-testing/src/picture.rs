@@ -32,7 +32,7 @@ fn decode(levels: [u16; 4]) -> [f32; 4] {
     [r, g, b, alpha].map(|c| c as f32)
 }
 
-/// What a picture becomes by being written and read.
+/// The picture after a round trip through a file.
 ///
 /// # Panics
 /// Never: the size is that of a picture.
@@ -44,7 +44,7 @@ pub fn quantised(image: &Image) -> Image {
 /// Writes a 16-bit PNG, and the folders above it.
 ///
 /// # Errors
-/// What the file system says.
+/// Errors of the file system.
 pub fn write(path: &Path, image: &Image) -> io::Result<()> {
     let levels = image.pixels.iter().flat_map(|&pixel| encode(pixel));
     let data: Vec<u8> = levels.flat_map(u16::to_be_bytes).collect();
@@ -59,7 +59,7 @@ pub fn write(path: &Path, image: &Image) -> io::Result<()> {
 /// Writes an opaque 8-bit sRGB PNG of values that are already encoded, and the folders above it.
 ///
 /// # Errors
-/// What the file system says, or data that does not fit the size.
+/// Errors of the file system, or data that do not fit the size.
 pub(crate) fn write_rgb8(path: &Path, size: ImageSize, data: &[u8]) -> io::Result<()> {
     write_png(path, size, (png::ColorType::Rgb, png::BitDepth::Eight), data)
 }
@@ -85,7 +85,7 @@ fn write_png(
 /// Reads a PNG that [`write()`] wrote.
 ///
 /// # Errors
-/// What the file system says, or a PNG that is not 16-bit RGBA.
+/// Errors of the file system, or a PNG that is not 16-bit RGBA.
 pub fn read(path: &Path) -> io::Result<Image> {
     let invalid = |what: String| io::Error::new(io::ErrorKind::InvalidData, what);
     let mut reader = png::Decoder::new(BufReader::new(File::open(path)?)).read_info()?;

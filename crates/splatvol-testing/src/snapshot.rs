@@ -10,7 +10,7 @@ use splatvol_scene::Image;
 use crate::assertion::{check_images, file_name, output_folder};
 use crate::{Tolerance, picture};
 
-/// What may be written, from the environment.
+/// Permission to write snapshots, from the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Permissions {
     update: bool,

@@ -1,5 +1,5 @@
-//! What the exact method costs: first pictures of `best` against those of the default, projection by projection, at 512 x 512 on one
-//! thread, preparation of the volume included.
+//! Cost of the exact method: first pictures of `best` against those of the default, projection by projection, at 512 x
+//! 512 on one thread, including preparation of the volume.
 //!
 //! ```text
 //! cargo bench -p splatvol --bench best

@@ -4,7 +4,7 @@
 //! cargo bench -p splatvol --bench scenes
 //! ```
 //!
-//! What a layer costs beside another is the difference of two of these lines.
+//! The extra cost of a layer is the difference between two of these lines.
 #![allow(clippy::unwrap_used, reason = "a bench")]
 
 use std::sync::Arc;

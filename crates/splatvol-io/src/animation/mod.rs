@@ -18,7 +18,7 @@ use crate::image::png::Depth;
 pub use apng::ApngWriter;
 pub use gif::GifWriter;
 
-/// What all frames of an animation share.
+/// Settings common to all frames of an animation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnimationSettings {
     /// Size of every frame.

@@ -1,4 +1,4 @@
-//! What all readers share: Gaussians one by one, what is wrong with some of them, and the scene part in the end.
+//! Common code of all Gaussian readers: collects Gaussians one by one, counts their defects, and builds the scene part.
 
 use std::path::PathBuf;
 
@@ -152,12 +152,12 @@ impl Collector {
         self.description.warnings.extend(other.description.warnings);
     }
 
-    /// What has been collected.
+    /// Attributes collected so far.
     pub(crate) fn attributes(&self) -> &GaussianAttributes {
         &self.attributes
     }
 
-    /// What has been collected, to be changed.
+    /// Attributes collected so far, for modification.
     pub(crate) fn attributes_mut(&mut self) -> &mut GaussianAttributes {
         &mut self.attributes
     }

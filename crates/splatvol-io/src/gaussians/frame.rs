@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 /// Directions of the axes: `"RDF"`.
 pub(crate) type Frame = &'static str;
 
-/// What training programs write (COLMAP's cameras): y down, z forward.
+/// Frame of training programs (COLMAP's cameras): y down, z forward.
 pub(crate) const RDF: Frame = "RDF";
 /// SPZ, and glTF as far as up and the handedness go: y up, z back.
 pub(crate) const RUB: Frame = "RUB";

@@ -22,7 +22,7 @@ use crate::ply::{Element, Header, Reader};
 use crate::source::Source;
 use crate::{IoError, ReadOptions};
 
-/// What every Gaussian has, in the order in which rows are asked for.
+/// Required properties of every Gaussian, in the order in which rows are requested.
 const REQUIRED: [&str; 13] = [
     "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "rot_0", "rot_1", "rot_2",
     "rot_3",

@@ -46,11 +46,11 @@ use detect::Format;
 pub struct LoadedGaussians {
     /// The Gaussians.
     pub gaussians: Gaussians,
-    /// What the file said.
+    /// Description of the file.
     pub description: GaussiansDescription,
 }
 
-/// What a reader of Gaussians found, for people.
+/// Description of a Gaussian file, for people.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct GaussiansDescription {
     /// Format and version: `SPZ 4`, `PLY (3-D Gaussians)`.
@@ -63,11 +63,11 @@ pub struct GaussiansDescription {
     pub count: usize,
     /// Degree of the harmonics, 0 to 3.
     pub degree: u32,
-    /// What the Gaussians were trained for: `antialiased`, `mip`, `flat`, `linear`.
+    /// Rendering modes that the Gaussians were trained for: `antialiased`, `mip`, `flat`, `linear`.
     pub tags: Vec<String>,
     /// The file, followed by the files that it names.
     pub files: Vec<PathBuf>,
-    /// What was odd but could be read.
+    /// Oddities that did not prevent reading.
     pub warnings: Vec<String>,
 }
 

@@ -199,7 +199,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
     })
 }
 
-/// What a decoder complains of, as this crate's error.
+/// Converts a decoder's error to this crate's error.
 fn malformed(error: &DecodingError, context: &Context<'_>) -> IoError {
     context.field("contents", error, None, "a valid PNG")
 }

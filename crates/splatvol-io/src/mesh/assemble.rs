@@ -1,4 +1,4 @@
-//! What the readers of meshes share: from points, cells and an array to a validated [`Mesh`].
+//! Common code of the mesh readers: builds a validated [`Mesh`] from points, cells and an array.
 
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{Association, CellKind, Cells, Mesh, MeshField, Samples, Topology, with_samples};

@@ -76,7 +76,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
     draft.finish((head, component), description, list, context)
 }
 
-/// What stands before the attributes.
+/// Geometry section of a file, before the attributes.
 struct Geometry {
     draft: Draft,
     /// Cells that are kept, where any may have been left out.

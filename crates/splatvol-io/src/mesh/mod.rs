@@ -28,7 +28,7 @@ const PROBE: usize = 4096;
 pub struct LoadedMesh {
     /// The mesh.
     pub mesh: Mesh,
-    /// What the file said.
+    /// Description of the file.
     pub description: Description,
     /// The arrays that the file holds, one line each; any of them can be named as [`ReadOptions::array`].
     pub arrays: Vec<String>,

@@ -74,7 +74,7 @@ impl Kind {
     }
 }
 
-/// What the pieces of a file share.
+/// State common to the pieces of a file.
 struct File<'a> {
     kind: Kind,
     coding: Coding,

@@ -81,7 +81,7 @@ impl Scalar {
     }
 }
 
-/// What a property holds.
+/// Type of a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Scalar(Scalar),
@@ -147,7 +147,7 @@ impl Element {
     }
 }
 
-/// What the header says.
+/// Contents of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Header {
     pub(crate) encoding: Encoding,

@@ -57,7 +57,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What the header says.
+    /// Contents of the header.
     pub(crate) fn header(&self) -> &Header {
         &self.header
     }

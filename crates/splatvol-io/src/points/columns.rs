@@ -1,6 +1,6 @@
-//! What columns of a table hold, by their names in use.
+//! Roles of table columns, by their customary names.
 
-/// What a column holds, as the index into a row of [`Gather`](super::gather::Gather).
+/// Role of a column, as the index into a row of [`Gather`](super::gather::Gather).
 pub(super) const X: usize = 0;
 pub(super) const NORMAL: usize = 3;
 pub(super) const RED: usize = 6;

@@ -23,7 +23,7 @@ pub(super) enum ColorKind {
     Float,
 }
 
-/// What has been read.
+/// The rows read so far.
 pub(super) struct Gather {
     present: [bool; ROLES],
     positions: Vec<[f64; 3]>,

@@ -38,7 +38,7 @@ const PROBE: usize = 4096;
 pub struct LoadedPoints {
     /// The points.
     pub points: Points,
-    /// What the file said.
+    /// Description of the file.
     pub description: Description,
     /// Where the scanner stood, world, if the file says so: normals point to its side.
     pub viewpoint: Option<DVec3>,

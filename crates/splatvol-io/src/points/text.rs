@@ -78,7 +78,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     gather.finish(kind, description, context)
 }
 
-/// What was seen while rows were read.
+/// Observations made while rows were read.
 struct Seen {
     rows: u64,
     /// All colours are whole numbers, and not just 0 and 1.
@@ -122,7 +122,7 @@ fn fill<'a>(
     })
 }
 
-/// What unnamed columns hold.
+/// Guesses the roles of unnamed columns.
 fn guess<'a>(
     width: usize,
     lines: impl Iterator<Item = Line<'a>>,
@@ -199,7 +199,7 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// What follows a comment's mark.
+    /// The text after the comment mark.
     fn comment(&self) -> Option<&'a str> {
         self.text
             .strip_prefix('#')

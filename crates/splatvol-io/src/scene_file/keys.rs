@@ -1,4 +1,4 @@
-//! What a scene can say, key by key.
+//! Keys of a scene file.
 
 use serde::{Deserialize, Serialize};
 use splatvol_scene::FlatSettings;
@@ -7,7 +7,7 @@ use splatvol_scene::FlatSettings;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SceneFile {
-    /// What is in it, at least one.
+    /// Items of the scene, at least one.
     #[serde(rename = "item")]
     pub items: Vec<SceneItem>,
     /// Where it is seen from.
@@ -16,7 +16,7 @@ pub struct SceneFile {
     /// How the picture is made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<FlatSettings>,
-    /// What is behind it: a name, `#rrggbb`, `r,g,b[,a]` or `none`.
+    /// Background colour: a name, `#rrggbb`, `r,g,b[,a]` or `none`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<String>,
     /// Picture size: `WxH` or `N`. Goes over that of the settings.
@@ -33,7 +33,7 @@ pub struct SceneItem {
     /// Whether it is in the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub visible: Option<bool>,
-    /// What the file is: see [`crate::DataKind`].
+    /// Kind of the file: see [`crate::DataKind`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kind: Option<String>,
     /// Axis of the file that is up: `x`, `y`, `z`, `-x`, `-y`, `-z`.

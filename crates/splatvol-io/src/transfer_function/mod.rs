@@ -104,7 +104,7 @@ pub fn write_transfer_function(path: impl AsRef<Path>, function: &TransferFuncti
     })
 }
 
-/// What a file holds, before it is validated.
+/// Contents of a file before validation.
 struct Draft {
     colors: Vec<ColorPoint>,
     opacities: Vec<OpacityPoint>,

@@ -105,7 +105,7 @@ pub(crate) fn header(cursor: &mut Cursor<'_>) -> Result<(String, Coding), IoErro
     }
 }
 
-/// What stands between the header and the attributes.
+/// Reads the geometry between the header and the attributes.
 fn geometry(cursor: &mut Cursor<'_>, coding: Coding) -> Result<ImageGeometry, IoError> {
     let mut dims = None;
     let (mut origin, mut spacing, mut is_image) = ([0.0; 3], [1.0; 3], false);

@@ -44,11 +44,11 @@ use detect::Format;
 pub struct Loaded {
     /// The volume.
     pub volume: Volume,
-    /// What the file said.
+    /// Description of the file.
     pub description: Description,
 }
 
-/// What a reader found, for people.
+/// Description of a file, for people.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Description {
     /// Format and version: `NRRD0004`, `NIfTI-1`.
@@ -71,7 +71,7 @@ pub struct Description {
     pub levels: Vec<[usize; 3]>,
     /// The series of a folder, where there are several to choose from ([`ReadOptions::series`]).
     pub series: Vec<String>,
-    /// What was odd but could be read.
+    /// Oddities that did not prevent reading.
     pub warnings: Vec<String>,
 }
 
@@ -117,7 +117,7 @@ impl Default for ReadOptions {
     }
 }
 
-/// What the header of a headerless file would have said. Samples are x fastest.
+/// Layout of a headerless file. Samples are x fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawLayout {
     /// Samples along x, y, z.
@@ -148,7 +148,7 @@ impl Default for WriteOptions {
 /// Whether [`read_volume`] takes the file or folder, by its start or its extension.
 ///
 /// # Errors
-/// What [`read_volume`] would say.
+/// The errors of [`read_volume`].
 pub(crate) fn known(path: &Path) -> Result<(), IoError> {
     detect::format(path).map(drop)
 }

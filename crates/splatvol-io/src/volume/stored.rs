@@ -36,7 +36,7 @@ impl Encoding {
     }
 }
 
-/// What of the samples makes the volume.
+/// Selection of the samples that make up the volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Selection {
     /// Samples along x, y, z.
@@ -81,7 +81,7 @@ impl Layout {
     }
 }
 
-/// What is stored, and which part of it is wanted.
+/// Stored samples, and the selection to read.
 pub(super) struct Stored<'a> {
     pub(super) layout: Layout,
     pub(super) selection: Selection,

@@ -1,5 +1,5 @@
-//! What the two VTK readers share: which array of a file is the volume, which component of it, and where an
-//! extent of samples lies in the world.
+//! Common code of the two VTK readers: the choice of the array and of the component that make up the volume, and the
+//! position of an extent of samples in the world.
 //!
 //! VTK places point (i, j, k) of an image at `origin + direction * (spacing .* (i, j, k))`, with i, j, k running
 //! from the extent's lower ends; a cell's centre is half a spacing further.
@@ -12,7 +12,7 @@ use crate::error::Context;
 use crate::samples::pick_component;
 use crate::{IoError, SampleType};
 
-/// What the values of an array belong to.
+/// Whether an array has its values at the points or at the cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Association {
     Point,
@@ -28,7 +28,7 @@ impl Association {
     }
 }
 
-/// What a file says of an array.
+/// Header of an array.
 #[derive(Debug, Clone)]
 pub(crate) struct ArrayHead {
     pub(crate) association: Association,
@@ -74,7 +74,7 @@ pub(crate) enum Component {
 /// component.
 ///
 /// # Errors
-/// What is wrong with the request, and what arrays there are.
+/// The fault of the request, and the arrays available.
 pub(crate) fn choose(
     heads: &[ArrayHead],
     options: &ReadOptions,

@@ -30,7 +30,7 @@ pub fn load(path: &Path) -> Loaded {
     read_volume(path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What a real file is known to hold.
+/// Known contents of a real file.
 pub struct Expected {
     /// Dimensions x y z.
     pub dims: [usize; 3],

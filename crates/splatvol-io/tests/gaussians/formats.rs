@@ -1,4 +1,4 @@
-//! What is written comes back, and files made by hand stand for what their layouts say.
+//! Round trips of written files, and files made by hand according to the layouts' specifications.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use splatvol_io::{ReadOptions, is_gaussians, read_gaussians, write_gaussians};

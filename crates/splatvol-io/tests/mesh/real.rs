@@ -3,7 +3,7 @@ use splatvol_scene::{Association, CellKind, Topology};
 
 use super::{array, read, real_files};
 
-/// What a file holds: points, cells, low and high corner.
+/// Expected contents of a file: points, cells, low and high corner.
 struct Expected {
     file: &'static str,
     points: usize,

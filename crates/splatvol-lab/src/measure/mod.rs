@@ -1,4 +1,4 @@
-//! What several experiments measure with.
+//! Measures that several experiments use.
 
 mod clock;
 mod picture;

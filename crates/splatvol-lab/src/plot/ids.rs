@@ -4,7 +4,7 @@
 //! bytes each time; numbered from nought in each plot, plots on one page would take each other's. Here they are
 //! numbered within the plot, after a hash of its text (FNV-1a, 64 bits).
 
-/// What the plotting crate's names begin with; a number follows.
+/// Prefix of the plotting crate's identifiers; a number follows.
 const PREFIX: &str = "kuva-clip-";
 
 /// The same drawing, its clip paths renamed.

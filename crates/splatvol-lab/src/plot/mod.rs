@@ -19,7 +19,7 @@ pub enum Scale {
 /// An axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// What it shows, with the unit: `distance (voxels)`.
+    /// Quantity on the axis, with the unit: `distance (voxels)`.
     pub label: String,
     /// How it runs.
     pub scale: Scale,
@@ -99,19 +99,19 @@ pub enum Mark {
     Vertical {
         /// The value.
         at: f64,
-        /// What it is.
+        /// Label of the line.
         label: String,
     },
     /// At a value of y.
     Horizontal {
         /// The value.
         at: f64,
-        /// What it is.
+        /// Label of the line.
         label: String,
     },
 }
 
-/// What is drawn.
+/// Contents of a plot.
 #[derive(Debug, Clone)]
 pub enum PlotKind {
     /// Functions of one variable.
@@ -136,7 +136,7 @@ pub enum PlotKind {
         y: Vec<f64>,
         /// `values[row][column]`.
         values: Vec<Vec<f64>>,
-        /// What the values are, with the unit.
+        /// Quantity and its unit.
         label: String,
         /// Values of the lines.
         levels: Vec<f64>,
@@ -149,7 +149,7 @@ pub enum PlotKind {
         y: Vec<f64>,
         /// `values[row][column]`.
         values: Vec<Vec<f64>>,
-        /// What the values are, with the unit.
+        /// Quantity and its unit.
         label: String,
     },
 }
@@ -161,13 +161,13 @@ pub struct Plot {
     pub name: String,
     /// The paper's figure.
     pub figure: String,
-    /// What is to be seen.
+    /// Description of the plot.
     pub caption: String,
     /// Axis from left to right.
     pub x: Axis,
     /// Axis from bottom to top; of a surface, from front to back.
     pub y: Axis,
-    /// What is drawn.
+    /// Contents.
     pub kind: PlotKind,
     /// Whether a unit is as long on both axes, so that circles are circles; both need a range, and no logarithm.
     pub equal: bool,

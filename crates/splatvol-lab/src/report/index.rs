@@ -13,11 +13,11 @@ pub(super) struct Index {
 
 /// A line of it.
 pub(super) struct Entry {
-    /// What it is about: as many cells as there are heads before those of experiments and numbers.
+    /// Subject: as many cells as there are heads before those of experiments and numbers.
     pub(super) about: Vec<String>,
     /// The experiments, and whether they are in this report.
     pub(super) experiments: Vec<(&'static str, bool)>,
-    /// What became of its numbers.
+    /// Summary of the verdicts on its numbers.
     pub(super) standing: String,
 }
 
@@ -105,7 +105,7 @@ fn whether_run(names: &[&'static str], runs: &[Run]) -> Vec<(&'static str, bool)
     names.iter().map(|&name| (name, was_run(name))).collect()
 }
 
-/// What became of the numbers of these experiments that are of a place in the paper.
+/// Summary of the verdicts on those findings of these experiments that belong to a place in the paper.
 fn standing(names: &[&str], runs: &[Run], of_it: impl Fn(&Finding) -> bool) -> String {
     let of_names: Vec<&Run> = runs
         .iter()

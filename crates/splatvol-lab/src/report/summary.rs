@@ -1,4 +1,4 @@
-//! What both forms of the report say, apart from their marks.
+//! Text common to both forms of the report, apart from its markup.
 
 use super::machine;
 use crate::{Effort, Finding, Run, Verdict, papers};

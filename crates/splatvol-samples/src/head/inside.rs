@@ -1,4 +1,4 @@
-//! What fills the solids: soft tissue, brain, eyes, airways, and the texture of bone. Hounsfield units.
+//! Contents of the solids: soft tissue, brain, eyes, airways, and the texture of bone. Hounsfield units.
 
 use glam::Vec3;
 

@@ -171,7 +171,7 @@ fn openings() -> Vec<Part> {
     ]
 }
 
-/// What stands in the nose once it is open: nasal bones, spine, septum and conchae.
+/// Structures inside the opened nose: nasal bones, spine, septum and conchae.
 fn nasal() -> Vec<Part> {
     vec![
         cone([0.0, 86.0, 28.0], [0.0, 98.5, 8.0], [4.0, 2.4]).blend(6.0),

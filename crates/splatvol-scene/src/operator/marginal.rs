@@ -1,5 +1,5 @@
-//! What a two-dimensional transfer function shows of each value, with whatever gradient: steps along the values, each as
-//! opaque as its densest point at least.
+//! One-dimensional opacity of a two-dimensional transfer function, over all gradients: steps along the values, each at
+//! least as opaque as its densest point.
 
 use super::Region;
 use super::picture::Picture;

@@ -108,7 +108,7 @@ impl Default for Appearance {
     }
 }
 
-/// What changes the appearance of material, sample by sample.
+/// A per-sample operator that changes the appearance of material.
 pub trait PixelOperator: std::fmt::Debug + Send + Sync {
     /// Changes how a sample looks. Called from several threads, in any order: what it does may depend on the sample and
     /// nothing else, or pictures depend on the number of threads.

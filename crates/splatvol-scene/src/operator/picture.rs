@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use crate::Image;
 
-/// What lies beyond the left and right edge: the other side, or the edge.
+/// Horizontal addressing beyond the left and right edge: wrap around to the other side, or clamp to the edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Across {
     Wrapped,
@@ -83,7 +83,7 @@ impl Picture {
     }
 }
 
-/// What lies before and behind one of `count`, and how far they are apart.
+/// Indices of the neighbours before and after `at` among `count`, and the distance between them.
 fn beside(at: usize, count: usize) -> (usize, usize, usize) {
     let (before, behind) = (at.saturating_sub(1), (at + 1).min(count - 1));
     (before, behind, behind - before)

@@ -9,7 +9,7 @@ use super::noise::{gradient_noise, octaves};
 use super::{Appearance, PixelOperator, SheetSample};
 use crate::{Bounds, SceneError};
 
-/// What the block is of.
+/// Material of the block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stuff {
     /// White stone with dark veins.

@@ -1,4 +1,4 @@
-//! What sheets hold, and how they become a picture.
+//! Contents of sheets, and their compositing into a picture.
 
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +43,7 @@ impl Compositing {
     }
 }
 
-/// What a footprint leaves on a sheet.
+/// Contribution of a footprint to a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SheetContent {
@@ -64,7 +64,7 @@ pub enum Absorption {
     Linear,
 }
 
-/// What is splatted.
+/// Whether colours or data are splatted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Classification {

@@ -27,7 +27,8 @@ pub struct FlatSettings {
     pub classification: Classification,
     /// Sheet thickness, mean voxel spacings.
     pub sheet_thickness: f64,
-    /// What footprints leave on sheets: sections are of footprints, drawn one by one; none for what suits the rest.
+    /// Contribution of a footprint to a sheet: sections require that footprints are drawn one by one; `None` chooses
+    /// the one that suits the other settings.
     pub sheet: Option<SheetContent>,
     /// How light is lost on the way through material.
     pub absorption: Absorption,
@@ -47,7 +48,7 @@ pub struct FlatSettings {
     pub occlusion: Occlusion,
     /// Which voxels have splats; `None` for all that the transfer function shows.
     pub extraction: Option<Extraction>,
-    /// What the kernels stand for.
+    /// Whether the kernels reconstruct a volume or surfaces.
     pub reconstruction: Reconstruction,
     /// How 3-D Gaussians are composited.
     pub gaussians: GaussianMode,
@@ -133,7 +134,8 @@ impl TryFrom<FlatSettings> for RenderSettings {
     /// Chooses the method.
     ///
     /// # Errors
-    /// What the method does not have, by key. Domains are asked by [`RenderSettings::validate`].
+    /// A setting that the chosen method does not have, by key. Value ranges are checked by
+    /// [`RenderSettings::validate`].
     fn try_from(flat: FlatSettings) -> Result<Self, SceneError> {
         let method = if flat.wants_splats() {
             Method::Splats(flat.splats()?)

@@ -114,7 +114,7 @@ pub enum Occlusion {
     Sat,
 }
 
-/// What the kernels stand for.
+/// Whether the kernels reconstruct a volume or surfaces.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reconstruction {
@@ -123,12 +123,12 @@ pub enum Reconstruction {
     Volume,
     /// Surfaces: every kernel is flattened along the gradient (zwicker2001 section 5).
     Surface {
-        /// What the standard deviation along the gradient is divided by, 1 or more; infinite for a surface kernel.
+        /// Divisor of the standard deviation along the gradient, 1 or more; infinite for a surface kernel.
         flatness: f64,
     },
     /// Surfaces inside a volume: kernels are flattened where there is a surface (zwicker2001 figure 10).
     Mixed {
-        /// What the standard deviation along the gradient is divided by on surfaces.
+        /// Divisor of the standard deviation along the gradient on surfaces.
         flatness: f64,
         /// Gradient from which on a voxel belongs to a surface, value ranges per mean voxel spacing.
         gradient: f64,

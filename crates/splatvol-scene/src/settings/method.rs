@@ -14,7 +14,7 @@ pub enum Method {
 /// How kernels are summed on sheets, and what a pixel shows of them (huang2000 section 2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SheetSettings {
-    /// What a pixel shows of the sheets along its ray.
+    /// Quantity that a pixel shows of the sheets along its ray.
     pub shows: Shows,
     /// Thickness of a sheet, mean voxel spacings.
     pub thickness: f64,
@@ -29,7 +29,7 @@ pub struct SheetSettings {
     pub prefilter: bool,
 }
 
-/// What a pixel shows of the sheets along its ray.
+/// Quantity that a pixel shows of the sheets along its ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shows {
     /// Material, front to back.
@@ -119,7 +119,7 @@ impl Method {
         }
     }
 
-    /// What is splatted where material is shown.
+    /// Whether colours or data are splatted where material is shown.
     pub fn classification(&self) -> Classification {
         match self {
             Self::Sheets(sheets) if sheets.splats_colors() => Classification::Pre,

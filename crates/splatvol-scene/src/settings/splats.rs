@@ -29,7 +29,7 @@ pub struct SplatSettings {
     pub occlusion: Occlusion,
     /// Which voxels have splats; `None` for all that the transfer function shows.
     pub extraction: Option<Extraction>,
-    /// What the kernels stand for.
+    /// Whether the kernels reconstruct a volume or surfaces.
     pub reconstruction: Reconstruction,
     /// Reconstruction kernel.
     pub kernel: Kernel,
@@ -52,7 +52,7 @@ pub enum SplatCompositing {
 }
 
 impl SplatCompositing {
-    /// What is splatted.
+    /// Whether colours or data are splatted.
     pub fn classification(self) -> Classification {
         match self {
             Self::ImageSheets(classification) => classification,

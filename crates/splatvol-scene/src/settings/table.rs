@@ -11,13 +11,13 @@ use crate::SceneError;
 pub struct FootprintTable {
     /// Entries from the footprint's centre to its edge, 32 to 1024.
     pub entries: u32,
-    /// What an entry is.
+    /// Number format of an entry.
     pub precision: TablePrecision,
     /// Parts that the kernel is cut into along depth, 1 to 128; with 1 a voxel lies on one sheet only.
     pub sections: u32,
 }
 
-/// What a table's entries are.
+/// Number format of the entries of a table.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TablePrecision {

@@ -21,9 +21,9 @@ impl TransferFunction {
         )
     }
 
-    /// What looks like the surface `v = value` of one colour (sRGB): opacity rises from 0 to
-    /// [`TransferFunction::MAX_OPACITY`] per voxel within `width` around the value and stays there above. About 1/50
-    /// of the value range is a good width; much less shows sheets, much more is foggy.
+    /// A transfer function that looks like the surface `v = value`, in one colour (sRGB): opacity rises from 0 to
+    /// [`TransferFunction::MAX_OPACITY`] per voxel within `width` around the value and stays there above. About 1/50 of
+    /// the value range is a good width; much less shows sheets, much more is foggy.
     ///
     /// # Errors
     /// A value that is not finite, a width that is not positive, or a colour outside 0..1.

@@ -1,4 +1,4 @@
-//! What a renderer keeps between frames does not show in them.
+//! State that a renderer keeps between frames does not affect them.
 
 use splatvol::{Camera, ImageSize, Lighting, Projection, RenderSettings, Scene};
 use splatvol_samples::Sample;

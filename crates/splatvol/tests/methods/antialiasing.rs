@@ -1,7 +1,8 @@
 //! The anti-aliasing filters against pictures of 256 samples per pixel, and against the equations they implement.
 //!
-//! What 256 samples are weighted by is a low-pass itself: `ewa` agrees with the one of its own width. Against the plain mean that
-//! is `pixel_sigma` 0.3; the default, 0.55, is wider, and loses to no filter at all on stripes that are still resolved.
+//! The weights of the 256 samples are a low-pass themselves: `ewa` agrees with the low-pass of its own width. For the
+//! plain mean, that is `pixel_sigma` 0.3. The default, 0.55, is wider, and is worse than no filter at all on stripes
+//! that are still resolved.
 
 mod coverage;
 mod laws;
@@ -38,8 +39,8 @@ fn settings([width, height]: [u32; 2], filter: Filter) -> RenderSettings {
 /// Samples per pixel along x and y.
 const SAMPLES: usize = 16;
 
-/// What a pixel takes of a picture of 256 samples per pixel: the mean of its own, or a Gaussian's of this standard deviation in
-/// pixels, in linear premultiplied light.
+/// Low-pass of a picture of 256 samples per pixel: the mean of a pixel's own samples, or a Gaussian of this standard
+/// deviation in pixels, in linear premultiplied light.
 fn low_passed(image: &Image, sigma: Option<f64>) -> Image {
     let [width, height] = <[u32; 2]>::from(image.size()).map(|side| side as usize);
     let reach = sigma.map_or(0.5, |sigma| 4.0 * sigma);

@@ -89,7 +89,7 @@ fn clouds_on_sheets_agree_with_the_integral() {
     }
 }
 
-/// What the widening in depth does to flat kernels: their optical depth stays, wherever planes lie.
+/// The widening in depth preserves the optical depth of flat kernels, wherever planes lie.
 #[test]
 fn flat_kernels_keep_their_optical_depth_between_planes() {
     let mut random = Random::new(3);

@@ -114,7 +114,7 @@ fn rays_through_meshes_keep_the_values_of_the_field() {
     }
 }
 
-/// What planes of a mesh's values cannot show is refused, by its name.
+/// Settings that planes of mesh values cannot show are refused by name.
 #[test]
 fn what_values_of_meshes_cannot_have_is_refused() {
     let look = linear_extinction([0.0, 1.0], EXTINCTION, [0.9, 0.5, 0.2]);

@@ -77,8 +77,8 @@ fn a_rectilinear_grid_shows_what_a_regular_one_shows() {
     assert!(figures.psnr > 40.0, "{}", figures.psnr);
 }
 
-/// What is classified behind the kernels: a volume's picture, lit, through a band of its values and as an isosurface, on a grid
-/// that is graded, and cut by a plane.
+/// Post-classified meshes match the volume's picture: lit, through a band of values and as an isosurface, on a graded
+/// grid, and cut by a plane.
 #[test]
 fn samples_of_meshes_are_classified_as_those_of_volumes_are() {
     let field = Ball {

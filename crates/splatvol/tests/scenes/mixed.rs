@@ -179,7 +179,8 @@ fn pictures_do_not_depend_on_threads() {
     }
 }
 
-/// What only one volume has is refused beside others, by the name of the field, and nothing else is done in its place.
+/// Features of a single volume are refused beside other items, by the name of the field; nothing else is rendered
+/// instead.
 #[test]
 fn what_is_of_one_volume_is_refused() {
     let points = || item(sphere(100), PointLook::default(), 1.0);

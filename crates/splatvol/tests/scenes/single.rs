@@ -103,7 +103,7 @@ fn clips_of_an_item_go_with_it() {
     assert!(Comparison::of(&a.image, &uncut.image).psnr < 30.0);
 }
 
-/// What moves among others is seen at each of its places for a share of the time.
+/// An item that moves among others is seen at each of its positions for a share of the time.
 #[test]
 fn items_move_on_their_own() {
     let sphere = || {

@@ -1,4 +1,4 @@
-//! What goes with what: every kind of item with everything that can be asked of it.
+//! Compatibility table: every kind of item with every feature.
 //!
 //! The table of `docs/scenes.md` is made here, by asking [`splatvol::check`]; `UPDATE_SNAPSHOTS=1` writes it anew. Each *yes* is
 //! rendered and looked at, each *no* is the error that rendering gives too.
@@ -24,7 +24,7 @@ const BALL: Ball = Ball {
     radius: 0.9,
 };
 
-/// What a scene consists of.
+/// Contents of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Volume,
@@ -35,7 +35,7 @@ enum Kind {
     Several,
 }
 
-/// What is asked of it.
+/// Feature requested of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Feature {
     Animation,

@@ -43,7 +43,7 @@ pub(in super::super) fn is_archive(path: &Path) -> bool {
     matches!(archive, Some(Ok(archive)) if folder_of_meta(&archive).is_some())
 }
 
-/// What comes before `meta.json` in the names of a zip's files.
+/// Path prefix of `meta.json` among the names of a zip's files.
 fn folder_of_meta(archive: &ZipArchive<BufReader<File>>) -> Option<String> {
     archive
         .file_names()

@@ -1,4 +1,4 @@
-//! What `meta.json` says.
+//! Contents of `meta.json`.
 
 use serde_json::Value;
 
@@ -6,7 +6,7 @@ use crate::IoError;
 use crate::error::Context;
 use crate::json::Node;
 
-/// What bytes stand for.
+/// Mapping from bytes to numbers.
 pub(super) enum Numbers {
     /// Version 2: one of 256 numbers.
     Codebook(Vec<f64>),

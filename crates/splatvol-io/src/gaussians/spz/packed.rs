@@ -19,7 +19,7 @@ pub(in super::super) struct Packed {
     /// Which compression.
     pub(super) coding: &'static str,
     pub(super) frame: Frame,
-    /// What the bytes 0 and 255 of harmonics stand for, where that is not (byte - 128) / 128.
+    /// Values of the bytes 0 and 255 of harmonics, unless the mapping is (byte - 128) / 128.
     pub(super) harmonics_range: Option<[f32; 2]>,
     /// Means, opacities, colours, scales, rotations, harmonics.
     pub(super) arrays: [Vec<u8>; 6],

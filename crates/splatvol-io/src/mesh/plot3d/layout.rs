@@ -8,7 +8,7 @@ const MOST: i32 = 1 << 24;
 /// More grids are not believed.
 const MOST_GRIDS: i32 = 1 << 16;
 
-/// What a file holds.
+/// Kind of file: grid or solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Content {
     /// x, y, z, and perhaps IBLANK.

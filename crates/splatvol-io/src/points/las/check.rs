@@ -1,4 +1,4 @@
-//! What a LAS header claims, held against the bytes present.
+//! Checks of a LAS header against the bytes present.
 //!
 //! The crate that decodes allocates what variable length records, chunk tables and layers of chunks say they need. Here
 //! each of these lengths is held against the length of the file before.

@@ -63,7 +63,7 @@ impl Field {
     }
 }
 
-/// What the header says.
+/// Contents of the header.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub(super) version: String,

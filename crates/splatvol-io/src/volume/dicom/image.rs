@@ -1,5 +1,5 @@
-//! What the header of a DICOM image says: the form of its pixels, its series, and where each frame lies (PS3.3,
-//! C.7.6.2 image plane, C.7.6.3 image pixel, C.11.1 modality LUT; C.7.6.16 functional groups of enhanced images).
+//! Header of a DICOM image: pixel format, series, and position of each frame (PS3.3, C.7.6.2 image plane, C.7.6.3 image
+//! pixel, C.11.1 modality LUT; C.7.6.16 functional groups of enhanced images).
 
 use std::path::{Path, PathBuf};
 
@@ -37,7 +37,7 @@ impl Form {
     }
 }
 
-/// What a series is called.
+/// Identity of a series.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Series {
     pub(super) uid: String,

@@ -58,7 +58,7 @@ impl Parameters {
     }
 }
 
-/// What is known of errors in one surrounding.
+/// Error statistics of one context.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Statistics {
     /// Sum of the errors' sizes.

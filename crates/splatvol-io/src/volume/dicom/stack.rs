@@ -191,7 +191,7 @@ impl Positioned<'_> {
     }
 }
 
-/// What is wrong with slices at these heights.
+/// Describes the irregularity of slices at these heights.
 fn uneven(heights: &[f64]) -> String {
     let gaps: Vec<f64> = heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut sorted = gaps.clone();

@@ -68,7 +68,7 @@ pub(crate) struct Attributes {
     pub(crate) arrays: Vec<Array>,
 }
 
-/// What an attribute's line declares.
+/// The declaration line of an attribute.
 struct Declaration {
     name: String,
     type_name: String,
@@ -86,7 +86,7 @@ pub(crate) struct Scan<'a, 'b> {
     pub(crate) wanted: Option<&'b str>,
     /// Stop at the wanted array: what follows need not be legible.
     pub(crate) stops_early: bool,
-    /// What was found so far.
+    /// Attributes found so far.
     pub(crate) found: Attributes,
 }
 
@@ -94,7 +94,7 @@ impl Scan<'_, '_> {
     /// Fills `found`, up to the wanted array or the end.
     ///
     /// # Errors
-    /// What cannot be read; what comes before it has been found all the same.
+    /// An attribute that cannot be read; those before it are in `found` nevertheless.
     pub(crate) fn run(&mut self) -> Result<(), IoError> {
         let mut section = None;
         while let Some(keyword) = self.cursor.word() {

@@ -36,7 +36,7 @@ impl ElementType {
     }
 }
 
-/// What the header says.
+/// Contents of the header.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
     pub(super) element: ElementType,

@@ -30,7 +30,7 @@ pub(super) struct Space {
     time: bool,
 }
 
-/// What an entry of `space directions` says about its axis.
+/// An entry of `space directions`, for one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Direction {
     None,

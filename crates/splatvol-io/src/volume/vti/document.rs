@@ -23,7 +23,7 @@ const APPENDED: &[u8] = b"<AppendedData";
 pub(crate) struct Parts<'a> {
     /// A whole XML document, without the appended data's content.
     pub(crate) xml: Cow<'a, str>,
-    /// What follows the underscore of the appended data, to the end of the file.
+    /// The appended data after the underscore, to the end of the file.
     pub(crate) appended: Option<&'a [u8]>,
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn parse<'a>(parts: &'a Parts<'_>, context: &Context<'_>) -> Result<D
         .map_err(|error| context.field("XML", error, None, "well-formed XML without document type"))
 }
 
-/// What makes the blocks of binary data smaller.
+/// Compression of the blocks of binary data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Compressor {
     Zlib,

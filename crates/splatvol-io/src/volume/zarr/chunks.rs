@@ -20,7 +20,7 @@ const RATIO: u64 = 1032;
 /// Chunks that are looked for, per file that exists.
 const CHUNKS_PER_FILE: usize = 64;
 
-/// What is taken of an array.
+/// The part of an array to read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Part {
     /// Place along every axis; ignored for the spatial ones.

@@ -1,5 +1,5 @@
-//! What the papers' authors did not ask: reconstruction, aliasing by frequency, popping, sheet thickness, absorption,
-//! kernel cut-off.
+//! Questions beyond the papers: reconstruction, aliasing by frequency, popping, sheet thickness, absorption, kernel
+//! cut-off.
 //!
 //! | experiment | question |
 //! |---|---|

@@ -98,7 +98,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// What a turn of the camera changed.
+/// Changes of the picture over a turn of the camera.
 struct Turn {
     /// Angle between two frames, degrees, and their difference, % of full light.
     changes: Vec<[f64; 2]>,

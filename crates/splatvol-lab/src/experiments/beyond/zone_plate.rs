@@ -59,7 +59,7 @@ struct Method {
     key: &'static str,
     filter: Filter,
     coverage: Coverage,
-    /// What is left of the wave at a place, in a picture of so many pixels.
+    /// Remaining amplitude of the wave at a position, in a picture of this many pixels.
     wave: fn([f64; 2], f64) -> f64,
 }
 

@@ -4,7 +4,7 @@ use splatvol::{Grid, LengthUnit, Rescale, Samples, Volume};
 
 use crate::LabError;
 
-/// What is seen of ground from above: the top of every column, and its value.
+/// The ground as seen from above: the top of every column, and its value.
 pub(in crate::experiments) struct Columns {
     /// Columns along x and along y.
     dims: [usize; 2],

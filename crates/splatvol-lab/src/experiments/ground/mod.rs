@@ -11,7 +11,7 @@ pub(super) use columns::Columns;
 
 use crate::{LabError, Workbench};
 
-/// What lies there.
+/// Source of the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ground {
     /// The built-in sample `terrain`: height and photograph are drawn from noise.

@@ -63,7 +63,7 @@ pub(super) enum Rounding {
     None,
     /// Sums to the nearest of 255 levels.
     Nearest,
-    /// What is added is cut to whole levels, as shifted integers are.
+    /// Each addend is truncated to whole levels, as by shifting integers.
     Down,
 }
 

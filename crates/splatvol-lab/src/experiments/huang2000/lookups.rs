@@ -1,5 +1,5 @@
-//! What it takes to find the entries of a footprint's pixels, and nothing else: a loop per method of section 3, to tell what
-//! of a frame's time is the method's.
+//! Cost of finding the table entries of a footprint's pixels, and of nothing else: one loop per method of section 3, to
+//! separate the method's share of the frame time.
 
 use std::hint::black_box;
 use std::time::Instant;

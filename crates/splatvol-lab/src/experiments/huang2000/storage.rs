@@ -1,4 +1,4 @@
-//! What tables take: sections 3, 3.2 and 5.1.
+//! Storage of the tables: sections 3, 3.2 and 5.1.
 
 use std::collections::BTreeSet;
 

@@ -74,7 +74,7 @@ struct Compared {
     methods: Vec<Method>,
 }
 
-/// What a method makes of a view.
+/// Rendering of a view by one method, and its errors.
 struct Method {
     key: &'static str,
     words: &'static str,

@@ -23,7 +23,7 @@ its error very small and gives no number: the condition, relative to the footpri
     run,
 };
 
-/// What counts as no worse: levels of eight bits.
+/// Tolerance within which a result counts as no worse, in levels of eight bits.
 const AS_GOOD: f64 = 0.05;
 
 /// A row's errors over the volume.

@@ -188,7 +188,7 @@ fn ideal_and_practical(outcome: &mut Outcome, setting: &Setting, rays: usize) {
     );
 }
 
-/// What the standard deviation of the text gives, where the text says that errors are less than eight levels.
+/// Errors with the standard deviation given in the text, where the text says that errors are below eight levels.
 fn as_printed(outcome: &mut Outcome, setting: &Setting, rays: usize) {
     let [_, far] = setting.depths();
     let kernel = setting.kernel(setting.edge(), far);

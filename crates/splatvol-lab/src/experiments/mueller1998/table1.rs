@@ -187,7 +187,7 @@ fn apart(
     256.0 * rays.iter().map(error).fold(0.0, f64::max) / peak
 }
 
-/// What the 32 bits of a pixel's position take from it.
+/// Rounding error of a pixel's position in 32 bits.
 fn rounding(view: &View, y_p: f64) -> f32 {
     let exact = view.screen.centre.y + y_p;
     (exact - f64::from(exact as f32)) as f32
@@ -206,8 +206,8 @@ struct Misprint {
     bound: f64,
 }
 
-/// What each misprint alone gives, where the paper gives a bound that tells: at `z_k` kernels are round, and letters that only
-/// turn them do no harm.
+/// Effect of each misprint alone, where the paper gives a bound that reveals it: at `z_k` kernels are round, and
+/// misprinted letters that only rotate them do no harm.
 fn printed(outcome: &mut Outcome, setting: &Setting) {
     const RAYS: usize = 401;
     let [_, far] = setting.depths();

@@ -1,4 +1,4 @@
-//! What figures 5 and 6 look at.
+//! Views of figures 5 and 6.
 
 use glam::DVec3;
 use splatvol::{Camera, Projection, RenderSettings, Scene};
@@ -12,7 +12,7 @@ use crate::{LabError, Workbench};
 pub(super) struct View {
     /// The paper's.
     pub(super) figure: &'static str,
-    /// What there is to see.
+    /// The scene.
     pub(super) scene: Scene,
     /// From where.
     pub(super) camera: Camera,

@@ -13,7 +13,7 @@ use super::view::{Fine, METHODS, Method, View};
 use super::window::Window;
 use crate::{LabError, Workbench};
 
-/// What one filter does to the view.
+/// Measurements of the view with one filter.
 pub(super) struct Measured {
     pub(super) method: &'static Method,
     pub(super) frame: Frame,

@@ -20,7 +20,7 @@ pub(super) struct Single {
     pub(super) shifts: u32,
 }
 
-/// What is measured on the X-ray of a splat.
+/// Measurements on the X-ray of a splat.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moments {
     /// Optical depth integrated over the picture, pixels squared.

@@ -1,11 +1,11 @@
-//! What the paper says of Fig. 7 against what is measured.
+//! The paper's claims about Fig. 7 against the measurements.
 
 use super::comparison::{Comparison, Measured};
 use super::shown;
 use super::view::View;
 use crate::{Expectation, Finding, LabError, Outcome, Published};
 
-/// What the paper says of a view, and where.
+/// The paper's claims about a view, with their place in the paper.
 pub(super) struct Claims {
     /// The figures without and with anti-aliasing.
     pub(super) figures: [&'static str; 2],
@@ -19,7 +19,7 @@ pub(super) struct Claims {
     pub(super) animated: Option<&'static str>,
 }
 
-/// What is left of aliasing and flicker where a picture is smoothed.
+/// Remaining share of aliasing and flicker in a smoothed picture.
 const LEFT: Expectation = Expectation::AtMost(0.1);
 const ADD_UP: &str = "opaque splats hide each other, and a low-passed opacity is no low-passed picture: of the same voxels made \
                       faint, which only add up, this share is left";

@@ -1,5 +1,5 @@
-//! What the pictures of Fig. 7 have in common: a view, the filters compared on it, the distance k, and pictures sampled
-//! finer than by pixels.
+//! Common parts of the pictures of Fig. 7: a view, the filters compared on it, the distance k, and pictures sampled at
+//! more than one sample per pixel.
 
 use splatvol::{
     Camera, Filter, FlatSettings, Frame, Image, ImageSize, Lighting, Projection, RenderSettings, Renderer,
@@ -42,7 +42,7 @@ pub(super) const METHODS: [Method; 4] = [
     },
 ];
 
-/// What is seen, from where, and how large.
+/// Scene, camera and picture size.
 pub(super) struct View {
     pub(super) scene: Scene,
     pub(super) camera: Camera,

@@ -33,7 +33,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-/// What a frame took the paper's authors, approximately.
+/// Frame time of the paper's authors, approximately.
 const PUBLISHED_SECONDS: f64 = 11.0;
 
 /// One of the objects.

@@ -1,4 +1,4 @@
-//! What pictures of textures are compared by.
+//! Measures for comparing pictures of textures.
 
 use glam::DMat2;
 use splatvol::Image;

@@ -27,7 +27,7 @@ use crate::{Classification, ColorMap, ColorPoint, OpacityPoint, TransferFunction
 use materials::Background;
 use survey::Survey;
 
-/// What the automatic choice took the data for.
+/// Kind of data, as the automatic choice recognised it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DataKind {
@@ -49,7 +49,7 @@ pub enum DataKind {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct AutomaticChoice {
-    /// What the data were taken for.
+    /// Recognised kind of the data.
     pub kind: DataKind,
     /// One sentence with the numbers behind the choice, in data units.
     pub reason: String,

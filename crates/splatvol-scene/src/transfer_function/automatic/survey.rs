@@ -1,4 +1,4 @@
-//! What the automatic choice knows of a volume: a sparse, jittered sampling of values and gradients.
+//! Survey of a volume for the automatic choice: a sparse, jittered sampling of values and gradients.
 //!
 //! The grid is cut into at most [`CELLS_PER_AXIS`]^3 cells; each gives one sample at a hashed place inside it (a plain
 //! stride would alias with lattices and repeated slices), with the gradient magnitude from forward differences. So at

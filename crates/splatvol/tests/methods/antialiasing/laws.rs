@@ -1,4 +1,4 @@
-//! What the filters do to one footprint, to one layer and to the energy of a picture, against their equations.
+//! Effect of the filters on one footprint, on one layer and on the energy of a picture, against their equations.
 
 use glam::{DVec2, DVec3};
 use splatvol::{

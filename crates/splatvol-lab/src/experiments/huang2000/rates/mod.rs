@@ -40,7 +40,7 @@ wider than its kernels it splats on a coarser raster, which is interpolated; the
 
 const RADII: [f64; 6] = [2.0, 4.0, 8.0, 12.0, 16.0, 24.0];
 const ROUNDS: usize = 9;
-/// What is reported of progress: rounds and the one before them, twice, and variants.
+/// Progress steps: the rounds and the warm-up round before them, twice, and the variants.
 const STEPS: usize = 2 * (ROUNDS + 1) + 1;
 /// Voxels of the slab along depth.
 const LAYERS: usize = 4;
@@ -225,7 +225,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// What makes no difference to rates, as the paper says: precision, and cells of RLUT.
+/// Variants that do not affect the rates, according to the paper: precision, and cells of RLUT.
 fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError> {
     let radius = 8.0;
     let edge = bench.choose(512, 192);

@@ -92,7 +92,7 @@ pub(super) fn lookup_finding(outcome: &mut Outcome, lookups: &Lookups) {
     );
 }
 
-/// What sets volumes apart.
+/// Findings that compare the volumes.
 pub(super) fn across_findings(outcome: &mut Outcome, cases: &[Case]) {
     let of = |name: &str| cases.iter().find(|case| case.name == name);
     let square = |name: &str| of(name).and_then(|case| case.row("square"));

@@ -45,7 +45,7 @@ struct Case {
     rows: Vec<Row>,
 }
 
-/// What a method took.
+/// Cost of a method.
 struct Row {
     method: &'static str,
     seconds: f64,

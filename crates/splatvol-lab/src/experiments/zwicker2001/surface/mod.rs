@@ -1,7 +1,7 @@
 //! Fig. 9: volume kernels beside surface kernels on a texture.
 //!
-//! What is compared with is the texture itself: sums of circular Gaussians in the plane, `sum c g / sum g`, evaluated in 64 bits
-//! where the rays of 16 samples per pixel meet the plane, and weighted by the low-pass.
+//! The reference is the texture itself: sums of circular Gaussians in the plane, `sum c g / sum g`. They are evaluated
+//! in 64 bits where the rays of 16 samples per pixel meet the plane, and weighted by the low-pass.
 
 mod texture;
 
@@ -94,7 +94,7 @@ fn settings([width, height]: [u32; 2], compositing: Compositing) -> Result<Rende
     })?)
 }
 
-/// What footprints look like in this view.
+/// Shape of the footprints in this view.
 fn footprints(outcome: &mut Outcome) -> Result<(), LabError> {
     let profile = GaussianProfile::new(CUT);
     let tilt = DMat3::from_rotation_x((90.0 - ELEVATION).to_radians()) * 0.02;

@@ -1,7 +1,7 @@
 //! The plate that the paper numbers 8 again: anisotropic voxels under the EWA filter and under Swan's.
 //!
-//! What a filter does is measured twice: as the picture of one voxel, whose second moments are compared with those of the
-//! ideal filter (the unfiltered footprint's plus the low-pass's, eq. 8 and 11), and as the picture of the whole texture,
+//! The effect of a filter is measured twice. In the picture of one voxel, the second moments are compared with those of
+//! the ideal filter (the unfiltered footprint's plus the low-pass's, eq. 8 and 11). The picture of the whole texture is
 //! compared with 16 samples per pixel weighted by the low-pass.
 
 mod case;
@@ -44,10 +44,10 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
 const SAMPLES: usize = 4;
 /// Lengths of voxels over their widths.
 const RATIOS: [usize; 2] = [2, 4];
-/// What a frame took the paper's authors, approximately.
+/// Frame time of the paper's authors, approximately.
 const PUBLISHED_SECONDS: f64 = 6.0;
 
-/// What was measured on a case.
+/// Measurements of a case.
 struct Measured {
     /// Major over minor width of the unfiltered footprint.
     ratio: f64,
