@@ -42,7 +42,7 @@ pub enum Data {
     Mesh(Mesh),
 }
 
-/// Which reader a file is for.
+/// The reader for a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DataKind {
     /// [`read_volume`].
@@ -100,12 +100,12 @@ impl FromStr for DataKind {
     }
 }
 
-/// How any data are read.
+/// Options for reading data of any kind.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DataOptions {
     /// Kind of the file; if absent, detected from its contents.
     pub kind: Option<DataKind>,
-    /// For the reader; each takes what concerns it.
+    /// Options for the reader; each reader uses those that apply to it.
     pub read: ReadOptions,
     /// Picture that is laid over terrain.
     pub drape: Option<PathBuf>,
@@ -126,11 +126,11 @@ pub struct LoadedData {
     pub tags: Vec<String>,
     /// Arrays of the file, any of which can be named as [`ReadOptions::array`].
     pub arrays: Vec<String>,
-    /// Where the scanner of points stood, world, if the file says so.
+    /// Position of the scanner of points, world, if the file gives it.
     pub viewpoint: Option<DVec3>,
 }
 
-/// Which reader the file or folder at `path` is for.
+/// The reader for the file or folder at `path`.
 ///
 /// # Errors
 /// [`IoError::Open`] where it cannot be read, [`IoError::Unsupported`] where nothing reads it.

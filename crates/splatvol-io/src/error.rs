@@ -131,7 +131,7 @@ pub struct FormatError {
     pub path: PathBuf,
 }
 
-/// Where a parser is: every error it makes names format and path.
+/// Context of a parser: its errors name format and path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Context<'a> {
     /// Format and part: "NRRD header".

@@ -52,7 +52,7 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// That this is an object without other members than `known`.
+    /// Checks that this is an object without members other than `known`.
     pub(crate) fn only(&self, known: &[&str]) -> Result<(), IoError> {
         let Value::Object(members) = self.value else {
             return Err(self.error("an object"));
@@ -106,7 +106,7 @@ impl<'a> Node<'a> {
         self.value.as_str()
     }
 
-    /// That this value is not what was expected.
+    /// An error: this value is not the expected one.
     pub(crate) fn error(&self, expected: &str) -> IoError {
         self.context.field(self.path.clone(), self.value, None, expected)
     }

@@ -100,7 +100,7 @@ impl SceneItem {
         self.scale.is_some() || self.rotate.is_some() || self.translate.is_some()
     }
 
-    /// Where the item lies: its scale, rotation and shift. `up` is not among them.
+    /// Placement of the item: scale, rotation and shift, without `up`.
     ///
     /// # Errors
     /// The key and its value, where they make no place.

@@ -1,4 +1,4 @@
-//! Where bytes come from: regular files, slices, and the deflate family, with a bound on how much can come.
+//! Byte sources: regular files, slices, and the deflate family, with a bound on their length.
 //!
 //! [`Source::at_most`] is known before anything is read: the length of the rest of the file, times 1032 (the best
 //! ratio that deflate can reach, RFC 1951) where it is compressed. What a header declares is held against it, so that
@@ -188,7 +188,7 @@ impl<'a> Source<'a> {
         Ok(bytes)
     }
 
-    /// All bytes that are left: only for sources that are not compressed, whose bound is their length.
+    /// All remaining bytes: only for uncompressed sources, whose bound is their length.
     pub(crate) fn all_bytes(&mut self, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
         debug_assert!(self.exact, "a compressed stream has no known length");
         self.read_bytes("contents", self.at_most, context)
@@ -245,8 +245,8 @@ pub(crate) fn grow<T: Copy + Default>(
 #[error("the bytes after the end of the gzip stream are not gzip")]
 struct NotAMember;
 
-/// All members of a gzip file, one after the other. flate2's own multi-member decoder cannot tell a bad member from
-/// harmless padding after the last one.
+/// Decoder of all members of a gzip file, one after the other. flate2's own multi-member decoder cannot tell a bad
+/// member from harmless padding after the last one.
 struct GzipMembers<R: BufRead> {
     state: GzipState<R>,
 }

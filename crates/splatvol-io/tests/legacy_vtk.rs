@@ -99,7 +99,7 @@ fn build(binary: bool, parts: &[Part]) -> Vec<u8> {
 
 const SCALARS: [i16; 12] = [10, -11, 12, -13, 14, 15, 16, 17, 18, 19, 20, 30_000];
 
-/// Everything that may stand around the scalars, cell data first as VTK itself writes them.
+/// All parts that may surround the scalars, cell data first as VTK itself writes them.
 fn parts() -> Vec<Part> {
     use Part::{Bytes, Floats, Shorts, Text};
     let floats = |count: usize| Floats((0..count).map(|i| i as f32 * 0.5).collect());

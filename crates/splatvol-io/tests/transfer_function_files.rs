@@ -68,7 +68,7 @@ fn slicer_needs_a_unit_distance() {
     assert!(!path.exists());
 }
 
-/// As Slicer writes it (with `type` and members that do not matter here).
+/// A file as Slicer writes it (with `type` and members that do not matter here).
 const SLICER: &str = r#"{
     "@schema": "https://raw.githubusercontent.com/slicer/slicer/main/Modules/Loadable/VolumeRendering/Resources/Schema/volume-property-schema-v1.0.0.json#",
     "volumeProperties": [{

@@ -202,7 +202,7 @@ fn shards_of_version_3_are_read() {
     }
 }
 
-/// By the definition: the remainder of polynomials, bit by bit.
+/// CRC-32C by its definition: the remainder of polynomials, bit by bit.
 fn crc32c(bytes: &[u8]) -> u32 {
     let mut crc = u32::MAX;
     for bit in bytes

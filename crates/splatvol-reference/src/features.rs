@@ -1,4 +1,4 @@
-//! Where a transfer function bends: keeps the adaptive integral from stepping over thin features.
+//! Kinks of the transfer function: keeps the adaptive integral from stepping over thin features.
 //!
 //! Two samples of a ray with values a and b say nothing about what the transfer function does between a and b. Here
 //! it is probed there, at its points, just before them (steps) and in the middle of its segments, and compared with

@@ -17,7 +17,7 @@ const MAX_HALVINGS: u32 = 24;
 /// halves and whole sees what it samples, this only keeps it from missing what it does not.
 const FEATURE_TOLERANCES: f64 = 16.0;
 
-/// Whether what lies in front dims what lies behind.
+/// Whether material dims the light from behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Optics {
     /// Emission and absorption.
@@ -106,13 +106,13 @@ impl RaySample {
 pub(crate) struct RayIntegral<'a, M: Fn(f64) -> MediumSample> {
     /// The medium at a position, 0..1.
     pub(crate) medium: M,
-    /// Where the transfer function bends.
+    /// Kinks of the transfer function.
     pub(crate) features: &'a Features,
     /// World length of the whole.
     pub(crate) length: f64,
     /// Accepted difference between an interval and its halves, in optical depth and light reaching the eye.
     pub(crate) tolerance: f64,
-    /// How light adds up.
+    /// Optical model.
     pub(crate) optics: Optics,
 }
 

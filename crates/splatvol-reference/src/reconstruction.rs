@@ -104,7 +104,7 @@ impl Reconstruction {
         self.with_box(sums, x_voxel, DVec3::splat(self.kernel.sigma))
     }
 
-    /// The same with the kernel's covariance (voxel space) widened by a low-pass.
+    /// [`Self::sums`] with the kernel's covariance (voxel space) widened by a low-pass.
     pub fn filtered_sums(&self, x_voxel: DVec3, covariance: DMat3) -> Sums {
         let sums = self
             .samples

@@ -19,7 +19,7 @@ use crate::shading::Shading;
 /// Sampling of rays that show one value relative to the initial step.
 const SAMPLES_OF_VALUES_PER_STEP: f64 = 4.0;
 
-/// How carefully rays are integrated.
+/// Accuracy of the ray integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferenceSettings {
     /// Accepted difference between an interval and its halves, in optical depth and light reaching the eye; the
@@ -81,7 +81,7 @@ enum Mode {
     },
 }
 
-/// Which value of a ray is shown.
+/// Choice of the value that a ray shows.
 #[derive(Debug, Clone, Copy)]
 enum ValueOf {
     Largest,
@@ -322,7 +322,7 @@ fn support(geometry: &ViewGeometry, dims: [usize; 3]) -> [DVec3; 2] {
 /// Renders a frame.
 ///
 /// # Errors
-/// As [`Reference::new`].
+/// Same as [`Reference::new`].
 pub fn render(
     scene: &Scene,
     camera: &Camera,
@@ -335,7 +335,7 @@ pub fn render(
 /// Renders some pixels (column, row) of a frame, in parallel.
 ///
 /// # Errors
-/// As [`Reference::new`].
+/// Same as [`Reference::new`].
 pub fn render_pixels(
     scene: &Scene,
     camera: &Camera,

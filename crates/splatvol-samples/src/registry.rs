@@ -35,7 +35,7 @@ pub enum Sample {
     Tomato,
 }
 
-/// How large a sample shall be.
+/// Size of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SampleSize {
     /// Samples along the longest axis; the others keep the default's proportions.
@@ -164,8 +164,8 @@ impl Sample {
         Ok(transfer::transfer_function(self)?)
     }
 
-    /// How the paper that the sample comes from splats it: colours, so that the dark squares' value between light ones
-    /// and air is no dark rim, and palettes mix as colours, not as entries.
+    /// Classification in the paper that the sample comes from: colours, so that the dark squares' value between light
+    /// ones and air makes no dark rim, and palettes mix as colours, not as entries.
     pub fn preferred_classification(self) -> Classification {
         match self {
             Self::CheckerSheet | Self::Tunnel | Self::Zebra | Self::Terrain => Classification::Pre,

@@ -43,7 +43,7 @@ impl Piece {
     }
 }
 
-/// Where and how finely pieces are sampled.
+/// Region and resolution at which pieces are sampled.
 struct Raster {
     dims: [usize; 3],
     /// Length between samples, in the pieces' units.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Bounds, ImageSize, SceneError};
 
-/// How camera space becomes a picture.
+/// Projection from camera space to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Projection {
@@ -146,7 +146,7 @@ impl Camera {
     /// field of view and steps back; an orthographic one ignores its height and fits it.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// Same as [`Camera::new`].
     pub fn framing(
         bounds: &Bounds,
         view: View,

@@ -74,7 +74,7 @@ impl ClipPlane {
     }
 }
 
-/// Which part is kept.
+/// The part that is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Keep {
@@ -90,7 +90,7 @@ pub enum Keep {
 pub struct Clip {
     /// Planes that bound the body.
     pub planes: Vec<ClipPlane>,
-    /// Which part is kept.
+    /// The part that is kept.
     pub keep: Keep,
 }
 
@@ -98,7 +98,7 @@ impl Clip {
     /// Keeps the half-space that a plane's normal points to.
     ///
     /// # Errors
-    /// As [`ClipPlane::new`].
+    /// Same as [`ClipPlane::new`].
     pub fn plane(point: DVec3, normal: DVec3) -> Result<Self, SceneError> {
         Ok(Self {
             planes: vec![ClipPlane::new(point, normal)?],
@@ -127,7 +127,7 @@ impl Clip {
         })
     }
 
-    /// The same body in another space, to which `other_from_own` takes it.
+    /// This body in another space, given the map `other_from_own`.
     #[must_use]
     pub fn transformed(&self, other_from_own: &DAffine3) -> Self {
         let normals = other_from_own.matrix3.inverse().transpose();

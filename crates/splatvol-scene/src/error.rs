@@ -45,7 +45,7 @@ pub enum SceneError {
         /// Cause of the failure.
         reason: String,
     },
-    /// Parts of a scene, or of a scene and the settings, that do not go together.
+    /// Parts of a scene, or of a scene and the settings, that cannot be combined.
     #[error("{what} cannot be rendered: {why}")]
     Combination {
         /// The refused request.

@@ -87,7 +87,7 @@ impl Gaussians {
         self
     }
 
-    /// The same Gaussians elsewhere.
+    /// These Gaussians with another placement.
     ///
     /// # Errors
     /// A `world_from_local` that cannot be inverted.

@@ -111,7 +111,7 @@ impl Grid {
     /// Grid with unit spacing, its centre at the world's origin.
     ///
     /// # Errors
-    /// As [`Grid::new`].
+    /// Same as [`Grid::new`].
     pub fn centred(dims: [usize; 3], spacing: DVec3) -> Result<Self, SceneError> {
         let last = DVec3::from_array(dims.map(|n| n as f64 - 1.0));
         Self::new(dims, -0.5 * last * spacing, spacing, DMat3::IDENTITY)
@@ -120,7 +120,7 @@ impl Grid {
     /// Grid from dims (x y z) and the whole map from voxel to world.
     ///
     /// # Errors
-    /// As [`Grid::new`].
+    /// Same as [`Grid::new`].
     pub fn from_affine(dims: [usize; 3], world_from_voxel: DAffine3) -> Result<Self, SceneError> {
         if dims.iter().any(|&n| n == 0 || n > Self::MAX_DIM) {
             return Err(SceneError::invalid("dims", dims, "each from 1 to 65535"));

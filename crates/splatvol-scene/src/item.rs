@@ -81,7 +81,7 @@ impl Isosurface {
     }
 }
 
-/// How points look where they do not say so themselves.
+/// Appearance of points, for attributes that the data lack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointLook {
     /// sRGB of points without colour, 0..1.
@@ -127,14 +127,14 @@ impl PointLook {
 pub struct Item {
     /// Data and appearance.
     pub content: Content,
-    /// Where the content's own world lies.
+    /// Placement of the content's own space in the world.
     pub world_from_item: DAffine3,
     /// Operators that change the appearance of its material, applied in this order (post-classified pictures only);
     /// positions are in world space.
     pub operators: Vec<Arc<dyn PixelOperator>>,
     /// Clips of this item, item space: a point is visible if every clip keeps it.
     pub clips: Vec<Clip>,
-    /// How it moves while the shutter is open, world.
+    /// Motion while the shutter is open, world space.
     pub motion: Option<Motion>,
 }
 
@@ -191,7 +191,7 @@ impl Item {
         }))
     }
 
-    /// The same of a mesh.
+    /// Surfaces of a mesh; see [`Item::isosurfaces`].
     ///
     /// # Errors
     /// No surfaces, values that are not finite, or colours or opacities outside 0..1.

@@ -1,5 +1,4 @@
-//! Everything that describes a picture before it is made: validated inputs, plain settings, and the images
-//! that come out.
+//! Description of a picture before it is rendered: validated inputs, plain settings, and the output images.
 //!
 //! | module | holds |
 //! |---|---|

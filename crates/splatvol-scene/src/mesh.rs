@@ -21,7 +21,7 @@ pub enum Association {
     Cell,
 }
 
-/// How points are joined.
+/// Connectivity of the points.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Topology {
     /// Blocks of points along i, j, k (i fastest), one block after the other. Neighbouring points span hexahedra.
@@ -106,7 +106,7 @@ impl Mesh {
         &self.positions
     }
 
-    /// How points are joined.
+    /// Connectivity of the points.
     pub fn topology(&self) -> &Topology {
         &self.topology
     }
@@ -139,7 +139,7 @@ impl Mesh {
         self.bounds
     }
 
-    /// The same mesh elsewhere.
+    /// This mesh with another placement.
     ///
     /// # Errors
     /// A `world_from_local` that cannot be inverted.

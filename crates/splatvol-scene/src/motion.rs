@@ -29,9 +29,9 @@ pub enum Motion {
     },
     /// The camera moves past the camera of the frame, which is that of the shutter's middle.
     Camera {
-        /// Where it is when the shutter opens.
+        /// Camera when the shutter opens.
         opening: Camera,
-        /// Where it is when the shutter closes.
+        /// Camera when the shutter closes.
         closing: Camera,
     },
     /// Every voxel moves by a vector of its own, in the order of the samples (x fastest).

@@ -94,15 +94,15 @@ impl Points {
         self.bounds
     }
 
-    /// The same points with other attributes.
+    /// These points with other attributes.
     ///
     /// # Errors
-    /// As [`Points::new`].
+    /// Same as [`Points::new`].
     pub fn with_attributes(self, attributes: PointAttributes) -> Result<Self, SceneError> {
         Self::new(self.positions, attributes, self.world_from_local)
     }
 
-    /// The same points elsewhere.
+    /// These points with another placement.
     ///
     /// # Errors
     /// A `world_from_local` that cannot be inverted.

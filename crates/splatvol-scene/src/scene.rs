@@ -159,7 +159,7 @@ impl Scene {
     /// The transfer function of a scene of one volume, to change it.
     ///
     /// # Errors
-    /// As [`Scene::single_volume`].
+    /// Same as [`Scene::single_volume`].
     pub fn transfer_function_mut(&mut self) -> Result<&mut TransferFunction, SceneError> {
         self.single_volume()?;
         match self.items.first_mut().map(|item| &mut item.content) {

@@ -1,4 +1,4 @@
-//! Where samples come from: a grid at one or several levels of detail, read region by region.
+//! Sources of samples: a grid at one or several levels of detail, read region by region.
 //!
 //! A [`Volume`] has all its samples in memory, its own or shared with somebody else ([`crate::Storage`]), and lends them as they are.
 //! Other sources - chunks of a file, a store on another machine - bring a region when it is asked for. What an engine makes of
@@ -49,9 +49,9 @@ impl VoxelBox {
 /// Samples in memory, x fastest, and the region that they are of.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'a> {
-    /// As many as the region has.
+    /// Samples of the region, as many as it has.
     pub samples: &'a Samples,
-    /// Where they lie.
+    /// The region.
     pub of: VoxelBox,
 }
 
@@ -63,10 +63,10 @@ pub trait SampleSource: Debug + Send + Sync {
         1
     }
 
-    /// Where the samples of a level lie.
+    /// Grid of the samples of a level.
     fn grid(&self, level: usize) -> &Grid;
 
-    /// How the stored samples of a level become real values.
+    /// Conversion of the stored samples of a level to real values.
     fn rescale(&self, level: usize) -> Rescale;
 
     /// Range, mean and missing samples of a level, real values.

@@ -1,4 +1,4 @@
-//! Where samples lie: in a vector of their own, or in memory that is shared with somebody else and never copied.
+//! Storage of samples: a vector of their own, or shared memory that is never copied.
 
 use std::fmt::{self, Debug, Formatter};
 use std::ops::Deref;

@@ -181,13 +181,13 @@ impl Volume {
     /// Moves the volume: its map from voxel to world becomes `world_from_old * world_from_voxel`.
     ///
     /// # Errors
-    /// As [`Grid::from_affine`]; the volume stays where it was.
+    /// Same as [`Grid::from_affine`]; the volume then keeps its placement.
     pub fn transform(&mut self, world_from_old: DAffine3) -> Result<(), SceneError> {
         self.grid = Grid::from_affine(self.grid.dims(), world_from_old * self.grid.world_from_voxel())?;
         Ok(())
     }
 
-    /// Where the samples lie.
+    /// Grid of the samples.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -197,7 +197,7 @@ impl Volume {
         &self.samples
     }
 
-    /// How stored samples become real values.
+    /// Conversion of stored samples to real values.
     pub fn rescale(&self) -> Rescale {
         self.rescale
     }

@@ -98,7 +98,7 @@ impl<W: Write> GifWriter<W> {
         sink.flush().map_err(|error| refused(FORMAT, error))
     }
 
-    /// Of the next frame, 1/100 s: the difference of rounded times, so that the end comes when it should.
+    /// Delay of the next frame, 1/100 s: the difference of rounded times, so that the animation ends on time.
     fn delay(&self) -> u16 {
         let end = |frame: u32| (100.0 * f64::from(frame) / self.settings.fps).round();
         (end(self.written + 1) - end(self.written)) as u16

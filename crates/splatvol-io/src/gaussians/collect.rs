@@ -58,7 +58,7 @@ pub(crate) struct Collector {
 }
 
 impl Collector {
-    /// For `count` Gaussians with harmonics of a degree of at most 3, if the options allow as much.
+    /// A collector for `count` Gaussians with harmonics of degree 3 at most, if the options allow that many.
     pub(crate) fn new(
         count: u64,
         degree: u32,

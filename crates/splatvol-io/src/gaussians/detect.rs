@@ -1,4 +1,4 @@
-//! Which format of Gaussians a file has.
+//! Detection of the format of a Gaussian file.
 
 use std::path::Path;
 

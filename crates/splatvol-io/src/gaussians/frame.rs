@@ -34,7 +34,7 @@ pub(crate) fn world_from_local(frame: Frame) -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_cols(next(), next(), next()))
 }
 
-/// For people: how the file's axes lie.
+/// Description of the file's axes, for people.
 pub(crate) fn describe(frame: Frame) -> String {
     let word = |letter| match letter {
         'R' => "right",

@@ -51,7 +51,7 @@ pub(crate) fn basis(direction: DVec3) -> [f64; 16] {
 pub(crate) struct Turn([[f64; 16]; 16]);
 
 impl Turn {
-    /// For an orthogonal matrix, which may mirror.
+    /// Rotation of harmonics for an orthogonal matrix, which may mirror.
     pub(crate) fn new(new_from_old: DMat3) -> Self {
         let mut matrix = [[0.0; 16]; 16];
         for (direction, weight) in nodes() {

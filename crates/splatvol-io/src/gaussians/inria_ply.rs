@@ -36,7 +36,7 @@ pub(super) fn is_trained(header: &Header) -> bool {
         .is_some_and(|vertex| telling.iter().filter(|name| vertex.has(name)).count() >= 3)
 }
 
-/// Which optional columns there are, and where in the row.
+/// Optional columns present, and their places in the row.
 struct Layout {
     columns: Vec<String>,
     scale_2: Option<usize>,

@@ -20,7 +20,7 @@ use crate::{IoError, ReadOptions};
 const HEADER: u64 = 4096;
 const SECTION_HEADER: u64 = 1024;
 
-/// How numbers are stored at a level of compression.
+/// Number formats at a level of compression.
 struct Level {
     number: u16,
     /// Bytes of a mean's coordinate, and of each number of scales and rotations.

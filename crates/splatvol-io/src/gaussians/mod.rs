@@ -55,7 +55,7 @@ pub struct LoadedGaussians {
 pub struct GaussiansDescription {
     /// Format and version: `SPZ 4`, `PLY (3-D Gaussians)`.
     pub format: String,
-    /// How the numbers are stored: `binary_little_endian, 62 properties`.
+    /// Storage of the numbers: `binary_little_endian, 62 properties`.
     pub stored_type: String,
     /// The file's frame and how it became world space.
     pub orientation: String,

@@ -8,7 +8,7 @@ use splatvol_scene::GaussianAttributes;
 
 use super::harmonics::{Turn, harmonics_count};
 
-/// How far from a similarity a matrix may be, relative to its scale: matrices in files have 6 or 7 digits.
+/// Largest deviation of a matrix from a similarity, relative to its scale: matrices in files have 6 or 7 digits.
 const TOLERANCE: f64 = 1e-4;
 
 /// Scale and orthogonal part of a similarity; nothing where the matrix is none.

@@ -20,7 +20,7 @@ use crate::IoError;
 /// Keyword of the depths that codes 1 and 65535 of a PNG stand for: two numbers.
 pub const DEPTH_RANGE: &str = "splatvol.depth-range";
 
-/// How a depth map is written.
+/// File formats of depth maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DepthFormat {
     /// OpenEXR with the channel `Z`.

@@ -120,7 +120,7 @@ const DEPTH_CHANNELS: [&str; 5] = ["Z", "depth", "Y", "V", "R"];
 /// Width, height and depths of an EXR file: channel `Z`, or the first of `depth`, `Y`, `V`, `R`.
 ///
 /// # Errors
-/// As [`decode`]; [`IoError::Unsupported`] without such a channel.
+/// Same as [`decode`]; [`IoError::Unsupported`] without such a channel.
 pub(crate) fn decode_depth(bytes: &[u8], path: &Path) -> Result<([usize; 2], Vec<f32>), IoError> {
     let context = Context::new("EXR", path);
     let picture = decode_picture(bytes, &context)?;

@@ -33,7 +33,7 @@ pub struct LoadedImage {
     pub metadata: Vec<(String, String)>,
 }
 
-/// How a picture is written.
+/// File formats of pictures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ImageFormat {
     /// PNG of 8 bits per channel.
@@ -76,7 +76,7 @@ pub fn encode_image(
 /// Writes a picture to a file; see [`encode_image`].
 ///
 /// # Errors
-/// As [`encode_image`], and [`IoError::Write`].
+/// Same as [`encode_image`], and [`IoError::Write`].
 pub fn write_image(
     path: impl AsRef<Path>,
     image: &Image,

@@ -204,7 +204,7 @@ fn malformed(error: &DecodingError, context: &Context<'_>) -> IoError {
     context.field("contents", error, None, "a valid PNG")
 }
 
-/// How codes become linear light.
+/// Transfer curve from codes to linear light.
 enum Transfer {
     Srgb,
     Gamma(f64),

@@ -13,7 +13,7 @@ pub(super) static EIGHT: LazyLock<SrgbCodes> = LazyLock::new(|| SrgbCodes::new(u
 /// Codes of 16 bits.
 pub(super) static SIXTEEN: LazyLock<SrgbCodes> = LazyLock::new(|| SrgbCodes::new(u16::MAX));
 
-/// From linear light to the codes `0..=largest`.
+/// Conversion of linear light to the codes `0..=largest`.
 pub(super) struct SrgbCodes {
     largest: u16,
     /// Least light of the codes from 1 on, then infinity.

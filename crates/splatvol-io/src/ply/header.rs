@@ -9,7 +9,7 @@ use crate::source::Source;
 /// Longest header that is read, bytes.
 const LONGEST: usize = 1 << 20;
 
-/// How the rows are written.
+/// Encoding of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
     Ascii,
@@ -104,7 +104,7 @@ pub(crate) struct Element {
 }
 
 impl Element {
-    /// Where the scalar property of that name is.
+    /// Index of the scalar property of that name.
     pub(crate) fn column(&self, name: &str) -> Option<usize> {
         self.properties
             .iter()

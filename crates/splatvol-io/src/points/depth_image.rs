@@ -36,7 +36,7 @@ use frame::Frame;
 /// Bytes of a point in memory.
 const BYTES: u64 = 32;
 
-/// How frames are read.
+/// Options for reading frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthImageOptions {
     /// Neighbours whose depths differ by more than this share of the nearer one are on another surface.

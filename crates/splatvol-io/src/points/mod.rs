@@ -40,7 +40,7 @@ pub struct LoadedPoints {
     pub points: Points,
     /// Description of the file.
     pub description: Description,
-    /// Where the scanner stood, world, if the file says so: normals point to its side.
+    /// Position of the scanner, world, if the file gives it: normals point to its side.
     pub viewpoint: Option<DVec3>,
 }
 

@@ -65,7 +65,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     Ok(loaded)
 }
 
-/// Where the roles are.
+/// Fields by role.
 struct Columns<'a> {
     roles: [Option<&'a Field>; ROLES],
     /// Colour in one field, and whether it has an alpha.

@@ -10,10 +10,10 @@ pub struct SceneFile {
     /// Items of the scene, at least one.
     #[serde(rename = "item")]
     pub items: Vec<SceneItem>,
-    /// Where it is seen from.
+    /// Camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<SceneCamera>,
-    /// How the picture is made.
+    /// Render settings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<FlatSettings>,
     /// Background colour: a name, `#rrggbb`, `r,g,b[,a]` or `none`.
@@ -130,7 +130,7 @@ pub enum Opacity {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a factor, or three: [x, y, z]")]
 pub enum Scale {
-    /// The same along all axes.
+    /// One factor for all axes.
     Uniform(f64),
     /// One for each axis.
     Axes([f64; 3]),

@@ -62,7 +62,7 @@ pub const GRADIENT_OPACITY_LEFT_OUT: &str =
 /// file has none, has switched it off, or it is 1 everywhere, and for files of other formats.
 ///
 /// # Errors
-/// As [`read_transfer_function`].
+/// Same as [`read_transfer_function`].
 pub fn read_gradient_opacity(path: impl AsRef<Path>) -> Result<Option<Vec<GradientOpacityPoint>>, IoError> {
     let path = path.as_ref();
     let bytes = read_file(path, &Context::new("transfer function", path))?;

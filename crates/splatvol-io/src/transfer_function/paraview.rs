@@ -157,7 +157,7 @@ fn opacity_points(list: &Node<'_>) -> Result<Vec<OpacityPoint>, IoError> {
 /// replaced by finely spaced plain ones. The unit distance is not part of the format.
 ///
 /// # Errors
-/// None today; as the other writers.
+/// Never today; the signature is that of the other writers.
 pub fn encode(function: &TransferFunction) -> Result<String, IoError> {
     let colors = plain(function);
     let rgb: Vec<f64> = colors

@@ -57,7 +57,7 @@ pub fn decode(
 /// [`super::read_gradient_opacity`].
 ///
 /// # Errors
-/// As [`decode`].
+/// Same as [`decode`].
 pub fn decode_gradient_opacity(
     bytes: &[u8],
     path: &Path,

@@ -1,4 +1,4 @@
-//! From a parsed header and decoded samples to a [`Loaded`] volume: the checks that all formats share.
+//! Builds a [`Loaded`] volume from a parsed header and decoded samples, with the checks common to all formats.
 
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
@@ -8,7 +8,7 @@ use super::{Description, Loaded, ReadOptions};
 use crate::error::Context;
 use crate::{IoError, SampleType};
 
-/// Everything a reader has learnt, before validation.
+/// All data that a reader has gathered, before validation.
 pub(crate) struct Draft {
     pub(crate) dims: [usize; 3],
     pub(crate) world_from_voxel: DAffine3,

@@ -1,4 +1,4 @@
-//! Where samples are that a text header describes: behind the header, in a file beside it, or spread evenly over
+//! Location of the samples that a text header describes: behind the header, in a file beside it, or spread evenly over
 //! several (a numbered series such as `slice.%03d 1 93 1`, or a list).
 
 use std::ops::Range;

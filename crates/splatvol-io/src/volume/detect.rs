@@ -1,4 +1,4 @@
-//! Which format a file has: by its first bytes, else by its extension.
+//! Detection of a file's format: by its first bytes, else by its extension.
 
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};

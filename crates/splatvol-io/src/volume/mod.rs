@@ -75,7 +75,7 @@ pub struct Description {
     pub warnings: Vec<String>,
 }
 
-/// How to read.
+/// Options for reading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
     /// Layout of a headerless file; the file is read as raw where this is set.
@@ -132,7 +132,7 @@ pub struct RawLayout {
     pub offset: u64,
 }
 
-/// How to write.
+/// Options for writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WriteOptions {
     /// Compress the samples where the format can.

@@ -13,7 +13,7 @@ use crate::samples::{
 };
 use crate::source::{Codec, Rest, Source};
 
-/// How samples are coded.
+/// Encoding of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Raw,
@@ -46,12 +46,12 @@ pub(super) struct Selection {
     pub(super) component: usize,
     /// Volumes one after the other, and the one to take.
     pub(super) volumes: usize,
-    /// How many of them differ in time only.
+    /// Number of them that differ in time only.
     pub(super) times: usize,
     pub(super) volume: usize,
 }
 
-/// How a file stores its samples.
+/// Storage layout of a file's samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) sample_type: SampleType,

@@ -36,7 +36,7 @@ pub(crate) struct ArrayHead {
     pub(crate) components: usize,
     /// The type as the file spells it.
     pub(crate) type_name: String,
-    /// None for types that hold no numbers that could be a volume (strings).
+    /// `None` for types without numbers that could be a volume (strings).
     pub(crate) sample_type: Option<SampleType>,
     /// True where the file marks the array as the one to show.
     pub(crate) active: bool,
@@ -60,7 +60,7 @@ impl ArrayHead {
     }
 }
 
-/// Which number of each tuple is the value.
+/// Choice of a tuple's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Component {
     Index(usize),
@@ -116,10 +116,10 @@ fn choice(
     }
 }
 
-/// As [`choose`], but vectors give their magnitude, and without a scalar the first array will do.
+/// Like [`choose`], but vectors give their magnitude, and without a scalar array the first array is taken.
 ///
 /// # Errors
-/// As [`choose`].
+/// Same as [`choose`].
 pub(crate) fn choose_scalar(
     heads: &[ArrayHead],
     options: &ReadOptions,

@@ -52,7 +52,7 @@ pub(crate) struct InWorld {
     pub(crate) mean: DVec3,
     pub(crate) covariance: DMat3,
     pub(crate) opacity: f64,
-    /// From the directions above.
+    /// Colours seen from the directions above.
     pub(crate) colors: Vec<DVec3>,
 }
 

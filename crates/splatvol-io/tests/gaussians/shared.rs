@@ -125,7 +125,7 @@ fn real_files_agree_with_their_table() {
     }
 }
 
-/// Of the differences of a Gaussian's colours from their mean over all directions.
+/// Correlation of the deviations of a Gaussian's colours from their mean over all directions.
 fn correlation(a: &Gaussians, b: &Gaussians) -> f64 {
     let varying = |gaussians: &Gaussians| -> Vec<DVec3> {
         let each = in_world(gaussians).into_iter().flat_map(|g| {

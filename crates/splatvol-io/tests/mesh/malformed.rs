@@ -17,7 +17,7 @@ fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<LoadedMesh, IoE
     result
 }
 
-/// The same with text replaced.
+/// These bytes with text replaced.
 fn changed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
     let at = bytes
         .windows(from.len())

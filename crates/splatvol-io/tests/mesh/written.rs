@@ -21,7 +21,7 @@ fn coordinates() -> [Vec<f64>; 3] {
     [0, 1, 2].map(|axis| (0..24).map(|n| at(n)[axis]).collect())
 }
 
-/// How a PLOT3D file is written.
+/// Style of a written PLOT3D file.
 #[derive(Clone, Copy, Debug)]
 struct Style {
     little: bool,

@@ -28,7 +28,7 @@ pub enum CellKind {
 }
 
 impl CellKind {
-    /// All of them.
+    /// All kinds of cells.
     pub const ALL: [Self; 10] = [
         Self::Tetra,
         Self::Pyramid,
@@ -110,7 +110,7 @@ impl CellKind {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Cells {
     kinds: Vec<CellKind>,
-    /// Where each cell's points begin; one more than there are cells.
+    /// Offset of each cell's first point; one more entry than cells.
     offsets: Vec<u32>,
     connectivity: Vec<u32>,
 }

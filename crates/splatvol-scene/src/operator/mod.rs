@@ -70,7 +70,7 @@ pub struct SheetSample {
     pub value: f32,
     /// Gradient of the value, world axes, data units per world length.
     pub gradient: Vec3,
-    /// Where it is, world.
+    /// Position, world space.
     pub position: Vec3,
     /// Towards the viewer, world axes, length 1.
     pub view: Vec3,
@@ -78,7 +78,7 @@ pub struct SheetSample {
     pub depth: f32,
 }
 
-/// How it looks.
+/// Appearance of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
     /// Colour, linear light.

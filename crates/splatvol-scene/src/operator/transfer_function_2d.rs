@@ -200,7 +200,7 @@ impl TransferFunction2d {
     /// by which invisible bricks are left out.
     ///
     /// # Errors
-    /// None that [`TransferFunction2d::new`] has let through.
+    /// Never for a function made by [`TransferFunction2d::new`].
     pub fn marginal(&self) -> Result<TransferFunction, SceneError> {
         let steps = match &self.look {
             Look::Regions(regions) => {

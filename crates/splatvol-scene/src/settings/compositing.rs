@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How sheets become a picture.
+/// Compositing of sheets into a picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Compositing {
@@ -53,7 +53,7 @@ pub enum SheetContent {
     Sample,
 }
 
-/// How light is lost on the way through material.
+/// Absorption of light along the way through material.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Absorption {
@@ -75,7 +75,7 @@ pub enum Classification {
     Post,
 }
 
-/// Where the gradient that lights a sheet comes from.
+/// Source of the gradient that lights a sheet.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gradient {

@@ -1,4 +1,4 @@
-//! Which voxels are of interest.
+//! Selection of the voxels of interest.
 
 use serde::{Deserialize, Serialize};
 

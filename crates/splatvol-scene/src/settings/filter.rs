@@ -22,21 +22,21 @@ pub enum Filter {
     /// Footprints of voxels that lie less than a pixel apart are scaled up, as a whole, until they do not; their optical
     /// depth falls as their area grows (swan1997 section 4.3, eq. 4 and 8).
     Swan,
-    /// The same, but their opacity falls instead, as the paper's text has it: opaque data turn translucent.
+    /// As [`Filter::Swan`], but opacity falls instead, as the paper's text has it: opaque data turn translucent.
     SwanAlpha,
 }
 
-/// The same where samples are summed on sheets: swan's filter is of whole footprints.
+/// The low-pass filters available where samples are summed on sheets; swan's filter needs whole footprints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PixelFilter {
-    /// As [`Filter::None`].
+    /// Same as [`Filter::None`].
     None,
-    /// As [`Filter::Ewa`].
+    /// Same as [`Filter::Ewa`].
     Ewa {
         /// Standard deviation of the Gaussian, pixels.
         pixel_sigma: f64,
     },
-    /// As [`Filter::Matched`].
+    /// Same as [`Filter::Matched`].
     Matched {
         /// Smallest standard deviation of a footprint, pixels.
         pixel_sigma: f64,
@@ -54,7 +54,7 @@ impl From<PixelFilter> for Filter {
 }
 
 impl Filter {
-    /// The same for sheets; `None` for swan's.
+    /// The equivalent filter for sheets; `None` for swan's.
     pub fn of_sheets(self) -> Option<PixelFilter> {
         match self {
             Self::None => Some(PixelFilter::None),

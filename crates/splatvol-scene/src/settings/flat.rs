@@ -15,13 +15,13 @@ use super::{
 };
 use crate::{ImageSize, Lighting, SceneError};
 
-/// Everything about a frame that is neither scene nor camera, key beside key.
+/// All settings of a frame besides scene and camera, as flat keys.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct FlatSettings {
     /// Picture size, pixels.
     pub size: ImageSize,
-    /// How sheets or splats become a picture.
+    /// Compositing of sheets or splats into a picture.
     pub compositing: Compositing,
     /// Splat colours or splat data.
     pub classification: Classification,
@@ -30,31 +30,31 @@ pub struct FlatSettings {
     /// Contribution of a footprint to a sheet: sections require that footprints are drawn one by one; `None` chooses
     /// the one that suits the other settings.
     pub sheet: Option<SheetContent>,
-    /// How light is lost on the way through material.
+    /// Absorption of light along the way through material.
     pub absorption: Absorption,
     /// Screen-space low-pass.
     pub filter: Filter,
     /// Anti-aliasing of edges.
     pub coverage: Coverage,
-    /// Which integrals of a kernel make up its footprint.
+    /// Choice of the integrals of a kernel that make up its footprint.
     pub alignment: Alignment,
-    /// How the swan filter stretches kernels.
+    /// Stretching of kernels by the swan filter.
     pub stretch: Stretch,
-    /// How footprints become pixels.
+    /// Rasterisation of footprints.
     pub rasterizer: Rasterizer,
     /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
     pub table: FootprintTable,
-    /// How what is hidden is left out.
+    /// Culling of hidden footprints.
     pub occlusion: Occlusion,
-    /// Which voxels have splats; `None` for all that the transfer function shows.
+    /// Voxels that have splats; `None` for all that the transfer function shows.
     pub extraction: Option<Extraction>,
     /// Whether the kernels reconstruct a volume or surfaces.
     pub reconstruction: Reconstruction,
-    /// How 3-D Gaussians are composited.
+    /// Compositing of 3-D Gaussians.
     pub gaussians: GaussianMode,
-    /// How motion is blurred.
+    /// Motion blur.
     pub motion_blur: MotionBlur,
-    /// Where the gradient that lights a sheet comes from.
+    /// Source of the gradient that lights a sheet.
     pub gradient: Gradient,
     /// Reconstruction kernel.
     pub kernel: Kernel,
@@ -72,7 +72,7 @@ const NO_SAMPLES: &str = "gaussian where sheets hold samples (post); others are 
                           sections of sheets";
 
 impl Default for FlatSettings {
-    /// Those of [`RenderSettings::default`].
+    /// The settings of [`RenderSettings::default`].
     fn default() -> Self {
         RenderSettings::default().into()
     }
@@ -173,7 +173,8 @@ impl FlatSettings {
         self.motion_blur.moves_footprints() && !still.wants_splats()
     }
 
-    /// The same, but for what says by itself what is splatted.
+    /// Whether any setting requires footprints, apart from the settings that themselves decide between colours and
+    /// data.
     pub fn uses_footprints(&self) -> bool {
         self.filter.of_sheets().is_none()
             || self.alignment != Alignment::Sheet

@@ -1,10 +1,10 @@
-//! How footprints are shaped, drawn and hidden: what the papers' methods differ in.
+//! Shape, rasterisation and occlusion culling of footprints: the differences between the papers' methods.
 
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 
-/// Which integrals of a kernel make up its footprint.
+/// Choice of the integrals of a kernel that make up its footprint.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Alignment {
@@ -37,7 +37,7 @@ impl Alignment {
     pub const AUTO: Self = Self::Auto { budget: 1.0 / 256.0 };
 }
 
-/// How footprints become pixels.
+/// Rasterisation of footprints.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rasterizer {
@@ -50,7 +50,7 @@ pub enum Rasterizer {
     /// The squared distance by two additions per pixel, into a table that is even in it (section 3.1.2). Circles.
     #[serde(rename = "square-1d")]
     Square1d,
-    /// The same for any ellipse (section 3.1.3).
+    /// As [`Rasterizer::Square1d`], for any ellipse (section 3.1.3).
     #[serde(rename = "ellipse-1d")]
     Ellipse1d,
     /// Centres snapped to a grid within the pixel, squared distances added up from one-dimensional tables (section 3.3).
@@ -100,14 +100,14 @@ impl Rasterizer {
     }
 }
 
-/// How what is hidden is left out.
+/// Culling of hidden footprints.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Occlusion {
     /// A count of unfinished pixels per block of 8 x 8.
     #[default]
     Auto,
-    /// Nothing is left out, and no pixel is ever finished.
+    /// No culling, and no pixel is ever finished.
     None,
     /// A summed-area table of finished pixels over the whole picture, asked for every brick and every splat (huang2000
     /// section 4.1).

@@ -1,8 +1,8 @@
-//! How samples become a picture: summed on sheets, or footprint by footprint.
+//! Rendering methods: samples are summed on sheets, or splatted footprint by footprint.
 
 use super::{Classification, Compositing, Filter, Gradient, Kernel, PixelFilter, SplatSettings};
 
-/// How samples become a picture. What the two have in common is asked by [`Method`]'s own methods.
+/// Rendering method. Properties common to both are queried by [`Method`]'s own methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
     /// Kernels are summed on planes parallel to the picture, and the planes composited.
@@ -11,7 +11,7 @@ pub enum Method {
     Splats(SplatSettings),
 }
 
-/// How kernels are summed on sheets, and what a pixel shows of them (huang2000 section 2).
+/// Summation of kernels on sheets, and the quantity that a pixel shows of them (huang2000 section 2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SheetSettings {
     /// Quantity that a pixel shows of the sheets along its ray.
@@ -22,7 +22,7 @@ pub struct SheetSettings {
     pub kernel: SheetKernel,
     /// Low-pass in screen space.
     pub filter: PixelFilter,
-    /// Where the gradient that lights a sheet comes from.
+    /// Source of the gradient that lights a sheet.
     pub gradient: Gradient,
     /// Whether kernel weights are solved so that the reconstruction interpolates the samples. Classified values are never
     /// prefiltered.
@@ -97,7 +97,7 @@ impl SheetSettings {
         Compositing::from(self.shows).shows_one_value()
     }
 
-    /// The same for a volume that is a label map, or is none: names are classified before they are splatted.
+    /// These settings for a volume that is, or is not, a label map: labels are classified before they are splatted.
     #[must_use]
     pub fn of_labels(self, labels: bool) -> Self {
         Self {

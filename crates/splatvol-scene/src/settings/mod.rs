@@ -32,21 +32,21 @@ pub use table::{FootprintTable, TablePrecision};
 
 use crate::{ImageSize, Lighting};
 
-/// Everything about a frame that is neither scene nor camera. Engines that have but one method take the settings of that
-/// one: `RenderSettings<SheetSettings>`.
+/// All settings of a frame besides scene and camera. Engines that have only one method take its settings:
+/// `RenderSettings<SheetSettings>`.
 ///
 /// Files and flags have them as [`FlatSettings`], key beside key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderSettings<M = Method> {
     /// Picture size, pixels.
     pub size: ImageSize,
-    /// How samples become a picture.
+    /// Rendering method.
     pub method: M,
     /// Anti-aliasing of edges.
     pub coverage: Coverage,
-    /// How 3-D Gaussians are composited.
+    /// Compositing of 3-D Gaussians.
     pub gaussians: GaussianMode,
-    /// How motion is blurred; what moves footprints is of [`Method::Splats`].
+    /// Motion blur; the modes that move footprints belong to [`Method::Splats`].
     pub motion_blur: MotionBlur,
     /// Phong lighting; `None` shows the transfer function's colours as they are.
     pub lighting: Option<Lighting>,
@@ -55,7 +55,7 @@ pub struct RenderSettings<M = Method> {
 }
 
 impl<M> RenderSettings<M> {
-    /// The same with another method.
+    /// These settings with another method.
     pub fn with<N>(&self, method: N) -> RenderSettings<N> {
         RenderSettings {
             size: self.size,

@@ -1,8 +1,8 @@
-//! How motion is blurred.
+//! Motion blur.
 
 use serde::{Deserialize, Serialize};
 
-/// How what moves while the shutter is open ([`crate::Motion`]) is blurred.
+/// Blur of motion ([`crate::Motion`]) while the shutter is open.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionBlur {

@@ -9,7 +9,7 @@ use crate::{ImageSize, Lighting};
 
 /// Error that a finished pixel may leave, in the exact presets.
 const EXACT_TERMINATION: f64 = 1.0 / 1024.0;
-/// The same where a level of eight bits is not seen.
+/// Error that a finished pixel may leave, in the fast presets: less than a level of eight bits.
 const FAST_TERMINATION: f64 = 1.0 / 256.0;
 /// Low-pass of a footprint, pixels.
 const PIXEL_SIGMA: f64 = 0.55;
@@ -29,7 +29,7 @@ impl Default for SheetSettings {
 }
 
 impl SheetSettings {
-    /// Those of [`RenderSettings::best`].
+    /// The settings of [`RenderSettings::best`].
     pub fn best() -> Self {
         Self {
             shows: Shows::Material(Classification::Post),
@@ -46,7 +46,7 @@ impl SheetSettings {
         }
     }
 
-    /// Those of [`RenderSettings::balanced`].
+    /// The settings of [`RenderSettings::balanced`].
     pub fn balanced() -> Self {
         Self {
             thickness: 0.5,
@@ -54,7 +54,7 @@ impl SheetSettings {
         }
     }
 
-    /// Those of [`RenderSettings::fast`].
+    /// The settings of [`RenderSettings::fast`].
     pub fn fast() -> Self {
         Self {
             thickness: 1.0,

@@ -6,28 +6,28 @@ use super::{
 };
 use crate::SceneError;
 
-/// How footprints are shaped, drawn, hidden and composited.
+/// Shape, rasterisation, occlusion culling and compositing of footprints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SplatSettings {
     /// In which order, and what is splatted.
     pub compositing: SplatCompositing,
     /// Thickness of image sheets, and twice the distance at which whole footprints begin, mean voxel spacings.
     pub sheet_thickness: f64,
-    /// How light is lost on the way through material.
+    /// Absorption of light along the way through material.
     pub absorption: Absorption,
     /// Screen-space low-pass.
     pub filter: Filter,
-    /// Which integrals of a kernel make up its footprint.
+    /// Choice of the integrals of a kernel that make up its footprint.
     pub alignment: Alignment,
-    /// How the swan filter stretches kernels.
+    /// Stretching of kernels by the swan filter.
     pub stretch: Stretch,
-    /// How footprints become pixels.
+    /// Rasterisation of footprints.
     pub rasterizer: Rasterizer,
     /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
     pub table: FootprintTable,
-    /// How what is hidden is left out.
+    /// Culling of hidden footprints.
     pub occlusion: Occlusion,
-    /// Which voxels have splats; `None` for all that the transfer function shows.
+    /// Voxels that have splats; `None` for all that the transfer function shows.
     pub extraction: Option<Extraction>,
     /// Whether the kernels reconstruct a volume or surfaces.
     pub reconstruction: Reconstruction,
@@ -102,7 +102,7 @@ impl SplatSettings {
         )
     }
 
-    /// The same for a volume that is a label map, or is none: names are classified before they are splatted.
+    /// These settings for a volume that is, or is not, a label map: labels are classified before they are splatted.
     #[must_use]
     pub fn of_labels(self, labels: bool) -> Self {
         Self {

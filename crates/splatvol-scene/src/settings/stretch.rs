@@ -1,4 +1,4 @@
-//! How Swan's filter stretches kernels that are smaller than pixels.
+//! Stretching of kernels smaller than pixels by Swan's filter.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stretch {
-    /// As a whole, by what its centre needs (table 1, row 2): footprints keep a closed form.
+    /// A uniform stretch by the factor that its centre needs (table 1, row 2): footprints keep a closed form.
     #[default]
     Box,
     /// At each depth by what that depth needs, as a trapezoid (table 1, row 1): integrated numerically.

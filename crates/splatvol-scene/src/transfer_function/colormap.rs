@@ -59,7 +59,7 @@ impl ColorMap {
         format!("{}{}", self.name, if self.reversed { "_r" } else { "" })
     }
 
-    /// The same colours in opposite order.
+    /// This colour map in reverse order.
     #[must_use]
     pub fn reversed(self) -> Self {
         Self {

@@ -26,7 +26,7 @@ pub struct ColorPoint {
     pub value: f64,
     /// sRGB, 0..1.
     pub rgb: [f64; 3],
-    /// Where between this point and the next the curve is half way, 0..1.
+    /// Position, between this point and the next, where the curve is half way, 0..1.
     #[serde(default = "default_midpoint")]
     pub midpoint: f64,
     /// 0: linear, 1: a step at the midpoint.
@@ -42,7 +42,7 @@ pub struct OpacityPoint {
     pub value: f64,
     /// Opacity per unit distance, 0..1.
     pub opacity: f64,
-    /// Where between this point and the next the curve is half way, 0..1.
+    /// Position, between this point and the next, where the curve is half way, 0..1.
     #[serde(default = "default_midpoint")]
     pub midpoint: f64,
     /// 0: linear, 1: a step at the midpoint.

@@ -12,7 +12,7 @@ pub(super) struct Instance {
     pub(super) scene_from_node: DAffine3,
 }
 
-/// All meshes of the default scene, or of the document where it has no scene.
+/// All meshes of the default scene, or of the document if it has no scene.
 pub(super) fn instances(json: &Value, context: &Context<'_>) -> Result<Vec<Instance>, IoError> {
     let array = |key: &str| {
         json.get(key)

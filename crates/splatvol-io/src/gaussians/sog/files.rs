@@ -52,7 +52,7 @@ fn folder_of_meta(archive: &ZipArchive<BufReader<File>>) -> Option<String> {
         .filter(|folder| folder.is_empty() || folder.ends_with('/'))
 }
 
-/// Where the files are.
+/// Location of the files.
 pub(super) enum Files {
     Archive {
         archive: ZipArchive<BufReader<File>>,
@@ -83,7 +83,7 @@ impl Files {
         Ok(Self::Archive { archive, folder })
     }
 
-    /// For people.
+    /// Description of the location, for people.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Archive { .. } => "zip",

@@ -16,7 +16,7 @@ pub(in super::super) struct Packed {
     pub(in super::super) degree: u32,
     pub(super) fractional_bits: u8,
     pub(super) antialiased: bool,
-    /// Which compression.
+    /// Name of the compression.
     pub(super) coding: &'static str,
     pub(super) frame: Frame,
     /// Values of the bytes 0 and 255 of harmonics, unless the mapping is (byte - 128) / 128.

@@ -1,4 +1,4 @@
-//! Which file goes with a grid or a solution.
+//! Search for the companion file of a grid or a solution.
 
 use std::path::{Path, PathBuf};
 

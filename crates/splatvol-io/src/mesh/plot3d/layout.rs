@@ -17,7 +17,7 @@ pub(super) enum Content {
     Solution,
 }
 
-/// How a file is laid out.
+/// Layout of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) endian: Endian,
@@ -141,7 +141,7 @@ impl Layout {
         })
     }
 
-    /// Where the arrays of a block begin, in a file whose length has been checked.
+    /// Offset of a block's arrays, in a file whose length has been checked.
     pub(super) fn start(&self, block: usize, content: Content) -> usize {
         let before: u64 = (0..block)
             .filter_map(|block| self.block_length(block, content))

@@ -27,7 +27,7 @@ use crate::{Description, IoError, RawLayout, ReadOptions, volume};
 
 pub(super) use drape::picture;
 
-/// Where the first row of a file lies.
+/// Order of the rows in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowOrder {
     /// The first row is the northernmost, as in pictures.
@@ -36,7 +36,7 @@ pub enum RowOrder {
     SouthFirst,
 }
 
-/// How terrain is read.
+/// Options for reading terrain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightFieldOptions {
     /// Layout of a headerless file, of dims `[columns, rows, 1]`; its spacing is that of the posts.

@@ -17,7 +17,7 @@ struct Between {
 }
 
 impl Between {
-    /// Of new post `post` of `new`, among `old`.
+    /// Interpolation at new post `post` of `new`, among `old`.
     fn new(post: usize, new: usize, old: usize) -> Self {
         let place = (post as f64 + 0.5) * old as f64 / new as f64 - 0.5;
         let place = place.clamp(0.0, (old - 1) as f64);
@@ -39,7 +39,7 @@ impl Between {
 }
 
 impl HeightField {
-    /// The same ground with `dims` posts to the east and to the north.
+    /// This terrain with `dims` posts to the east and to the north.
     pub(super) fn interpolated(
         &self,
         dims: [usize; 2],

@@ -6,7 +6,7 @@ use crate::error::Context;
 /// Longest header that is read, bytes.
 const LONGEST: usize = 1 << 16;
 
-/// How points are stored.
+/// Storage of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Data {
     Ascii,

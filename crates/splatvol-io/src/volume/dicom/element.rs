@@ -47,7 +47,7 @@ pub(super) struct Dataset<'a> {
 pub(super) struct Element<'a> {
     pub(super) tag: Tag,
     pub(super) value: Value<'a>,
-    /// Where the value starts.
+    /// Offset of the value.
     pub(super) offset: u64,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Element<'a> {
 pub(super) enum Value<'a> {
     Bytes(&'a [u8]),
     Items(Vec<Dataset<'a>>),
-    /// Where encapsulated pixels lie in the file; the first fragment is the table of offsets.
+    /// Byte ranges of the encapsulated pixels in the file; the first fragment is the table of offsets.
     Fragments(Vec<Range<usize>>),
 }
 
@@ -79,7 +79,7 @@ impl<'a> Dataset<'a> {
     }
 }
 
-/// How elements are coded.
+/// Coding of the elements.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coding {
     pub(super) explicit: bool,
@@ -124,7 +124,7 @@ impl<'a, 'c> Reader<'a, 'c> {
         Ok(dataset)
     }
 
-    /// All elements up to and with the pixels; what follows these is padding or a signature.
+    /// All elements up to and including the pixels; padding or a signature may follow.
     pub(super) fn image(&mut self) -> Result<Dataset<'a>, IoError> {
         let mut dataset = Dataset::default();
         while self.at < self.bytes.len() {
@@ -307,7 +307,7 @@ pub(super) fn name(tag: Tag) -> String {
     format!("({:04X},{:04X})", tag >> 16, tag & 0xffff)
 }
 
-/// Where the elements of a file start, and how they are coded.
+/// Offset of a file's first element, and the coding of the elements.
 pub(super) fn start(bytes: &[u8], context: &Context<'_>) -> Result<(usize, Syntax), IoError> {
     let explicit = Coding {
         explicit: true,

@@ -12,7 +12,7 @@ use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
 
-/// How samples lie in their words. Images of different forms do not make one volume.
+/// Layout of samples in their words. Images of different layouts do not make one volume.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Form {
     pub(super) columns: usize,
@@ -45,7 +45,7 @@ pub(super) struct Series {
     pub(super) description: String,
 }
 
-/// Where a frame lies, in the patient's space (LPS, mm), and what its samples mean.
+/// Position of a frame, in the patient's space (LPS, mm), and the meaning of its samples.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrameHead {
     /// Centre of the first sample.

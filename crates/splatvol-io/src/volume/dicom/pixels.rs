@@ -199,7 +199,7 @@ impl<'a> SliceReader<'a> {
         Ok(())
     }
 
-    /// All samples: bits that are not theirs are dropped, signs extended.
+    /// All samples: unused bits are dropped, signs extended.
     pub(super) fn finish(self) -> Samples {
         let Form {
             allocated,

@@ -1,4 +1,4 @@
-//! From slices to a grid: their order, spacing, and the gaps and doubles among them.
+//! Arrangement of slices into a grid: their order, spacing, gaps and duplicates.
 //!
 //! A slice's sample (i, j) lies at `P + i sx X + j sy Y` (PS3.3, C.7.6.2.1.1), P its position, X and Y the directions
 //! of its orientation, sx and sy its spacing. Slices are sorted along `N = X x Y`. The grid's third axis is the step
@@ -15,7 +15,7 @@ use crate::volume::{ReadOptions, choose_time};
 
 /// Most that a slice may lie from its place, in steps. One slice that is missing moves others by half a step or more.
 const TOLERANCE: f64 = 0.25;
-/// From here on it is reported.
+/// Deviation from which on it is reported.
 const NOTABLE: f64 = 0.02;
 /// Positions closer than this part of the mean step are one.
 const SAME: f64 = 0.01;

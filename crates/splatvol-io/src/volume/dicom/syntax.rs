@@ -3,7 +3,7 @@
 use super::element::Coding;
 use crate::samples::Endian;
 
-/// How a file is coded.
+/// Coding of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Syntax {
     pub(super) name: String,
@@ -14,7 +14,7 @@ pub(super) struct Syntax {
     pub(super) deflated: bool,
 }
 
-/// How the pixels are coded.
+/// Coding of the pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pixels {
     Native,

@@ -8,7 +8,7 @@ use crate::volume::vtk_array::{ArrayHead, Association, TupleCounts};
 
 use super::cursor::Cursor;
 
-/// How the numbers of a file are written.
+/// Coding of the numbers of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Coding {
     Ascii,

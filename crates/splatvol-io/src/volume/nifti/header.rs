@@ -10,7 +10,7 @@ use crate::source::Source;
 /// Length of the longer header.
 const LONGEST: usize = 540;
 
-/// Where the fields of a version start, bytes.
+/// Byte offsets of the fields of a version.
 #[derive(Debug)]
 pub(super) struct Places {
     pub(super) length: usize,

@@ -1,4 +1,4 @@
-//! Which axes span space, and which hold components or time points.
+//! Roles of the axes: spatial axes, components, and time points.
 //!
 //! Axes before the first spatial one vary faster: they are components of a vector. Axes after the last spatial one
 //! vary slower: time points or lists of volumes (or components, where their kind says so).

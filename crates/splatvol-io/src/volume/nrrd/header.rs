@@ -48,7 +48,7 @@ pub(super) struct Header {
     pub(super) version: char,
     pub(super) fields: Fields,
     pub(super) sizes: Vec<usize>,
-    /// How the samples are stored.
+    /// Storage layout of the samples.
     pub(super) layout: Layout,
     /// Names that follow `data file: LIST`.
     pub(super) list: Vec<Line>,
@@ -58,7 +58,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Where the data are.
+    /// The data files.
     pub(super) fn files(&self, context: &Context<'_>) -> Result<DataFiles<'_>, IoError> {
         const FIELD: &str = "data file";
         match self.fields.get("datafile") {

@@ -20,7 +20,7 @@ use crate::volume::{complete_axes, length_unit};
 /// A space and its map to world.
 #[derive(Debug)]
 pub(super) struct Space {
-    /// As the file has it; empty where it has none.
+    /// Name of the space in the file; empty if it has none.
     name: String,
     /// Numbers per vector.
     dimension: usize,
@@ -145,7 +145,7 @@ impl Space {
         }
     }
 
-    /// Where the selected axes lie in world space.
+    /// Placement of the selected axes in world space.
     pub(super) fn place(
         &self,
         fields: &Fields,

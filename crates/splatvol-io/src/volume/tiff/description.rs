@@ -1,4 +1,4 @@
-//! Which page is which slice, channel and time point: by ImageJ's description, OME's, or none.
+//! Mapping of pages to slices, channels and time points: by ImageJ's description, OME's, or none.
 //!
 //! ImageJ's is lines `key=value`: `images`, `channels`, `slices`, `frames`, `spacing` (between slices), `unit`. Channels
 //! vary fastest, then slices, then frames; lengths of pixels are the inverse of the resolution tags.

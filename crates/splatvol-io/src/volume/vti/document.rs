@@ -84,7 +84,7 @@ pub(crate) enum Compressor {
     Lz4,
 }
 
-/// How binary data are written in this file.
+/// Coding of binary data in this file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Coding {
     pub(crate) endian: Endian,
@@ -95,7 +95,7 @@ pub(crate) struct Coding {
     pub(crate) appended_base64: bool,
 }
 
-/// Where an array's numbers are.
+/// Location of an array's numbers.
 pub(crate) enum Place<'a> {
     Ascii(Cow<'a, str>),
     Base64(Cow<'a, str>),
@@ -215,12 +215,12 @@ impl<'a> Arrays<'a> {
         Ok(())
     }
 
-    /// Where the numbers of array `index` are.
+    /// Location of the numbers of array `index`.
     pub(crate) fn place(&self, index: usize, context: &Context<'_>) -> Result<Place<'a>, IoError> {
         self.place_of(self.elements[index], context)
     }
 
-    /// Where the numbers of a `DataArray` are.
+    /// Location of the numbers of a `DataArray`.
     pub(crate) fn place_of(
         &self,
         element: Node<'a, 'a>,

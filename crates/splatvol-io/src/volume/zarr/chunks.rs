@@ -126,7 +126,7 @@ struct ShardIndex {
 struct ChunkReader<'a> {
     array: &'a Array,
     part: &'a Part,
-    /// Of the shard that was read last.
+    /// Index of the shard that was read last.
     index: Option<ShardIndex>,
 }
 

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::blosc;
 
-/// How bytes were made from bytes.
+/// Codec between bytes and bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Codec {
     Blosc,
@@ -32,7 +32,7 @@ impl Codec {
         }
     }
 
-    /// By its name in either version.
+    /// The codec of this name in either version.
     pub(super) fn from_name(name: &str) -> Option<Self> {
         Some(match name.trim_start_matches("numcodecs.") {
             "blosc" => Self::Blosc,
@@ -45,7 +45,7 @@ impl Codec {
         })
     }
 
-    /// By the description of a compressor of Zarr 2.
+    /// The codec of a compressor's description in Zarr 2.
     pub(super) fn from_compressor(value: &Value) -> Option<Self> {
         Self::from_name(value.get("id")?.as_str()?)
     }

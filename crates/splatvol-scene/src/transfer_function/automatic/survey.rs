@@ -102,8 +102,8 @@ impl Survey {
         (total > 0).then(|| 3.0 / (inverse_path(0) + inverse_path(1) + inverse_path(2)))
     }
 
-    /// Of the rays along the axes that meet values in `range`, the share that meets larger ones too: how much of what
-    /// is denser would be hidden if `range` were opaque.
+    /// Share of the axis-aligned rays through values in `range` that also meet larger values: the share of denser
+    /// material that would be hidden if `range` were opaque.
     pub(super) fn share_before_denser(&self, range: [f64; 2]) -> f64 {
         let (mut met, mut denser) = (0usize, 0usize);
         for ray in (0..3).flat_map(|axis| self.rays(axis)) {
