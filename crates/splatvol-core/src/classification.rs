@@ -87,7 +87,7 @@ impl ClassificationTable {
         (self.integrals[index], self.points[index], self.colors[index])
     }
 
-    /// What [`Self::at`] interpolates between, and the second one's share: for vectors.
+    /// Table entries around a value and the weight of the second; a vector form of [`Self::at`].
     #[inline(always)]
     pub fn around(&self, value: f32) -> ([&[f32; 4]; 2], f32) {
         let (cell, t) = locate(value);

@@ -72,7 +72,7 @@ impl Coefficients {
     }
 }
 
-/// What coefficients are for.
+/// Purpose of the coefficients.
 #[derive(Debug, Clone, Copy)]
 pub enum Use<'a> {
     /// The samples as they are, each to be classified.

@@ -6,8 +6,8 @@
 //! | transfer function | visible cells where visible levels changed, needed voxels around what changed | 1 bit per voxel |
 //! | brick needed | its chunk's coefficients, from the samples | 2 bytes per voxel |
 //!
-//! What a store holds depends on the volume, the kernel and the last transfer function only, to the bit, and not on the
-//! transfer functions before. [`crate::visibility`] says which voxels are needed.
+//! A store depends only on the volume, the kernel and the last transfer function, to the bit, and not on earlier
+//! transfer functions. [`crate::visibility`] defines which voxels are needed.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -84,7 +84,7 @@ pub struct FieldStore {
     is_wide: bool,
     /// Whether bricks that are not needed now stay.
     keep_all: bool,
-    /// What the cells were found with.
+    /// Visible levels for which the cells were found.
     levels: Option<VisibleLevels>,
     chunks: Vec<Chunk>,
     /// Chunk and place in it of each needed brick.
@@ -93,7 +93,7 @@ pub struct FieldStore {
     voxels: usize,
 }
 
-/// What is known of a chunk.
+/// State of a chunk.
 #[derive(Debug, Clone, Default)]
 struct Chunk {
     /// Places of the bricks in `stored`, ascending.
@@ -270,7 +270,7 @@ impl FieldStore {
         self.lattice.margin
     }
 
-    /// What the field is made of.
+    /// Samples from which the field is built.
     pub fn source(&self) -> &SourceLevel {
         &self.source
     }

@@ -13,7 +13,7 @@
 
 use glam::{DMat3, DVec2};
 
-/// What footprints of one grid have in common: all but the centre.
+/// Footprint parameters shared by all voxels of a grid: all but the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FootprintShape {
     /// Standard deviation in depth, world length.

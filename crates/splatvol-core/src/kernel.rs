@@ -15,7 +15,7 @@ pub struct GaussianKernel {
     pub sigma: f64,
     /// Cut-off along each axis, voxels.
     pub radius: f64,
-    /// What is subtracted from the profile: its value at the radius, or zero.
+    /// Edge subtracted from the profile: its value at the radius, or zero.
     pub edge: f64,
     /// Sum of the profile over the integers within the radius.
     pub lattice_sum: f64,

@@ -1,4 +1,4 @@
-//! What the engines share: from samples, kernel, transfer function and camera to footprints in tile lists.
+//! Stages shared by the engines: from samples, kernel, transfer function and camera to footprints in tile lists.
 //!
 //! | stage | module | from | to |
 //! |---|---|---|---|
@@ -11,8 +11,8 @@
 //! | extract | [`irregular`] | meshes | kernels with covariances, masses and gradients |
 //! | all of them | [`splats`] | kernels anywhere | footprints of any method |
 //!
-//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics below them. An engine takes footprints and sheets from here and
-//! knows nothing of where they came from; [`engine`] is what an engine is to those who want pictures.
+//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics. An engine takes footprints and
+//! sheets from this crate and does not know their origin; [`engine`] is the interface of an engine to its callers.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,17 +1,17 @@
-//! Scenes of whole splats: what is splatted as which cloud, and by which constants.
+//! Scenes of whole splats: which items form which cloud, and the constants that they are rendered with.
 //!
-//! As published (`3dgs`) Gaussians keep the colours and opacities that they were trained with, and points and samples of meshes
-//! are kernels among them. Otherwise everything, Gaussians too, is one cloud of optical depths.
+//! As published (`3dgs`), Gaussians keep their trained colours and opacities, and points and samples of meshes are
+//! kernels among them. Otherwise everything, Gaussians included, is one cloud of optical depths.
 
 use splatvol_scene::{Compositing, Content, Filter, Item, RenderSettings, Scene};
 
 use crate::splats::{Cloud, CloudSettings, LEAST_VARIANCE, LowPass, Manner, Near};
 
-/// A scene that is splatted one by one.
+/// A scene whose splats are composited one by one.
 pub(crate) struct SplatScene<'a> {
     /// Gaussians as they were trained.
     pub gaussians: Vec<Cloud<'a>>,
-    /// What is splatted with them, or alone: one cloud of kernels.
+    /// All other content as one cloud of kernels, with the Gaussians or alone.
     pub rest: Scene,
     published: bool,
 }
@@ -43,7 +43,7 @@ impl<'a> SplatScene<'a> {
         }
     }
 
-    /// What the loop needs of scene and settings. `spacing`: of the rest, world length.
+    /// Settings of the splat loop, from the scene and the render settings. `spacing`: of the rest, world length.
     pub(crate) fn settings(&self, scene: &Scene, settings: &RenderSettings, spacing: f64) -> CloudSettings {
         if self.published {
             return CloudSettings {
@@ -84,7 +84,7 @@ fn scene_of(items: Vec<Item>) -> Scene {
     }
 }
 
-/// What footprints are widened by. Those of swan's filters are of the voxels of one grid, and go another way.
+/// Low-pass added to the footprints. Swan's filters depend on the voxels of one grid and are applied elsewhere.
 fn low_pass(filter: Filter) -> LowPass {
     let variance = |sigma: f64| (sigma * sigma) as f32 + LEAST_VARIANCE;
     match filter {

@@ -1,4 +1,4 @@
-//! What an engine is started with, and why it may not start.
+//! Engine configuration, and errors at start.
 
 use fearless_simd::Level;
 
@@ -19,7 +19,7 @@ pub struct EngineConfig {
 /// Vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SimdLevel {
-    /// What every processor of the architecture has: SSE2 on x86-64, NEON on 64-bit ARM.
+    /// Instructions of every processor of the architecture: SSE2 on x86-64, NEON on 64-bit ARM.
     Baseline,
     /// AVX2 with FMA.
     Avx2,
@@ -78,10 +78,10 @@ pub enum EngineError {
     Threads {
         /// Threads asked for.
         threads: Option<usize>,
-        /// What the system said.
+        /// Message of the operating system.
         reason: String,
     },
-    /// A number of threads that the pool has not.
+    /// A thread count that differs from the pool's.
     #[error("threads: {threads} is not allowed (the pool that was given has {there})")]
     Pool {
         /// Threads asked for.
@@ -92,7 +92,7 @@ pub enum EngineError {
     /// Instructions that the processor lacks.
     #[error("this processor has no {simd:?} instructions")]
     Simd {
-        /// What was asked for.
+        /// Instructions asked for.
         simd: SimdLevel,
     },
     /// A tile edge outside its domain.

@@ -1,7 +1,7 @@
 //! Meshes as data: clouds of their samples, kept between frames for each mesh and width of kernels.
 //!
-//! What a sample carries is its mass and its value times that; colours, opacities and the place of a mesh may change without
-//! another kernel being made.
+//! A sample carries its mass, and its value times its mass. Colours, opacities and the place of a mesh may change
+//! without making another kernel.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub(crate) struct MeshStore {
     kept: Vec<Kept>,
 }
 
-/// What kernels are made for.
+/// Cache key of a mesh's kernels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct KernelKey {
     /// Standard deviation, samples.

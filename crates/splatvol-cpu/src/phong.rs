@@ -10,7 +10,7 @@ use splatvol_scene::Lighting;
 
 use crate::simd::math::{exp2, log2};
 
-/// What lighting makes of a colour: `c diffuse + specular`.
+/// Effect of lighting on a colour c: `c diffuse + specular`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lit {
     pub diffuse: f32,
@@ -32,7 +32,7 @@ pub(crate) struct Phong {
     diffuse: f32,
     specular: f32,
     power: f32,
-    /// What is raised to the power at least.
+    /// Least base of the specular power.
     least_shining: f32,
     floor_squared: f32,
     towards_light: [f32; 3],

@@ -75,7 +75,7 @@ pub(crate) enum Route<'a> {
     Volume(VolumeScene<'a>, RenderSettings<SheetSettings>),
     /// The same, footprint by footprint.
     Classic(VolumeScene<'a>, RenderSettings<SplatSettings>),
-    /// Volumes and meshes where they lie, and the rest.
+    /// The same, each footprint as a whole.
     Layers(Parts<'a>, RenderSettings<SheetSettings>),
     /// Splat by splat.
     Splats(SplatScene<'a>),
@@ -85,9 +85,9 @@ pub(crate) enum Route<'a> {
 pub(crate) struct Parts<'a> {
     /// A layer each.
     pub volumes: Vec<VolumeScene<'a>>,
-    /// The same.
+    /// A layer each, too.
     pub meshes: Vec<MeshScene<'a>>,
-    /// What is classified already, and shares a layer.
+    /// Content that is classified already; shares one layer.
     pub rest: Scene,
 }
 
@@ -99,14 +99,14 @@ pub(crate) struct VolumeScene<'a> {
     /// Colour and opacity of its values.
     pub transfer_function: Cow<'a, TransferFunction>,
     pub asked: Asked<'a>,
-    /// What moves while the shutter is open.
+    /// Motion while the shutter is open.
     pub motion: Option<&'a Motion>,
-    /// Whether values are names of kinds.
+    /// Whether the volume is a label map.
     pub labels: bool,
 }
 
 impl VolumeScene<'_> {
-    /// The settings as they are for it: label maps are classified before they are splatted.
+    /// Settings for this volume: label maps are classified before they are splatted.
     pub(crate) fn settings(&self, settings: &RenderSettings<SheetSettings>) -> RenderSettings<SheetSettings> {
         settings.with(settings.method.of_labels(self.labels))
     }
@@ -133,14 +133,14 @@ pub(crate) struct MeshScene<'a> {
     pub asked: Asked<'a>,
 }
 
-/// What is asked of an item besides its look.
+/// Operators, clips and isosurfaces of an item.
 #[derive(Debug, Clone)]
 pub(crate) struct Asked<'a> {
-    /// What changes the appearance of material, in this order.
+    /// Operators on the material's appearance, in order of application.
     pub operators: &'a [Arc<dyn PixelOperator>],
-    /// What is cut away, world.
+    /// Clips, world space.
     pub clips: Cow<'a, [Clip]>,
-    /// Surfaces to show instead of material, where there are any.
+    /// Isosurfaces; where there are any, they are shown instead of material.
     pub isosurfaces: &'a [Isosurface],
 }
 

@@ -1,11 +1,11 @@
-//! What engines render a frame with.
+//! Execution resources of a frame.
 
 use fearless_simd::Level;
 use splatvol_core::engine::Task;
 
 use crate::pool::Pool;
 
-/// What a frame is rendered with.
+/// Thread pool, instruction set and tile size of a frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
     pub pool: &'a Pool,

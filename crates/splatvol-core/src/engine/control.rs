@@ -1,4 +1,4 @@
-//! What may be asked of a picture while it is made: to stop, how far it is, its tiles as they finish; or a part of it only.
+//! Control of a running render: cancellation, progress, finished tiles; or a part of the picture only.
 
 use std::fmt::{self, Debug, Formatter};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -91,7 +91,7 @@ pub struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    /// What a caller asks for.
+    /// Creates a task from the caller's [`Control`].
     pub fn new(control: &Control<'a>, progress: OnProgress<'a>) -> Self {
         Self {
             stop: control.stop.unwrap_or(&NEVER),

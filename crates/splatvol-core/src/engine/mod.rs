@@ -1,8 +1,8 @@
-//! What an engine is to everything outside it: a scene, a camera and settings become a frame.
+//! Engine interface: renders a scene with a camera and settings to a frame.
 //!
-//! A renderer asks an engine for pictures of one sample per pixel; it makes of them what a shutter sees, edges that are sampled
-//! several times, progressive passes and parts. An engine sees none of that: a [`Task`] tells it which tiles are wanted,
-//! and when to give up.
+//! An engine renders pictures of one sample per pixel. The renderer combines them for motion blur, adaptively
+//! sampled edges, progressive passes and parts of a picture. The engine itself knows none of these: a [`Task`]
+//! holds the wanted tiles and the cancellation flag.
 //!
 //! | module | holds |
 //! |---|---|
@@ -25,7 +25,7 @@ pub use statistics::{MemoryUse, RenderStatistics, StageSeconds};
 /// A picture to be made.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot<'a> {
-    /// What it shows.
+    /// The scene.
     pub scene: &'a Scene,
     /// From where.
     pub camera: &'a Camera,

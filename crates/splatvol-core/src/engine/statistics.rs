@@ -1,4 +1,4 @@
-//! What a frame took: seconds per stage and counts, for `--stats` and for tests of the pipeline's work.
+//! Frame statistics: seconds per stage and counts, for `--stats` and for tests of the pipeline's work.
 
 use serde::Serialize;
 
@@ -52,7 +52,7 @@ pub struct MemoryUse {
     pub spare_volumes: usize,
     /// Clouds of points, Gaussians and samples of meshes.
     pub clouds: usize,
-    /// What tiles are rendered in.
+    /// Memory of the tiles.
     pub tiles: usize,
 }
 
@@ -92,6 +92,6 @@ pub struct RenderStatistics {
     pub hidden_share: f64,
     /// Pixels that are means of several samples ([`splatvol_scene::Coverage`]). Times include theirs, other counts do not.
     pub sampled_pixels: u64,
-    /// What the renderer holds after it.
+    /// Memory held by the renderer after the frame.
     pub memory: MemoryUse,
 }

@@ -174,8 +174,9 @@ impl BrickRanges {
     }
 }
 
-/// What a reconstruction from all the points around may leave their levels' range by: its width where coefficients
-/// interpolate, of which one that is left alone may be that far outside, and the levels' own width.
+/// Overshoot: how far a reconstruction from all the points around may leave the range of their levels. It is the
+/// range's width where coefficients interpolate, since an isolated coefficient may lie that far outside, plus the
+/// levels' own width.
 #[inline(always)]
 fn slack(interpolates: bool, low: i32, high: i32) -> i32 {
     1 + if interpolates { high - low + 1 } else { 0 }
@@ -280,7 +281,7 @@ impl Points {
     }
 }
 
-/// What reaches each cell of a brick.
+/// Levels and missing points within reach of each cell of a brick.
 struct Reached {
     low: Cells,
     high: Cells,

@@ -27,7 +27,8 @@ pub(super) fn union(a: LevelRange, b: LevelRange) -> LevelRange {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-/// What the reconstruction may leave a range of levels by: 5/32 of its width, the levels' own width included.
+/// Overshoot: how far the reconstruction may leave a range of levels. It is 5/32 of the range's width, including
+/// the width of the levels themselves.
 #[inline(always)]
 fn slack(low: i16, high: i16) -> i16 {
     (((high - low + 1) * 5) >> 5) + 1
@@ -42,7 +43,7 @@ pub(super) fn widened([low, high]: LevelRange) -> LevelRange {
     [(low - slack).max(0), (high + slack).min(LEVELS as i16 - 1)]
 }
 
-/// What a brick's range says of its cells.
+/// Which of a brick's cells are visible, as far as its range tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
     None,

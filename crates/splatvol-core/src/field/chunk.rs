@@ -20,7 +20,7 @@ use super::needs::Needs;
 pub(super) const CHUNK: [usize; 3] = [8, 4, 4];
 /// Lattice points of a chunk along x, y, z.
 const SPAN: [usize; 3] = [CHUNK[0] * BRICK, CHUNK[1] * BRICK, CHUNK[2] * BRICK];
-/// What an error of 1 at the edge of the halo may still be inside.
+/// Bound on the error inside the chunk from an error of 1 at the edge of the halo.
 const CUT_SHARE: f64 = 1e-6;
 /// Stored in place of a coefficient that there is none of: the sample is missing, or the point is none of the lattice.
 const MISSING: u16 = u16::MAX;

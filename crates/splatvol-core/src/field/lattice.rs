@@ -8,7 +8,7 @@ use crate::visibility::level_of;
 
 /// A sample type.
 pub(super) trait Stored: Copy + PartialOrd + Send + Sync + Into<f64> {
-    /// What it exceeds a stored value by: exact in the small integer types, else by a difference in f64.
+    /// Difference from a stored value: exact in the small integer types, else computed in f64.
     fn above(self, low: f64) -> f32;
 }
 
@@ -55,7 +55,7 @@ impl<'a, T: Copy> Block<'a, T> {
         self.samples[0]
     }
 
-    /// What there is of a row of samples.
+    /// The available part of a row of samples.
     #[inline(always)]
     pub(super) fn row(&self, [y, z]: [usize; 2]) -> Row<'a, T> {
         Row {
@@ -120,7 +120,7 @@ pub(super) struct Lattice {
     /// Normalised value per stored value.
     factor: f32,
     pub any_missing: bool,
-    /// What loops over rows are compiled for.
+    /// Instruction set for which loops over rows are compiled.
     pub simd: Level,
 }
 

@@ -69,7 +69,7 @@ impl From<Arc<Volume>> for SourceLevel {
 pub(super) struct Failure(Arc<Mutex<Option<SceneError>>>);
 
 impl Failure {
-    /// What was read, unless it failed.
+    /// The samples read, or `None` after a failure.
     pub(super) fn catch<T>(&self, read: Result<T, SceneError>) -> Option<T> {
         match read {
             Ok(read) => Some(read),

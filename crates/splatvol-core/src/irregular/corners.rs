@@ -1,4 +1,4 @@
-//! What samples of unstructured cells stand for: the parts of cells around a point, or a cell.
+//! Regions of the samples of unstructured cells: the parts of cells around a point, or a cell.
 
 use glam::DMat3;
 use splatvol_scene::{Association, CellKind, Cells, Mesh};

@@ -1,4 +1,4 @@
-//! What samples of structured blocks stand for: the half cells around a point, or a cell.
+//! Regions of the samples of structured blocks: the half cells around a point, or a cell.
 
 use glam::{DMat3, DVec3};
 

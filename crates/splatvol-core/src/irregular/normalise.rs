@@ -51,7 +51,7 @@ impl Correction {
         }
     }
 
-    /// What a mass is divided by in a step, and how far the sum is from what it should be.
+    /// Divisor of a mass in a step, and the deviation of the sum from its target.
     fn divisor(self, step: f64) -> (f64, f64) {
         let (sum, step) = match self {
             Self::Full(sum) if sum > 0.0 => (sum.clamp(0.5, 2.0), step),

@@ -23,7 +23,7 @@ pub(super) const LONGEST: f64 = 0.8;
 pub(super) struct Piece {
     pub(super) position: DVec3,
     pub(super) volume: f64,
-    /// What the cell's shape functions make of its points' values there; NaN where one is missing.
+    /// Value interpolated there by the cell's shape functions; NaN where one of its points is missing.
     pub(super) value: f64,
 }
 

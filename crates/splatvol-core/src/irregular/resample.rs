@@ -50,7 +50,7 @@ pub(super) struct Cut {
     pub(super) counts: [usize; 3],
 }
 
-/// What samples stand for.
+/// Regions of the samples.
 pub(super) trait Regions: Neighbours {
     /// Whether pieces, smaller than they need be where cells are no boxes, are gathered to fewer.
     const GATHERED: bool;
@@ -59,32 +59,32 @@ pub(super) trait Regions: Neighbours {
     /// `spacings_from_local` measures offsets in spacings of the kernel.
     fn cuts(&self, index: usize, spacings_from_local: &DMat3) -> Vec<Cut>;
 
-    /// What the sums of kernels at places in a sample's region are held against, with those parts of them which no kernel of
-    /// the mesh makes.
+    /// Corrections at places in a sample's region: the target of the sums of kernels, and the parts of the sums
+    /// that no kernel of the mesh contributes.
     fn beyond(&self, index: usize, places: &[Sample]) -> Vec<Correction>;
 }
 
 /// Samples some of which are pieces of others.
 pub(super) struct Resampled {
     pub(super) samples: Vec<Sample>,
-    /// The sample of which each is.
+    /// Index of the original sample of each.
     pub(super) owners: Vec<u32>,
     pub(super) report: Resampling,
 }
 
-/// What was done where cells change too fast for one kernel per sample.
+/// Report of resampling where cells change too fast for one kernel per sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Resampling {
     /// Samples that were replaced by several kernels.
     pub replaced: usize,
-    /// Kernels that there are more than samples.
+    /// Number of kernels beyond one per sample.
     pub added: usize,
     /// True where the limit of [`MOST_PER_SAMPLE`] made kernels coarser than they should be.
     pub limited: bool,
 }
 
 impl Resampling {
-    /// What was done to a further block.
+    /// Adds the report of another block.
     pub(super) fn join(&mut self, other: &Self) {
         self.replaced += other.replaced;
         self.added += other.added;
@@ -140,7 +140,7 @@ pub(super) fn resample(
     Some(joined(&whole, regions, uneven, report))
 }
 
-/// What is marked and its neighbours.
+/// The marked samples and their neighbours.
 fn beside(marked: &[bool], neighbours: &impl Neighbours) -> Vec<bool> {
     let near = |index: usize| {
         let mut found = marked[index];
@@ -331,7 +331,7 @@ fn normalised(
     own.map(|(sample, mass)| Sample { mass, ..sample }).collect()
 }
 
-/// What sums are held against, found once for each sample that is asked for.
+/// Corrections that apply to the sums, computed once for each requested sample.
 struct Beyond<'a, R> {
     samples: &'a [Sample],
     regions: &'a R,
@@ -369,7 +369,7 @@ impl<'a, R: Regions> Beyond<'a, R> {
     }
 }
 
-/// What is marked and all that its kernels reach.
+/// The marked samples and all samples within reach of their kernels.
 fn reached(mut marked: Vec<bool>, neighbours: &impl Neighbours) -> Vec<bool> {
     for _ in 0..REACH {
         marked = beside(&marked, neighbours);

@@ -165,7 +165,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// What becomes a box and its halves.
+/// Storage of a box and its halves, while they are built.
 struct Part<'a> {
     centres: &'a mut [Centre],
     nodes: &'a mut [Node],

@@ -102,14 +102,14 @@ pub struct SplatConstants {
     pub principal: [f32; 2],
     /// `-log2(e) / 2 s^2`, s the kernel's standard deviation in depth.
     pub depth_exponent: f32,
-    /// What is subtracted from the kernel's profile in depth, so that it ends without a step.
+    /// Edge subtracted from the kernel's profile in depth, so that it ends without a step.
     pub depth_edge: f32,
     /// Rays move across by this times their place on a plane over its depth, per depth: 1 in perspective, 0 where they are
     /// parallel.
     pub per_depth: f32,
 }
 
-/// What the tiles of one layer of a frame are rendered from, in memory that the next frame uses again.
+/// Plan of one layer of a frame, from which its tiles are rendered; the next frame reuses its memory.
 #[derive(Debug)]
 pub struct FramePlan {
     /// The picture's tiles.

@@ -24,7 +24,7 @@ pub(super) struct BrickProjection<'a> {
 }
 
 impl BrickProjection<'_> {
-    /// What a brick can touch; `None` where it meets no sheet.
+    /// Bounds of a brick's footprints; `None` where the brick meets no sheet.
     pub(super) fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
         let first = DVec3::from_array(first.map(f64::from));
         let corner = self.camera_from_lattice.transform_point3(first);

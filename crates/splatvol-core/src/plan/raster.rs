@@ -1,4 +1,4 @@
-//! What a footprint is on each sheet of a frame.
+//! Footprint on each sheet of a frame.
 //!
 //! On a sheet the kernel is `peak exp(-d^T Q d / 2) g(dz)`, d the pixel's offset from the footprint's centre there, which
 //! is where the sheet cuts the line through the voxel along the kernel's conjugate axis: exact in perspective.

@@ -59,7 +59,7 @@ fn plan(view: &View, bricks: &Chosen) -> FramePlan {
     plan
 }
 
-/// What is planned holds nothing of what it was planned from.
+/// A plan holds no reference to its inputs.
 #[test]
 fn plans_are_plain_data() {
     fn is_plain<T: Send + Sync + 'static>(_: &T) {}

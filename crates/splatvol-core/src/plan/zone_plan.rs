@@ -1,4 +1,4 @@
-//! What the tiles of a zone are rendered from: footprints on its sheets, and bricks in tile lists.
+//! Plan of a zone, from which its tiles are rendered: footprints on its sheets, and bricks in tile lists.
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use super::zones::Zone;
 use super::{Bricks, SplatConstants};
 use crate::bin::{ProjectedBrick, TileGrid, TileLists};
 
-/// What a zone's tiles are rendered from.
+/// Plan of a zone, from which its tiles are rendered.
 #[derive(Debug, Default)]
 pub struct ZonePlan {
     /// Its planes, and of which intervals between them something is seen.
@@ -20,7 +20,7 @@ pub struct ZonePlan {
     pub sheets: Vec<SheetShape>,
     /// Bricks by tile.
     pub lists: TileLists,
-    /// What all its voxels share.
+    /// Constants shared by all its voxels.
     pub constants: SplatConstants,
 }
 

@@ -124,7 +124,7 @@ impl Sheets {
     }
 }
 
-/// What the footprints of one voxel after the other have in common.
+/// Kernel shared by the footprints of all voxels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kernels {
     pub shape: FootprintShape,
@@ -135,7 +135,7 @@ pub(super) struct Kernels {
     pub cut: f64,
 }
 
-/// What zones are cut from.
+/// Inputs of the zone cutter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cutting<'a> {
     pub extents: &'a Extents,

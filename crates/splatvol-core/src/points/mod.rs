@@ -1,7 +1,7 @@
-//! What a bare cloud of points does not say: how large its points are and which way the surface faces.
+//! Estimation of radii and normals for bare point clouds.
 //!
-//! Both follow from the `k` nearest neighbours of every point. Points at the same place count once: of a scan that was
-//! stored twice every neighbour would else be at distance zero.
+//! Both follow from the `k` nearest neighbours of every point. Points at the same place count once: in a scan
+//! stored twice, every point would otherwise have a neighbour at distance zero.
 //!
 //! | module | what | source |
 //! |---|---|---|

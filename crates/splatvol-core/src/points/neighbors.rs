@@ -76,7 +76,7 @@ impl Neighborhoods {
         DVec3::from_array(self.places[index].map(f64::from))
     }
 
-    /// What places have, for every position of the cloud.
+    /// Copies a property of the distinct places to every position of the cloud.
     pub(super) fn spread<T: Copy + Send + Sync>(&self, of_places: &[T]) -> Vec<T> {
         self.place_of
             .par_iter()

@@ -1,4 +1,4 @@
-//! What a kernel does to the data: how even its sum over the lattice is, and which frequencies it passes.
+//! Quality of a kernel: the ripple of its sum over the lattice, and its frequency response.
 //!
 //! The ripple is the peak-to-peak difference of `sum_k h(x - k)` over the unit cell, sampled on a fine lattice. The sum
 //! has the symmetries of the cube, so `0 <= z <= y <= x <= 1/2` is enough.

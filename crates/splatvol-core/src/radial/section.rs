@@ -1,4 +1,5 @@
-//! What a rasteriser reads: the part of a footprint between two depths, by squared distance.
+//! A section of a footprint table, for rasterisers: the part of a footprint between two depths, by squared
+//! distance.
 
 use super::table::MOST_ENTRIES;
 use super::table::Spacing;
@@ -7,7 +8,7 @@ use super::table::Spacing;
 pub trait Entry: Copy + Default + PartialEq + Send + Sync + 'static {
     /// The value of a whole footprint's centre.
     const FULL: f32;
-    /// What is in front of the first section.
+    /// The row in front of the first section: zeros.
     const ZEROS: &'static [Self];
     /// The entry that is nearest to a share of the footprint's centre, 0 to 1.
     fn nearest(share: f64) -> Self;

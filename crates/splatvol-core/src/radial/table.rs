@@ -14,7 +14,7 @@ use super::section::{AnySection, Entry, Section};
 /// Entries of the largest table.
 pub(super) const MOST_ENTRIES: usize = 1024;
 
-/// What a table's entries are.
+/// Number format of a table's entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {
     /// Levels of 1/255 of the footprint's centre.
@@ -41,7 +41,7 @@ pub enum Spacing {
 pub struct TableSettings {
     /// Entries from the centre to the support, 32 to 1024.
     pub entries: usize,
-    /// What entries are.
+    /// Number format of entries.
     pub precision: Precision,
     /// How entries are spaced.
     pub spacing: Spacing,

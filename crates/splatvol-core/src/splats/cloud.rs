@@ -9,8 +9,8 @@ pub struct SplatCloud {
     pub world_from_local: DAffine3,
     /// Centres, local.
     pub positions: Vec<[f32; 3]>,
-    /// What each splat carries: extinction per world length and emission (extinction times linear rgb) of classified
-    /// splats; normalised value, one, and two zeros of data.
+    /// Payload of each splat. Classified splats: extinction per world length and emission (extinction times linear
+    /// rgb). Data: normalised value, one, and two zeros.
     pub payloads: Vec<[f32; 4]>,
     /// Gradients of the normalised value per local unit; empty where nothing needs them.
     pub gradients: Vec<[f32; 3]>,
@@ -41,7 +41,7 @@ pub enum KernelShape {
     Flattened {
         /// Standard deviation across the gradient, local units.
         sigma: f64,
-        /// What it is divided by along the gradient.
+        /// Divisor of the standard deviation along the gradient.
         flatness: f64,
         /// Gradient of the normalised value, per mean spacing, from which on kernels are flattened.
         threshold: f64,

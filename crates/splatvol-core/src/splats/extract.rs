@@ -10,7 +10,7 @@ use crate::brick::{ActiveBrick, BLOCK, BrickGrid};
 use crate::classification::ClassificationTable;
 use crate::coefficients::Coefficients;
 
-/// What a cloud is made from.
+/// Inputs from which a cloud is extracted.
 #[derive(Debug, Clone, Copy)]
 pub struct Extract<'a> {
     /// Where the samples lie.
@@ -19,7 +19,7 @@ pub struct Extract<'a> {
     pub samples: &'a Coefficients,
     /// Their bricks.
     pub bricks: &'a BrickGrid,
-    /// What can be seen.
+    /// Classification; only visible voxels are extracted.
     pub table: &'a ClassificationTable,
     /// Covariances.
     pub shape: KernelShape,

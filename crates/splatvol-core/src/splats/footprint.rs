@@ -16,7 +16,7 @@ pub struct Footprint {
     pub bounds: [f32; 4],
     /// Line integral through the centre, world length, where the warp's gain is 1.
     pub weight: f32,
-    /// What a splat's opacity is multiplied by (`swan-alpha`); 1 otherwise.
+    /// Factor on a splat's opacity (`swan-alpha`); 1 otherwise.
     pub opacity: f32,
     /// Camera depth of the centre.
     pub depth: f32,
@@ -33,7 +33,7 @@ pub struct Footprint {
 pub struct Sample {
     /// Squared distance of the ray from the centre, standard deviations of the kernel.
     pub squared: f32,
-    /// What the weight is multiplied by.
+    /// Factor on the weight.
     pub gain: f32,
     /// Camera depth of the point of the ray that is nearest to the centre.
     pub depth: f32,

@@ -27,7 +27,7 @@ const CHUNK: usize = 256;
 const SURFEL_SIGMA: f64 = 0.6;
 /// Optical depth of an opaque surface: a 255th shows through.
 const OPAQUE: f64 = 5.55;
-/// What is left of a Gaussian at most, as the published renderer has it.
+/// Least transmittance of a Gaussian, as in the published renderer.
 const CLEAREST: f64 = 0.01;
 /// Gradient of a surface, value ranges per spacing: lit as a surface altogether.
 const SURFACE_GRADIENT: f64 = 1e3;
@@ -270,13 +270,13 @@ fn permuted<T: Copy + Send + Sync>(
     })
 }
 
-/// What a Gaussian of this opacity and colour (sRGB) carries.
+/// Payload of a Gaussian of this opacity and colour (sRGB).
 pub fn gaussian_payload(opacity: f32, color: [f32; 3]) -> [f32; 4] {
     let clear = (1.0 - f64::from(opacity)).max(CLEAREST);
     payload(-libm::log(clear), color.map(f64::from))
 }
 
-/// What surfels of a surface carry, by the levels of their colours.
+/// Payloads of a surface's surfels, tabulated by the levels of their colours.
 struct SurfacePayloads {
     /// Linear light of each level.
     light: [f64; 256],

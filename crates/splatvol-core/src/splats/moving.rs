@@ -64,7 +64,7 @@ pub struct Passage {
     pub along: f32,
     /// Squared distance from the line that the way lies on.
     pub across_squared: f32,
-    /// What the weight is multiplied by.
+    /// Factor on the weight.
     pub gain: f32,
     /// Depth of the ray's nearest point to the centre in the shutter's middle, and its change.
     depth: [f32; 2],

@@ -101,7 +101,7 @@ fn chord(cut: f32, across_squared: f32, [along, length]: [f32; 2]) -> Option<[f3
 pub struct GaussianProfile {
     cut: f32,
     peak: f32,
-    /// What is subtracted, and what then makes the centre 1.
+    /// Edge subtracted from the profile, and the scale that then makes the centre 1.
     edge: f32,
     scale: f32,
     /// Integral over a line through the centre, of what is cut of `exp(-r^2 / 2)`.

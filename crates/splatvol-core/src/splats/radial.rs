@@ -78,7 +78,7 @@ impl RadialProfile {
         }
     }
 
-    /// What lies in front of a depth.
+    /// Integral in front of a depth.
     #[inline(always)]
     fn below(&self, depth: f32, place: (usize, f32)) -> f32 {
         let position = (depth.clamp(-self.cut, self.cut) + self.cut) * self.density[1];

@@ -45,7 +45,8 @@ fn difference(truth: &Footprint, other: &Footprint) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// What the rounding of an affine footprint's centre to 32 bits does, which counts where footprints are much smaller than pixels.
+/// Error from rounding an affine footprint's centre to 32 bits, which matters where footprints are much smaller
+/// than pixels.
 fn rounding(footprint: &Footprint) -> f64 {
     let [x0, y0, x1, y1] = footprint.bounds.map(f64::from);
     let ulp = f64::from(x1.abs().max(y1.abs()) as f32 * f32::EPSILON);

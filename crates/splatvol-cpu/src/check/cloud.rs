@@ -1,4 +1,4 @@
-//! What clouds of splats cannot show: several things, meshes, points, Gaussians.
+//! Checks of scenes rendered as clouds of splats: several items, meshes, points, Gaussians.
 
 use splatvol_scene::{
     Absorption, Alignment, Compositing, Content, Filter, Gradient, Item, Method, Occlusion, Rasterizer,

@@ -1,4 +1,4 @@
-//! What can be rendered: asked beforehand, answered in one place.
+//! Checks whether a scene can be rendered, before rendering; the only place that decides.
 //!
 //! | of | module |
 //! |---|---|
@@ -51,7 +51,7 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// What is asked of the items of a scene besides their looks, by its name.
+/// Names a feature (isosurface, operator or clip) that a scene uses beyond the items' looks; `None` without any.
 fn asked(scene: &Scene) -> Option<&'static str> {
     asked_of(&scene.items, &scene.clips)
 }

@@ -15,7 +15,7 @@ use crate::prepare::Patience;
 use crate::route::VolumeScene;
 use crate::run::Run;
 
-/// What a cloud depends on, besides the volume.
+/// Cache key of a cloud, without the volume.
 #[derive(Debug, Clone, PartialEq)]
 struct Key {
     transfer_function: TransferFunction,

@@ -1,4 +1,4 @@
-//! What becomes of a kernel: its profile, and the tables that rasterisers look up; kept between frames.
+//! Kernel preparation: the profile of a kernel and the rasterisers' lookup tables, kept between frames.
 
 use splatvol_core::splats::{GaussianProfile, KernelShape, RadialProfile};
 use splatvol_scene::{
@@ -69,7 +69,7 @@ impl KernelStore {
         Ok(())
     }
 
-    /// What was prepared.
+    /// The prepared footprints.
     pub(crate) fn footprints(&self) -> Footprints<'_> {
         match &self.prepared {
             Prepared::Gaussian(profile) => Footprints::Gaussian(profile),

@@ -1,10 +1,10 @@
 //! The papers' methods: whole footprints of one volume, or sections of them, one kernel at a time.
 //!
-//! What they reproduce - kernels that are no Gaussians, rasterisers with their tables, alignments, swan's filters, the
-//! summed-area table of what is hidden, slices of the grid, `1 - tau`, flattened kernels, ranges of interest, motion
-//! blur in closed form (swan1997, mueller1998, huang2000, zwicker2001) - is asked for by name. No default comes here: grids and
-//! scenes go to `sheets`, and splats of anything but one volume to `splats`. It is scalar code, slower than both by one to two
-//! orders of magnitude, and keeps its pictures to the bit.
+//! The papers' features are used only on request: non-Gaussian kernels, rasterisers with their tables, alignments,
+//! swan's filters, the summed-area table for occlusion, slices of the grid, `1 - tau`, flattened kernels, ranges of
+//! interest and motion blur in closed form (swan1997, mueller1998, huang2000, zwicker2001). No default comes here:
+//! grids and scenes go to `sheets`, and splats of anything but one volume to `splats`. This is scalar code, one to
+//! two orders of magnitude slower than both, and its pictures stay the same to the bit.
 //!
 //! It knows [`SplatCloud`](splatvol_core::splats::SplatCloud)s and [`Footprint`](splatvol_core::splats::Footprint)s, and nothing of
 //! where they came from. A picture is

@@ -5,7 +5,7 @@ use splatvol_core::sheets::SheetStack;
 use splatvol_core::splats::{Bounds, Chunk, SplatCloud, View};
 use splatvol_scene::{RenderSettings, SplatCompositing, SplatSettings};
 
-/// What a turn is.
+/// Meaning of a turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Order {
     /// Sheets parallel to the picture; a splat's turn is the first one that its kernel reaches.

@@ -9,7 +9,7 @@ use splatvol_scene::Frame;
 /// A pixel while its tile is rendered.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pixel {
-    /// What comes through so far.
+    /// Transmittance so far.
     pub transmittance: f32,
     /// Premultiplied linear colour so far.
     pub color: [f32; 3],
@@ -94,7 +94,7 @@ impl Resolved {
     }
 }
 
-/// What a pixel shows in the end: itself, or the line integral that it holds.
+/// Final result of a pixel: the pixel itself, or the line integral that it holds.
 pub(crate) fn resolve(pixel: &Pixel, is_integral: bool) -> Resolved {
     if is_integral {
         shown(&integrated(pixel))

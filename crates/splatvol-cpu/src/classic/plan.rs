@@ -36,21 +36,21 @@ pub(crate) struct Plan<'a, P> {
     pub cloud: &'a SplatCloud,
     pub projection: Projection<'a>,
     pub profile: &'a P,
-    /// What footprints are looked up in.
+    /// Lookup tables of the footprints, if any.
     pub tables: Option<&'a Tables>,
     pub order: Order,
     pub view: View,
-    /// Chunks per tile, by their first turn; what a brick is called there is a chunk's index.
+    /// Chunks per tile, by their first turn; a brick index of the lists is a chunk index here.
     pub lists: TileLists,
     pub tiles: TileGrid,
     /// Light on classified splats.
     pub light: Option<SplatLight>,
-    /// What sheets of data are classified and lit by.
+    /// Transfer function and lighting for sheets of data.
     pub shading: Option<(ClassificationTable, Option<Phong>)>,
     /// Pixels around a tile that are splatted as well.
     pub apron: usize,
     pub bricks: usize,
-    /// What this took.
+    /// Time spent on this plan, seconds.
     pub seconds: f64,
 }
 
@@ -158,7 +158,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         [along(px, screen.centre.x), along(py, screen.centre.y)]
     }
 
-    /// What a splat carries, in its light.
+    /// Payload of a splat, lit.
     #[inline(always)]
     pub(crate) fn payload(&self, splat: usize) -> [f32; 4] {
         let payload = self.cloud.payloads[splat];

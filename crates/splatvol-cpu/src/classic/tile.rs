@@ -61,7 +61,7 @@ pub(crate) struct TileWork {
     pub shade: Duration,
 }
 
-/// What a tile is rendered with.
+/// Inputs and state for rendering one tile.
 pub(crate) struct Tile<'a, P> {
     pub plan: &'a Plan<'a, P>,
     pub brush: Brush<'a, P>,

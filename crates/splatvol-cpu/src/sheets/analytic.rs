@@ -23,7 +23,7 @@ use super::shade::{MIDDLES, PlaneShader};
 use super::shaded::filled;
 use super::tile::{MAX_CHANNELS, SheetScratch};
 
-/// What planes hold beside values.
+/// Sums that planes hold beside the values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sums {
     /// Moments, of which gradients are made ([`super::gradients`]).
@@ -48,7 +48,7 @@ pub(crate) struct Analytic<'a> {
     table: FineTable,
 }
 
-/// What turns a sheet's sums into the gradient of their value.
+/// Coefficients of the gradient, from a sheet's sums of moments.
 #[derive(Debug, Clone, Copy)]
 struct Derivative {
     /// Per world length: `-Q` times raster points per world length.
@@ -83,7 +83,7 @@ impl Derivative {
     }
 }
 
-/// What lies between two planes of a tile.
+/// The interval between two planes of a tile.
 pub(crate) struct Interval<'a> {
     sums: Sums,
     planes: [&'a [Plane; MAX_CHANNELS]; 2],

@@ -1,4 +1,4 @@
-//! Canvas: what the pixels of a tile have so far, and how material goes behind it.
+//! Canvas: accumulated state of a tile's pixels, and compositing of material behind it.
 //!
 //! A single layer's material goes straight to the pixels. Where a scene has several, the materials of one interval are
 //! gathered first: along the interval they lie side by side, so that extinctions add up (`T = T_a T_b`) and each layer's
@@ -10,7 +10,7 @@ use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*};
 use super::sheet::Lanes16;
 use crate::simd::math::log2;
 
-/// What sixteen pixels see of an interval's material.
+/// An interval's material as sixteen pixels see it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Material<S: Simd> {
     /// Transmittance.
@@ -41,7 +41,7 @@ impl Stored {
     };
 }
 
-/// What the pixels of a tile have so far, channel by channel.
+/// Accumulated state of a tile's pixels, channel by channel.
 #[derive(Debug, Default)]
 pub(crate) struct Canvas {
     pub transmittance: Vec<f32>,

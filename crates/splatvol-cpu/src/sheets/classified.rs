@@ -15,7 +15,7 @@ use super::cut::Cut;
 use super::sheet::Lanes16;
 use crate::phong::Phong;
 
-/// What the voxels of open bricks splat.
+/// Extinction and emission of the voxels of open bricks.
 #[derive(Debug, Default)]
 pub(crate) struct Classified {
     /// By slot and voxel: extinction, and emission (extinction times colour) red, green and blue.

@@ -295,7 +295,7 @@ mod tests {
         }
     }
 
-    /// What a cubic and a number less it add up to at eleven places of sixteen lanes.
+    /// Sums of a cubic and `2 - cubic` at eleven places of sixteen lanes.
     #[inline(always)]
     fn with_its_complement<S: Simd>(simd: S, values: [[f32; 16]; 4]) -> Vec<f32> {
         let cubic = Cubic::through(values.map(|v| f32x16::from_slice(simd, &v)));

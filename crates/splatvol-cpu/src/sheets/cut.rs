@@ -70,7 +70,7 @@ impl Cut {
         self.bodies.is_empty()
     }
 
-    /// What is left of a segment, from front to back.
+    /// Visible ranges of a segment, from front to back.
     pub(crate) fn ranges(&self, segment: &Segment, ranges: &mut Vec<Range>) {
         ranges.clear();
         ranges.push(Range {

@@ -356,7 +356,7 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a frame's tiles show.
+/// The layers shown in a frame's tiles.
 pub(crate) trait Tiles: Sync {
     /// The frame, or that of any of several layers: they share tiles and planes.
     fn frame(&self) -> &ZonedFrame<'_>;

@@ -35,7 +35,7 @@ impl<'a, K: Kept> ExactIntensity<'a, K> {
         }
     }
 
-    /// What sixteen pixels have of an interval, given the plane in its middle.
+    /// Piece of sixteen pixels in an interval, given the plane in its middle.
     #[inline(always)]
     fn piece<S: Simd>(
         &self,

@@ -92,7 +92,7 @@ impl Eye {
         (weight, (-q * weight).extend(along))
     }
 
-    /// What the voxels around the eye add up to there.
+    /// Sums at the eye over the voxels around it.
     fn sums<S: Simd, M: Mode<N>, const N: usize>(
         &self,
         simd: S,

@@ -50,7 +50,7 @@ pub(crate) struct Point<S: Simd> {
     color: [f32x16<S>; 3],
 }
 
-/// What lies between two values that the value runs through evenly.
+/// Material between two values, the value varying linearly.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stretch<S: Simd> {
     /// Mean extinction.
@@ -59,11 +59,11 @@ pub(crate) struct Stretch<S: Simd> {
     pub place: f32x16<S>,
     /// Mean colour of the material.
     pub color: [f32x16<S>; 3],
-    /// Half of what the colour at the first value is more than that at the second.
+    /// Half of the colour at the first value less that at the second.
     pub half_step: [f32x16<S>; 3],
 }
 
-/// What means between two points are made of.
+/// Operands for the means between two points.
 struct Mean<'a, S: Simd> {
     points: [&'a Point<S>; 2],
     is_flat: mask32x16<S>,

@@ -22,7 +22,7 @@ use crate::phong::Phong;
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
     pub plan: FramePlan,
-    /// What zones' first intervals need of the eye, where they begin there.
+    /// Eyes of the zones that begin there, for their first intervals.
     eyes: Vec<Eye>,
 }
 
@@ -47,7 +47,7 @@ impl Plan {
     }
 }
 
-/// What the tiles of a layer's picture share, zone by zone.
+/// View data shared by the tiles of a layer's picture, zone by zone.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ZonedFrame<'a> {
     pub plan: &'a FramePlan,
@@ -56,7 +56,7 @@ pub(crate) struct ZonedFrame<'a> {
 }
 
 impl<'a> ZonedFrame<'a> {
-    /// What the tiles of a zone share.
+    /// View data shared by the tiles of a zone.
     pub(crate) fn zone(&self, index: usize) -> Option<SheetFrame<'a>> {
         let plan = self.plan;
         let own = plan.zones().get(index)?;
@@ -82,7 +82,7 @@ impl<'a> ZonedFrame<'a> {
     }
 }
 
-/// What the tiles of a zone share.
+/// View data shared by the tiles of a zone.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SheetFrame<'a> {
     /// First voxel of each brick, camera space.
@@ -92,7 +92,7 @@ pub(crate) struct SheetFrame<'a> {
     pub zone: &'a Zone,
     pub sheets: &'a [SheetShape],
     pub lists: &'a TileLists,
-    /// What the first interval needs of the eye, where it begins there.
+    /// The eye, where the first interval begins there.
     pub eye: Option<&'a Eye>,
     pub constants: SplatConstants,
     pub rays: Rays,

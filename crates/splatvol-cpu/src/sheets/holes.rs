@@ -137,14 +137,14 @@ pub(super) fn any<S: Simd>(simd: S, missing: f32x16<S>) -> bool {
     missing.simd_gt(f32x16::splat(simd, 0.0)).any_true()
 }
 
-/// What sums on four planes are beside holes.
+/// Sums on four planes, corrected for the missing samples beside them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Beside<S: Simd> {
-    /// Values less the background: of a plane that has hardly any weight those of the others, continued.
+    /// Values less the background; a plane with hardly any weight takes values continued from the others.
     pub values: [f32x16<S>; 4],
     /// Shares of the weight that are left.
     left: [f32x16<S>; 4],
-    /// What coverage is below zero where nothing is left.
+    /// Coverage where no weight is left is this far below zero.
     below: f32,
 }
 
@@ -211,7 +211,8 @@ impl<S: Simd> Beside<S> {
     }
 }
 
-/// What coverage `q = (B - 1/2) / 0.98 + 1/2` is below zero at B = 0: of a share of B it is `q share - BELOW (1 - share)`.
+/// Coverage `q = (B - 1/2) / 0.98 + 1/2` is `-BELOW` at B = 0; for a share of B it is
+/// `q share - BELOW (1 - share)`.
 const BELOW: f32 = 0.01 / 0.98;
 
 /// The same of one pixel: values on the four planes, less the background, and coverage. `divided`: sums already are.

@@ -330,8 +330,8 @@ struct Pixels<'a> {
 }
 
 impl Pixels<'_> {
-    /// What the covariance of sixteen pixels' footprints at some depths has more than that of the tile's middle: xx, xy,
-    /// yy, pixels squared.
+    /// Excess covariance of sixteen pixels' footprints at given depths over that of the tile's middle: xx, xy, yy,
+    /// pixels squared.
     #[inline(always)]
     fn lacking<S: Simd>(&self, simd: S, depth: f32x16<S>, [x, y]: [usize; 2]) -> [f32x16<S>; 3] {
         let rays = &self.frame.rays;

@@ -32,7 +32,7 @@ pub(crate) struct Intensity<'a, K> {
     rays: RayValues<'a, K>,
 }
 
-/// What rays keep of values on planes, whatever has been splatted.
+/// Reduction of values on planes to one value per ray, whatever has been splatted.
 #[derive(Debug)]
 pub(crate) struct RayValues<'a, K> {
     shader: PlaneShader<'a>,
@@ -40,7 +40,7 @@ pub(crate) struct RayValues<'a, K> {
     kept: PhantomData<K>,
 }
 
-/// What a pixel has of one interval.
+/// Value and coverage of a pixel along one interval.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece<S: Simd> {
     pub values: Cubic<S>,
@@ -51,12 +51,13 @@ pub(crate) struct Piece<S: Simd> {
     pub spacing: f32,
 }
 
-/// What is kept of values along rays.
+/// Reduction of the values along a ray: their extremum or mean.
 pub(crate) trait Kept: Sync {
-    /// Takes sixteen pixels' piece to what the canvas has; values outside `hull` show nothing.
+    /// Merges sixteen pixels' piece into the canvas; values outside `hull` are not shown.
     fn keep<S: Simd>(simd: S, piece: &Piece<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize);
 
-    /// Makes of what was kept the value, in `color[0]`, and its depth, in `depth_sum`, 0 where there is no value.
+    /// Turns the reduced state into the value, in `color[0]`, and its depth, in `depth_sum`; 0 where there is no
+    /// value.
     fn settle<S: Simd>(simd: S, canvas: &mut Canvas, pixel: usize);
 }
 
@@ -205,7 +206,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
         self.colors.finish::<S, K>(simd, canvas);
     }
 
-    /// What sixteen pixels have of an interval.
+    /// Piece of sixteen pixels in an interval.
     #[inline(always)]
     fn piece<S: Simd>(
         &self,
@@ -275,7 +276,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
     }
 }
 
-/// What values are shown as.
+/// Transfer function for values that are shown by themselves.
 #[derive(Debug)]
 pub(crate) struct ValueColors<'a> {
     table: &'a ClassificationTable,
@@ -291,7 +292,7 @@ impl<'a> ValueColors<'a> {
         }
     }
 
-    /// Makes of what was kept the value in its colour, as thick as the unit distance.
+    /// Replaces the reduced value by its colour, with the opacity of the unit distance.
     #[inline(always)]
     pub(crate) fn finish<S: Simd, K: Kept>(&self, simd: S, canvas: &mut Canvas) {
         for pixel in (0..canvas.depth_sum.len()).step_by(16) {

@@ -31,7 +31,7 @@ pub(crate) struct LatticeWeights {
     margin: Vec3,
     /// Variance of the kernel, voxels squared.
     variance: f32,
-    /// What a lateral variance in camera space is along x, y and z, and its covariances of y z, z x and x y.
+    /// Variance along x, y and z, and covariances of y z, z x and x y, per lateral variance in camera space.
     low_pass: [Vec3; 2],
 }
 

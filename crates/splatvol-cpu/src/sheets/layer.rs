@@ -50,7 +50,7 @@ pub(crate) trait TileLayer<S: Simd> {
     fn mask(&mut self) -> &mut OpenMask;
 }
 
-/// What a [`Mode`] makes of a picture, in a tile.
+/// A layer of a [`Mode`] in a tile.
 #[derive(Debug)]
 pub(crate) struct ModeLayer<'a, M, const N: usize> {
     picture: &'a ZonedFrame<'a>,
@@ -109,7 +109,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         (self.next, self.fetched, self.idle) = (0, 0, usize::MAX);
     }
 
-    /// What a plane is called in this zone; none before its first and behind the last that anything may be on.
+    /// Index of a plane in this zone; `None` before its first plane and behind the last that may hold anything.
     fn sheet(&self, plane: i64) -> Option<usize> {
         let sheet = usize::try_from(plane - self.frame.stack.first).ok()?;
         (sheet <= self.frame.zone.last_sheet).then_some(sheet)

@@ -41,7 +41,7 @@ pub(crate) enum Wanted {
 }
 
 impl Wanted {
-    /// What settings ask for.
+    /// The voxels that the settings need.
     pub(crate) fn of(settings: &RenderSettings<SheetSettings>) -> Self {
         match settings.method.shows {
             Shows::Mip => Self::Largest,
@@ -63,7 +63,7 @@ pub(crate) struct Level {
     pub visible: Vec<u32>,
     /// Smallest and largest visible value.
     pub hull: [f32; 2],
-    /// What all this was made for.
+    /// Cache key of all this.
     made_for: (TransferFunction, f64, Wanted),
 }
 

@@ -1,4 +1,4 @@
-//! Mode: what voxels splat, and what becomes of finished sheets. The tile loop is one for all modes.
+//! Mode: payload of the voxels, and shading of finished sheets. All modes share one tile loop.
 //!
 //! | mode | splats | a finished sheet |
 //! |---|---|---|
@@ -23,19 +23,19 @@ use super::sheet::GroupShape;
 use super::splat::Payload;
 use super::tile::{SheetScratch, SheetWork, enter_lattice, lattice_window, take_planes};
 
-/// What voxels splat, N numbers each, and what becomes of finished sheets.
+/// Payload of the voxels, N numbers each, and shading of finished sheets.
 pub(crate) trait Mode<const N: usize>: Sync {
-    /// What a record's value stands for.
+    /// Payload that a record's value stands for.
     type Payload<'m>: Payload<N>;
 
-    /// What records' values stand for, given what the open bricks hold.
+    /// The payload, given the classified voxels of the open bricks.
     fn payload(classified: &Classified) -> Self::Payload<'_>;
 
     /// Gets an empty canvas ready.
     fn begin(&self, _: &mut Canvas) {}
 
-    /// Opens a brick of a grid: values of its voxels, NaN where there is nothing to splat; and into the memory of its slot
-    /// what values stand for.
+    /// Opens a brick of a grid. Writes its voxels' values, NaN where there is nothing to splat, and their payloads
+    /// into the memory of its slot.
     #[inline(always)]
     fn open<S: Simd>(
         &self,

@@ -1,12 +1,13 @@
 //! Post-classification with operators, clips or isosurfaces: planes shaded pixel by pixel (huang2000 section 4.3).
 //!
-//! What clips leave of an interval is cut in pieces, each of which takes its mean extinction and the place of its material
-//! from the integrals of the transfer function, as in `shade`; there operators are asked. An isosurface is seen where the
-//! cubic between two planes takes its value.
+//! Clips cut an interval into pieces. Each remaining piece takes its mean extinction and the place of its material
+//! from the integrals of the transfer function, as in `shade`; operators are evaluated at that place. An isosurface
+//! is seen where the cubic between two planes takes its value.
 //!
-//! The gradient says nothing about a cut: on its face the normal is the cut's, for as much as four voxels of the material
-//! there hide, until seven eighths of the light are gone or the material ends. Faces of opaque material are lit as
-//! flat as they are, seen where the light comes from, and fog, which has no faces, is lit as if uncut.
+//! The field's gradient is no normal of a cut. The normal is that of the cut's face, weighted by the opacity of
+//! four voxels of the material at the face, until seven eighths of the light are gone or the material ends. So
+//! faces of opaque material are lit flat, at the mean place of the light they send, and fog, which has no faces, is
+//! lit as if uncut.
 
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ use crate::phong::Lit;
 use crate::route::Asked;
 use crate::simd::math::exp2_of;
 
-/// What is done to pixels.
+/// Operators, clips and isosurfaces, applied pixel by pixel.
 #[derive(Debug)]
 pub(crate) struct Operated<'a> {
     operators: &'a [Arc<dyn PixelOperator>],
@@ -44,7 +45,7 @@ struct Surface {
     extinction: f32,
 }
 
-/// What a pixel knows of the cut that it looks at.
+/// State of the cut face that a pixel looks at.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
     /// World axes.
@@ -219,7 +220,7 @@ impl<'a> Operated<'a> {
         }
     }
 
-    /// What lies in a part of an interval.
+    /// Material of a part of an interval.
     fn material(
         &self,
         (shader, pixel, sheet): (&PlaneShader<'_>, &Pixel, usize),

@@ -21,7 +21,7 @@ pub(crate) struct Units {
     pub range: f32,
 }
 
-/// What a frame's pixels are made with.
+/// Shader, interval and place from which a frame's pixels are made.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pixels<'a> {
     pub shader: &'a PlaneShader<'a>,
@@ -172,7 +172,7 @@ impl Pixel {
         Vec3::new(gx, gy, gz)
     }
 
-    /// What operators are told of a value at a place, and the length of the normalised gradient.
+    /// The sample passed to operators, of a value at a place, and the length of the normalised gradient.
     pub(crate) fn sample(&self, (u, value): (f32, f32), units: &Units) -> (SheetSample, f32) {
         let gradient = self.gradient(u);
         let place = self.segment.from + self.segment.step * u;

@@ -64,7 +64,7 @@ pub(crate) struct SheetRing {
     pub rows: Vec<Row>,
     /// Rows of a group.
     pub height: usize,
-    /// What was written to each sheet since it was last taken.
+    /// Area written to each sheet since it was last taken.
     pub touched: Vec<Area>,
     /// Index of the sheet before which sums over sheets are up to date, where there are such.
     pub last_sheet: f32,

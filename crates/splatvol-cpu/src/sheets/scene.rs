@@ -33,7 +33,7 @@ use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
 
-/// What a scene consists of.
+/// Contents of a scene, by layer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LayeredScene<'a> {
     pub volumes: &'a [VolumeScene<'a>],
@@ -42,7 +42,7 @@ pub(crate) struct LayeredScene<'a> {
     /// Their samples, in the same order.
     pub mesh_clouds: &'a MeshStore,
     pub cloud: Option<&'a SplatCloud>,
-    /// What is cut away of the cloud, world.
+    /// Clips of the cloud, world space.
     pub clips: &'a [Clip],
 }
 
@@ -54,7 +54,7 @@ impl LayeredScene<'_> {
     }
 }
 
-/// What is kept of layers between frames.
+/// Layers' data kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct LayerStore {
     plans: Vec<Plan>,

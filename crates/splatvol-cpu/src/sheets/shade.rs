@@ -141,7 +141,7 @@ pub(crate) struct PlaneShader<'a> {
 /// but those of several run side by side, stage by stage.
 const BATCH: usize = 8;
 
-/// What the stages hand on, per vector.
+/// Intermediate results between the shading stages, per vector.
 #[derive(Debug)]
 pub(crate) struct ShadeBatch {
     /// First pixel of each vector.
@@ -179,7 +179,7 @@ impl Default for ShadeBatch {
     }
 }
 
-/// What a tile is shaded with.
+/// Area of a tile to shade.
 #[derive(Debug)]
 pub(crate) struct ShadeTarget<'a> {
     /// Image coordinates of the tile's first pixel.

@@ -20,7 +20,7 @@ use super::tile::SheetScratch;
 pub(crate) struct Shaded<'a> {
     pub store: &'a FieldStore,
     pub shader: PlaneShader<'a>,
-    /// What is done pixel by pixel, where a scene asks for it.
+    /// Operators, clips and isosurfaces, applied pixel by pixel, where a scene has any.
     pub operated: Option<Operated<'a>>,
 }
 

@@ -1,4 +1,4 @@
-//! What splatting needs of the four sheets that a voxel meets.
+//! Shapes of the four sheets that a voxel meets, for splatting.
 
 use splatvol_core::plan::SheetShape;
 

@@ -213,13 +213,13 @@ pub(crate) struct Offset<'a, S: Simd> {
     pub constants: &'a SplatConstants,
 }
 
-/// What a record's value stands for: the numbers that are splatted into N rings.
+/// Payload of a voxel: the numbers that its record's value adds to N rings.
 pub(crate) trait Payload<const N: usize>: Copy {
-    /// A footprint's weight (per peak) and peak times each of them.
+    /// A footprint's weight (per peak) times its peak times each number.
     fn weights<S: Simd>(&self, simd: S, value: f32, weight: f32x16<S>, peak: f32x16<S>) -> [f32x16<S>; N];
 
-    /// What a block of pixels takes of a voxel where each weight is computed by itself, given [`Payload::weights`] at the
-    /// footprint's centre and the block's share of those.
+    /// Contribution of a voxel to a block of pixels where each weight is computed by itself, given
+    /// [`Payload::weights`] at the footprint's centre and the block's share of those.
     #[inline(always)]
     fn in_block<S: Simd>(
         &self,

@@ -37,7 +37,7 @@ pub(crate) struct Classified<S: Simd> {
     extinction: f32x16<S>,
 }
 
-/// What lies between two values that the value runs through evenly.
+/// Material between two values, the value varying linearly.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Segment<S: Simd> {
     /// Mean extinction.
@@ -83,7 +83,7 @@ pub(crate) struct Point {
     pub extinction: f32,
 }
 
-/// What lies between two values of one pixel: the same as [`Segment`].
+/// Material between two values of one pixel; a scalar [`Segment`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub extinction: f32,

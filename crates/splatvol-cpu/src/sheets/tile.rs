@@ -1,4 +1,5 @@
-//! What a picture's tiles share, a tile's memory, and how the voxels of a grid come into its ring. The loop over sheets is [`super::layer`]'s.
+//! Tiles of a picture: shared data, a tile's memory, and entry of a grid's voxels into its ring. The loop over
+//! sheets is in [`super::layer`].
 
 use std::time::Duration;
 
@@ -50,7 +51,7 @@ pub(crate) struct SheetScratch {
     pub upsampler: Upsampler,
     /// Of the last four sheets, by channel.
     pub planes: [[Plane; MAX_CHANNELS]; 4],
-    /// What samples that are missing would add to them.
+    /// Contributions that the missing samples would make to them.
     pub holes: Holes,
     pub open: Vec<OpenBrick>,
     voxels: Vec<OpenVoxels>,
@@ -59,9 +60,9 @@ pub(crate) struct SheetScratch {
     brick: [BrickValues; 2],
     pub mask: OpenMask,
     pub batch: ShadeBatch,
-    /// What pixels see of cuts.
+    /// Cut faces seen by pixels.
     pub faces: Faces,
-    /// What the voxels of open bricks splat, where it is more than a number.
+    /// Payload of the voxels of open bricks, where it is more than a number.
     pub classified: Classified,
     /// Splats of a cloud that wait for their next plane.
     pub waiting: Waiting,

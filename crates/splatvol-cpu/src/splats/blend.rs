@@ -1,4 +1,4 @@
-//! Blend: what a splat does to the pixels of a block, and what they show in the end.
+//! Blend: effect of a splat on the pixels of a block, and their final result.
 //!
 //! | | at d from its centre a splat gives a pixel | which ends |
 //! |---|---|---|
@@ -27,13 +27,13 @@ pub(crate) trait Blend: Copy + Send + Sync {
     /// A block that nothing was splatted to.
     const EMPTY: Block;
 
-    /// Whether a splat of this peak is seen at all; its source says what the peak is.
+    /// Whether a splat of this peak is visible at all; its source defines the peak.
     fn is_seen<S: Simd>(self, simd: S, peak: f32x16<S>) -> mask32x16<S>;
 
-    /// What the splat keeps of its peak.
+    /// The value stored for a splat in place of its peak.
     fn kept<S: Simd>(self, simd: S, peak: f32x16<S>) -> f32x16<S>;
 
-    /// Where a splat ends, given what it keeps: `log2(e) d^T V^-1 d / 2`.
+    /// Where a splat ends, given the stored peak: `log2(e) d^T V^-1 d / 2`.
     fn end<S: Simd>(self, simd: S, kept: f32x16<S>) -> f32x16<S>;
 
     /// Half of the square around a splat outside which it is not drawn, pixels; covariance: xx, xy, yy.
@@ -42,16 +42,16 @@ pub(crate) trait Blend: Copy + Send + Sync {
         f32x16::splat(simd, f32::MAX)
     }
 
-    /// What is added to a splat's exponents, `-log2(e) d^T V^-1 d / 2`, before [`Blend::add`] sees them.
+    /// Offset added to a splat's exponents, `-log2(e) d^T V^-1 d / 2`, before they are passed to [`Blend::add`].
     #[inline(always)]
     fn offset(self, _: &Splat) -> f32 {
         0.0
     }
 
-    /// Puts a splat behind the pixels of a block; whether any of them goes on.
+    /// Composites a splat behind the pixels of a block; returns whether any pixel is still open.
     fn add<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>, block: &mut Block) -> bool;
 
-    /// What the pixels of a block show.
+    /// Final result of the pixels of a block.
     fn resolve<S: Simd>(self, simd: S, block: &Block) -> Resolved;
 
     /// The pixel where there is no splat.

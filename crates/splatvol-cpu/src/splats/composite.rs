@@ -29,7 +29,7 @@ pub(crate) struct Block {
     pub sums: [[f32; LANES]; 4],
 }
 
-/// What a thread needs for a tile.
+/// A thread's memory for a tile.
 #[derive(Debug)]
 pub(crate) struct Scratch {
     pub blocks: Box<[Block; BLOCKS * BLOCKS]>,

@@ -18,7 +18,7 @@ pub(crate) const TILE: usize = 32;
 pub(crate) const BLOCK: usize = 4;
 /// Blocks along an edge of a tile.
 pub(crate) const BLOCKS: usize = TILE / BLOCK;
-/// What rounding may move an ellipse by, pixels.
+/// Margin for rounding of an ellipse, pixels.
 const SLACK: f32 = 0.02;
 
 /// Masks of blocks, bit `8 row + column`, of the splats in `batch`.

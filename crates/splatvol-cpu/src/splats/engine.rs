@@ -29,10 +29,10 @@ use crate::run::Run;
 const CHUNK: usize = 4096;
 /// Parts per thread, at least, in which splats are sorted and binned.
 const PARTS_PER_THREAD: usize = 2;
-/// Splats of such a part at most: what a thread does before it looks whether the picture is given up.
+/// Splats of such a part at most; a thread checks for cancellation after each part.
 const PART: usize = 1 << 16;
 
-/// What is splatted, in the order in which equal depths are drawn.
+/// A cloud to splat; clouds are listed in the order in which equal depths are drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Cloud<'a> {
     /// 3-D Gaussians, and where their own world lies.

@@ -25,7 +25,7 @@ pub(crate) struct Splat {
     pub centre: [f32; 2],
     /// `log2(exp(-1/2 d^T V^-1 d)) = conic . (dx^2, dx dy, dy^2)`.
     pub conic: [f32; 3],
-    /// What `Blend::kept` keeps of the value in the middle.
+    /// Peak as stored by `Blend::kept`.
     pub peak: f32,
     /// Half width and height of the ellipse where it ends, pixels.
     pub reach: [f32; 2],
@@ -38,7 +38,7 @@ pub(crate) struct Splat {
 }
 
 impl Splat {
-    /// What is blended: colour and depth.
+    /// Blended values: colour and depth.
     #[inline(always)]
     pub(crate) fn values(&self) -> [f32; 4] {
         let [red, green, blue] = self.color;
@@ -63,7 +63,7 @@ pub(crate) struct Target<'a> {
     pub keys: &'a [AtomicU64],
 }
 
-/// What can be splatted: centres in a space of its own, and what becomes of them there and on the screen.
+/// A source of splats: centres in its own space, and their shapes, peaks and colours in a view.
 pub(crate) trait Source: Sync {
     /// Centres.
     fn means(&self) -> &[[f32; 3]];
@@ -96,7 +96,7 @@ pub(crate) struct Seen<S: Simd> {
     pub tangent: [f32x16<S>; 2],
 }
 
-/// What the lanes hold before splats are picked.
+/// State of the lanes before visible splats are picked.
 struct Lanes<S: Simd> {
     visible: mask32x16<S>,
     offset: [f32x16<S>; 3],

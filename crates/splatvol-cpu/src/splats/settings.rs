@@ -1,4 +1,4 @@
-//! What can be chosen of splats that are composited one by one.
+//! Settings of splats that are composited one by one.
 
 use splatvol_scene::{ImageSize, Lighting};
 
@@ -7,12 +7,12 @@ use splatvol_scene::{ImageSize, Lighting};
 pub(crate) struct CloudSettings {
     /// Pixels of the picture.
     pub size: ImageSize,
-    /// What footprints are widened by.
+    /// Low-pass added to footprints.
     pub low_pass: LowPass,
-    /// Centres at this camera depth or nearer are not drawn. Perspective only: orthographic cameras draw everything before
-    /// them.
+    /// Centres at this camera depth or nearer are not drawn. Perspective only: orthographic cameras draw all splats
+    /// in front of them.
     pub near: Near,
-    /// Light on what is no Gaussian; `None` leaves colours as they are.
+    /// Lighting of everything but Gaussians; `None` leaves colours unlit.
     pub lighting: Option<Lighting>,
     /// How splats add up.
     pub manner: Manner,
@@ -23,7 +23,7 @@ pub(crate) struct CloudSettings {
 pub(crate) enum Manner {
     /// As the published renderer of Gaussians has it: opacities, over each other in display colours.
     Published {
-        /// What lies behind: linear light, straight alpha. Composited in display space.
+        /// Background: linear light, straight alpha. Composited in display space.
         background: [f32; 4],
     },
     /// Optical depths, in linear light: each splat a slab of `1 - exp(-tau)`, front to back.
@@ -43,17 +43,17 @@ pub(crate) enum Manner {
 /// Variance that footprints get, pixels squared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum LowPass {
-    /// As much for all.
+    /// The same for all footprints.
     Added(f32),
-    /// What the narrower axis of each lacks to it.
+    /// Only as much as the footprint's narrower axis lacks to this variance.
     Lacking(f32),
 }
 
 /// From which camera depth on splats are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Near {
-    /// In the Gaussians' own units, that is before `world_from_local`; of what is no Gaussian, the nearest at which any cloud of
-    /// Gaussians begins counts.
+    /// In the Gaussians' own units, before `world_from_local`. Other splats use the nearest depth at which any
+    /// cloud of Gaussians begins.
     OfGaussians(f64),
     /// World length.
     World(f64),

@@ -13,7 +13,7 @@ use super::settings::{CloudSettings, LowPass, sane};
 pub(crate) const REFERENCE_TILE: u32 = 16;
 /// Tangents beyond this many times the picture's are cut in the derivative of the projection.
 const TANGENT_LIMIT: f64 = 1.3;
-/// What is narrower, pixels squared, is no ellipse any more in f32.
+/// Least variance at which an ellipse is still representable in f32, pixels squared.
 pub(crate) const LEAST_VARIANCE: f32 = 1e-6;
 
 /// A camera before a cloud.

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What kernels make of fields.
+/// Errors of a set of kernels on constant and linear fields.
 #[derive(Debug)]
 pub(super) struct Ripple {
     /// Largest deviation from 1 of the sum of all kernels.

@@ -35,7 +35,7 @@ pub struct AlignmentErrors {
     pub grid: f64,
 }
 
-/// What a profile makes of shifts and stretches.
+/// Sensitivity of a profile q to shifts and stretches of its argument.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sensitivity {
     /// `max 2 rho^3 abs(q')`.

@@ -113,7 +113,7 @@ impl Projection<'_> {
         }
     }
 
-    /// What a splat's opacity is multiplied by.
+    /// Factor on a splat's opacity.
     #[inline(always)]
     pub(super) fn opacity(&self, widening: f64) -> f32 {
         if self.filter == Filter::SwanAlpha {

@@ -48,7 +48,7 @@ pub(super) fn add_square([xx, xy, xz, yy, yz, zz]: Covariance, v: DVec3, s: f64)
     ]
 }
 
-/// What a covariance looks like along `(along, 1)`: `A C A^T`, `A = [I, -along]`.
+/// Covariance projected along `(along, 1)`: `A C A^T`, `A = [I, -along]`.
 #[inline(always)]
 pub(super) fn seen_along([xx, xy, xz, yy, yz, zz]: Covariance, along: DVec2) -> Planar {
     [

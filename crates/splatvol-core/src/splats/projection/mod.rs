@@ -47,7 +47,7 @@ pub struct View {
     pub screen: ScreenFromCamera,
     /// Pixels.
     pub size: ImageSize,
-    /// What is nearer is not seen, camera depth.
+    /// Near plane, camera depth; nothing nearer is drawn.
     pub near: f64,
 }
 

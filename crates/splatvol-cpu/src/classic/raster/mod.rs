@@ -28,11 +28,11 @@ pub(crate) trait Target {
     fn row(&mut self, place: (usize, usize), weights: &[f32]);
 }
 
-/// What draws footprints into a tile.
+/// Draws footprints into a tile.
 #[derive(Debug)]
 pub(crate) struct Brush<'a, P> {
     pub profile: &'a P,
-    /// What footprints are looked up in; `None` where they are evaluated.
+    /// Lookup tables of the footprints; `None` where footprints are evaluated.
     pub tables: Option<&'a Tables>,
     /// The tile's pixels.
     pub rect: TileRect,

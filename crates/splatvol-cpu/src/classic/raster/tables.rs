@@ -1,11 +1,12 @@
 //! FastSplats: footprints looked up in tables (huang2000 section 3).
 //!
-//! What the rasterisers share: the table of the kernel's sections, the part of it that a sheet cuts from a splat, and where
-//! the splat lies once its centre is snapped. How each comes by a pixel's entry is a module of its own. All fill the
-//! weights of a splat's rectangle, one call per splat and sheet, in scalar code as the paper's.
+//! Shared by the rasterisers: the table of the kernel's sections, the part of it that a sheet cuts from a splat,
+//! and the splat's position after its centre is snapped. Each rasteriser has a module of its own for looking up a
+//! pixel's entry. All fill the weights of a splat's rectangle, one call per splat and sheet, in scalar code like
+//! the paper's.
 //!
-//! A pixel's weight is `weight (C_far[i] - C_near[i]) / C_all[0]`, i the entry nearest to its distance, in place of the sum
-//! over separate sections that the paper keeps: what neighbouring sheets take adds up exactly.
+//! A pixel's weight is `weight (C_far[i] - C_near[i]) / C_all[0]`, i the entry nearest to its distance. The paper
+//! instead keeps a sum over separate sections. With the difference, neighbouring sheets' shares add up exactly.
 
 use splatvol_core::bin::TileRect;
 use splatvol_core::radial::{self, AnySection, Entry, Precision, Spacing, TableSettings};

@@ -26,7 +26,7 @@ const LEAST: f32 = 1e-6;
 #[derive(Debug)]
 pub(crate) struct FieldMaterial<'a> {
     pub shader: PlaneShader<'a>,
-    /// What is done pixel by pixel, where a scene asks for it.
+    /// Operators, clips and isosurfaces, applied pixel by pixel, where a scene has any.
     pub operated: Option<Operated<'a>>,
 }
 

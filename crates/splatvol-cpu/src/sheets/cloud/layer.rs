@@ -38,7 +38,7 @@ impl CloudPlan {
     }
 }
 
-/// What is kept of a mesh's layer between frames.
+/// Cached data of a mesh's layer, kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct MeshLayer {
     plan: CloudPlan,
@@ -50,7 +50,7 @@ pub(crate) struct MeshLayer {
 #[derive(Debug)]
 struct ClassifiedValues {
     table: ClassificationTable,
-    /// What it was made for: colours and opacities, the length to which those refer, and the values' range.
+    /// Cache key: colours and opacities, the length to which those refer, and the values' range.
     made_for: (TransferFunction, f64, [f32; 2]),
 }
 
@@ -127,7 +127,7 @@ impl MeshLayer {
     }
 }
 
-/// What makes pixels of the planes of a mesh's frame.
+/// Shader for the planes of a mesh's frame.
 fn shader<'a>(
     frame: &ZonedFrame<'_>,
     table: &'a ShadeTable,

@@ -1,14 +1,16 @@
 //! Clouds: kernels with covariances of their own, on the same planes as the voxels of grids.
 //!
-//! With `u` a splat's centre and `V` its covariance in camera space, p the width of the low-pass, and t the distance of the
-//! planes, what a plane at depth D holds of the splat is (zwicker2001 eq. 22, before the projection to a plane)
+//! Let `u` be a splat's centre and `V` its covariance in camera space, p the width of the low-pass, and t the
+//! distance of the planes. A plane at depth D receives from the splat (zwicker2001 eq. 22, before the projection to
+//! a plane)
 //!
 //! `m g(D - u_z) exp(-d^T C^-1 d / 2) / (2 pi sqrt|C|)`, `d = x - u_xy - s (D - u_z)`,
 //! `v = V_zz + (DEPTH_SIGMA t)^2`, `s = V_xy,z / v`, `C = V_xy,xy - s s^T v + p^2 I`,
 //!
-//! m the kernel's integral and g a Gaussian of variance v, cut and normalised. A plane of constant depth only scales, so
-//! footprints are exact in perspective, near the camera and far from the axis. The widening in depth is what lets flat splats,
-//! which would slip between two planes, be sampled by them: sums over planes ripple by a thousandth to either side.
+//! m is the kernel's integral and g a Gaussian of variance v, cut and normalised. A plane of constant depth only
+//! scales, so footprints are exact in perspective, near the camera and far from the axis. Flat splats would slip
+//! between two planes; the widening in depth lets planes sample them: sums over planes ripple by a thousandth to
+//! either side.
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
@@ -19,7 +21,7 @@
 //! | | `field` | or planes of a mesh's values and weights, post-classified |
 //! | | `values` | or one value of each ray kept of those |
 //!
-//! What all three share of the tile loop is `mode`.
+//! `mode` is the part of the tile loop that all three share.
 
 pub(crate) mod emission;
 mod enter;

@@ -22,15 +22,15 @@ pub(crate) struct CloudMode<'a, F> {
     pub shown: F,
 }
 
-/// What becomes of a cloud's finished planes, N of each sheet.
+/// Shading of a cloud's finished planes, N of each sheet.
 pub(crate) trait Shown<const N: usize>: Sync {
-    /// What a splat's value stands for.
+    /// Payload that a splat's value stands for.
     type Payload<'m>: Payload<N>;
 
     /// Blocks around a tile whose pixels are needed, too, where gradients are differences of neighbours.
     const HALO: u8;
 
-    /// What splats' values stand for, given what the open chunks hold.
+    /// The payload, given the classified voxels of the open chunks.
     fn payload(classified: &Classified) -> Self::Payload<'_>;
 
     /// Makes of a finished sheet's planes what is kept of them.

@@ -56,7 +56,7 @@ pub(crate) struct CloudView<'a> {
     nearest: f64,
 }
 
-/// What the profile in depth loses, so that it ends without a step: its value at the cut.
+/// Edge subtracted from the profile in depth, so that it ends without a step: its value at the cut.
 pub(super) const DEPTH_EDGE: f32 = 7.575_677_5e-3;
 /// Integral of the profile in depth, standard deviations: `sqrt(2 pi) (Phi(c) - Phi(-c)) - 2 c e`.
 const DEPTH_INTEGRAL: f64 = 2.454823378701;

@@ -15,7 +15,7 @@ use crate::sheets::place::Place;
 use crate::sheets::plane::Plane;
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
 
-/// What rays keep of a mesh's values.
+/// One value per ray through a mesh.
 #[derive(Debug)]
 pub(crate) struct MeshValues<'a, K>(pub RayValues<'a, K>);
 

@@ -14,11 +14,11 @@ const DEEPEST: f32 = 1e9;
 /// A Gaussian less its value at the cut, so that it ends without a step, with all its mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Profile {
-    /// What is subtracted, of a Gaussian that is 1 in the middle.
+    /// Edge subtracted from a Gaussian of peak 1.
     edge: f32,
     /// Where it ends, `log2(e) d^T V^-1 d / 2`.
     end: f32,
-    /// Of a splat of unit mass, what its middle is higher for its cut.
+    /// Factor by which the cut raises the peak of a splat of unit mass.
     pub peak_of_mass: f32,
 }
 

@@ -17,7 +17,7 @@ const MOST_ALPHA: f32 = 0.99;
 /// Pixels end before their transmittance falls below.
 const LEAST_TRANSMITTANCE: f32 = 1e-4;
 
-/// What the published renderer does. Peaks are opacities; a splat keeps their logarithm to base 2.
+/// Blending as in the published renderer. Peaks are opacities; a splat keeps their logarithm to base 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Published {
     /// Display colour behind everything, straight.
