@@ -66,7 +66,7 @@ fn imports_of_others<'a>(engine: &str, source: &'a str) -> impl Iterator<Item = 
         .filter(|other| source.contains(&format!("crate::{other}::")))
 }
 
-/// All files of Rust below a folder.
+/// All Rust files below a folder.
 fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {

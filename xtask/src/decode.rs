@@ -7,7 +7,7 @@ use iced_x86::{Decoder, DecoderOptions, Mnemonic, OpKind, Register};
 pub(crate) struct Found {
     /// Fused multiply-adds of sixteen floats.
     pub(crate) fused_512: usize,
-    /// Of eight.
+    /// Fused multiply-adds of eight floats.
     pub(crate) fused_256: usize,
     /// Packed multiplications of four floats, with addition or without.
     pub(crate) packed_128: usize,

@@ -130,7 +130,7 @@ fn build(root: &Path) -> Result<PathBuf> {
         .context("cargo names no executable of splatvol-cli")
 }
 
-/// All functions, by address. What lies between two symbols belongs to the first: not every format knows sizes.
+/// All functions, by address. Code between two symbols belongs to the first: not every format records sizes.
 fn functions<'a>(file: &'a object::File<'a>) -> Result<Vec<Function<'a>>> {
     let mut functions = Vec::new();
     for section in file

@@ -9,9 +9,10 @@ use serde_json::Value;
 /// Whose dependencies are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Platforms {
-    /// Those of every platform; some of them may have to be downloaded. Without network, those of this one.
+    /// Dependencies on every platform; some of them may have to be downloaded. Without network, only those on this
+    /// platform.
     All,
-    /// Those of this machine, which a build has downloaded.
+    /// Dependencies on this platform, which a build has downloaded.
     Host,
 }
 

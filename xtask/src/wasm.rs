@@ -1,6 +1,6 @@
 //! `cargo xtask wasm`: everything but the command builds for WebAssembly.
 //!
-//! Where the target's std is not installed nothing can be checked, and that is said.
+//! If the target's std is not installed, the check is skipped with a message.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -29,7 +29,7 @@ pub fn experiments() -> impl Iterator<Item = &'static Experiment> {
 /// The experiment of a name.
 ///
 /// # Errors
-/// None has it; the error suggests one that begins alike.
+/// No experiment has this name; the error suggests one that begins alike.
 pub fn experiment(name: &str) -> Result<&'static Experiment, LabError> {
     let alike = |one: &Experiment| {
         let same = one.name.chars().zip(name.chars()).take_while(|(a, b)| a == b);

@@ -34,7 +34,7 @@ pub struct Paper {
 /// A figure or table of a paper.
 #[derive(Debug, Clone, Copy)]
 pub struct FigureEntry {
-    /// As the paper numbers it: `Fig. 7`, `Table 1`.
+    /// Number in the paper: `Fig. 7`, `Table 1`.
     pub number: &'static str,
     /// Subject of the figure or table.
     pub shows: &'static str,

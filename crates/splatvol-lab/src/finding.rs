@@ -58,7 +58,7 @@ pub enum Published {
     Number(f64),
     /// A claim without a number, or a number read off a plot, in words.
     Claim(String),
-    /// Nothing: the measurement is ours, and so is the expectation.
+    /// No published result: the measurement is ours, and so is the expectation.
     Nothing,
 }
 
@@ -88,7 +88,8 @@ pub struct Explanation {
 pub enum Verdict {
     /// The measured number satisfies the expectation.
     Reproduced,
-    /// It does not; the explanations that hold, with their numbers. Empty: not explained.
+    /// The measured number fails the expectation; lists the explanations that hold, with their numbers. Empty: not
+    /// explained.
     Differs {
         /// Reasons.
         because: Vec<String>,
@@ -137,8 +138,8 @@ impl Finding {
         }
     }
 
-    /// How many pairs of an order stand the other way round: 0 if `measured`, sorted by its numbers, comes out in the
-    /// order `published`. Numbers less than `tie` (a share) apart count as equal.
+    /// Number of discordant pairs of an order: 0 if `measured`, sorted by its numbers, comes out in the order
+    /// `published`. Numbers less than `tie` (a share) apart count as equal.
     pub fn order(
         figure: &str,
         key: &str,

@@ -15,7 +15,7 @@
 //!
 //! [`folder::write`] leaves pictures, plots and CSV in a folder, [`report::write`] makes one page of many experiments.
 //!
-//! Everything is generated, seeded and, apart from findings marked as timed, the same on every run.
+//! All results are generated from seeds and, apart from findings marked as timed, identical on every run.
 #![forbid(unsafe_code)]
 
 mod catalogue;

@@ -29,12 +29,12 @@ impl Outcome {
 pub struct Run {
     /// The experiment.
     pub experiment: &'static Experiment,
-    /// How thoroughly.
+    /// Thoroughness.
     pub effort: Effort,
-    /// By how many worker threads; `None`: one per logical processor.
+    /// Number of worker threads; `None`: one per logical processor.
     pub threads: Option<usize>,
-    /// Its results.
+    /// Results.
     pub outcome: Outcome,
-    /// How long it took.
+    /// Time taken.
     pub took: Duration,
 }

@@ -6,7 +6,7 @@ use splatvol::{EngineConfig, Renderer};
 
 use crate::LabError;
 
-/// How thorough to be.
+/// Thoroughness of an experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
     /// The sizes of the papers.
@@ -18,7 +18,7 @@ pub enum Effort {
 /// Working environment of an experiment.
 #[derive(Clone, Copy)]
 pub struct Workbench<'a> {
-    /// How thorough to be.
+    /// Thoroughness.
     pub effort: Effort,
     /// Worker threads; `None` takes one per logical processor. Changes nothing but times.
     pub threads: Option<usize>,

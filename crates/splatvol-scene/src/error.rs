@@ -30,10 +30,10 @@ pub enum SceneError {
         /// Samples present.
         count: usize,
     },
-    /// A picture that was given up while it was made.
+    /// Rendering was stopped before the picture was finished.
     #[error("stopped before the picture was finished")]
     Stopped,
-    /// Samples that a source could not give.
+    /// Samples that a source failed to deliver.
     #[error("{name}: level {level}, samples from {first:?}: {reason}")]
     Source {
         /// The source, as users know it: a file, an address.

@@ -22,7 +22,7 @@ pub enum Content {
         transfer_function: TransferFunction,
         /// Surfaces to show instead of material, where there are any: see [`Item::isosurfaces`].
         isosurfaces: Vec<Isosurface>,
-        /// Whether values are names of kinds: see [`Item::labels`].
+        /// Whether values are label numbers: see [`Item::labels`].
         labels: bool,
     },
     /// Samples on any other grid.

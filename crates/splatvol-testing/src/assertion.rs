@@ -142,7 +142,7 @@ impl Tolerance {
 /// difference is signed around grey and amplified as stated) and `NAME.json` holds the figures.
 ///
 /// # Panics
-/// Where the tolerance is violated, or the pictures differ in size.
+/// If the tolerance is violated, or the pictures differ in size.
 #[track_caller]
 pub fn assert_images(name: &str, actual: &Image, expected: &Image, tolerance: Tolerance) {
     if let Err(report) = check_images(&output_folder(), name, (actual, expected), &tolerance) {
@@ -150,7 +150,7 @@ pub fn assert_images(name: &str, actual: &Image, expected: &Image, tolerance: To
     }
 }
 
-/// Where failing tests leave what they saw: `target/test-output` of the workspace.
+/// Output folder of failing tests: `target/test-output` of the workspace.
 pub fn output_folder() -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target"),

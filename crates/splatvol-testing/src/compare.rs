@@ -1,4 +1,4 @@
-//! How far two pictures are apart.
+//! Difference measures of two pictures.
 //!
 //! All four channels count, as premultiplied linear floats with peak 1: a wrong alpha is as wrong as a wrong colour.
 //!
@@ -22,7 +22,7 @@ pub struct Comparison {
     pub psnr: f64,
     /// Largest absolute difference of any channel.
     pub max_error: f64,
-    /// Where it is: column, row, channel.
+    /// Position of the largest difference: column, row, channel.
     pub max_error_at: [usize; 3],
     /// Mean of actual - expected per channel RGBA.
     pub bias: [f64; 4],
@@ -45,7 +45,7 @@ impl Comparison {
     /// Compares two pictures.
     ///
     /// # Panics
-    /// For pictures of different sizes.
+    /// If the pictures differ in size.
     pub fn of(actual: &Image, expected: &Image) -> Self {
         assert_eq!(
             actual.size(),

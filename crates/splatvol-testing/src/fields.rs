@@ -19,7 +19,7 @@ pub trait Field {
 /// Samples a field at the voxel centres of a grid, as f32.
 ///
 /// # Panics
-/// Where the field is finite nowhere on the grid.
+/// If the field is finite nowhere on the grid.
 pub fn sample(field: &impl Field, grid: &Grid) -> Volume {
     let [nx, ny, nz] = grid.dims();
     let mut samples = Vec::with_capacity(grid.sample_count());
@@ -64,7 +64,7 @@ impl MarschnerLobb {
     /// The n^3 grid over [-1, 1]^3 (41 in the paper).
     ///
     /// # Panics
-    /// For fewer than 2 samples per axis.
+    /// If there are fewer than 2 samples per axis.
     pub fn grid(n: usize) -> Grid {
         Grid::centred([n; 3], DVec3::splat(2.0 / (n as f64 - 1.0))).expect("at least two samples per axis")
     }
@@ -143,7 +143,7 @@ impl Field for Ramp {
 pub struct Slab {
     /// Unit direction in which the value rises.
     pub normal: DVec3,
-    /// Where it starts to rise, world length along the normal.
+    /// Start of the ramp, world length along the normal.
     pub start: f64,
     /// World length over which it rises.
     pub thickness: f64,
@@ -164,7 +164,7 @@ impl Field for Slab {
     }
 }
 
-/// The same value everywhere.
+/// A constant field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant(pub f64);
 

@@ -31,8 +31,7 @@ impl Permissions {
 /// Both sides have passed through 16-bit sRGB.
 ///
 /// # Panics
-/// Where the tolerance is violated, the snapshot is missing and may not be added, or a file cannot be read or
-/// written.
+/// If the tolerance is violated, the snapshot is missing and may not be added, or a file cannot be read or written.
 #[track_caller]
 pub fn assert_snapshot(folder: impl AsRef<Path>, name: &str, actual: &Image, tolerance: Tolerance) {
     let permissions = Permissions::from_environment();

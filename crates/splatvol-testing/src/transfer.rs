@@ -9,7 +9,7 @@ const PIECES: usize = 1000;
 /// sRGB colour.
 ///
 /// # Panics
-/// For an extinction that is negative or not finite, a range that is not finite, or a colour outside 0..1.
+/// If the extinction is negative or not finite, the range is not finite, or the colour is outside 0..1.
 pub fn linear_extinction(range: [f64; 2], extinction: f64, rgb: [f64; 3]) -> TransferFunction {
     let points = (0..=PIECES).map(|i| {
         let t = i as f64 / PIECES as f64;
@@ -20,10 +20,10 @@ pub fn linear_extinction(range: [f64; 2], extinction: f64, rgb: [f64; 3]) -> Tra
     TransferFunction::new(color, points.collect(), Some(1.0)).expect("documented domain")
 }
 
-/// The same extinction (per world length) and sRGB colour for every value.
+/// A transfer function with one extinction (per world length) and one sRGB colour for every value.
 ///
 /// # Panics
-/// For an extinction that is negative or not finite, or a colour outside 0..1.
+/// If the extinction is negative or not finite, or the colour is outside 0..1.
 pub fn constant_extinction(extinction: f64, rgb: [f64; 3]) -> TransferFunction {
     let opacity = vec![OpacityPoint::new(0.0, -(-extinction).exp_m1())];
     TransferFunction::new(vec![ColorPoint::new(0.0, rgb)], opacity, Some(1.0)).expect("documented domain")
@@ -32,7 +32,7 @@ pub fn constant_extinction(extinction: f64, rgb: [f64; 3]) -> TransferFunction {
 /// Extinction (per world length) for values from `range[0]` up to, not including, `range[1]`; nothing elsewhere.
 ///
 /// # Panics
-/// For an extinction that is negative or not finite, a range that is not finite or empty, or a colour outside 0..1.
+/// If the extinction is negative or not finite, the range is not finite or empty, or the colour is outside 0..1.
 pub fn band_extinction(range: [f64; 2], extinction: f64, rgb: [f64; 3]) -> TransferFunction {
     let opacity = -(-extinction).exp_m1();
     let points = [

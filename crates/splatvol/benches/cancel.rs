@@ -1,4 +1,5 @@
-//! From a stop to the return, 1024 x 1024, for every engine: ten stops, spread over the time that a picture takes.
+//! Time from a stop to the return, 1024 x 1024, for every engine: ten stops, spread over the rendering time of a
+//! picture.
 //!
 //! ```text
 //! cargo bench -p splatvol --bench cancel [-- NAME]
@@ -165,14 +166,14 @@ impl Case {
         renderer.render_with(&self.scene, &self.camera(), &self.settings, frame, control)
     }
 
-    /// How long a picture takes that nobody stops.
+    /// Rendering time of a picture that is not stopped.
     fn time(&self, renderer: &mut Renderer, frame: &mut Frame) -> Duration {
         let start = Instant::now();
         self.render(renderer, frame, &Control::default()).unwrap();
         start.elapsed()
     }
 
-    /// From a stop after this time to the return; `None` where the picture was finished by then.
+    /// Time from a stop after this time to the return; `None` if the picture was finished by then.
     fn stopped(&self, renderer: &mut Renderer, frame: &mut Frame, after: Duration) -> Option<Duration> {
         let stop = AtomicBool::new(false);
         let control = Control {

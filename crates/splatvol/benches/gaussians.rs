@@ -81,7 +81,7 @@ fn point() -> Item {
 #[derive(Clone, Copy)]
 struct Case {
     figures: usize,
-    /// With a point beside them.
+    /// Adds a point beside them.
     point: bool,
     threads: usize,
     simd: Option<SimdLevel>,

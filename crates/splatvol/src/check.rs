@@ -1,15 +1,16 @@
-//! Whether a picture can be made, asked beforehand: of the engine, and of what is made of its pictures.
+//! Checks in advance that a picture can be rendered: by the engine, and by the steps applied to its pictures.
 
 use splatvol_core::engine::Shot;
 use splatvol_scene::{Camera, Coverage, ImageSize, RenderSettings, Scene, SceneError};
 
 use crate::shutter;
 
-/// Whether a scene can be rendered from a camera with these settings, by an engine as [`EngineConfig`](crate::EngineConfig)
-/// starts it. Rendering refuses nothing that passes here; `docs/scenes.md` has a table of the answers, made by asking.
+/// Checks that a scene can be rendered from a camera with these settings, by an engine as
+/// [`EngineConfig`](crate::EngineConfig) starts it. Rendering refuses nothing that passes here. `docs/scenes.md` has a
+/// table of the answers, made with this function.
 ///
 /// # Errors
-/// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
+/// The reason: the field, its value and the accepted values; or the request, and what it cannot be combined with.
 pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Result<(), SceneError> {
     let shot = Shot {
         scene,
@@ -19,7 +20,7 @@ pub fn check(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Resul
     check_by(shot, splatvol_cpu::check)
 }
 
-/// The same of an engine with a check of its own.
+/// [`check`] for an engine with a check of its own.
 pub(crate) fn check_by(
     shot: Shot<'_>,
     engine: impl FnOnce(Shot<'_>) -> Result<(), SceneError>,
@@ -30,7 +31,7 @@ pub(crate) fn check_by(
     shutter::sub_frames(shot).map(|_| ())
 }
 
-/// Refuses samples of edges that would be of too large a picture.
+/// Refuses edge samples that would require too large a picture.
 fn coverage(settings: &RenderSettings) -> Result<(), SceneError> {
     let Coverage::Adaptive { samples, .. } = settings.coverage else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Parts of a picture: what several workers make of one frame, each some of its pixels.
+//! Parts of a picture: several workers can render one frame, each some of its pixels.
 
 use splatvol_core::bin::TileRect;
 use splatvol_scene::Frame;
@@ -13,7 +13,7 @@ pub(crate) fn with_neighbors(part: TileRect) -> TileRect {
     }
 }
 
-/// Leaves nothing of a frame but a part.
+/// Clears a frame except for a part.
 pub(crate) fn keep(frame: &mut Frame, part: &TileRect) {
     let width = frame.image.size().width() as usize;
     let is_outside = |i: usize| {

@@ -1,7 +1,7 @@
 //! Progressive rendering: a coarse picture at once, finer ones after it.
 //!
-//! A pass renders the same view with every fourth, then every second, then every pixel. A coarser raster takes a coarser
-//! level of detail, so the first pass costs about a sixteenth of the last; as levels keep the data's mean, passes differ
+//! A pass renders the same view with every fourth, then every second, then every pixel. A coarser raster uses a coarser
+//! level of detail, so the first pass costs about a sixteenth of the last. Levels keep the data's mean: passes differ
 //! in sharpness and not in brightness.
 
 use splatvol_scene::{Camera, Frame, ImageSize, RenderSettings, Scene, SceneError};
@@ -11,20 +11,20 @@ use crate::Renderer;
 /// Pixels per raster point of the passes.
 const PASSES: [u32; 3] = [4, 2, 1];
 
-/// How far a progressive picture is.
+/// Progress of a progressive picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
     /// 0 for the first picture.
     pub index: usize,
-    /// Whether this is the picture that [`Renderer::render`] makes.
+    /// Whether this is the final picture, equal to that of [`Renderer::render`].
     pub is_last: bool,
 }
 
 impl Renderer {
-    /// Renders a view in passes, each shown to `show` in full size; `false` from there ends it early.
+    /// Renders a view in passes, each passed to `show` in full size; `show` returns `false` to end early.
     ///
     /// # Errors
-    /// Settings outside their domain.
+    /// Settings out of range.
     pub fn render_progressive(
         &mut self,
         scene: &Scene,
@@ -55,7 +55,7 @@ fn coarse_size(size: ImageSize, step: u32) -> Result<ImageSize, SceneError> {
     ImageSize::new(size.width().div_ceil(step), size.height().div_ceil(step))
 }
 
-/// A frame in another size of the same view, bilinear; depths are the nearest pixel's.
+/// Resamples a frame to another size of the same view: colours bilinear, depths from the nearest pixel.
 fn enlarge(frame: &Frame, size: ImageSize) -> Frame {
     let [width, height] = [frame.image.size().width(), frame.image.size().height()].map(|n| n as usize);
     // The camera's scale is per picture height, about the middle.

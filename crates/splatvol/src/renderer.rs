@@ -1,4 +1,4 @@
-//! The renderer: what a shutter sees, edges that are sampled several times, parts and progress, of an engine's pictures.
+//! The renderer: motion blur, anti-aliasing of edges, parts and progress, on top of an engine's pictures.
 
 use splatvol_core::engine::{Control, Edges, Engine, Progress, RenderStatistics, Shot, StageSeconds, Task};
 use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool};
@@ -8,7 +8,7 @@ use crate::check::check_by;
 use crate::part;
 use crate::shutter::{self, Exposed};
 
-/// Renders scenes; keeps what it derives from their items between frames.
+/// Renders scenes; caches data derived from their items between frames.
 #[derive(Debug)]
 pub struct Renderer {
     engine: Box<dyn Engine>,
@@ -21,20 +21,20 @@ impl Renderer {
     /// Starts an engine on the CPU.
     ///
     /// # Errors
-    /// Threads that the system refuses, or a tile edge outside its domain.
+    /// Threads that the system refuses, or a tile edge out of range.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
         CpuEngine::new(config).map(Self::with_engine)
     }
 
-    /// Starts an engine on the CPU with threads that are there: renderers may share them.
+    /// Starts an engine on the CPU with existing threads: renderers may share them.
     ///
     /// # Errors
-    /// Another number of threads than the pool has, or a tile edge outside its domain.
+    /// A number of threads other than the pool's, or a tile edge out of range.
     pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
         CpuEngine::with_pool(pool, config).map(Self::with_engine)
     }
 
-    /// Renders by an engine that has been started elsewhere.
+    /// Renders with an engine that has been started elsewhere.
     pub fn with_engine(engine: impl Engine + 'static) -> Self {
         Self {
             engine: Box::new(engine),
@@ -45,12 +45,12 @@ impl Renderer {
 
     /// Renders one frame.
     ///
-    /// A volume alone is rendered by the engines for grids. Several things are classified, lit, and composited sheet by
-    /// sheet, or one by one ([`splatvol_scene::Compositing::PerSplat`]). Nothing but Gaussians is rendered as published,
-    /// unless the settings say otherwise ([`splatvol_scene::GaussianMode`]).
+    /// A single volume is rendered by the engines for grids. Several items are classified, lit, and composited sheet by
+    /// sheet, or one by one ([`splatvol_scene::Compositing::PerSplat`]). A scene of Gaussians only is rendered as
+    /// published, unless the settings say otherwise ([`splatvol_scene::GaussianMode`]).
     ///
     /// # Errors
-    /// Settings outside their domain, methods that a kind of item does not have, or a rasteriser that cannot draw the
+    /// Settings out of range, methods that a kind of item does not support, or a rasteriser that cannot draw the
     /// footprints of this view.
     pub fn render(
         &mut self,
@@ -64,7 +64,7 @@ impl Renderer {
     /// Renders one frame, reporting the finished share (0..1) from any thread.
     ///
     /// # Errors
-    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
+    /// Settings out of range, or a rasteriser that cannot draw the footprints of this view.
     pub fn render_with_progress(
         &mut self,
         scene: &Scene,
@@ -81,11 +81,11 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Renders one frame into memory that is there: frames of a volume allocate nothing but for the first two, where
-    /// gradients are differences ([`RenderSettings::fast`]).
+    /// Renders one frame into an existing frame. Frames of a volume allocate nothing, except the first two if gradients
+    /// are differences ([`RenderSettings::fast`]).
     ///
     /// # Errors
-    /// Settings outside their domain, or a rasteriser that cannot draw the footprints of this view.
+    /// Settings out of range, or a rasteriser that cannot draw the footprints of this view.
     pub fn render_into(
         &mut self,
         scene: &Scene,
@@ -96,10 +96,10 @@ impl Renderer {
         self.render_with(scene, camera, settings, frame, &Control::default())
     }
 
-    /// Renders one frame into memory that is there, or a part of it, and can be stopped.
+    /// Renders one frame, or a part of it, into an existing frame, and can be stopped.
     ///
     /// # Errors
-    /// As [`Renderer::render`]; and [`SceneError::Stopped`], which leaves nonsense in the frame.
+    /// Same as [`Renderer::render`]; and [`SceneError::Stopped`], which leaves the frame in an undefined state.
     pub fn render_with(
         &mut self,
         scene: &Scene,
@@ -127,12 +127,13 @@ impl Renderer {
         Ok(())
     }
 
-    /// Times and counts of the last frame; of the mean of several, all their times, and the counts of the last of them.
+    /// Times and counts of the last frame; if it is the mean of several pictures, their total times, and the counts of
+    /// the last of them.
     pub fn statistics(&self) -> &RenderStatistics {
         &self.statistics
     }
 
-    /// Renders what a shutter sees, or what is at rest.
+    /// Renders the picture that a shutter sees, or a scene at rest.
     fn render_moving(&mut self, shot: Shot<'_>, frame: &mut Frame, task: Task<'_>) -> Result<(), SceneError> {
         check_by(shot, |shot| self.engine.check(shot))?;
         match shutter::sub_frames(shot)? {
@@ -141,7 +142,7 @@ impl Renderer {
         }
     }
 
-    /// The mean of the pictures of a scene at rest: what a shutter sees while it is open.
+    /// The mean of pictures of scenes at rest: the motion-blurred picture of an open shutter.
     fn render_mean(
         &mut self,
         exposed: &[Exposed<'_>],
@@ -167,7 +168,7 @@ impl Renderer {
         exposure.take(frame)
     }
 
-    /// Renders a scene at rest, its edges by several samples where that is asked for.
+    /// Renders a scene at rest, with several samples at its edges if the settings ask for it.
     fn render_sampled(
         &mut self,
         shot: Shot<'_>,
@@ -193,7 +194,7 @@ impl Renderer {
         }
     }
 
-    /// Replaces the edges of a frame by the means of several samples.
+    /// Replaces the edge pixels of a frame by the means of several samples.
     fn refine(
         &mut self,
         shot: Shot<'_>,
@@ -215,7 +216,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// One picture of the engine.
+    /// Renders one picture by the engine.
     fn render_once(&mut self, shot: Shot<'_>, frame: &mut Frame, task: Task<'_>) -> Result<(), SceneError> {
         if !frame.fits(shot.settings.size) {
             *frame = Frame::empty(shot.settings.size);

@@ -1,7 +1,7 @@
-//! Sub-frames: what a shutter sees while it is open, as scenes at rest.
+//! Sub-frames: the scenes at rest that make up a motion-blurred picture.
 //!
-//! Where everything moves alike, the camera moves the other way, and nothing derived from the items is made again. Where
-//! items move on their own, they are brought to their places: at the time t of -1/2..1/2, `world_from_item` becomes
+//! If everything moves alike, the camera moves the other way, and nothing derived from the items is computed again. If
+//! items move on their own, they are moved to their places: at the time t of -1/2..1/2, `world_from_item` becomes
 //! `motion(t) * world_from_item`.
 
 use std::borrow::Cow;
@@ -9,14 +9,14 @@ use std::borrow::Cow;
 use splatvol_core::engine::Shot;
 use splatvol_scene::{Camera, MotionBlur, RenderSettings, Scene, SceneError};
 
-/// A scene at rest, and from where it is seen.
+/// A scene at rest, and the camera that sees it.
 #[derive(Debug)]
 pub(crate) struct Exposed<'a> {
     pub scene: Cow<'a, Scene>,
     pub camera: Camera,
 }
 
-/// The sub-frames of a picture; `None` where nothing moves, or footprints are blurred instead.
+/// The sub-frames of a picture; `None` if nothing moves, or footprints are blurred instead.
 ///
 /// # Errors
 /// A motion that sub-frames cannot show.
@@ -52,7 +52,7 @@ pub(crate) fn sub_frames<'a>(shot: Shot<'a>) -> Result<Option<Vec<Exposed<'a>>>,
         .map(Some)
 }
 
-/// The items of a scene where they are at a time.
+/// The items of a scene, moved to their places at a time.
 fn at(scene: &Scene, time: f64) -> Result<Scene, SceneError> {
     let mut moved = scene.clone();
     for item in &mut moved.items {

@@ -18,7 +18,7 @@ mod common;
 #[derive(Debug)]
 struct Edge;
 
-/// Where the line is in a row, share of the picture's width.
+/// Position of the line in a row, share of the picture's width.
 fn line(row: usize, size: [usize; 2]) -> f64 {
     0.5 + 0.1 * ((row as f64 + 0.5) - 0.5 * size[1] as f64) / size[0] as f64
 }

@@ -93,8 +93,8 @@ fn splats(random: &mut Random) -> SplatSettings {
     }
 }
 
-/// Whatever can be written as a method is the same after a file or flags had it, also plain splats, which nothing but the name
-/// of their sections tells from sheets.
+/// Every method survives a round trip through a file or flags, also plain splats, which differ from sheets only in the
+/// name of their sections.
 #[test]
 fn settings_survive_being_flat() {
     let mut random = Random::new(13);

@@ -9,7 +9,7 @@ use crate::LabError;
 /// Something to time.
 pub(crate) type Timed<'a> = Box<dyn FnMut() -> Result<(), LabError> + 'a>;
 
-/// How many rounds are timed.
+/// Number of timed rounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounds {
     /// At least so many.
@@ -22,7 +22,7 @@ pub(crate) struct Rounds {
 const MOST: usize = 31;
 
 impl Rounds {
-    /// So many.
+    /// Exactly `count` rounds.
     pub(crate) fn exactly(count: usize) -> Self {
         Self {
             least: count,
@@ -30,7 +30,7 @@ impl Rounds {
         }
     }
 
-    /// How many, if one takes `seconds`.
+    /// Number of rounds, if one takes `seconds`.
     fn count(self, seconds: f64) -> usize {
         let fitting = (self.seconds / seconds.max(1e-9)).min(MOST as f64) as usize;
         fitting.max(self.least)

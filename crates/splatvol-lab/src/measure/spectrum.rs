@@ -12,8 +12,8 @@ pub(crate) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of values in rows of `width`; their mean is taken off first, and a Hann window keeps the picture's border, where
-    /// its repetition jumps, from spreading over all frequencies.
+    /// Spectrum of values in rows of `width`. Their mean is subtracted first. A Hann window keeps the border, where the
+    /// periodic repetition jumps, from spreading over all frequencies.
     pub(crate) fn of(values: &[f64], width: usize) -> Self {
         let height = values.len() / width.max(1);
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;

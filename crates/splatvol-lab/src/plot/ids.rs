@@ -7,7 +7,7 @@
 /// Prefix of the plotting crate's identifiers; a number follows.
 const PREFIX: &str = "kuva-clip-";
 
-/// The same drawing, its clip paths renamed.
+/// This drawing, its clip paths renamed.
 pub(super) fn stable(svg: &str) -> String {
     let numbers = numbers(svg);
     let place = |number: &str| numbers.iter().position(|known| *known == number).unwrap_or(0);

@@ -6,13 +6,13 @@ mod render;
 #[cfg(test)]
 mod tests;
 
-/// How an axis runs.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
-    /// By differences.
+    /// Equal distances for equal differences.
     #[default]
     Linear,
-    /// By ratios; numbers must be positive.
+    /// Equal distances for equal ratios; numbers must be positive.
     Logarithmic,
 }
 
@@ -21,9 +21,9 @@ pub enum Scale {
 pub struct Axis {
     /// Quantity on the axis, with the unit: `distance (voxels)`.
     pub label: String,
-    /// How it runs.
+    /// Scale.
     pub scale: Scale,
-    /// Its ends; `None` takes those of the data.
+    /// Range; `None` takes that of the data.
     pub range: Option<[f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! From our plots to the plotting crate's.
+//! Conversion of our plots to the plotting crate's.
 
 use std::sync::Arc;
 
@@ -146,7 +146,7 @@ fn layout(plot: &Plot, drawn: &[Drawn]) -> Layout {
     }
 }
 
-/// As high as makes a unit as long along y as along x, whatever the words around take.
+/// Sets the height so that a unit is as long along y as along x, whatever space the labels take.
 fn equal(layout: Layout, ranges: [[f64; 2]; 2]) -> Layout {
     let [across, up] = ranges.map(|[low, high]| high - low);
     let computed = ComputedLayout::from_layout(&layout);
@@ -154,7 +154,7 @@ fn equal(layout: Layout, ranges: [[f64; 2]; 2]) -> Layout {
     layout.with_height(height).with_equal_aspect()
 }
 
-/// How numbers on a logarithmic axis (0: x, 1: y) are written: all with exponents if any needs one.
+/// Number format of a logarithmic axis (0: x, 1: y): all with exponents if any needs one.
 fn powers(plot: &Plot, axis: usize) -> TickFormat {
     let [low, high] = ends(plot, axis);
     let plain = low > 0.9e-3 && high < 1.1e5;

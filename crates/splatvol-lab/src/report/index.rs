@@ -7,7 +7,7 @@ use crate::{FigureEntry, Finding, Run, Verdict, experiments, papers};
 pub(super) struct Index {
     /// Heads of the columns.
     pub(super) heads: &'static [&'static str],
-    /// Its lines.
+    /// Lines.
     pub(super) entries: Vec<Entry>,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Entry {
 }
 
 impl Index {
-    /// That of a group in the report of these runs.
+    /// The index of a group in the report of these runs.
     pub(super) fn of(key: &str, runs: &[Run]) -> Self {
         match papers().into_iter().find(|paper| paper.key == key) {
             Some(paper) => Self {

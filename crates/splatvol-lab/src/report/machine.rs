@@ -16,7 +16,7 @@ fn model(told: &str) -> Option<&str> {
         .filter(|name| !name.is_empty())
 }
 
-/// How many threads `Workbench::threads` stands for.
+/// Number of threads that `Workbench::threads` stands for.
 pub(super) fn threads(asked: Option<usize>) -> usize {
     asked.unwrap_or_else(rayon::current_num_threads)
 }

@@ -21,7 +21,7 @@ pub(super) fn lead(runs: &[Run]) -> String {
     )
 }
 
-/// How many numbers come out as published, and whether what differs is explained.
+/// Number of results that come out as published, and whether the differences are explained.
 fn verdicts(runs: &[Run]) -> String {
     let findings = runs.iter().flat_map(|run| &run.outcome.findings);
     let verdicts: Vec<Verdict> = findings.map(Finding::verdict).collect();
@@ -42,7 +42,7 @@ fn verdicts(runs: &[Run]) -> String {
     )
 }
 
-/// Where times were measured, if a finding is one.
+/// The machine on which times were measured, if any finding is a time.
 fn times(runs: &[Run]) -> String {
     let timed = |run: &&Run| run.outcome.findings.iter().any(|finding| finding.timed);
     runs.iter().find(timed).map_or_else(String::new, |run| {
@@ -57,7 +57,7 @@ fn times(runs: &[Run]) -> String {
     })
 }
 
-/// How long an experiment took.
+/// Time that an experiment took.
 pub(super) fn took(run: &Run) -> String {
     match run.took.as_secs_f64() {
         seconds if seconds < 0.1 => "Took less than 0.1 s.".to_owned(),

@@ -1,4 +1,4 @@
-//! The same bytes for any number of threads, any size of tiles and any instructions, frame after frame.
+//! Determinism: identical bytes for any number of threads, any size of tiles and any instructions, frame after frame.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -1,4 +1,4 @@
-//! The same bytes for any number of threads, any size of tiles and any instructions.
+//! Determinism: identical bytes for any number of threads, any size of tiles and any instructions.
 
 use splatvol::{Camera, EngineConfig, Frame, Projection, RenderSettings, Renderer, Scene, SimdLevel};
 use splatvol_samples::Sample;

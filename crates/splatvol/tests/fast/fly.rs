@@ -141,7 +141,8 @@ fn modes() -> [(&'static str, RenderSettings); 5] {
     ]
 }
 
-/// From within at wide angles, every mode; the look lets the eye see through what it is in.
+/// Every mode from within at wide angles; the look is translucent, so that the eye sees through the surrounding
+/// material.
 #[test]
 fn every_mode_sees_from_within() {
     let head = generated(Sample::Head, 48);
@@ -171,7 +172,7 @@ fn every_mode_sees_from_within() {
     }
 }
 
-/// The same of exact values of rays, whose slopes are splatted along them.
+/// Exact values of rays from within; their slopes are splatted along them.
 #[test]
 fn exact_values_of_rays_from_within() {
     let mut renderer = renderer();
@@ -289,8 +290,8 @@ fn points(centre: DVec3, radius: f64) -> Item {
     Item::points(points, PointLook::default()).at(place)
 }
 
-/// From within, too, a volume keeps its numbers beside something that does not reach its pixels, and each of both has zones of
-/// its own; where both are seen the picture is another.
+/// A volume seen from within keeps its values beside an item that does not reach its pixels, and each of the two has
+/// zones of its own; where both are seen, the picture differs.
 #[test]
 fn layers_have_zones_of_their_own() {
     let head = generated(Sample::Head, 48);

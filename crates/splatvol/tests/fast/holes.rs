@@ -36,15 +36,15 @@ fn without(scene: &Scene, missing: impl Fn([usize; 3]) -> bool) -> Scene {
     Scene::new(volume, single.transfer_function.clone())
 }
 
-/// Which samples are missing.
+/// Missing samples.
 #[derive(Debug, Clone, Copy)]
 enum Missing {
     None,
     /// One of fifty.
     Some,
-    /// Those of one side of a plane across the volume.
+    /// All samples on one side of a plane across the volume.
     Half,
-    /// Those outside of the ellipsoid in the volume's box.
+    /// All samples outside of the ellipsoid in the volume's box.
     Outside,
 }
 

@@ -19,7 +19,7 @@ use crate::common;
 
 /// The filter that EWA pictures are made with by default.
 const EWA: Filter = Filter::Ewa { pixel_sigma: 0.55 };
-/// As wide as a square pixel, whose variance is 1/12.
+/// A low-pass as wide as a square pixel, whose variance is 1/12.
 const BOX: Filter = Filter::Ewa { pixel_sigma: 0.3 };
 /// Pixels of a picture of the ground, and of one inside the tunnel.
 const GROUND: [u32; 2] = [48, 30];

@@ -1,4 +1,5 @@
-//! The same picture with an operator that does nothing, the same bytes whatever runs it, and refusals.
+//! An operator that does nothing leaves the picture visually unchanged; the bytes do not depend on threads or
+//! instructions; refusals.
 
 use glam::DVec3;
 use splatvol::{

@@ -47,7 +47,7 @@ pub(crate) fn gaussian(sigma: f64) -> Volume {
     volume(|p| (-0.5 * p.length_squared() / (sigma * sigma)).exp())
 }
 
-/// Nothing below a value, and this opacity per voxel from a tenth of a data unit above it on.
+/// A step: nothing below a value, and this opacity per voxel from a tenth of a data unit above it on.
 pub(crate) fn solid(value: f64, opacity: f64) -> TransferFunction {
     let opacities = vec![
         OpacityPoint::new(value, 0.0),

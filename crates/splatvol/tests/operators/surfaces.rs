@@ -8,7 +8,7 @@ use crate::support::{NormalColors, ball, cameras, normal, unlit};
 
 const PIXELS: u32 = 96;
 
-/// How far from the sphere a depth may be: a thousandth of the values' range, which the engine's field is off.
+/// Tolerance of a depth against the sphere: a thousandth of the values' range, the error of the engine's field.
 const OFF: f64 = 0.04;
 
 /// Distance of the point at a pixel's depth from the sphere of radius 16.

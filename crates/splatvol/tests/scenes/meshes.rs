@@ -47,7 +47,7 @@ pub(crate) fn graded(index: f64, count: usize) -> f64 {
     t * (0.75 + 0.25 * t * t)
 }
 
-/// The same field on a regular and on a rectilinear grid: the same picture.
+/// A regular and a rectilinear grid of one field give the same picture.
 #[test]
 fn a_rectilinear_grid_shows_what_a_regular_one_shows() {
     let field = Ball {

@@ -146,7 +146,7 @@ fn items_move_on_their_own() {
     assert!(bytes(&whole) != bytes(&found));
 }
 
-/// The same points, green, beside the middle.
+/// A green copy of the points, beside the middle.
 fn sphere_of_green() -> splatvol::Points {
     let points = sphere(2000);
     let mut attributes = points.attributes().clone();

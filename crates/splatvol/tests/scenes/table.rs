@@ -63,7 +63,7 @@ struct Asked {
 #[derive(Debug, Clone, PartialEq)]
 enum Answer {
     Yes,
-    /// It cannot be written down.
+    /// The combination cannot be expressed.
     Nothing(&'static str),
     /// Why not.
     No(String),

@@ -142,7 +142,7 @@ fn one_sheet(renderer: &mut Renderer, outcome: &mut Outcome) -> Result<(), LabEr
     Ok(())
 }
 
-/// How a medium is composited, and its extinction per voxel in theory.
+/// Compositing of a medium, and its extinction per voxel in theory.
 struct Way {
     name: &'static str,
     key: &'static str,

@@ -17,7 +17,7 @@ const FIGURE: &str = "Popping";
 const STEP: f64 = 0.1;
 /// Changes on either side of the jump that say what a change is like without one.
 const NEIGHBOURS: usize = 10;
-/// By how much the pictures' differences are shown.
+/// Gain of the difference pictures.
 const GAIN: f32 = 15.0;
 
 pub(super) const EXPERIMENT: Experiment = Experiment {

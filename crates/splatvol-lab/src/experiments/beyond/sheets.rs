@@ -1,4 +1,4 @@
-//! How far composited footprints are from the emission-absorption integral, by the thickness of the sheets.
+//! Deviation of composited footprints from the emission-absorption integral, by the thickness of the sheets.
 //!
 //! A sheet holds the exact integral of extinction over its depth; what is lost is the order within it, so colours that
 //! change within a sheet make an error of second order in its thickness. Whole footprints, one by one or added up on slices

@@ -20,7 +20,7 @@ impl Columns {
         Self { dims, tops, values }
     }
 
-    /// Those of a volume of bytes in which 0 is air.
+    /// Columns of a volume of bytes in which 0 is air.
     pub(in crate::experiments) fn of(volume: &Volume) -> Result<Self, LabError> {
         let Samples::U8(samples) = volume.samples() else {
             return Err(LabError::Measurement(

@@ -44,7 +44,7 @@ struct Photographed {
 }
 
 impl Photographed {
-    /// Those of the points that are posts: places are whole numbers.
+    /// Heights and colours of the points that are posts: their positions are whole numbers.
     fn of(points: &Points, [nx, ny]: [usize; 2]) -> Result<Self, LabError> {
         let mut columns = Self {
             heights: vec![f64::NAN; nx * ny],

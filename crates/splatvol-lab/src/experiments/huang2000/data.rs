@@ -21,7 +21,7 @@ fn curves(colors: &[(f64, [f64; 3])], opacities: &[(f64, f64)]) -> Result<Transf
     )?)
 }
 
-/// The same samples on cubes of edge 1.
+/// These samples on cubic voxels of edge 1.
 fn on_cubes(volume: &Volume) -> Result<Volume, LabError> {
     let grid = Grid::centred(volume.grid().dims(), DVec3::ONE)?;
     Ok(Volume::new(

@@ -127,7 +127,7 @@ struct Buffers {
     nearest: [[f64; 2]; 2],
     down: [[f64; 2]; 2],
     unrounded: [[f64; 2]; 2],
-    /// The same, rounded down, of cubes of other sizes: least and greatest.
+    /// Differences rounded down, of cubes of other sizes: least and greatest.
     others: [[[f64; 2]; 2]; 2],
 }
 

@@ -10,7 +10,7 @@ use splatvol::radial::{FootprintTable, RadialKernel, TableSettings};
 use super::tables::KERNEL;
 use crate::LabError;
 
-/// How footprints are looked up.
+/// Footprint look-up.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lookup {
     pub table: TableSettings,
@@ -56,10 +56,10 @@ impl Cube {
     }
 }
 
-/// How buffers keep numbers.
+/// Rounding of numbers in buffers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rounding {
-    /// As they are.
+    /// Without rounding.
     None,
     /// Sums to the nearest of 255 levels.
     Nearest,

@@ -45,7 +45,7 @@ pub(super) struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// By one thread, as the paper's machine had it.
+    /// A subject rendered by one thread, as on the paper's machine.
     pub(super) fn new(
         scene: &'a Scene,
         camera: &'a Camera,
@@ -68,7 +68,7 @@ impl<'a> Subject<'a> {
         Ok(self.renderer.render(self.scene, self.camera, &self.settings)?)
     }
 
-    /// Of the last frame.
+    /// Statistics of the last frame.
     pub(super) fn statistics(&self) -> &RenderStatistics {
         self.renderer.statistics()
     }

@@ -68,7 +68,7 @@ const FILTERS: [(&str, &str, Filter); 4] = [
 /// A view's pictures: the right one, and one per method with how it differs.
 struct Compared {
     right: Image,
-    /// It, low-passed, and shifted up by so many pixels.
+    /// The right picture, low-passed, and shifted up by so many pixels.
     shifted: Vec<(f64, Vec<f64>)>,
     beyond: Vec<bool>,
     methods: Vec<Method>,
@@ -81,7 +81,7 @@ struct Method {
     frame: Frame,
     /// RMS difference from the right picture beyond `z_k`, both low-passed.
     difference: f64,
-    /// How far up, in pixels, the right picture must be shifted to differ least, and that difference.
+    /// Upward shift of the right picture, in pixels, that minimises the difference, and that difference.
     shifted: [f64; 2],
     /// Temporal variance beyond `z_k` while the camera moves forward.
     flicker: f64,

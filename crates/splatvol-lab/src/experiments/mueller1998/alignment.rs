@@ -18,10 +18,10 @@
 //! root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper does not say: in `dz` its bound of two
 //! levels off the axis near `z_k` would not hold, where row 4 would err by 40.
 
-/// Of the exponent, as the paper's 1.38 must be read.
+/// Factor of the exponent, as the paper's 1.38 must be read.
 pub(super) const STEEPNESS: f64 = 1.38;
 
-/// Where the kernel is cut, voxels.
+/// Cut-off of the kernel, voxels.
 pub(super) const RADIUS: f64 = 2.0;
 
 /// Standard deviation of the kernel, voxels.
@@ -29,7 +29,7 @@ pub(super) fn sigma() -> f64 {
     (0.5 / STEEPNESS).sqrt()
 }
 
-/// Which integrals make up a footprint.
+/// Choice of the integrals that make up a footprint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Row {
     /// Row 1: right.
@@ -67,9 +67,9 @@ pub(super) struct Kernel {
     pub(super) y: f64,
     /// Along the axis, voxels.
     pub(super) z: f64,
-    /// Where pixels are as far apart as voxels.
+    /// Depth where pixels are as far apart as voxels.
     pub(super) z_k: f64,
-    /// Where it is cut, voxels.
+    /// Cut-off, voxels.
     pub(super) radius: f64,
     /// Factor of its exponent, per squared voxel.
     pub(super) steepness: f64,
@@ -87,12 +87,12 @@ impl Kernel {
         }
     }
 
-    /// How much the kernel is narrower than its stretched self at a depth.
+    /// Width of the kernel relative to its stretched self at a depth.
     fn unstretch(&self, z: f64) -> f64 {
         (self.z_k / z).min(1.0)
     }
 
-    /// Where the ray through the centre meets the plane.
+    /// Intersection of the ray through the centre with the plane.
     pub(super) fn centre(&self) -> f64 {
         self.y * self.z_k / self.z
     }
@@ -179,7 +179,7 @@ impl Kernel {
     }
 }
 
-/// How far the integrals of a footprint are off.
+/// Errors of a footprint's integrals.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Errors {
     /// Largest error, kernel heights times voxels.
@@ -195,7 +195,7 @@ impl Errors {
     }
 }
 
-/// Where a function with one minimum is least: golden section.
+/// Position of the minimum of a function with one minimum: golden section.
 fn least([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     for _ in 0..48 {
@@ -208,7 +208,7 @@ fn least([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Where a test that holds at `within` ceases to on the way to `far`: bisection.
+/// Position, on the way to `far`, from which on a test that holds at `within` fails: bisection.
 fn edge(mut within: f64, mut far: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..48 {
         let middle = 0.5 * (within + far);
@@ -242,7 +242,7 @@ fn simpson([low, high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
 pub(super) struct Setting {
     /// Voxels and pixels.
     pub(super) side: f64,
-    /// Where pixels are as far apart as voxels.
+    /// Depth where pixels are as far apart as voxels.
     pub(super) z_k: f64,
 }
 

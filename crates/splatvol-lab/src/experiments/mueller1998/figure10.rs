@@ -30,7 +30,7 @@ const AS_GOOD: f64 = 0.05;
 struct Map {
     across: Vec<f64>,
     behind: Vec<f64>,
-    /// By depth, then across.
+    /// Errors by depth, then across.
     errors: Vec<Vec<Errors>>,
 }
 
@@ -224,7 +224,8 @@ fn claims(outcome: &mut Outcome, grid: &Map, ray: &Map) {
     );
 }
 
-/// How far behind `z_k`, in voxels, the grid-aligned footprint errs by at most `more` levels more at `y`.
+/// Distance behind `z_k`, in voxels, from which on the grid-aligned footprint errs by at most `more` levels more at
+/// `y`.
 fn first_as_good(setting: &Setting, y: f64, more: f64, rays: usize) -> f64 {
     let worse = |behind: f64| {
         let kernel = setting.kernel(y, behind);

@@ -34,7 +34,7 @@ pub(super) const FOUR: [(&str, Filter, MotionBlur); 4] = [
     ("both", Filter::SwanAlpha, MotionBlur::Capsule),
 ];
 
-/// The same scene, so many times fainter that splats only add up.
+/// This scene made fainter by a factor, so that splats only add up.
 pub(super) fn made_faint(scene: &Scene, factor: f64) -> Result<Scene, LabError> {
     let mut scene = scene.clone();
     let distance = factor * scene.single_volume()?.unit_distance();
@@ -99,8 +99,8 @@ pub(super) fn enlarged(image: &Image, n: usize) -> Result<Image, LabError> {
     )?)
 }
 
-/// How much a value differs from the mean of those before and after it: the square, times 2/3, whose mean over noise is the
-/// noise's variance.
+/// Unsteadiness in time: the squared difference of a value from the mean of those before and after it, times 2/3. Its
+/// mean over noise is the noise's variance.
 pub(super) fn unsteadiness([before, now, after]: [f64; 3]) -> f64 {
     (now - 0.5 * (before + after)).powi(2) / 1.5
 }

@@ -104,7 +104,7 @@ fn nerve(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// How bright motion-blurred pictures are, and that it is opacity that makes them so.
+/// Brightness of motion-blurred pictures, and evidence that opacity causes it.
 fn brightness(outcome: &mut Outcome, pictures: &Pictures, faint: &Pictures) {
     let same = Expectation::relative(1.0, 0.05);
     let of = |pictures: &Pictures| pictures.brightness(&pictures.exact);
@@ -250,7 +250,7 @@ impl Pictures {
         sum(image) / sum(&self.mean)
     }
 
-    /// All of them, and how bright they are; `faint` are those of the same scene made faint.
+    /// All pictures, with their brightness; `faint` are those of the same scene made faint.
     fn show(&self, outcome: &mut Outcome, figure: &str, faint: Option<&Self>) {
         let black = [0.0, 0.0, 0.0, 1.0];
         let mut plate = Plate::new(

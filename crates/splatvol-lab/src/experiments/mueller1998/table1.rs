@@ -70,7 +70,7 @@ const WAYS: [(Row, Alignment, Stretch, &str, &str); 5] = [
     ),
 ];
 
-/// Where the engine's kernel and ours are cut here, standard deviations.
+/// Cut-off of the engine's kernel and of ours here, standard deviations.
 const CUT: f64 = 5.0;
 
 fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {

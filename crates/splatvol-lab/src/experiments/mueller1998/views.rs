@@ -14,7 +14,7 @@ pub(super) struct View {
     pub(super) figure: &'static str,
     /// The scene.
     pub(super) scene: Scene,
-    /// From where.
+    /// The camera.
     pub(super) camera: Camera,
     /// Pixels.
     pub(super) size: [u32; 2],
@@ -22,7 +22,7 @@ pub(super) struct View {
     pub(super) samples: u32,
 }
 
-/// Where pixels are as far apart as voxels (eq. 3).
+/// Depth where pixels are as far apart as voxels (eq. 3).
 pub(super) fn z_k(view: &View, settings: &RenderSettings) -> Result<f64, LabError> {
     let screen = view.camera.screen_from_camera(settings.size);
     Ok(screen.scale * view.scene.single_volume()?.volume.grid().mean_spacing())

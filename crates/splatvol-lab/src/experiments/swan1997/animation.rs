@@ -7,16 +7,16 @@ use super::view::View;
 use super::window::Window;
 use crate::LabError;
 
-/// How a camera moves, and where its pictures are looked at.
+/// Motion of a camera, and the window of its pictures that is measured.
 pub(super) struct Flight<'a> {
-    /// Its way from frame to frame, world.
+    /// Displacement from frame to frame, world.
     pub(super) step: DVec3,
     pub(super) frames: u32,
     pub(super) window: &'a Window,
 }
 
-/// How far pixels jump: the root mean square of the second difference of their luminance in time, levels of 255. What glides
-/// by in small steps has little of it, what comes and goes between two frames has much.
+/// Flicker of pixels: the root mean square of the second difference of their luminance in time, levels of 255. It is
+/// small for features that glide by in small steps, and large for those that appear or vanish between two frames.
 pub(super) fn flicker(
     view: &View,
     flight: &Flight<'_>,

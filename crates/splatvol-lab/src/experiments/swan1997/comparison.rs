@@ -24,12 +24,12 @@ pub(super) struct Measured {
     pub(super) opacity: f64,
     /// Levels of 255.
     pub(super) flicker: f64,
-    /// How far up the picture stands, pixels, and the root mean square error left there, levels of 255.
+    /// Upward displacement of the picture, pixels, and the remaining root mean square error, levels of 255.
     pub(super) displaced: [f64; 2],
     pub(super) faint: Faint,
 }
 
-/// The same of the same voxels, but so faint that they only add up.
+/// Measurements of the same voxels, made so faint that they only add up.
 pub(super) struct Faint {
     pub(super) above: f64,
     pub(super) opacity: f64,
@@ -125,8 +125,8 @@ fn measure_faint(
     })
 }
 
-/// How far up a picture stands against the mean of finer samples, pixels, and the root mean square difference that is
-/// left there, levels of 255. Opaque splats reach over what lies behind them, which on ground is higher up.
+/// Upward displacement of a picture against the mean of finer samples, pixels, and the remaining root mean square
+/// difference, levels of 255. Opaque splats extend over the material behind them, which on ground is higher up.
 fn displacement(plain: &Fine, window: &Window, image: &Image) -> [f64; 2] {
     let light = window.luminance(image);
     let n = plain.per_pixel() as isize;

@@ -4,7 +4,7 @@ use super::comparison::Comparison;
 use super::window::{over_white, with_line_at};
 use crate::{Axis, Cell, Curve, Mark, Plate, Plot, Table};
 
-/// All numbers of all filters.
+/// Table of all measurements with all filters.
 pub(super) fn table(comparison: &Comparison, figure: &str) -> Table {
     let samples = comparison.samples * comparison.samples;
     let [power, _] = comparison.power;

@@ -54,7 +54,7 @@ impl Single {
         })
     }
 
-    /// Its X-ray at a camera depth, `angle` radians beside the axis.
+    /// Moments of its X-ray at a camera depth, `angle` radians beside the axis.
     pub(super) fn moments(
         &self,
         renderer: &mut Renderer,

@@ -120,7 +120,7 @@ fn measure(bench: &Workbench<'_>, ground: Ground) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// How many splats there are, and where.
+/// Number of splats and their positions.
 fn sizes(outcome: &mut Outcome, view: &View, ground: Ground) -> Result<(), LabError> {
     let [splats, seen, beyond] = counts(view)?;
     if ground == Ground::Generated {

@@ -9,13 +9,13 @@ use crate::{Expectation, Finding, LabError, Outcome, Published};
 pub(super) struct Claims {
     /// The figures without and with anti-aliasing.
     pub(super) figures: [&'static str; 2],
-    /// Of the picture without it.
+    /// Claim about the picture without it.
     pub(super) plain: &'static str,
     /// The least share above the Nyquist limit that these words mean.
     pub(super) least: f64,
-    /// Of the picture with it.
+    /// Claim about the picture with it.
     pub(super) smoothed: &'static str,
-    /// Of both in motion; nothing if the paper does not say.
+    /// Claim about both in motion; `None` if the paper does not say.
     pub(super) animated: Option<&'static str>,
 }
 

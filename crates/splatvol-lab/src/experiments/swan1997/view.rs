@@ -72,7 +72,7 @@ impl View {
         Ok(renderer.render(&self.scene, &self.camera, &self.settings(filter, self.size)?)?)
     }
 
-    /// The same from another camera.
+    /// This view from another camera.
     pub(super) fn seen_from(&self, camera: Camera) -> Self {
         Self {
             scene: self.scene.clone(),
@@ -81,7 +81,7 @@ impl View {
         }
     }
 
-    /// The same so faint that splats only add up: a thousandth of the extinction.
+    /// This view made so faint that splats only add up: a thousandth of the extinction.
     pub(super) fn faint(&self) -> Result<Self, LabError> {
         let mut scene = self.scene.clone();
         let distance = 1000.0 * self.scene.single_volume()?.unit_distance();
@@ -171,7 +171,7 @@ pub(super) struct Fine {
 }
 
 impl Fine {
-    /// Of a picture of `per_pixel` squared samples per pixel.
+    /// Luminance of a picture of `per_pixel` squared samples per pixel.
     pub(super) fn of(image: &Image, per_pixel: u32) -> Self {
         Self {
             per_pixel: per_pixel as usize,

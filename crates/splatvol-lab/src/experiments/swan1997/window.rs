@@ -15,7 +15,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// All of a picture.
+    /// The whole picture.
     pub(super) fn whole(image: &Image) -> Self {
         let [width, height] = <[u32; 2]>::from(image.size());
         Self {
@@ -27,7 +27,7 @@ impl Window {
     /// The most rows on end whose middle half is opaque and lies at depths that a test takes.
     ///
     /// # Errors
-    /// There are fewer than eight.
+    /// Fewer than eight such rows.
     pub(super) fn at_depths(frame: &Frame, takes: impl Fn(f64) -> bool) -> Result<Self, LabError> {
         let [width, height] = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
         let columns = width / 4..width * 3 / 4;
@@ -55,7 +55,7 @@ impl Window {
         Ok(Self { columns, rows: best })
     }
 
-    /// It without its outermost pixels.
+    /// This window without its outermost pixels.
     pub(super) fn inside(&self, margin: usize) -> Self {
         let narrow = |range: &Range<usize>| range.start + margin..range.end.saturating_sub(margin);
         Self {

@@ -140,7 +140,7 @@ fn errors(outcome: &mut Outcome, step: usize) -> Result<(), LabError> {
     laws(outcome)
 }
 
-/// How errors grow, against the first order.
+/// Growth of the errors, against the first order.
 fn laws(outcome: &mut Outcome) -> Result<(), LabError> {
     let [narrow, wide] = [error(30.0, 0.003)?[0], error(30.0, 0.03)?[0]];
     outcome.find(

@@ -59,7 +59,7 @@ fn covariance(splat: &Splat) -> Result<DMat2, LabError> {
     covariance_of(&splat.footprint(Filter::None, Alignment::Affine, &profile)?)
 }
 
-/// How far the kernel flattened by `flatness` is from the limit, share of the limit's norm.
+/// Distance of the kernel flattened by `flatness` from the limit, share of the limit's norm.
 fn distance(tilt: f64, flatness: f64) -> Result<f64, LabError> {
     let splat = splat(tilt);
     let limit = splat.covariance(f64::INFINITY);

@@ -37,8 +37,8 @@ impl Plane {
         self.values.len() / self.width.max(1)
     }
 
-    /// From `samples` x `samples` values per pixel to pixels, weighted by a Gaussian of `sigma` pixels; what lies outside
-    /// is nothing.
+    /// Pixels from `samples` x `samples` values each, weighted by a Gaussian of `sigma` pixels; values outside count as
+    /// zero.
     pub(super) fn low_passed(&self, samples: usize, sigma: f64) -> Self {
         self.filtered_along_x(samples, sigma)
             .transposed()

@@ -38,7 +38,7 @@ impl Splat {
         }
     }
 
-    /// The same, flattened by `flatness` along z of object space (section 5).
+    /// This splat, flattened by `flatness` along z of object space (section 5).
     pub(super) fn flattened(self, flatness: f64) -> Self {
         let shape = KernelShape::Flattened {
             sigma: 1.0,

@@ -16,10 +16,10 @@ pub(super) fn beyond(kernel: &RadialKernel, radius: f64) -> f64 {
     (0..STEPS).map(at).map(ring).sum()
 }
 
-/// How a Gaussian ends.
+/// Truncation of a Gaussian.
 #[derive(Clone, Copy)]
 pub(super) enum Edge {
-    /// With a step, as in zwicker2001.
+    /// Truncated with a step, as in zwicker2001.
     Step,
     /// Less its value there, with all its mass, as in the engine.
     Subtracted,

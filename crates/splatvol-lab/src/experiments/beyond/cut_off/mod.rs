@@ -1,9 +1,9 @@
-//! Where a kernel is cut: the mass of its footprint that is lost, and the pattern that the edge leaves on what is constant.
+//! Kernel cut-off: the lost mass of the footprint, and the pattern that the edge leaves on a constant field.
 //!
-//! Of a two-dimensional Gaussian `exp(-c^2 / 2)` lies beyond c standard deviations, which is also the step at the edge
-//! relative to the peak: 13.5 % at zwicker2001's `r < 4` (section 6; r is the squared radius). The engine cuts at the
-//! kernel's radius, subtracts the value there, and gives the mass back:
-//! `q(r) = (exp(-r^2 / 2 s^2) - e) / 2 pi s^2 (1 - e - e c^2 / 2)`, `e = exp(-c^2 / 2)`.
+//! The share `exp(-c^2 / 2)` of a two-dimensional Gaussian lies beyond c standard deviations. It is also the step at
+//! the edge relative to the peak: 13.5 % at zwicker2001's `r < 4` (section 6; r is the squared radius). The engine cuts
+//! at the kernel's radius, subtracts the value there, and restores the mass: `q(r) = (exp(-r^2 / 2 s^2) - e) / 2 pi s^2
+//! (1 - e - e c^2 / 2)`, `e = exp(-c^2 / 2)`.
 //!
 //! Ripple is peak to peak, as a share of the mean, of `sum_k q(x - k)` over a square cell of the lattice: the picture of a
 //! layer of equal voxels.
@@ -33,7 +33,7 @@ const ZOOM: u32 = 32;
 const VOXELS: u32 = 4;
 /// Optical depth of the layer.
 const OPTICAL_DEPTH: f64 = 0.1;
-/// How much more contrast its pictures are shown with.
+/// Contrast gain of its pictures.
 const CONTRAST: f64 = 5.0;
 
 pub(super) const EXPERIMENT: Experiment = Experiment {

@@ -124,7 +124,7 @@ fn depth_error(renderer: &mut Renderer, scene: &Scene, settings: &RenderSettings
     }
 }
 
-/// Where the signal is 1/2: `sin(pi z / 2) = alpha rho(r)`.
+/// Height of the isosurface 1/2: `sin(pi z / 2) = alpha rho(r)`.
 fn height(r: f64) -> f64 {
     let MarschnerLobb { frequency, alpha } = MarschnerLobb::default();
     let rho = (TAU * frequency * (FRAC_PI_2 * r).cos()).cos();

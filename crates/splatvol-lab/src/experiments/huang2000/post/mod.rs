@@ -48,8 +48,8 @@ struct View8 {
 }
 
 impl View8 {
-    /// By the square method. Of data only the range of interest is splatted, as in section 1: what is visible, and voxels from a
-    /// tenth of the range of values up, which surround it.
+    /// Settings of the square method. Data are splatted only in the range of interest, as in section 1: visible voxels,
+    /// and the voxels from a tenth of the range of values up that surround them.
     fn settings(&self, size: ImageSize, classification: Classification) -> Result<RenderSettings, LabError> {
         let single = self.scene.single_volume()?;
         let [low, high] = single.volume.value_range();
@@ -140,7 +140,7 @@ struct Operated {
     plain: f64,
     solid: f64,
     bump: f64,
-    /// With an operator that does nothing.
+    /// Seconds with an operator that does nothing.
     idle: f64,
     fastsplats: f64,
 }

@@ -89,7 +89,7 @@ fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classificat
     }
 }
 
-/// The same by the engine that grids are rendered with.
+/// Settings of the engine that renders grids by default.
 fn engine_settings(size: ImageSize, classification: Classification) -> FlatSettings {
     FlatSettings {
         size,

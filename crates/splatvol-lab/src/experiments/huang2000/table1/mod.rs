@@ -55,7 +55,7 @@ struct Row {
     splat: f64,
     splats: u64,
     slices: u64,
-    /// The same without occlusion.
+    /// Slices without occlusion.
     open_slices: u64,
     /// Pixels of the sections' boxes.
     pixels: f64,

@@ -166,15 +166,15 @@ fn largest_halfway(entries: usize) -> f64 {
     (0..entries - 1).map(farthest).fold(0.0, f64::max)
 }
 
-/// Everything about a size.
+/// Errors of a table size.
 struct Row {
     entries: usize,
-    /// By squared distance and by distance: half the largest difference of neighbours.
+    /// Sampling error by squared distance and by distance: half the largest difference of neighbours.
     sampling: [f64; 2],
     quantisation: [f64; 2],
-    /// By spacing: largest measured error of 8 bits, levels.
+    /// Largest measured error of 8 bits by spacing, levels.
     largest: [f64; 2],
-    /// By spacing: mean error of 8 bits, levels.
+    /// Mean error of 8 bits by spacing, levels.
     mean: [f64; 2],
 }
 
