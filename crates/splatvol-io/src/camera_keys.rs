@@ -25,7 +25,7 @@ use crate::source::read_file;
 /// Fields of a key.
 const FIELDS: [&str; 6] = ["time", "position", "target", "up", "fov", "height"];
 
-/// A key frame as the file has it; what it leaves out is `None`.
+/// A key frame as the file has it; absent keys are `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StoredCameraKey {
     /// Seconds.

@@ -1,16 +1,16 @@
-//! Any data: which reader a file or folder belongs to, and what it read.
+//! Data of any kind: choice of the reader for a file or folder, and its result.
 //!
-//! The first bytes decide, in this order, so that no file is taken for less than it says it is:
+//! The first bytes decide, in this order, so that the most specific format wins:
 //!
-//! | sign | what it is |
+//! | sign | kind |
 //! |---|---|
 //! | a layout is given | raw: terrain where it is one slice thick, else a volume |
 //! | a folder | Gaussians (SOG), or a volume: OME-Zarr, DICOM, slices |
 //! | `.toml`, `.json` with `frame` | frames of depth cameras |
-//! | what [`is_gaussians`] knows | Gaussians |
-//! | what [`is_mesh`] knows | a mesh |
-//! | USGS DEM; a TIFF that says where on earth it lies; a table of very many columns | terrain |
-//! | what [`read_volume`] knows, by its first bytes or its extension | a volume |
+//! | recognised by [`is_gaussians`] | Gaussians |
+//! | recognised by [`is_mesh`] | a mesh |
+//! | USGS DEM; a georeferenced TIFF; a table of very many columns | terrain |
+//! | recognised by [`read_volume`], by its first bytes or its extension | a volume |
 //! | anything else that is text, PLY, LAS or PCD | points |
 //!
 //! Only starts of files are read to decide.
@@ -174,7 +174,7 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
     }
 }
 
-/// Reads a file or folder of any supported format: [`data_kind`] says by which reader.
+/// Reads a file or folder of any supported format with the reader given by [`data_kind`].
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.

@@ -1,4 +1,4 @@
-//! Scenes: what is in one picture, where it lies and how it looks, as TOML.
+//! Scene files: the items of one picture, their placement and appearance, as TOML.
 //!
 //! ```toml
 //! background = "black"                  # as the command's --background; likewise size = "800x600"
@@ -95,7 +95,7 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
 }
 
 impl SceneItem {
-    /// Whether the scene says where it lies.
+    /// Whether the scene file places the item.
     pub fn is_placed(&self) -> bool {
         self.scale.is_some() || self.rotate.is_some() || self.translate.is_some()
     }

@@ -77,7 +77,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// A reader that gives exactly `length` bytes, uncompressed.
+    /// A reader that yields exactly `length` bytes, uncompressed.
     pub(crate) fn from_reader(reader: impl Read + 'a, length: u64) -> Self {
         Self {
             reader: Box::new(BufReader::new(reader)),

@@ -1,4 +1,4 @@
-//! Clipping: what of the volume is cut away, and what is seen of the cut.
+//! Clipping: the parts of the volume that are cut away, and the appearance of the cut.
 //!
 //! A clip is a convex body, the intersection of half-spaces, of which either the inside or the outside is kept. A ray's
 //! part within a convex body is one interval, so engines cut rays exactly, whatever the sheets' distance.

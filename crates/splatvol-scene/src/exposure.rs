@@ -1,4 +1,4 @@
-//! The mean of frames: what a shutter lets through while the camera, or the scene, moves.
+//! The mean of frames: the exposure of an open shutter while the camera or the scene moves.
 //!
 //! A pixel's colour is `C = 1/n sum C_i`, its alpha likewise (linear light, premultiplied), so energy is kept and
 //! occlusion is right at every instant: this is motion blur by sub-frames, the reference for analytic ones. The depth

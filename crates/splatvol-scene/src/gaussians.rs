@@ -80,7 +80,8 @@ impl Gaussians {
         })
     }
 
-    /// These Gaussians, trained for a renderer that lowers the opacity of what its low-pass widens ("antialiased", "mip").
+    /// These Gaussians, marked as trained for a renderer that lowers the opacity of splats widened by its low-pass
+    /// ("antialiased", "mip").
     #[must_use]
     pub fn with_antialiasing(mut self, antialiased: bool) -> Self {
         self.antialiased = antialiased;

@@ -152,7 +152,7 @@ impl Frame {
         }
     }
 
-    /// Whether all its planes are of this size.
+    /// Whether all its planes have this size.
     pub fn fits(&self, size: ImageSize) -> bool {
         let count = size.pixel_count();
         self.image.size() == size

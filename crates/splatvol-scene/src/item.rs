@@ -1,4 +1,4 @@
-//! An item of a scene: data, how they look, where they lie, and what is done to them.
+//! An item of a scene: data, their appearance, placement, operators, clips and motion.
 //!
 //! A look stands with the data that can have it, so that none can be given to others: values have a transfer function or
 //! isosurfaces, points a colour, Gaussians bring theirs along.
@@ -57,7 +57,8 @@ pub struct Isosurface {
 }
 
 impl Isosurface {
-    /// A transfer function that shows what may lie behind a crossing, of data in this range; how dense it is does not matter.
+    /// A transfer function that marks the values near a crossing as visible, for data in this range; its density does
+    /// not matter.
     fn transfer_function(surfaces: &[Self], [low, high]: [f64; 2]) -> Result<TransferFunction, SceneError> {
         surfaces.iter().try_for_each(Self::validate)?;
         let lowest = surfaces.iter().map(|surface| surface.value).reduce(f64::min);
@@ -139,7 +140,7 @@ pub struct Item {
 }
 
 impl Item {
-    /// An item where its data say.
+    /// An item at the placement given by its data.
     pub fn new(content: Content) -> Self {
         Self {
             content,
@@ -257,7 +258,7 @@ impl Item {
         }
     }
 
-    /// World length per length of the item's own world, the mean of all directions: what its lengths grow by.
+    /// Scale from the item's own space to the world: mean factor on lengths over all directions.
     pub fn scale(&self) -> f64 {
         libm::cbrt(self.world_from_item.matrix3.determinant().abs())
     }

@@ -10,16 +10,16 @@
 //! | [`camera_path`] | cameras that move: turntables and key frames |
 //! | [`transfer_function`] | piecewise colour and opacity per unit distance; named maps; automatic choice |
 //! | [`lighting`] | the Phong model that engines and reference share |
-//! | [`settings`] | what to do with all this: compositing, classification, filter, kernel |
-//! | [`motion`] | what moves while the shutter is open |
+//! | [`settings`] | render settings: compositing, classification, filter, kernel |
+//! | [`motion`] | motion while the shutter is open |
 //! | [`points`] | samples of surfaces: places, sizes, normals, colours |
 //! | [`mesh`] | a scalar on irregular grids: structured blocks, unstructured cells |
 //! | [`gaussians`] | 3-D Gaussians with opacity and spherical harmonics |
 //! | [`harmonics`] | colours of Gaussians by direction |
-//! | [`item`] | one of these with its look, its place, and what is done to it |
+//! | [`item`] | data of one kind with their appearance, placement, operators, clips and motion |
 //! | [`scene`] | items that are rendered together |
-//! | [`operator`] | what is done to material before it is lit: textures, bumps, mirrors, gradient opacity |
-//! | [`clip`] | what is cut away |
+//! | [`operator`] | changes of material before it is lit: textures, bumps, mirrors, gradient opacity |
+//! | [`clip`] | convex bodies that cut away parts |
 //! | [`image`] | linear premultiplied float images, frames with depth |
 //! | [`exposure`] | the mean of frames |
 //!
@@ -30,7 +30,8 @@
 //! *screen*: pixels, origin top-left, pixel centres at +0.5. *depth* is camera z. `a_from_b` names a matrix that
 //! maps points of space b into space a.
 //!
-//! Constructors are fallible; what they return is valid by itself; what cannot be combined is said before rendering.
+//! Constructors are fallible, and their results are valid by themselves; invalid combinations are refused before
+//! rendering.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

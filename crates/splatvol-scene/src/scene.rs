@@ -1,6 +1,6 @@
-//! A scene: what is rendered, apart from the camera and the settings. Things of all kinds, each where it belongs.
+//! A scene: items of all kinds with their placements, apart from the camera and the settings.
 //!
-//! They are composited sheet by sheet, so that translucent things interpenetrate as they do in space.
+//! Items are composited sheet by sheet, so that translucent items interpenetrate as they do in space.
 
 use std::sync::Arc;
 
@@ -12,15 +12,15 @@ use crate::{
     TransferFunction, Volume,
 };
 
-/// Things that are rendered together.
+/// Items that are rendered together.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// The things.
+    /// The items.
     pub items: Vec<Item>,
     /// Clips of all items, world space: a point is visible if every clip keeps it.
     pub clips: Vec<Clip>,
-    /// Linear light, straight alpha: what Gaussians in the published renderer's way are composited over, in display space
-    /// as there. Nothing else takes notice of it.
+    /// Background, linear light, straight alpha. Gaussians rendered as published are composited over it, in display
+    /// space as in the published renderer. Nothing else uses it.
     pub background: [f32; 4],
 }
 

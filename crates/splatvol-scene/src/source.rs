@@ -1,8 +1,8 @@
 //! Sources of samples: a grid at one or several levels of detail, read region by region.
 //!
 //! A [`Volume`] has all its samples in memory, its own or shared with somebody else ([`crate::Storage`]), and lends them as they are.
-//! Other sources - chunks of a file, a store on another machine - bring a region when it is asked for. What an engine makes of
-//! samples depends on their values alone, never on the regions in which they come.
+//! Other sources (chunks of a file, a store on another machine) deliver a region on request. An engine's result depends
+//! on the values of samples alone, never on the regions in which they arrive.
 
 use std::fmt::Debug;
 
@@ -46,7 +46,7 @@ impl VoxelBox {
     }
 }
 
-/// Samples in memory, x fastest, and the region that they are of.
+/// Samples in memory, x fastest, and their region.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'a> {
     /// Samples of the region, as many as it has.

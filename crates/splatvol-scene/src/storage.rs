@@ -16,7 +16,8 @@ impl<T> Storage<T> {
     /// Samples in somebody else's memory, such as a map of a file or the buffer of an array. They are kept as long as the
     /// storage, or any clone of it, lives.
     ///
-    /// The memory must stay as it is meanwhile: the same slice of the same values. What is derived from samples is kept.
+    /// The memory must not change meanwhile: the same slice of the same values. Data derived from the samples are
+    /// cached.
     pub fn shared(samples: Arc<dyn AsRef<[T]> + Send + Sync>) -> Self {
         Self(Place::Shared(samples))
     }

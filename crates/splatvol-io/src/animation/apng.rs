@@ -47,7 +47,7 @@ impl<W: Write> ApngWriter<W> {
     /// Adds a frame. Alpha is left out unless the settings have it.
     ///
     /// # Errors
-    /// [`IoError::Encode`]: a frame of another size, more frames than announced, or what the sink says.
+    /// [`IoError::Encode`]: a frame of another size, more frames than announced, or an error of the sink.
     pub fn write(&mut self, image: &Image) -> Result<(), IoError> {
         self.settings.check_frame(FORMAT, image, self.written)?;
         let data = png::data(
@@ -65,7 +65,7 @@ impl<W: Write> ApngWriter<W> {
     /// Ends the file.
     ///
     /// # Errors
-    /// [`IoError::Encode`]: fewer frames than announced, or what the sink says.
+    /// [`IoError::Encode`]: fewer frames than announced, or an error of the sink.
     pub fn finish(self) -> Result<(), IoError> {
         if self.written != self.settings.frames {
             let what = format!("{} frames of {}", self.written, self.settings.frames);

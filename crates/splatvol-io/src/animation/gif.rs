@@ -58,7 +58,7 @@ impl<W: Write> GifWriter<W> {
     /// Adds a frame.
     ///
     /// # Errors
-    /// [`IoError::Encode`]: a frame of another size, more frames than announced, or what the sink says.
+    /// [`IoError::Encode`]: a frame of another size, more frames than announced, or an error of the sink.
     pub fn write(&mut self, image: &Image) -> Result<(), IoError> {
         self.settings.check_frame(FORMAT, image, self.written)?;
         let indexed = Indexed::new(&png::srgb8(image));
@@ -87,7 +87,7 @@ impl<W: Write> GifWriter<W> {
     /// Ends the file.
     ///
     /// # Errors
-    /// [`IoError::Encode`]: fewer frames than announced, or what the sink says.
+    /// [`IoError::Encode`]: fewer frames than announced, or an error of the sink.
     pub fn finish(self) -> Result<(), IoError> {
         if self.written != self.settings.frames {
             let what = format!("{} frames of {}", self.written, self.settings.frames);

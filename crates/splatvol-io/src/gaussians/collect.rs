@@ -128,7 +128,7 @@ impl Collector {
         self.attributes.means.len()
     }
 
-    /// Adds Gaussians with harmonics of at most this degree, and what there is to say of them.
+    /// Adds Gaussians with harmonics of at most this degree, and their warnings.
     pub(crate) fn append(&mut self, other: Self) {
         self.seen += other.seen;
         self.not_finite += other.not_finite;

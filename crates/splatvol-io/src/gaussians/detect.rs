@@ -71,7 +71,7 @@ fn ply(path: &Path) -> Result<Option<Format>, IoError> {
     Ok(inria_ply::is_trained(&header).then_some(Format::InriaPly))
 }
 
-/// SPZ, or something that calls itself so and has a corrupt stream: its reader then says so.
+/// Whether this is SPZ, or claims to be and has a corrupt stream: the SPZ reader then reports the error.
 fn gzip(path: &Path, context: &Context<'_>) -> bool {
     let mut start = [0; 4];
     let Ok(source) = Source::open(path) else {

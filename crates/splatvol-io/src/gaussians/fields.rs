@@ -3,7 +3,7 @@
 use crate::IoError;
 use crate::error::Context;
 
-/// Bytes and what they are called in errors.
+/// Bytes with their name in errors.
 #[derive(Clone, Copy)]
 pub(super) struct Fields<'a> {
     pub(super) bytes: &'a [u8],

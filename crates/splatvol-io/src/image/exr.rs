@@ -92,7 +92,7 @@ pub(super) fn attributes(metadata: &[(String, String)]) -> Result<LayerAttribute
 /// of a picture inside a larger window only the stored part.
 ///
 /// # Errors
-/// [`IoError::Format`] for what is not a valid EXR, [`IoError::Unsupported`] for pictures without `R`, `G` and `B`,
+/// [`IoError::Format`] for an invalid EXR, [`IoError::Unsupported`] for pictures without `R`, `G` and `B`,
 /// [`IoError::Truncated`] and [`IoError::Limit`] for sizes that the bytes do not justify.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
     let context = Context::new("EXR", path);

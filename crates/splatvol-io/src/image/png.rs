@@ -147,8 +147,8 @@ fn code(pixel: [f32; 4], depth: Depth, srgb: &SrgbCodes) -> [u16; 4] {
 /// A picture from the bytes of a PNG file; `path` is only named in errors.
 ///
 /// # Errors
-/// [`IoError::Format`] for what is not a valid PNG, [`IoError::Truncated`] and [`IoError::Limit`] for sizes that the
-/// bytes do not justify.
+/// [`IoError::Format`] for an invalid PNG, [`IoError::Truncated`] and [`IoError::Limit`] for sizes that the bytes do
+/// not justify.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
     let context = Context::new("PNG", path);
     let malformed = |error: DecodingError| malformed(&error, &context);

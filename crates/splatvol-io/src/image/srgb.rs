@@ -39,7 +39,7 @@ impl SrgbCodes {
         }
     }
 
-    /// Code of light; what is beyond 0 to 1 is clamped, NaN is 0.
+    /// Code of a light value; values outside 0 to 1 are clamped, NaN becomes 0.
     pub(super) fn code(&self, linear: f64) -> u16 {
         // A conversion from float saturates, and NaN becomes 0.
         let linear = linear.clamp(0.0, 1.0);

@@ -54,7 +54,7 @@ impl Draft {
         }
     }
 
-    /// Adds the cells of a piece whose points begin at `first`; gives the indices of those that are kept: the solids.
+    /// Adds the cells of a piece whose points begin at `first`; returns the indices of the cells kept: the solids.
     pub(super) fn add_cells(
         &mut self,
         stored: &StoredCells,

@@ -1,7 +1,7 @@
 //! PLOT3D: a grid (.xyz, .x, .g) and its solution (.q), after NASA's PLOT3D manual (TM 101067, section 8).
 //!
-//! The files say nothing of their own layout: byte order, Fortran record marks, one grid or several, 32 or 64 bits and
-//! IBLANK are those for which dimensions and length of the file agree.
+//! The files do not record their own layout. Byte order, Fortran record marks, one grid or several, 32 or 64 bits and
+//! IBLANK are chosen so that the dimensions agree with the length of the file.
 //!
 //! The solution holds density rho, momentum rho u, and energy per volume e; with gamma = 1.4 they give velocity u and
 //! pressure `(gamma - 1) (e - rho u^2 / 2)`.

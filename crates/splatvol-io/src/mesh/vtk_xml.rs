@@ -207,7 +207,7 @@ impl<'d> Element<'_, 'd> {
         Ok(format!("{type_name}{}", describe(&place, self.file.coding)))
     }
 
-    /// Adds the piece's geometry; gives the cells that are kept where some may be left out.
+    /// Adds the piece's geometry; returns the cells kept if some may be left out.
     fn geometry(&self, piece: Node<'d, 'd>, draft: &mut Draft) -> Result<Option<Vec<usize>>, IoError> {
         let context = self.file.context;
         match self.file.kind {

@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Passes over what is left of the elements: do more bytes follow?
+    /// Skips the remaining elements, and tells whether more bytes follow.
     pub(crate) fn finish(self) -> Result<Rest, IoError> {
         Ok(match self.excess()? {
             0 => Rest::Nothing,
@@ -123,7 +123,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Passes over what is left of the elements. The number of bytes that follow (in text: from the first that is no white
+    /// Skips the remaining elements. Returns the number of bytes that follow (in text: from the first that is not white
     /// space).
     pub(crate) fn excess(mut self) -> Result<u64, IoError> {
         while let Some(element) = self.header.elements.get(self.next).cloned() {
@@ -243,7 +243,7 @@ impl<'a> Reader<'a> {
         Ok(decode(scalar, bytes, self.header.encoding == Encoding::BigEndian))
     }
 
-    /// The next number of a text. Lines do not matter: the header says how many numbers a row has.
+    /// The next number of a text. Line breaks do not matter: the header gives the number of values per row.
     fn word(&mut self, name: &str) -> Result<f64, IoError> {
         self.skip_white()?;
         let offset = self.position;

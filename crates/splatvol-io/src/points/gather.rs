@@ -1,4 +1,4 @@
-//! Rows of any format on their way to [`Points`]: the local origin, the scale of colours, what is left out.
+//! Collects rows of any format into [`Points`]: local origin, scale of colours, omitted points.
 
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{PointAttributes, Points};

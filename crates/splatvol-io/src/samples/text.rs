@@ -56,7 +56,7 @@ impl<'a> TextNumbers<'a> {
 
 /// A number in a text file.
 pub(super) trait TextNumber: FromStr {
-    /// False for what only overflow can have made.
+    /// False for values that only overflow can have produced.
     fn fits(&self, _token: &str) -> bool {
         true
     }

@@ -24,7 +24,7 @@ pub struct SceneFile {
     pub size: Option<String>,
 }
 
-/// A thing of a scene. What is absent is chosen from the data.
+/// An item of a scene. Absent keys are chosen from the data.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SceneItem {
@@ -159,7 +159,7 @@ pub enum Axis {
     Direction([f64; 3]),
 }
 
-/// A camera; what is absent is chosen so that all is in view.
+/// A camera; absent keys are chosen so that everything is in view.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SceneCamera {

@@ -30,7 +30,7 @@ struct File {
     gradient: Option<[f64; 2]>,
 }
 
-/// Reads a two-dimensional transfer function. `unit_distance`: what opacities refer to where the file does not say.
+/// Reads a two-dimensional transfer function. `unit_distance`: reference length of the opacities if the file has none.
 ///
 /// # Errors
 /// [`IoError::Format`] names the malformed field; a picture outside the file's folder is refused; what [`read_image`]

@@ -213,7 +213,7 @@ pub fn axis_codes(grid: &Grid) -> String {
     (0..3).map(letter).collect()
 }
 
-/// The unit of this name; [`LengthUnit::Unknown`] where the name says nothing, `None` for a unit that has no label.
+/// The unit of this name; [`LengthUnit::Unknown`] for a name without meaning, `None` for a unit that has no label.
 pub(crate) fn length_unit(name: &str) -> Option<LengthUnit> {
     match name.trim().to_lowercase().as_str() {
         "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => Some(LengthUnit::Millimetre),

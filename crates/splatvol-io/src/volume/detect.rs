@@ -87,7 +87,7 @@ pub(super) fn format(path: &Path) -> Result<Format, IoError> {
     }
 }
 
-/// The format of what lies in a folder.
+/// The format of a folder's contents.
 fn folder_format(folder: &Path, context: &Context<'_>) -> Result<Format, IoError> {
     if zarr::is_zarr(folder) {
         return Ok(Format::Zarr);
@@ -141,7 +141,7 @@ pub(super) fn natural_order(a: &str, b: &str) -> Ordering {
     rest_a.len().cmp(&rest_b.len()).then(a.cmp(b))
 }
 
-/// The digits at the start of `rest`, without leading zeros, which it then is without.
+/// Removes and returns the digits at the start of `rest`, without leading zeros.
 fn take_digits<'a>(rest: &mut &'a str) -> &'a str {
     let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     let (digits, after) = rest.split_at(end);
@@ -149,7 +149,7 @@ fn take_digits<'a>(rest: &mut &'a str) -> &'a str {
     digits.trim_start_matches('0')
 }
 
-/// The decompressed start, or nothing where the stream is corrupt: the format's own reader then says so.
+/// The decompressed start, or nothing if the stream is corrupt: the format's own reader then reports it.
 fn inflated_start(path: &Path, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     let mut start = vec![0; PROBE];
     let length = Source::open(path)?

@@ -134,7 +134,7 @@ impl Fields {
         keys.iter().find_map(|key| self.get(key))
     }
 
-    /// The field of this name, or an error that says that it is missing.
+    /// The field of this name, or an error that reports it as missing.
     pub(super) fn required(&self, key: &str, context: &Context<'_>) -> Result<&Field, IoError> {
         self.get(key)
             .ok_or_else(|| context.field(key, "", None, "this field, which is missing"))

@@ -195,7 +195,7 @@ impl Header {
         Ok(ras_from_lps() * DAffine3::from_mat3_translation(complete_axes(&steps), origin))
     }
 
-    /// Whether the header says more than which axes the format's world has.
+    /// Whether the header specifies more than the anatomical axes of the format's world.
     fn is_oriented(&self) -> bool {
         self.fields.any(&DIRECTION).is_some() || self.fields.get("anatomicalorientation").is_some()
     }
@@ -246,7 +246,7 @@ impl Header {
         })
     }
 
-    /// `CompressedDataSize` is known to be wrong in the wild: the stream itself says where it ends.
+    /// `CompressedDataSize` is known to be wrong in practice: the stream itself marks its end.
     fn check_compressed_size(&self, draft: &mut Draft) {
         let Some(field) = self.fields.get("compresseddatasize") else {
             return;

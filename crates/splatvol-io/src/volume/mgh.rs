@@ -91,7 +91,7 @@ impl Header<'_> {
         DVec3::new(float(0), float(1), float(2))
     }
 
-    /// True where the file says how it lies in space.
+    /// Whether the file gives an orientation.
     fn placed(&self) -> bool {
         self.bytes[28..30] != [0, 0]
     }

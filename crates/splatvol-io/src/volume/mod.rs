@@ -57,8 +57,8 @@ pub struct Description {
     pub stored_type: String,
     /// The file's space convention and how it became world space.
     pub orientation: String,
-    /// Whether the file says how a volume lies in the world: by patient axes, or a named space. Where it does not, world
-    /// axes are those of the grid, and z need not be up.
+    /// Whether the file orients the volume in the world: by patient axes, or a named space. Otherwise, world axes are
+    /// those of the grid, and z need not be up.
     pub oriented: bool,
     /// The file, followed by the data files that its header names.
     pub files: Vec<PathBuf>,
@@ -86,7 +86,7 @@ pub struct ReadOptions {
     pub component: Option<usize>,
     /// Time point to take from a series.
     pub time: usize,
-    /// Channel to take, from 0; without it the first is taken, and a warning says so where there are others.
+    /// Channel to read, from 0; if absent, the first one, with a warning if there are others.
     pub channel: Option<usize>,
     /// Level of detail to take of multi-scale images; 0 is the finest.
     pub level: usize,

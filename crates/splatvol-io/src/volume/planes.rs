@@ -41,7 +41,7 @@ pub(super) fn component_names(components: usize) -> Vec<String> {
     (0..components).map(name).collect()
 }
 
-/// Adds the samples of the next slice, which must be of the same type and number as each before.
+/// Adds the samples of the next slice, which must have the type and number of the samples before.
 pub(super) fn append(pile: &mut Samples, slice: Samples, context: &Context<'_>) -> Result<(), IoError> {
     let (own, other) = (pile.type_name(), slice.type_name());
     macro_rules! extend {

@@ -40,7 +40,7 @@ pub(crate) struct ArrayHead {
     pub(crate) sample_type: Option<SampleType>,
     /// True where the file marks the array as the one to show.
     pub(crate) active: bool,
-    /// True for numbers that name points or cells: never what is shown unless asked for.
+    /// Whether the numbers are identifiers of points or cells: never shown unless requested.
     pub(crate) is_id: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Per-pixel operators: what a program may do to material between classification and light.
+//! Per-pixel operators: changes of material between classification and lighting.
 //!
 //! Image-aligned sheets of post-classified splatting hold value, gradient and place of every pixel, as a surface renderer's
 //! fragments do: whatever is done to fragments can be done to sheets (huang2000 section 4.3). An operator gets a
@@ -13,8 +13,8 @@
 //! | [`GradientOpacity`] | scales extinction by a curve over the gradient's magnitude |
 //! | [`TransferFunction2d`] | classifies by value and gradient magnitude together |
 //!
-//! Only what the scene's transfer function shows is asked about: an operator may hide or thin material, or make it
-//! denser, but cannot make the invisible visible. A user's own operator:
+//! Operators are applied only to samples that the scene's transfer function shows: an operator may hide or thin
+//! material, or make it denser, but cannot make the invisible visible. A user's own operator:
 //!
 //! ```
 //! use splatvol_scene::{Appearance, PixelOperator, SheetSample};
@@ -110,8 +110,8 @@ impl Default for Appearance {
 
 /// A per-sample operator that changes the appearance of material.
 pub trait PixelOperator: std::fmt::Debug + Send + Sync {
-    /// Changes how a sample looks. Called from several threads, in any order: what it does may depend on the sample and
-    /// nothing else, or pictures depend on the number of threads.
+    /// Changes the appearance of a sample. Called from several threads, in any order: its effect may depend on the
+    /// sample and nothing else, or pictures depend on the number of threads.
     fn apply(&self, sample: &SheetSample, appearance: &mut Appearance);
 
     /// Pieces in which an interval between two sheets is at least cut for this operator, each of which is a sample: two

@@ -13,7 +13,7 @@ pub enum Filter {
         /// Standard deviation of the Gaussian, pixels; the paper's identity matrix is 1.
         pixel_sigma: f64,
     },
-    /// The EWA filter where it is needed: footprints narrower than this are convolved with what they lack to it, as
+    /// The EWA filter where it is needed: footprints narrower than this are convolved with the missing variance, as
     /// swan1997 widens footprints beyond the distance k; wider ones stay as sharp as they are.
     Matched {
         /// Smallest standard deviation of a footprint, pixels.

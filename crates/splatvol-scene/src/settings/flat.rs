@@ -1,7 +1,8 @@
-//! Settings as files and flags have them: key beside key, whatever the method.
+//! Settings as flat keys for files and flags, whatever the method.
 //!
-//! Not every flat record is a picture: what one method has, the other may not. The conversion to [`RenderSettings`] chooses
-//! the method by what is asked for, and refuses by key what it does not have. The way back always leads to the same settings.
+//! Not every flat record describes a picture: a setting of one method may not exist in the other. The conversion to
+//! [`RenderSettings`] chooses the method by the settings requested, and refuses by key those that it does not have. The
+//! conversion back always leads to the same settings.
 
 use serde::{Deserialize, Serialize};
 
@@ -155,7 +156,7 @@ impl TryFrom<FlatSettings> for RenderSettings {
 }
 
 impl FlatSettings {
-    /// Whether something is asked for that only footprints have, drawn one by one.
+    /// Whether any setting requires whole footprints, drawn one by one.
     fn wants_splats(&self) -> bool {
         self.compositing.needs_colors()
             || self.uses_footprints()
@@ -164,7 +165,7 @@ impl FlatSettings {
             || (self.sheet == Some(SheetContent::Section) && !self.compositing.shows_one_value())
     }
 
-    /// Whether nothing but motion asks for footprints.
+    /// Whether motion alone requires footprints.
     fn moves_sheets(&self) -> bool {
         let still = Self {
             motion_blur: MotionBlur::None,

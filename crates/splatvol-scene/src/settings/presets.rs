@@ -145,7 +145,7 @@ impl RenderSettings {
         Self::of(splats, EXACT_TERMINATION)
     }
 
-    /// A method, and what a frame has besides.
+    /// Settings with this method and the defaults for the rest of a frame.
     fn of(method: impl Into<super::Method>, termination: f64) -> Self {
         Self {
             size: ImageSize::default(),

@@ -9,7 +9,7 @@ use crate::SceneError;
 /// Shape, rasterisation, occlusion culling and compositing of footprints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SplatSettings {
-    /// In which order, and what is splatted.
+    /// Compositing order, and whether colours or data are splatted.
     pub compositing: SplatCompositing,
     /// Thickness of image sheets, and twice the distance at which whole footprints begin, mean voxel spacings.
     pub sheet_thickness: f64,
@@ -165,7 +165,7 @@ impl SplatSettings {
         Err(SceneError::invalid("stretch", self.stretch, reason))
     }
 
-    /// Refuses rasterisers of circles where footprints are none, whatever the camera.
+    /// Refuses rasterisers of circles if footprints are not circles, whatever the camera.
     fn rasterizer_suits_kernels(&self) -> Result<(), SceneError> {
         let flattened = self.reconstruction != Reconstruction::Volume;
         match self.rasterizer {

@@ -45,7 +45,7 @@ impl Kernel {
 }
 
 impl RenderSettings {
-    /// Checks every field's domain, and what the parts of a method ask of each other.
+    /// Checks the range of every field, and the requirements between the parts of a method.
     ///
     /// # Errors
     /// The first field that is refused, by name.
@@ -108,7 +108,7 @@ impl SheetSettings {
 }
 
 impl SplatSettings {
-    /// Checks every field's domain, and what they ask of each other.
+    /// Checks the range of every field, and the requirements between fields.
     fn validate(&self) -> Result<(), SceneError> {
         thickness(self.sheet_thickness)?;
         pixel_sigma(self.filter)?;

@@ -49,7 +49,7 @@ pub(super) struct Means {
     pub(super) files: [String; 2],
 }
 
-/// A picture and what its bytes stand for.
+/// A picture and the mapping of its bytes to numbers.
 pub(super) struct Layer {
     pub(super) numbers: Numbers,
     pub(super) file: String,

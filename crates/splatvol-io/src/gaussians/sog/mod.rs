@@ -115,7 +115,7 @@ impl Pictures {
     }
 }
 
-/// Quaternion x y z w; zeros where no component is said to be left out.
+/// Quaternion x y z w; zeros if the tag names no omitted component.
 fn rotation([a, b, c, tag]: [u8; 4]) -> [f64; 4] {
     if tag < 252 {
         return [0.0; 4];

@@ -21,7 +21,7 @@ const ANTIALIASED: u8 = 1;
 const HAS_EXTENSIONS: u8 = 2;
 /// Most extensions that are read.
 const MAX_EXTENSIONS: u64 = 1 << 20;
-/// A zstd block of 4 bytes gives at most 128 KiB.
+/// A zstd block of 4 bytes decodes to 128 KiB at most.
 const ZSTD_RATIO: u64 = 1 << 15;
 /// Largest memory of a zstd stream, unless its contents are larger.
 const ZSTD_WINDOW: u64 = 8 << 20;

@@ -18,7 +18,7 @@ const FRAMES: [Frame; 16] = [
     "RFU",
 ];
 
-/// Honours what the records say.
+/// Applies the extension records.
 pub(super) fn apply(records: &Fields<'_>, packed: &mut Packed) -> Result<(), IoError> {
     let mut at = 0;
     while at < records.bytes.len() as u64 {

@@ -35,7 +35,7 @@ pub(super) fn sizes(version: u32, degree: u32) -> [u64; 6] {
 }
 
 impl Packed {
-    /// Gives all Gaussians to the collector, and what there is to say.
+    /// Passes all Gaussians and the warnings to the collector.
     pub(in super::super) fn unpack(&self, collector: &mut Collector) {
         collector.antialiased = self.antialiased;
         collector.description.warnings.extend_from_slice(&self.warnings);

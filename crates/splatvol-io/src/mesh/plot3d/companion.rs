@@ -11,7 +11,7 @@ use crate::source::read_file;
 const EXTENSIONS: [&[&str]; 2] = [&["xyz", "x", "g", "grd", "p3d", "grid"], &["q", "sol"]];
 const PARTS: [(&str, &str); 4] = [("xyz", "q"), ("grid", "q"), ("grid", "solution"), ("grid", "sol")];
 
-/// Grid and solution, of which `path` is one.
+/// The pair of grid and solution that `path` belongs to.
 pub(super) fn pair(
     path: &Path,
     solution: Option<&Path>,

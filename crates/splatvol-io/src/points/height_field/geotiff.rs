@@ -24,7 +24,7 @@ const RATIO: u64 = 1100;
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
 
-/// Whether a TIFF says where on earth it lies, and is one band: heights, not a photograph.
+/// Whether a TIFF is georeferenced and has one band: heights, not a photograph.
 pub(super) fn is_geotiff(path: &Path) -> bool {
     let Ok(file) = std::fs::File::open(path) else {
         return false;
@@ -103,7 +103,7 @@ pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
     Ok((field, description))
 }
 
-/// Places the posts; says how.
+/// Places the posts; returns a description of the placement.
 fn place(
     field: &mut HeightField,
     scale: &[f64],

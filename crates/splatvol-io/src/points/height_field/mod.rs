@@ -45,9 +45,9 @@ pub struct HeightFieldOptions {
     pub spacing: Option<[f64; 2]>,
     /// World length per unit of height; replaces the file's.
     pub height_scale: Option<f64>,
-    /// Factor on heights above what they are: 1 is true to scale.
+    /// Vertical exaggeration of heights: 1 is true to scale.
     pub exaggeration: f64,
-    /// Order of rows, for files that do not say.
+    /// Order of rows, for files that do not record it.
     pub rows: Option<RowOrder>,
     /// Value that marks gaps, besides those that the file names and NaN.
     pub missing: Option<f64>,
@@ -87,8 +87,7 @@ const SCALED: f64 = 0.15;
 /// Columns of a table from which on it is no list of points.
 const WIDE: usize = 16;
 
-/// True where a file is terrain and says so: a USGS DEM, a TIFF with a place on earth, a table of more columns than points
-/// have.
+/// Whether a file is recognisably terrain: a USGS DEM, a georeferenced TIFF, a table of more columns than points have.
 pub(crate) fn is_terrain(path: &Path, is_volume: bool) -> Result<bool, IoError> {
     let context = Context::new("height field", path);
     let mut source = Source::open(path)?;
@@ -131,7 +130,7 @@ struct HeightField {
     spacing: DVec2,
     /// World length per unit of height.
     height_scale: f64,
-    /// Whether the file says how large it is.
+    /// Whether the file gives its size.
     measured: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Checks of a LAS header against the bytes present.
 //!
-//! The crate that decodes allocates what variable length records, chunk tables and layers of chunks say they need. Here
-//! each of these lengths is held against the length of the file before.
+//! The decoder crate allocates the lengths claimed by variable length records, chunk tables and layers of chunks. Here
+//! each of these lengths is checked against the length of the file first.
 
 use crate::IoError;
 use crate::error::Context;
@@ -53,7 +53,7 @@ impl Bytes<'_> {
 }
 
 impl Claims {
-    /// The claims of a file that can hold what it claims.
+    /// The claims of the header, if the file is long enough for them.
     pub(super) fn read(file: &[u8], context: &Context<'_>) -> Result<Self, IoError> {
         let bytes = Bytes(file);
         if !file.starts_with(b"LASF") {

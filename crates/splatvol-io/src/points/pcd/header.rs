@@ -162,7 +162,7 @@ impl Header {
 }
 
 impl<'a> Lines<'a> {
-    /// Takes a line; gives the value of `DATA`.
+    /// Consumes a line; returns the value of `DATA`.
     fn take(
         &mut self,
         keyword: &str,

@@ -29,7 +29,7 @@ pub(super) fn decode(coded: &[u8], size: [usize; 2], context: &Context<'_>) -> R
     Ok(samples)
 }
 
-/// Reads the segments before the scan (C.2); gives the position of its first byte.
+/// Reads the segments before the scan (C.2); returns the position of its first byte.
 fn header(coded: &[u8], size: [usize; 2], context: &Context<'_>) -> Result<(Parameters, usize), IoError> {
     let cut = || context.truncated("JPEG-LS header", coded.len() as u64 + 1, coded.len() as u64);
     let short = |bytes: &[u8], at: usize| -> Result<i32, IoError> {
@@ -260,7 +260,7 @@ impl<'a> Scan<'a> {
         sample.clamp(0, max_value)
     }
 
-    /// A run from `x` on, and the sample that ends it; gives the next x (A.7).
+    /// Decodes a run from `x` on, and the sample that ends it; returns the next x (A.7).
     fn run(&mut self, mut x: usize) -> Option<usize> {
         let left = self.current[x - 1];
         loop {

@@ -1,6 +1,6 @@
 //! The statistics of JPEG-LS: quantised gradients, and the 365 + 2 contexts that learn from errors (T.87, A.3, A.6).
 
-/// Thresholds of gradients and the like, as the standard derives them or the stream gives them.
+/// Coding parameters such as thresholds of gradients, as the standard derives them or the stream defines them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Parameters {
     pub(super) max_value: i32,

@@ -234,7 +234,7 @@ fn stacks(images: &[ImageHead]) -> Vec<SliceStack> {
     stacks
 }
 
-/// The stack to read, and what to say about the others.
+/// The stack to read, and a warning about the others.
 fn choose(
     stacks: &[SliceStack],
     images: &[ImageHead],

@@ -341,8 +341,8 @@ fn jpeg(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoE
 
 /// JPEG 2000 codestreams of one component.
 ///
-/// The decoder takes all samples for unsigned and cuts what is negative. A signed component is decoded as an unsigned
-/// one instead, which adds half its range (ISO 15444-1, G.1.2), and that is taken off again.
+/// The decoder treats all samples as unsigned and clips negative ones. A signed component is therefore decoded as an
+/// unsigned one, which adds half its range (ISO 15444-1, G.1.2), and the offset is subtracted again.
 fn jpeg_2000(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     /// Place of the first component's precision and sign: SOC (2 bytes), then SIZ up to Ssiz (A.5.1).
     const SSIZ: usize = 42;

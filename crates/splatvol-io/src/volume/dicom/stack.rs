@@ -32,7 +32,7 @@ pub(super) struct Stack {
     pub(super) times: usize,
     /// Degrees between the third axis and the normal.
     pub(super) tilt: f64,
-    /// True where the file says where the slices lie.
+    /// Whether the file gives the positions of the slices.
     pub(super) placed: bool,
     pub(super) warnings: Vec<String>,
 }
@@ -99,7 +99,7 @@ fn in_plane(
     Ok([x.normalize() * sx, y.normalize() * sy])
 }
 
-/// Distance of slices by what one of them says.
+/// Distance of slices according to one slice's header.
 fn thickness(slice: &FrameHead, in_plane: [DVec3; 2], warnings: &mut Vec<String>) -> f64 {
     let (value, source) = match (slice.between_slices, slice.thickness) {
         (Some(distance), _) => (distance, "SpacingBetweenSlices"),

@@ -84,7 +84,7 @@ pub(crate) struct Scan<'a, 'b> {
     pub(crate) counts: TupleCounts,
     /// Name of the array that is wanted; none: the point data's first scalars.
     pub(crate) wanted: Option<&'b str>,
-    /// Stop at the wanted array: what follows need not be legible.
+    /// Stop at the wanted array: the rest need not be legible.
     pub(crate) stops_early: bool,
     /// Attributes found so far.
     pub(crate) found: Attributes,

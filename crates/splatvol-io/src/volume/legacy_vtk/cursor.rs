@@ -119,7 +119,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Skips what follows `METADATA`: lines up to an empty one.
+    /// Skips the block after `METADATA`: lines up to an empty one.
     pub(crate) fn skip_metadata(&mut self) -> Result<(), IoError> {
         self.line("METADATA")?;
         while !self.line("METADATA")?.is_empty() {}

@@ -11,18 +11,19 @@ use crate::error::Context;
 
 /// A quaternion may be longer than 1 by rounding, not by more than this.
 const QUATERNION_SLACK: f64 = 1e-3;
-/// Below this, what is left for `a^2` is rounding of a half turn (the limit of the reference implementation).
+/// Below this, the remainder for `a^2` is the rounding error of a half turn (the limit of the reference
+/// implementation).
 const HALF_TURN: f64 = 1e-7;
 /// sform and qform are called different where they move a corner by more than this part of a voxel.
 const NOTABLE: f64 = 0.1;
 
-/// The map and what is to be said about it.
+/// The map and its warnings.
 #[derive(Debug)]
 pub(super) struct Orientation {
     pub(super) world_from_voxel: DAffine3,
     /// `sform (aligned)`.
     pub(super) source: String,
-    /// Whether the file has one of the two that say how the volume lies.
+    /// Whether the file has one of the two orientations.
     pub(super) oriented: bool,
     pub(super) warnings: Vec<String>,
 }

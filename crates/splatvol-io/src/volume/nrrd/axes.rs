@@ -18,7 +18,7 @@ use crate::volume::{ReadOptions, checked_dims, choose_component, choose_time};
 struct Axis {
     size: usize,
     role: Role,
-    /// World step in the file's space; `None` where the file gives none.
+    /// World step in the file's space; `None` if the file has none.
     step: Option<DVec3>,
 }
 
@@ -29,7 +29,7 @@ enum Role {
     Components,
 }
 
-/// The spatial axes, and what is taken along the others.
+/// The spatial axes, and the selected indices along the others.
 #[derive(Debug)]
 pub(super) struct Axes {
     pub(super) selection: Selection,
@@ -147,7 +147,7 @@ fn axes(header: &Header, space: &Space, context: &Context<'_>) -> Result<Vec<Axi
     Ok(header.sizes.iter().enumerate().map(axis).collect())
 }
 
-/// Roles by the field `kinds`; `None` where it says nothing.
+/// Roles by the field `kinds`; `None` without information.
 fn kinds(field: Option<&Field>, count: usize, context: &Context<'_>) -> Result<Vec<Option<Role>>, IoError> {
     let Some(field) = field else {
         return Ok(vec![None; count]);

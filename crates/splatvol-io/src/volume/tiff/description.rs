@@ -17,7 +17,7 @@ pub(super) struct Layout {
     pub(super) format: &'static str,
     pub(super) orientation: &'static str,
     pub(super) slices: usize,
-    /// Names; one even where nothing is said of channels.
+    /// Names of the channels; one even if the file names none.
     pub(super) channels: Vec<String>,
     pub(super) times: usize,
     /// Page of every slice, channel and time: slices fastest, then channels.

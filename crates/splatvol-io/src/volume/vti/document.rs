@@ -1,4 +1,4 @@
-//! The XML part of a .vti file: what it declares, before any number is decoded.
+//! The XML part of a .vti file: its declarations, before any number is decoded.
 //!
 //! A file with raw appended data is neither XML nor text, so the header is cut off before `<AppendedData>` and
 //! closed by hand; that element's own tag is parsed by itself. Document types and entities are refused by the

@@ -106,7 +106,7 @@ fn from_base64(text: &[u8], context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     Ok(decoded)
 }
 
-/// Compressed blocks, and what they are written with.
+/// Compressed blocks, and their coding.
 struct Blocks {
     compressor: Compressor,
     coding: Coding,
@@ -175,7 +175,7 @@ impl Blocks {
     }
 }
 
-/// A bare LZ4 block. A byte of it gives at most 255.
+/// A bare LZ4 block. One of its bytes decodes to 255 at most.
 fn from_lz4(stream: &[u8], bytes: u64, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     let most = (stream.len() as u64).saturating_mul(255);
     if bytes > most {

@@ -10,7 +10,7 @@ const HEADER: usize = 16;
 const SPLIT_SIZE: usize = 16;
 const SPLIT_ELEMENTS: usize = 128;
 
-/// The `expected` bytes of a chunk; else what is wrong.
+/// The `expected` bytes of a chunk; else a description of the fault.
 pub(super) fn decode(chunk: &[u8], expected: usize) -> Result<Vec<u8>, String> {
     let word = |at: usize| {
         chunk

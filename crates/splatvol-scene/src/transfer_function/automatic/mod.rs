@@ -59,7 +59,7 @@ pub struct AutomaticChoice {
     pub range: [f64; 2],
 }
 
-/// Curves before validation, and what to say about them.
+/// Curves before validation, and their explanation.
 struct Proposal {
     kind: DataKind,
     reason: String,

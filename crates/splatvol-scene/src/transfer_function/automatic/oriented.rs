@@ -1,4 +1,4 @@
-//! A volume's samples addressed along the world's axes, so that what is chosen from them does not depend on the order
+//! A volume's samples addressed along the world's axes, so that a sparse choice of samples does not depend on the order
 //! in which a file stores them.
 
 use glam::DVec3;

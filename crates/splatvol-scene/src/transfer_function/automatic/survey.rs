@@ -53,7 +53,7 @@ impl Survey {
         (self.sorted.len() - below) as f64 / self.sorted.len().max(1) as f64
     }
 
-    /// Negates all values, so that what is dark becomes bright.
+    /// Negates all values, so that dark becomes bright.
     pub(super) fn negate(&mut self) {
         for list in [&mut self.sorted, &mut self.border] {
             list.reverse();
@@ -89,8 +89,8 @@ impl Survey {
         })
     }
 
-    /// Mean length, in mean voxel spacings, of what a ray meets of the values in `range`, over the rays that meet any
-    /// of it; `None` where nothing lies there. By Cauchy's theorem (mean chord = volume over mean projected area)
+    /// Mean length, in mean voxel spacings, that a ray spends among the values in `range`, over the rays that meet any
+    /// of them; `None` if there are no such values. By Cauchy's theorem (mean chord = volume over mean projected area)
     /// this is the harmonic mean over the three axes.
     pub(super) fn mean_path(&self, range: [f64; 2]) -> Option<f64> {
         let inside = |v: f64| (range[0]..range[1]).contains(&v);
