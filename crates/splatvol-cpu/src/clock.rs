@@ -1,4 +1,4 @@
-//! The clock by which stages are timed. Pictures do not depend on it.
+//! Clock for the timing of stages. Pictures do not depend on it.
 
 #[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
 mod host;

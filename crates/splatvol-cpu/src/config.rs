@@ -9,7 +9,7 @@ pub struct EngineConfig {
     pub threads: Option<usize>,
     /// Edge of a tile in pixels, a multiple of 16 from 16 to 128; `None` takes the fastest. Does not change the picture.
     pub tile_edge: Option<usize>,
-    /// Instructions to use; `None` takes the best that the processor has. Does not change the picture.
+    /// Instructions to use; `None` takes the best available. Does not change the picture.
     pub simd: Option<SimdLevel>,
     /// Bytes for volumes of earlier scenes, prepared and with their samples, the last used first: who switches between a few finds
     /// them ready. `None` for 1 GiB.
@@ -31,12 +31,12 @@ impl SimdLevel {
     /// All levels.
     pub const ALL: [Self; 3] = [Self::Baseline, Self::Avx2, Self::Avx512];
 
-    /// Whether this processor has it.
+    /// Whether this processor supports it.
     pub fn is_available(self) -> bool {
         self.level().is_some()
     }
 
-    /// The level, where this processor has it.
+    /// The level, if this processor supports it.
     pub fn level(self) -> Option<Level> {
         match self {
             Self::Baseline => Some(Level::baseline()),

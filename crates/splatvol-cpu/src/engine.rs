@@ -1,4 +1,4 @@
-//! The CPU engine: finds which of its loops renders a scene, and keeps what they derive from its items.
+//! CPU engine: selects the render loop for a scene, and caches data derived from the scene's items.
 
 use fearless_simd::Level;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
@@ -29,25 +29,25 @@ pub struct CpuEngine {
     sheets: SheetEngine,
     classic: ClassicEngine,
     splats: SplatEngine,
-    /// Clouds of what is classified first.
+    /// Clouds of pre-classified items.
     items: ItemStore,
-    /// Clouds of meshes whose values are classified behind their kernels.
+    /// Clouds of post-classified meshes.
     meshes: MeshStore,
 }
 
 impl CpuEngine {
-    /// Starts the engine with threads of its own.
+    /// Starts the engine with its own threads.
     ///
     /// # Errors
-    /// Threads that the system refuses, or a tile edge outside its domain.
+    /// The system refuses the threads, or the tile edge is outside its domain.
     pub fn new(config: EngineConfig) -> Result<Self, EngineError> {
         Self::with_pool(Pool::new(config.threads)?, config)
     }
 
-    /// Starts the engine with threads that are there: engines may share them.
+    /// Starts the engine on a caller-provided thread pool, which engines may share.
     ///
     /// # Errors
-    /// Another number of threads than the pool has, or a tile edge outside its domain.
+    /// The configured number of threads differs from the pool's, or the tile edge is outside its domain.
     pub fn with_pool(pool: impl Into<Pool>, config: EngineConfig) -> Result<Self, EngineError> {
         let pool = pool.into();
         let there = pool.current_num_threads();

@@ -1,7 +1,8 @@
-//! Extract: one cloud of all kernels of a scene, kept between frames, made again where an item, its look or its place has
-//! changed. Sheets (`sheets::cloud`) and whole splats (`splats`) are made of the same.
+//! Extract: one cloud of all kernels of a scene, kept between frames, rebuilt when an item, its look or its place
+//! has changed. Sheets (`sheets::cloud`) and whole splats (`splats`) use the same cloud.
 //!
-//! Volumes and meshes are classified, points get the radii and normals that they lack, Gaussians their colours in this view.
+//! Volumes and meshes are classified, points without radii or normals get estimated ones, and Gaussians get their
+//! colours in this view.
 
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
@@ -40,7 +41,7 @@ struct Kept {
     gathered: Gathered,
     /// The Gaussians' items, and where their splats begin.
     colored: Vec<(usize, Item)>,
-    /// The camera that they are coloured for.
+    /// Camera for which the Gaussians are coloured.
     camera: Option<Camera>,
 }
 
@@ -53,7 +54,8 @@ impl ItemStore {
             .map_or(0, |kept| kept.gathered.cloud.bytes() + sources(kept))
     }
 
-    /// The cloud of a scene, as this camera sees it; `None` where it has to be made and the picture is given up meanwhile.
+    /// The cloud of a scene in this camera's view; `None` if the picture is cancelled while the cloud is being
+    /// made.
     pub(crate) fn cloud(
         &mut self,
         run: Run<'_>,
@@ -155,7 +157,7 @@ impl Kept {
     }
 }
 
-/// An item whose points have radii, and normals where they are lit.
+/// An item with radii for its points, and normals where they are lit.
 fn completed(item: &Item, lit: bool, patience: &Patience) -> Option<Item> {
     let Content::Points { points, look } = &item.content else {
         return Some(item.clone());
@@ -194,7 +196,7 @@ fn completed(item: &Item, lit: bool, patience: &Patience) -> Option<Item> {
     })
 }
 
-/// How far apart an item's samples are, world length; zero for what does not say.
+/// Distance between an item's samples, world length; zero where it is unknown.
 pub(crate) fn spacing(item: &Item) -> f64 {
     let scale = |frame: &DAffine3| libm::cbrt(frame.matrix3.determinant().abs());
     let placed = scale(&item.world_from_item);
@@ -219,7 +221,7 @@ pub(crate) fn spacing(item: &Item) -> f64 {
     }
 }
 
-/// The median; zero of nothing.
+/// The median; zero for an empty list.
 fn median(mut values: Vec<f32>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {
@@ -335,7 +337,7 @@ fn classified(
 /// Gaussians from a camera.
 struct ColorView<'a> {
     gaussians: &'a Gaussians,
-    /// The eye, or the direction in which all rays go, local.
+    /// The eye (`Ok`), or the common direction of all rays (`Err`), local.
     from: Result<DVec3, DVec3>,
 }
 

@@ -1,4 +1,4 @@
-//! The CPU engine: which engine renders a scene, and the engines.
+//! CPU engine: the selection of an engine for a scene, and the engines.
 //!
 //! | module | what it renders |
 //! |---|---|
@@ -7,8 +7,8 @@
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `classic` | one volume by the papers' methods, which are asked for by name |
 //!
-//! Every pixel receives its contributions in one order (sheets by depth, then bricks and voxels by index) whatever
-//! the number of threads and the tile it lies in, so frames are the same to the bit.
+//! Every pixel receives its contributions in a fixed order (sheets by depth, then bricks and voxels by index),
+//! independent of the number of threads and of its tile. So frames are the same to the bit.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -25,7 +25,7 @@ pub(crate) struct MeshStore {
 struct KernelKey {
     /// Standard deviation, samples.
     sigma: f64,
-    /// Whether the field takes the samples' values.
+    /// Whether the field interpolates the samples' values.
     prefilter: bool,
 }
 
@@ -37,8 +37,8 @@ struct Kept {
 }
 
 impl MeshStore {
-    /// Gets the clouds of these meshes ready, in their order; `None` where one has to be made and the picture is given up
-    /// meanwhile.
+    /// Prepares the clouds of these meshes, in their order; `None` if the picture is cancelled while one is being
+    /// made.
     pub(crate) fn update(
         &mut self,
         run: Run<'_>,

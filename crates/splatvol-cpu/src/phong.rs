@@ -18,7 +18,7 @@ pub(crate) struct Lit {
 }
 
 impl Lit {
-    /// The colour as it is.
+    /// No lighting.
     pub(crate) const PLAIN: Self = Self {
         diffuse: 1.0,
         specular: 0.0,
@@ -90,7 +90,7 @@ impl Phong {
         raised(base, self.power as u32, f32x16::splat(simd, 1.0))
     }
 
-    /// The same of one pixel or splat.
+    /// Scalar version, for one pixel or splat.
     #[inline(always)]
     fn gloss_of(&self, shining: f32) -> f32 {
         let base = shining.max(self.least_shining);

@@ -1,17 +1,18 @@
-//! The threads that renderers work with: their own, or somebody else's.
+//! Thread pools of renderers: their own, or one provided by the caller.
 
 use std::sync::Arc;
 
 use crate::EngineError;
 
-/// Worker threads. Clones share them: any number of renderers can work with one pool, one after the other or at the same time.
+/// Worker threads. Clones share them: any number of renderers can use one pool, one after the other or at the same
+/// time.
 #[derive(Debug, Clone)]
 pub struct Pool(Threads);
 
 #[derive(Debug, Clone)]
 enum Threads {
     Started(Arc<rayon::ThreadPool>),
-    /// The platform starts no threads: work is done by whoever asks for it.
+    /// The platform starts no threads: the calling thread does the work.
     Calling,
 }
 
@@ -36,7 +37,7 @@ impl Pool {
             })
     }
 
-    /// How many threads there are.
+    /// Number of threads.
     pub fn current_num_threads(&self) -> usize {
         match &self.0 {
             Threads::Started(pool) => pool.current_num_threads(),
@@ -44,7 +45,7 @@ impl Pool {
         }
     }
 
-    /// Does work with these threads, and waits for it.
+    /// Runs work on these threads, and waits for it.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.0 {
             Threads::Started(pool) => pool.install(work),
@@ -52,7 +53,7 @@ impl Pool {
         }
     }
 
-    /// Has work done with these threads; where there are none, now.
+    /// Starts work on these threads; without threads, runs it at once.
     pub(crate) fn spawn(&self, work: impl FnOnce() + Send + 'static) {
         match &self.0 {
             Threads::Started(pool) => pool.spawn(work),
@@ -61,7 +62,7 @@ impl Pool {
     }
 }
 
-/// Threads that somebody else has started.
+/// A thread pool that the caller has started.
 impl From<Arc<rayon::ThreadPool>> for Pool {
     fn from(pool: Arc<rayon::ThreadPool>) -> Self {
         Self(Threads::Started(pool))

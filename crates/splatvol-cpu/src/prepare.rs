@@ -1,5 +1,5 @@
-//! Preparations that nobody has to wait for: whoever gives a picture up returns at once, and the threads that prepare it stop
-//! at their next step.
+//! Cancellable preparation: a cancelled call returns at once, and the threads that prepare its data stop at their
+//! next step.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
@@ -9,25 +9,25 @@ use std::time::Duration;
 
 use crate::pool::Pool;
 
-/// How often a waiting thread looks whether its picture is still wanted.
+/// Interval at which a waiting thread checks for cancellation.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// Says whether anybody still waits for what is prepared; asked between steps.
+/// Cancellation flag of a preparation, checked between its steps.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Patience(Arc<AtomicBool>);
 
 impl Patience {
-    /// `None` once nobody waits any more.
+    /// `None` once the preparation is cancelled.
     pub(crate) fn go_on(&self) -> Option<()> {
         (!self.0.load(Ordering::Relaxed)).then_some(())
     }
 }
 
 impl Pool {
-    /// Prepares something with these threads, and waits for it until `stop` is set: `None` then.
+    /// Prepares something on these threads and waits for it; `None` if `stop` is set meanwhile.
     ///
-    /// Work that was given up ends at its next step, and frees its memory on its own thread. Where there are no threads to
-    /// start, nobody could set `stop` meanwhile, and the calling thread does the work.
+    /// Cancelled work ends at its next step, and frees its memory on its own thread. Where there are no threads,
+    /// nothing could set `stop` meanwhile, and the calling thread does the work.
     pub(crate) fn prepare<R: Send + 'static>(
         &self,
         stop: &AtomicBool,
@@ -92,7 +92,7 @@ mod tests {
         hears.recv_timeout(LONG).unwrap();
     }
 
-    /// A pool of one thread that waits for its own work.
+    /// A pool of one thread can wait for its own work.
     #[test]
     fn threads_of_the_pool_may_wait() {
         let pool = Pool::new(Some(1)).unwrap();

@@ -1,4 +1,4 @@
-//! Memory in steps that end where a picture is given up: a system takes its time to give it.
+//! Allocation in steps that check for cancellation: the system takes time to provide memory.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,7 +10,7 @@ pub(crate) fn grow<T: Default>(values: &mut Vec<T>, count: usize, stop: &AtomicB
     grow_with(values, count, T::default, stop)
 }
 
-/// The same, new values being made.
+/// As `grow`, with a function that makes new values.
 pub(crate) fn grow_with<T>(
     values: &mut Vec<T>,
     count: usize,

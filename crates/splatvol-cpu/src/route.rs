@@ -23,7 +23,7 @@ use splatvol_scene::{
 use crate::clouds::SplatScene;
 use crate::items;
 
-/// Which way a scene goes.
+/// Render loop of a scene.
 pub(crate) enum Way<'a> {
     /// To the engine for grids.
     Volume(SingleVolume<'a>, RenderSettings<SheetSettings>),
@@ -38,7 +38,7 @@ pub(crate) enum Way<'a> {
 }
 
 impl<'a> Way<'a> {
-    /// The way of a scene; `check` says whether it can be gone.
+    /// Selects the loop for a scene; `check` decides whether the loop supports it.
     pub(crate) fn of(scene: &'a Scene, settings: &RenderSettings) -> Self {
         if scene.is_published(settings) {
             return Self::Published;
@@ -69,15 +69,15 @@ impl<'a> Way<'a> {
     }
 }
 
-/// A scene on its way.
+/// A scene prepared for its render loop.
 pub(crate) enum Route<'a> {
-    /// A volume where it lies.
+    /// A volume in world space.
     Volume(VolumeScene<'a>, RenderSettings<SheetSettings>),
-    /// The same, footprint by footprint.
+    /// A volume in world space, drawn footprint by footprint.
     Classic(VolumeScene<'a>, RenderSettings<SplatSettings>),
-    /// The same, each footprint as a whole.
+    /// Volumes and meshes in world space, and all other items as one cloud.
     Layers(Parts<'a>, RenderSettings<SheetSettings>),
-    /// Splat by splat.
+    /// Whole splats, composited one by one.
     Splats(SplatScene<'a>),
 }
 
@@ -85,13 +85,13 @@ pub(crate) enum Route<'a> {
 pub(crate) struct Parts<'a> {
     /// A layer each.
     pub volumes: Vec<VolumeScene<'a>>,
-    /// A layer each, too.
+    /// One layer each.
     pub meshes: Vec<MeshScene<'a>>,
     /// Content that is classified already; shares one layer.
     pub rest: Scene,
 }
 
-/// One volume as the engine for grids sees it.
+/// One volume as input of the sheet engine.
 #[derive(Debug)]
 pub(crate) struct VolumeScene<'a> {
     /// The data, where they lie.
@@ -119,7 +119,7 @@ impl VolumeScene<'_> {
     }
 }
 
-/// One mesh as its layer sees it.
+/// One mesh as input of its layer.
 #[derive(Debug)]
 pub(crate) struct MeshScene<'a> {
     pub mesh: &'a Arc<Mesh>,
@@ -144,14 +144,15 @@ pub(crate) struct Asked<'a> {
     pub isosurfaces: &'a [Isosurface],
 }
 
-/// The volumes last brought to places of their own, so that what engines keep of them stays right.
+/// Cache of volumes moved to places of their own, so that engines recognise them in the next frame.
 #[derive(Debug, Default)]
 pub(crate) struct PlacedVolumes {
     kept: Vec<(Arc<Volume>, DAffine3, Arc<Volume>)>,
 }
 
 impl PlacedVolumes {
-    /// Forgets those that a scene does not have: first, so that the memory of both is never needed.
+    /// Drops volumes that the scene does not have. Runs first, so that old and new volumes never need memory
+    /// together.
     fn keep(&mut self, scene: &Scene) {
         self.kept.retain(|(own, at, _)| {
             scene.items.iter().any(|item| match &item.content {
@@ -179,10 +180,10 @@ impl PlacedVolumes {
 }
 
 impl<'a> Route<'a> {
-    /// A scene on the way that it goes.
+    /// Prepares a scene for its render loop.
     ///
     /// # Errors
-    /// Places that cannot be inverted.
+    /// A transformation that cannot be inverted.
     pub(crate) fn of(
         scene: &'a Scene,
         settings: &RenderSettings,
@@ -202,7 +203,7 @@ impl<'a> Route<'a> {
 /// The layers of a scene.
 ///
 /// # Errors
-/// Volumes whose place cannot be inverted.
+/// A volume's transformation that cannot be inverted.
 fn parts<'a>(
     scene: &'a Scene,
     settings: &RenderSettings<SheetSettings>,
@@ -225,7 +226,7 @@ fn parts<'a>(
     Ok(parts)
 }
 
-/// The volume of an item that is a layer of its own.
+/// The volume of an item, if it is a layer of its own.
 pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
     match &item.content {
         Content::Volume {
@@ -249,7 +250,7 @@ pub(crate) fn is_data(item: &Item, sheets: &SheetSettings) -> bool {
     matches!(item.content, Content::Mesh { .. }) && !sheets.splats_colors()
 }
 
-/// Whether a scene is one mesh and nothing else.
+/// Whether a scene is a single mesh.
 fn is_mesh(scene: &Scene) -> bool {
     matches!(&scene.items[..], [item] if matches!(item.content, Content::Mesh { .. }))
 }

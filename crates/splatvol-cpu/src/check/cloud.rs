@@ -9,7 +9,7 @@ use splatvol_scene::{
 use super::{ONE_VALUE, asked, asked_of, volume};
 use crate::route::{is_data, own_layer};
 
-/// Refuses what the published way to render Gaussians does not have.
+/// Rejects settings that the published Gaussian renderer does not support.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
     let refuse = |why| {
         Err(SceneError::Combination {
@@ -47,7 +47,8 @@ pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), 
     )
 }
 
-/// Refuses what layers do not have: volumes and meshes have what they have alone, and a cloud is cut by the clips of the scene.
+/// Rejects settings that layers do not support. Volumes and meshes keep what they support alone; the scene's clips
+/// cut a cloud.
 pub(super) fn layers(scene: &Scene, sheets: &SheetSettings) -> Result<(), SceneError> {
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
@@ -65,7 +66,8 @@ pub(super) fn layers(scene: &Scene, sheets: &SheetSettings) -> Result<(), SceneE
     Ok(())
 }
 
-/// Refuses what a mesh's planes of values do not show: their gradients are differences, whatever is asked for.
+/// Rejects settings that a mesh's planes of values do not support. Their gradients are differences, whatever the
+/// settings.
 fn mesh(scene: &Scene, item: &Item, sheets: &SheetSettings) -> Result<(), SceneError> {
     if sheets.gradient != Gradient::Differences {
         return Err(SceneError::invalid(
@@ -80,7 +82,7 @@ fn mesh(scene: &Scene, item: &Item, sheets: &SheetSettings) -> Result<(), SceneE
     }
 }
 
-/// Refuses what whole splats do not have.
+/// Rejects settings that whole splats do not support.
 pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
     let compositing = settings.method.compositing();
     match compositing {
@@ -112,7 +114,7 @@ pub(super) fn splats(scene: &Scene, settings: &RenderSettings) -> Result<(), Sce
     )
 }
 
-/// Why a scene of several things has no sections of footprints: the first of its settings that asks for them.
+/// Error for a scene of several items whose settings need sections of footprints; names the first such setting.
 fn no_sections(scene: &Scene, settings: &RenderSettings) -> SceneError {
     let asked_for = match &settings.method {
         Method::Splats(splats) => one_volume(splats).and_then(|()| footprints_in_motion(scene, settings)),
@@ -150,7 +152,7 @@ fn no_values(scene: &Scene) -> SceneError {
     }
 }
 
-/// Refuses the methods whose footprints are of the voxels of one grid.
+/// Rejects the methods that need the voxels of one grid.
 fn one_volume(settings: &SplatSettings) -> Result<(), SceneError> {
     let whole = matches!(
         settings.compositing,

@@ -7,7 +7,7 @@
 //! | a rasteriser, with the footprints of a view | `raster` |
 //! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |
 //!
-//! Rendering refuses nothing that passes here. `docs/scenes.md` has a table of the answers, made by asking.
+//! Rendering accepts everything that passes these checks. `docs/scenes.md` tabulates their results.
 
 mod cloud;
 mod raster;
@@ -21,10 +21,11 @@ use crate::route::Way;
 /// Why pictures of one value of each ray have no operators, clips and isosurfaces.
 const ONE_VALUE: &str = "maximum, minimum and mean show one value of a ray alone, use image sheets";
 
-/// Whether a scene can be rendered from a camera with these settings, what moves in it and edges aside.
+/// Checks that a scene can be rendered from a camera with these settings, apart from motion and sampled edges.
 ///
 /// # Errors
-/// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
+/// The offending field, its value and the accepted values; or the feature in use, and the one it cannot be combined
+/// with.
 pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
     let Shot {
         scene,
@@ -56,7 +57,7 @@ fn asked(scene: &Scene) -> Option<&'static str> {
     asked_of(&scene.items, &scene.clips)
 }
 
-/// The same of some of its items, and of clips of the scene.
+/// As [`asked`], for some of the scene's items and clips.
 fn asked_of(items: &[Item], clips: &[Clip]) -> Option<&'static str> {
     let any = |of: fn(&Item) -> bool| items.iter().any(of);
     if any(Item::shows_isosurfaces) {

@@ -1,12 +1,12 @@
-//! Whether a rasteriser can draw what a view makes of a grid's kernels.
+//! Checks whether a rasteriser can draw the footprints of a grid in a view.
 
 use glam::DMat3;
 use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, SceneError, SingleVolume, SplatSettings};
 
-/// Relative difference of squared widths below which they are the same: half of it of the radius.
+/// Relative difference of squared widths below which they count as equal: half of it in the radius.
 const SAME: f64 = 2e-3;
 
-/// Refuses rasterisers whose footprints are circles, or conics, where those of this view are not.
+/// Rejects a rasteriser of circles, or of conics, for a view whose footprints are not.
 ///
 /// # Errors
 /// The rasteriser by name, with the reason and what to use.

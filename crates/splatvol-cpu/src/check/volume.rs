@@ -1,10 +1,10 @@
-//! Which operators, clips and isosurfaces of a volume go with which settings.
+//! Checks the operators, clips and isosurfaces of a volume against the settings.
 
 use splatvol_scene::{Gradient, Scene, SceneError, SheetSettings, Shows, SingleVolume};
 
 use super::{ONE_VALUE, asked_of};
 
-/// Refuses what the scene asks for where footprints are drawn one by one.
+/// Rejects features of the scene that whole footprints do not support.
 pub(super) fn footprints(scene: &Scene, single: &SingleVolume<'_>) -> Result<(), SceneError> {
     match asked_of(std::slice::from_ref(single.item), &scene.clips) {
         None => Ok(()),
@@ -15,7 +15,7 @@ pub(super) fn footprints(scene: &Scene, single: &SingleVolume<'_>) -> Result<(),
     }
 }
 
-/// Refuses what the scene asks for where sheets cannot show it.
+/// Rejects features of the scene that sheets do not support.
 pub(super) fn on_sheets(
     scene: &Scene,
     single: &SingleVolume<'_>,

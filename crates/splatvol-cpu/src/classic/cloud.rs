@@ -1,4 +1,4 @@
-//! Extract: the cloud of a scene, made again where the volume, the transfer function or what splats are has changed.
+//! Extract: the cloud of a scene, rebuilt when the volume, the transfer function or the kind of splats has changed.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ struct Key {
     transfer_function: TransferFunction,
     /// World length to which its opacities refer.
     unit_distance: f64,
-    /// How far voxels act, voxels, where data is splatted.
+    /// Reach of a voxel where data is splatted, voxels.
     data_reach: Option<f64>,
     shape: KernelShape,
     gradients: bool,
@@ -69,8 +69,7 @@ impl CloudStore {
         ]
     }
 
-    /// The cloud of a scene, and the bricks that its volume has; `None` where they have to be made and the picture is given up
-    /// meanwhile.
+    /// The cloud of a scene, and its volume's bricks; `None` if the picture is cancelled while they are being made.
     pub(crate) fn cloud(
         &mut self,
         run: Run<'_>,
@@ -113,7 +112,8 @@ impl CloudStore {
     }
 }
 
-/// How far a voxel acts where data is splatted, voxels: a sheet's spacing more, on either side, for its differences.
+/// Reach of a voxel where data is splatted, voxels: one sheet spacing more on either side, for differences between
+/// sheets.
 fn data_reach(settings: &RenderSettings<SplatSettings>) -> f64 {
     GaussianKernel::new(settings.method.kernel).radius + 2.0 * settings.method.sheet_thickness.max(1.0) + 2.0
 }

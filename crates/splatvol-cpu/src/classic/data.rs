@@ -23,7 +23,7 @@ pub(crate) struct DataSheets {
 }
 
 impl DataSheets {
-    /// Empty sheets; `None` where the picture is given up meanwhile.
+    /// Resets to empty sheets; `None` if the picture is cancelled meanwhile.
     pub(crate) fn reset(&mut self, size: [usize; 2], stop: &AtomicBool) -> Option<()> {
         self.newest = None;
         self.sheets
@@ -58,7 +58,7 @@ impl Target for Sum<'_> {
 }
 
 impl<P: Profile> Tile<'_, P> {
-    /// Splats a sheet's sections of the open splats behind the sheets that are there.
+    /// Splats a sheet's sections of the open splats, behind the sheets so far.
     pub(crate) fn splat_data(&mut self, turn: usize, section: [f32; 2]) {
         let TileScratch { open, data, row, .. } = &mut *self.scratch;
         data.advance();
@@ -84,7 +84,7 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
-    /// Shades what no later sheet will follow.
+    /// Shades the last sheets, which no other follows.
     pub(crate) fn finish_data(&mut self) {
         if let Some(newest) = self.scratch.data.newest {
             self.scratch.data.advance();
@@ -154,7 +154,7 @@ impl<P: Profile> Tile<'_, P> {
 struct Stencil<'a> {
     sheets: &'a [Sheet<2>; 3],
     size: [usize; 2],
-    /// Path length that holds a value.
+    /// Least path length at which a pixel has a value.
     least: f32,
     thickness: f32,
     /// World length between pixels.
@@ -168,7 +168,7 @@ impl Stencil<'_> {
         (path > self.least).then(|| sum / path)
     }
 
-    /// Gradient in camera space, per world length. Where there is no neighbour, the pixel stands for it.
+    /// Gradient in camera space, per world length. A missing neighbour is replaced by the pixel itself.
     #[inline(always)]
     fn gradient(&self, [x, y]: [usize; 2], here: f32, ray: [f32; 2]) -> [f32; 3] {
         let rise = |before: Option<f32>, after: Option<f32>, step: f32| {

@@ -12,7 +12,7 @@ use super::raster::Tables;
 pub(crate) enum Footprints<'a> {
     /// A Gaussian, without tables.
     Gaussian(&'a GaussianProfile),
-    /// Any radial kernel: looked up by a rasteriser, or else interpolated.
+    /// Any radial kernel, looked up by a rasteriser if there are tables, otherwise interpolated.
     Radial(&'a RadialProfile, Option<&'a Tables>),
 }
 
@@ -43,7 +43,7 @@ impl Default for KernelStore {
 }
 
 impl KernelStore {
-    /// Makes what the settings need, unless it is there.
+    /// Prepares the profile and tables for the settings, unless they are cached.
     ///
     /// # Errors
     /// Kernel or table outside their domain.
@@ -77,8 +77,8 @@ impl KernelStore {
         }
     }
 
-    /// Covariances of the splats: the kernel's second moment. A Gaussian without tables goes by its name, its cut being
-    /// taken off smoothly.
+    /// Covariances of the splats, from the kernel's second moment. A Gaussian without tables has its nominal sigma,
+    /// since its cut is smooth.
     pub(crate) fn shape(&self, settings: &RenderSettings<SplatSettings>) -> KernelShape {
         let sigma = match (&self.prepared, self.key.0.gaussian()) {
             (Prepared::Gaussian(_), Some((sigma, _))) => sigma,

@@ -6,8 +6,8 @@
 //! grids and scenes go to `sheets`, and splats of anything but one volume to `splats`. This is scalar code, one to
 //! two orders of magnitude slower than both, and its pictures stay the same to the bit.
 //!
-//! It knows [`SplatCloud`](splatvol_core::splats::SplatCloud)s and [`Footprint`](splatvol_core::splats::Footprint)s, and nothing of
-//! where they came from. A picture is
+//! This engine knows only [`SplatCloud`](splatvol_core::splats::SplatCloud)s and
+//! [`Footprint`](splatvol_core::splats::Footprint)s, not their origin. Stages of a picture:
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
@@ -66,7 +66,7 @@ impl ClassicEngine {
     /// Renders a frame.
     ///
     /// # Errors
-    /// A rasteriser that cannot draw the footprints of this view; a picture that is given up.
+    /// A rasteriser that cannot draw the footprints of this view; a cancelled picture.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
@@ -169,7 +169,7 @@ fn render_tiles<P: Profile>(
     }
 }
 
-/// Of hidden and drawn splats, those that are hidden.
+/// Share of hidden splats among the hidden and the drawn ones.
 fn share(hidden: u64, drawn: u64) -> f64 {
     hidden as f64 / (hidden + drawn).max(1) as f64
 }

@@ -1,8 +1,8 @@
-//! Which pixels are finished, and what they hide.
+//! Occlusion: finished pixels, and the splats hidden by them.
 
 use splatvol_scene::Occlusion;
 
-/// Pixels of a tile that nothing shines through any more.
+/// Opaque pixels of a tile.
 #[derive(Debug, Default)]
 pub(crate) struct Finished {
     kind: Occlusion,
@@ -64,8 +64,8 @@ impl Finished {
         self.left == 0
     }
 
-    /// Brings the summed-area table up to date; where it is not used, nothing is to be done. Rows above the first changed one
-    /// keep their sums.
+    /// Updates the summed-area table; does nothing where it is not used. Rows above the first changed one keep
+    /// their sums.
     pub(crate) fn refresh(&mut self) {
         if self.kind != Occlusion::Sat || self.stale >= self.height {
             return;

@@ -1,4 +1,4 @@
-//! Turns: in which order splats come.
+//! Turns: the order of splats.
 
 use glam::{DVec3, Vec3};
 use splatvol_core::sheets::SheetStack;
@@ -20,8 +20,8 @@ pub(crate) enum Order {
         /// Back to front.
         reversed: bool,
     },
-    /// Slices of the grid, by their distance from the eye's own slice: what lies before the eye and what lies behind it hide
-    /// nothing from each other.
+    /// Slices of the grid, by their distance from the eye's own slice. Slices before the eye and slices behind it
+    /// do not hide each other.
     Slices {
         /// The axis across the slices, 0 to 2.
         axis: usize,
@@ -37,7 +37,7 @@ pub(crate) enum Order {
 }
 
 impl Order {
-    /// The order that a method wants. `corners`: of the cloud, camera space.
+    /// The order for a method. `corners`: of the cloud, camera space.
     pub(crate) fn new(
         settings: &RenderSettings<SplatSettings>,
         cloud: &SplatCloud,
@@ -107,7 +107,7 @@ impl Order {
         }
     }
 
-    /// The turn of a splat at this place, camera space and local space; `reach`: how far its kernel does, world length.
+    /// The turn of a splat at this place, in camera space and local space; `reach`: of its kernel, world length.
     #[inline(always)]
     pub(crate) fn turn(&self, camera: Vec3, local: [f32; 3], reach: f32) -> usize {
         match *self {

@@ -1,4 +1,4 @@
-//! Pixel: what a sheet or a splat adds to it, and what it shows in the end.
+//! Pixel: contributions of sheets and splats, and the final colour.
 //!
 //! `C += T (1 - exp(-tau)) c`, `T *= exp(-tau)`: exact for a colour that is constant within the sheet, self-occlusion
 //! included (zwicker2001 eq. 1), where the papers take `exp(-x) = 1 - x`.
@@ -13,14 +13,14 @@ pub(crate) struct Pixel {
     pub transmittance: f32,
     /// Premultiplied linear colour so far.
     pub color: [f32; 3],
-    /// Depth weighted by what each sheet took from the transmittance.
+    /// Sum of depths weighted by the decrease of transmittance in each sheet.
     pub depth_sum: f32,
     /// Optical depth so far (X-ray).
     pub total: f32,
 }
 
 impl Pixel {
-    /// Nothing yet.
+    /// An empty pixel.
     pub(crate) const EMPTY: Self = Self {
         transmittance: 1.0,
         color: [0.0; 3],
@@ -28,7 +28,7 @@ impl Pixel {
         total: 0.0,
     };
 
-    /// Adds what a slab holds of a line integral: optical depth, emission, and optical depth times camera depth.
+    /// Adds a slab's share of a line integral: optical depth, emission, and optical depth times camera depth.
     #[inline(always)]
     pub(crate) fn integrate(&mut self, optical_depth: f32, emission: [f32; 3], depth: f32) {
         self.total += optical_depth;
@@ -38,7 +38,7 @@ impl Pixel {
         }
     }
 
-    /// Puts material of an optical depth and a (lit) colour at a depth behind what is there.
+    /// Composites material of an optical depth and a (lit) colour, at a depth, behind the pixel.
     #[inline(always)]
     pub(crate) fn add(&mut self, optical_depth: f32, color: [f32; 3], depth: f32) {
         let through = libm::expf(-optical_depth);
@@ -56,7 +56,7 @@ impl Pixel {
         self.transmittance *= through;
     }
 
-    /// Puts something of an opacity and a (lit) colour at a depth behind what is there.
+    /// Composites an opacity and a (lit) colour, at a depth, behind the pixel.
     #[inline(always)]
     pub(crate) fn add_opacity(&mut self, opacity: f32, color: [f32; 3], depth: f32) {
         let share = self.transmittance * opacity;
@@ -67,7 +67,7 @@ impl Pixel {
         self.transmittance *= 1.0 - opacity;
     }
 
-    /// Puts it before what is there.
+    /// As [`Self::add_opacity`], in front of the pixel.
     #[inline(always)]
     pub(crate) fn cover(&mut self, opacity: f32, color: [f32; 3], depth: f32) {
         let through = 1.0 - opacity;

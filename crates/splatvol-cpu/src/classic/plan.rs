@@ -1,4 +1,4 @@
-//! The plan of a frame: what tiles share and only read.
+//! Plan of a frame: read-only data shared by its tiles.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,9 +23,9 @@ const TILE_EDGE: usize = 64;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn<'a> {
     pub cloud: &'a SplatCloud,
-    /// Bricks of the volume that it is from.
+    /// Bricks of the cloud's volume.
     pub bricks: usize,
-    /// The volume, whose data are classified in sheets, and may move.
+    /// The volume, for classification of data sheets and for motion.
     pub scene: &'a VolumeScene<'a>,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Plan<'a, P> {
     pub light: Option<SplatLight>,
     /// Transfer function and lighting for sheets of data.
     pub shading: Option<(ClassificationTable, Option<Phong>)>,
-    /// Pixels around a tile that are splatted as well.
+    /// Width of the border of pixels that is splatted around a tile.
     pub apron: usize,
     pub bricks: usize,
     /// Time spent on this plan, seconds.
@@ -136,7 +136,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         }
     }
 
-    /// A tile's pixels and those around it that are splatted with it.
+    /// A tile's pixels with the border that is splatted around it.
     pub(crate) fn splatted(&self, rect: &TileRect) -> TileRect {
         let size = self.settings.size;
         TileRect {

@@ -16,7 +16,7 @@ pub(crate) struct Sheet<const C: usize> {
 const UNTOUCHED: [usize; 4] = [usize::MAX, usize::MAX, 0, 0];
 
 impl<const C: usize> Sheet<C> {
-    /// Makes it a sheet of nothing of this size; `None` where the picture is given up meanwhile.
+    /// Resets to an empty sheet of this size; `None` if the picture is cancelled meanwhile.
     pub(crate) fn reset(&mut self, [width, height]: [usize; 2], stop: &AtomicBool) -> Option<()> {
         self.values.clear();
         self.width = width;

@@ -23,7 +23,7 @@ use super::turns::{Turns, ordered};
 use crate::clock::Instant;
 use crate::room::grow_with;
 
-/// Splats between two looks at whether the picture is given up.
+/// Splats between two checks for cancellation.
 const PATIENCE: usize = 64;
 
 /// A thread's memory.
@@ -43,7 +43,7 @@ pub(crate) struct TileScratch {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Open {
     pub footprint: Footprint,
-    /// Camera depth from which on nothing is left of it.
+    /// Camera depth at which the splat ends.
     pub end: f32,
     pub area: [usize; 4],
     pub payload: [f32; 4],
@@ -69,11 +69,11 @@ pub(crate) struct Tile<'a, P> {
     pub rect: TileRect,
     pub scratch: &'a mut TileScratch,
     pub work: TileWork,
-    /// Set where the picture is given up.
+    /// Cancellation flag.
     pub stop: &'a AtomicBool,
 }
 
-/// Renders one tile: its pixels, row by row; none where the picture is given up.
+/// Renders one tile: its pixels, row by row; `None` if the picture is cancelled.
 pub(crate) fn render<P: Profile>(
     plan: &Plan<'_, P>,
     (tile, stop): (usize, &AtomicBool),
@@ -100,7 +100,7 @@ pub(crate) fn render<P: Profile>(
 }
 
 impl<P: Profile> Tile<'_, P> {
-    /// `None` where the picture is given up meanwhile.
+    /// `None` if the picture is cancelled meanwhile.
     fn reset(&mut self) -> Option<()> {
         let splatted = self.brush.rect;
         let (width, height) = (splatted.x1 - splatted.x0, splatted.y1 - splatted.y0);
@@ -163,7 +163,7 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
-    /// The pixels as they are shown; `None` where the picture is given up: a tile may be the whole picture.
+    /// The final pixels; `None` if the picture is cancelled, since a tile may be the whole picture.
     fn resolved(&self) -> Option<Vec<Resolved>> {
         let is_integral = self.plan.settings.method.compositing == SplatCompositing::Xray;
         let pixels = &self.scratch.pixels;
@@ -181,7 +181,7 @@ impl<P: Profile> Tile<'_, P> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Whether the picture is given up; looked at before every so many splats.
+    /// Whether the picture is cancelled; checked once every so many splats.
     #[inline(always)]
     fn gives_up(&self, splats: usize) -> bool {
         splats.is_multiple_of(PATIENCE) && self.is_stopped()
@@ -195,8 +195,8 @@ impl<P: Profile> Tile<'_, P> {
             && (plan.shading.is_none() || scratch.data.is_idle())
     }
 
-    /// Opens the chunks whose first turn has come, unless they are hidden. As huang2000 section 4.1, the table is updated only
-    /// where a chunk starts that is not hidden by what was known.
+    /// Opens the chunks whose first turn has come, unless they are hidden. As in huang2000 section 4.1, the table
+    /// is updated only before a chunk that is not hidden according to the current table.
     fn open_chunks<'b>(
         &mut self,
         chunks: &mut std::iter::Peekable<impl Iterator<Item = &'b ProjectedBrick>>,
@@ -306,7 +306,7 @@ impl<P: Profile> Tile<'_, P> {
         self.scratch.turns = turns;
     }
 
-    /// Adds the open splats' sections to the sheet, and drops those that no later sheet reaches.
+    /// Adds the open splats' sections to the sheet, and drops splats that end before the next sheet.
     fn splat_sections(&mut self, section: [f32; 2]) {
         let TileScratch {
             open,
@@ -395,8 +395,8 @@ impl<P: Profile> Tile<'_, P> {
         self.scratch.turns = turns;
     }
 
-    /// Puts the sheet behind the pixels, or keeps its sums for the picture (X-ray), and empties it. `depth`: the sheet's; else
-    /// that of what is on it.
+    /// Composites the sheet behind the pixels, or keeps its sums for the picture (X-ray), and empties it. `depth`:
+    /// the sheet's; `None` takes the mean depth of the sheet's splats.
     fn composite(&mut self, depth: Option<f32>) {
         let TileScratch {
             sheet,

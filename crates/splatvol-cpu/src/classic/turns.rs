@@ -11,7 +11,7 @@ pub(crate) struct Turns {
     heads: Vec<u32>,
     /// Splat, and the next entry plus one.
     entries: Vec<[u32; 2]>,
-    /// The splats of one turn, with what they are sorted by.
+    /// The splats of one turn, with their sort keys.
     sorted: Vec<(u32, u32)>,
 }
 
@@ -23,7 +23,7 @@ impl Turns {
         self.entries.clear();
     }
 
-    /// Adds a chunk's splats. Those whose turn has passed by a rounding come now.
+    /// Adds a chunk's splats. Rounding can make a splat miss its turn; such splats are drawn now.
     pub(crate) fn open<P: Profile>(&mut self, plan: &Plan<'_, P>, chunk: usize, now: usize) -> usize {
         let SplatCloud {
             chunks, positions, ..

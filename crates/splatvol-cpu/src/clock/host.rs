@@ -1,4 +1,4 @@
-//! A clock that the host gives: WebAssembly has none of its own, and std's panics there.
+//! Clock set by the host: WebAssembly has none of its own, and std's panics there.
 
 use std::ops::Sub;
 use std::sync::OnceLock;
@@ -6,8 +6,8 @@ use std::time::Duration;
 
 static CLOCK: OnceLock<fn() -> f64> = OnceLock::new();
 
-/// Gives engines a clock: seconds since any moment, such as `performance.now() / 1000`. The first one is kept. Without one
-/// all times of [`crate::RenderStatistics`] are zero.
+/// Sets the engines' clock: seconds since any moment, such as `performance.now() / 1000`. Only the first call
+/// counts. Without a clock all times of [`crate::RenderStatistics`] are zero.
 pub fn set_clock(seconds: fn() -> f64) {
     let _ = CLOCK.set(seconds);
 }
@@ -33,7 +33,7 @@ impl Instant {
 impl Sub for Instant {
     type Output = Duration;
 
-    /// Nothing where the clock has been set back.
+    /// Zero where the clock has been set back.
     fn sub(self, earlier: Self) -> Duration {
         Duration::try_from_secs_f64(self.seconds - earlier.seconds).unwrap_or_default()
     }

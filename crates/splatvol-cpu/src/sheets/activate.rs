@@ -1,8 +1,8 @@
-//! Activate: voxels of open bricks that enter a sheet, into camera space and to the records.
+//! Activate: brings voxels of open bricks that enter a sheet into camera space and to the records.
 //!
-//! A brick is opened when its first voxels come within reach of the current sheet: those of its voxels that are needed are
-//! put in depth order. Each sheet then takes the next run of them, sixteen at a time, and leaves out what does not touch
-//! the tile and what only reaches finished pixels.
+//! A brick is opened when its first voxels come within reach of the current sheet: its needed voxels are put in
+//! depth order. Each sheet then takes the next run of them, sixteen at a time, and leaves out voxels that miss the
+//! tile or reach finished pixels only.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*, u32x16};
 use splatvol_core::plan::{DepthOrder, SplatConstants};
@@ -11,7 +11,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 use super::mask::OpenMask;
 use super::splat::{CAPACITY, Records};
 
-/// A brick some of whose voxels are still to come.
+/// A brick with voxels that have not entered a sheet yet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OpenBrick {
     /// Which of the scratch memory's lists of voxels is its own.
@@ -117,7 +117,7 @@ pub(crate) struct Window {
     pub high: [f32; 2],
     /// Raster point of the ring's first block, x and y.
     pub ring: [f32; 2],
-    /// Voxels enter wherever they lie: those that splat them find out whether they touch the tile.
+    /// Voxels enter wherever they lie: splatting itself tests whether they touch the tile.
     pub anywhere: bool,
 }
 

@@ -88,9 +88,9 @@ pub(crate) struct Interval<'a> {
     sums: Sums,
     planes: [&'a [Plane; MAX_CHANNELS]; 2],
     derivatives: [Derivative; 2],
-    /// The gradient at the nearer plane where that is at the eye, which has no sums of moments.
+    /// The gradient at the nearer plane if that is at the eye, where there are no sums of moments.
     at_eye: Option<[f32; 3]>,
-    /// Weights of missing samples with their moments, where there are any, and their gradient at the eye.
+    /// Weights of missing samples with their moments, if any, and their gradient at the eye.
     holes: Option<[&'a [Plane; MAX_CHANNELS]; 2]>,
     holes_at_eye: [f32; 3],
     faces: [WeightPlane; 2],
@@ -108,7 +108,7 @@ impl Interval<'_> {
         [self.origin[0] + x, self.origin[1] + y]
     }
 
-    /// The gradient of a sum on one of the planes; of slopes along the rays nothing but that.
+    /// The gradient of a sum on one of the planes; for slopes along the rays, only the slope.
     #[inline(always)]
     fn gradient<S: Simd>(
         &self,
@@ -149,7 +149,7 @@ impl Interval<'_> {
         })
     }
 
-    /// The same in the middle between the planes, by a cubic along the rays, without gradient.
+    /// Weights of missing samples in the middle between the planes, by a cubic along the rays, without gradient.
     #[inline(always)]
     pub(crate) fn missing_between<S: Simd>(
         &self,
@@ -185,7 +185,7 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
 }
 
 impl AnalyticField<'_> {
-    /// The interval behind a sheet, and the pixels where it holds something.
+    /// The interval behind a sheet, and its non-empty pixels.
     pub(crate) fn interval<'s>(
         &self,
         frame: &SheetFrame<'_>,
@@ -234,7 +234,7 @@ impl AnalyticField<'_> {
         (field, rays)
     }
 
-    /// Whether sixteen pixels come near a face on one of an interval's planes.
+    /// Whether sixteen pixels are near a face on one of an interval's planes.
     #[inline(always)]
     pub(crate) fn is_near_face(&self, interval: &Interval<'_>, in_picture: [usize; 2]) -> bool {
         interval.is_near_face
@@ -291,7 +291,7 @@ impl<'a> Analytic<'a> {
         }
     }
 
-    /// Puts what lies in the interval behind what sixteen pixels have; says which it finished.
+    /// Composites the interval behind sixteen pixels; returns those that it finished.
     #[inline(always)]
     fn composite<S: Simd>(
         &self,

@@ -1,8 +1,9 @@
-//! Border: where the volume ends (docs/numerics.md, `q`).
+//! Border: coverage at the faces of the volume (docs/numerics.md, `q`).
 //!
-//! Per axis the kernel's share on the box is `Phi((x + 1/2) / s) - Phi((x - n + 1/2) / s)`, and its share on the lattice,
-//! which continues the box by a margin, is the same with the margin added. Only vectors of pixels that come near a face
-//! are asked for; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` errs by less than 2e-4.
+//! Per axis the kernel's share on the box is `Phi((x + 1/2) / s) - Phi((x - n + 1/2) / s)`. Its share on the
+//! lattice, which continues the box by a margin, is the same with the margin added. Only vectors of pixels near a
+//! face are evaluated; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` has an error of less
+//! than 2e-4.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
@@ -10,7 +11,7 @@ use splatvol_core::bin::TileRect;
 
 use crate::simd::math::{exp2, exp2_of};
 
-/// The volume's box as camera space sees it.
+/// The volume's box in camera space.
 #[derive(Debug, Clone)]
 pub(crate) struct Border {
     /// Voxels from the box's first corner.
@@ -32,7 +33,7 @@ pub(crate) struct Shares<S: Simd> {
     pub per_weight: f32x16<S>,
 }
 
-/// Shares on the lattice below this lie so far outside the volume that their values count for nothing.
+/// Shares on the lattice below this lie so far outside the volume that their values are ignored.
 const FADED: f32 = 0.15;
 
 impl<S: Simd> Shares<S> {
@@ -91,7 +92,7 @@ impl Border {
         from.min(to).cmpge(near).all() && (Vec3A::from(self.size) - from.max(to)).cmpge(near).all()
     }
 
-    /// Whether sixteen pixels of a plane from (x, y) on come near the border.
+    /// Whether sixteen pixels of a plane from (x, y) on are near the border.
     #[inline(always)]
     pub(crate) fn is_near(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> bool {
         let from = plane.at(x, y);
@@ -191,7 +192,7 @@ fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     one / (one + exp2(simd, exponent))
 }
 
-/// The same of one number.
+/// Scalar version of `cumulative`.
 pub(crate) fn cumulative_of(x: f32) -> f32 {
     let x = x.clamp(-5.0, 5.0);
     1.0 / (1.0 + exp2_of((x * x * -0.1018 - 2.3048) * x))

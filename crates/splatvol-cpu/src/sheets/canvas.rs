@@ -1,8 +1,8 @@
 //! Canvas: accumulated state of a tile's pixels, and compositing of material behind it.
 //!
-//! A single layer's material goes straight to the pixels. Where a scene has several, the materials of one interval are
-//! gathered first: along the interval they lie side by side, so that extinctions add up (`T = T_a T_b`) and each layer's
-//! emission per length, `C tau / (1 - T)` of what it would show alone, is seen through both. A pixel that only one layer
+//! A single layer's material is composited directly. With several layers the materials of one interval are gathered
+//! first. They lie side by side along the interval, so that extinctions add up (`T = T_a T_b`), and each layer's
+//! emission per length, `C tau / (1 - T)` of its colour alone, is attenuated by both. A pixel that only one layer
 //! reaches has that layer's numbers unchanged.
 
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*};
@@ -15,7 +15,7 @@ use crate::simd::math::log2;
 pub(crate) struct Material<S: Simd> {
     /// Transmittance.
     pub through: f32x16<S>,
-    /// One less that, of which thin material would lose the digits.
+    /// `1 - through`, kept by itself because thin material would lose digits in the difference.
     pub opacity: f32x16<S>,
     /// Lit colour times opacity.
     pub color: [f32x16<S>; 3],
@@ -50,7 +50,7 @@ pub(crate) struct Canvas {
     pub pitch: usize,
     /// The interval's material, vector by vector, where layers are gathered.
     gathered: Vec<Stored>,
-    /// Whether a vector of `gathered` holds anything.
+    /// Marks the non-empty vectors of `gathered`.
     holds: Vec<bool>,
     /// The vectors that do.
     touched: Vec<u32>,
@@ -80,7 +80,7 @@ impl Canvas {
             + self.touched.capacity() * size_of::<u32>()
     }
 
-    /// An empty tile, onto which material goes straight.
+    /// Resets to an empty tile, with direct compositing.
     pub(crate) fn reset(&mut self, [width, height]: [usize; 2]) {
         self.pitch = width.next_multiple_of(16);
         let length = self.pitch * height;
@@ -112,8 +112,8 @@ impl Canvas {
         self.holds.resize(vectors, false);
     }
 
-    /// Puts material behind sixteen pixels from this one on, or gathers it; says which it finished. Pixels whose
-    /// transmittance is below `termination` take nothing.
+    /// Composites material behind sixteen pixels from this one on, or gathers it; returns the pixels that it
+    /// finished. Pixels whose transmittance is below `termination` stay unchanged.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(
         &mut self,
@@ -170,7 +170,7 @@ impl Canvas {
         !self.gathered.is_empty()
     }
 
-    /// Adds what a layer shows of the interval at one pixel: premultiplied colour, transmittance, camera depth.
+    /// Adds a layer's interval at one pixel: premultiplied colour, transmittance, camera depth.
     pub(crate) fn add_pixel(&mut self, pixel: usize, color: [f32; 3], through: f32, depth: f32) {
         let mut one = Stored::NONE;
         let lane = pixel % 16;
@@ -183,8 +183,8 @@ impl Canvas {
         dispatch!(Level::baseline(), simd => self.add(simd, pixel / 16, &one.load(simd)));
     }
 
-    /// Puts what was gathered behind the pixels; calls `finish` with the column and row of sixteen pixels and those of them
-    /// that it finished.
+    /// Composites the gathered material behind the pixels; calls `finish` with the column and row of sixteen pixels
+    /// and those of them that it finished.
     #[inline(always)]
     pub(crate) fn settle<S: Simd>(
         &mut self,

@@ -1,7 +1,7 @@
 //! Classified voxels: extinction and lit emission of a brick's samples, made when the brick is opened.
 //!
-//! Nothing is kept of them between frames: reading, classifying and lighting a voxel costs a tenth of splatting it, and
-//! light turns with the camera. A transfer function is edited by looking at the bricks' ranges.
+//! Nothing is cached between frames: reading, classifying and lighting a voxel costs a tenth of splatting it, and
+//! lighting changes with the camera. After an edit of the transfer function only the bricks' ranges are looked at.
 
 use fearless_simd::{f32x4, f32x8, f32x16, prelude::*};
 use glam::DMat3;
@@ -21,7 +21,7 @@ pub(crate) struct Classified {
     /// By slot and voxel: extinction, and emission (extinction times colour) red, green and blue.
     voxels: Vec<[[f32; 4]; BRICK_VOXELS]>,
     around: Neighbourhood,
-    /// Two rows of the brick that is being opened.
+    /// Two rows of the brick being opened.
     pairs: [Pair; BRICK_VOXELS / 16],
 }
 
@@ -33,7 +33,7 @@ struct Pair {
     light: [Lanes16; 2],
 }
 
-/// Set in every handle, so that its bits are those of an ordinary number.
+/// Bit set in every handle, so that its bits are those of a normal float.
 const HANDLE: u32 = 1 << 30;
 
 impl Classified {
@@ -52,7 +52,7 @@ struct VoxelLight {
     phong: Phong,
     /// Rows of the matrix from differences per voxel to gradients in camera space.
     camera_from_voxel: [[f32; 3]; 3],
-    /// Values are names of kinds, whose own shares have the gradients.
+    /// Values are labels; the gradients are those of the labels' own shares.
     labels: bool,
 }
 
@@ -95,7 +95,7 @@ impl<'a> ClassifiedBricks<'a> {
         }
     }
 
-    /// The same without the voxels that a cut leaves out.
+    /// Adds a cut, which drops voxels.
     pub(crate) fn cut(self, cut: &'a Cut) -> Self {
         Self {
             cut: (!cut.is_empty()).then_some(cut),
@@ -103,7 +103,7 @@ impl<'a> ClassifiedBricks<'a> {
         }
     }
 
-    /// The same lit; `labels`: values are names of kinds.
+    /// Adds lighting; `labels`: values are labels.
     pub(crate) fn lit(self, phong: Option<Phong>, camera_from_voxel: DMat3, labels: bool) -> Self {
         let gradient = camera_from_voxel.inverse().as_mat3();
         let light = phong.map(|phong| VoxelLight {
@@ -175,7 +175,7 @@ impl<'a> ClassifiedBricks<'a> {
         }
     }
 
-    /// Extinction and lit emission of what is visible.
+    /// Extinction and lit emission of the visible voxels.
     #[inline(always)]
     fn classify<S: Simd>(
         &self,

@@ -1,8 +1,8 @@
-//! Pre-classification: classified, lit voxels are splatted as extinction and emission; intervals between planes are
-//! composited.
+//! Pre-classification: classified, lit voxels are splatted as extinction and emission, and intervals between planes
+//! are composited.
 //!
-//! Along a pixel's ray all four channels are the cubics through both planes of `shade`; what an interval holds of them is
-//! their integral, `(13 (v0 + v1) - (v_before + v_after)) / 24` of its length.
+//! Along a pixel's ray all four channels are the cubics through both planes, as in `shade`. An interval holds their
+//! integral, `(13 (v0 + v1) - (v_before + v_after)) / 24` of its length.
 
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::Rays;
@@ -43,8 +43,8 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &plane[at..at + 16])
 }
 
-/// Mean of a channel over the interval between the middle two of four planes: of the cubic through all four, or of the line
-/// between the two, whose means sum to what the planes hold however steeply it rises.
+/// Mean of a channel over the interval between the middle two of four planes: of the cubic through all four, or of
+/// the line between the two. The lines' means add up to the sum over the planes, however steeply the channel rises.
 #[inline(always)]
 fn mean<S: Simd, const CUBIC: bool>(
     simd: S,
@@ -75,7 +75,7 @@ pub(crate) fn ray_length<S: Simd>(simd: S, rays: &Rays, [x, y]: [usize; 2]) -> f
     (across * across + (1.0 + down * down)).sqrt()
 }
 
-/// `exp(-tau)` and one less that, of which thin material would lose the digits.
+/// `exp(-tau)` and `1 - exp(-tau)`; the latter is computed by itself because thin material would lose its digits.
 #[inline(always)]
 pub(crate) fn through_and_opacity<S: Simd>(simd: S, optical_depth: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let exponent = (optical_depth * -std::f32::consts::LOG2_E).max(f32x16::splat(simd, -100.0));
@@ -86,7 +86,7 @@ pub(crate) fn through_and_opacity<S: Simd>(simd: S, optical_depth: f32x16<S>) ->
     (thin.select(1.0 - series, through), opacity)
 }
 
-/// Composites an interval of sixteen pixels; says which it finished.
+/// Composites an interval of sixteen pixels; returns those that it finished.
 #[inline(always)]
 fn composite<S: Simd, const CUBIC: bool>(
     simd: S,
@@ -163,7 +163,8 @@ impl Mode<4> for Compose<'_> {
     }
 }
 
-/// Composites what lies between a plane of extinction and emission and the next, and closes the pixels that it finishes.
+/// Composites the interval between a plane of extinction and emission and the next, and closes the pixels that it
+/// finishes.
 #[inline(always)]
 pub(crate) fn composite_planes<S: Simd, const CUBIC: bool>(
     simd: S,

@@ -1,8 +1,8 @@
-//! Crossing: where the cubic between two planes takes a value.
+//! Crossing: places at which the cubic between two planes takes a value.
 //!
-//! Between its extrema a cubic is monotonous, so a change of sign there is one root, found by bisection to 2^-24 of the
-//! interval. What is zero at a plane counts as positive on both its sides: neighbouring intervals, which share the plane's
-//! value, find a root there once.
+//! Between its extrema a cubic is monotonic, so a change of sign there is one root, found by bisection to 2^-24 of
+//! the interval. A zero at a plane counts as positive on both sides: neighbouring intervals share the plane's value
+//! and find a root there once.
 
 /// `a + u (b + u (c + u d))`.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,10 @@
-//! `blit-2d`: footprints drawn beforehand, one per integer radius and sub-pixel position (huang2000 section 3.2).
+//! `blit-2d`: precomputed footprints, one per integer radius and sub-pixel position (huang2000 section 3.2).
 //!
-//! Centres are snapped to a grid of k x k cells per pixel and radii to whole pixels; a splat whose radius is rounded keeps
-//! its mass. A drawn footprint is a *rasterisation map*: the table's entry of each pixel. So one map serves all sections of
-//! the kernel, where the paper's need a footprint for each. Maps are made when the first splat needs them, `k^2 (2 r + 1)^2`
-//! numbers of 16 bits for the radius r (eq. 5 is the sum of `k^2 r^2`), without the paper's use of symmetry.
+//! Centres are snapped to a grid of k x k cells per pixel and radii to whole pixels; a splat whose radius is
+//! rounded keeps its mass. A precomputed footprint is a *rasterisation map*: it holds the table index of each
+//! pixel. So one map serves all sections of the kernel, where the paper needs a footprint for each. A map is made
+//! for the first splat that needs it. It holds `k^2 (2 r + 1)^2` numbers of 16 bits for the radius r (eq. 5 is the
+//! sum of `k^2 r^2`); the paper's use of symmetry is left out.
 
 use std::sync::OnceLock;
 

@@ -1,7 +1,8 @@
-//! `square-1d`: circles by two additions per pixel, into a table that is even in the squared distance.
+//! `square-1d`: circles by two additions per pixel, looked up in a table with even steps of the squared distance.
 //!
-//! `r^2(x + 1, y) = r^2(x, y) + 2 (x - x_o) + 1`, whose last two terms grow by 2 per pixel (huang2000 eq. 2). Counted in
-//! entries of the table and in fixed point, as circles are scan-converted, so that nothing drifts: 32 bits of fraction.
+//! `r^2(x + 1, y) = r^2(x, y) + 2 (x - x_o) + 1`, whose last two terms grow by 2 per pixel (huang2000 eq. 2). As in
+//! the scan conversion of circles, the sums are in fixed point, in units of table entries with 32 bits of fraction,
+//! so that they do not drift.
 
 use splatvol_core::radial::Entry;
 

@@ -1,8 +1,8 @@
-//! `ellipse-1d`: ellipses by two additions per pixel, into a table that is even in the squared distance.
+//! `ellipse-1d`: ellipses by two additions per pixel, looked up in a table with even steps of the squared distance.
 //!
-//! `r^2 = a dx^2 + b dy^2 + c dx dy` and `r^2(x + 1, y) = r^2(x, y) + 2 a dx + a + c dy`, whose last terms grow by `2 a` per
-//! pixel (huang2000 eq. 3 and 4), in floating point as the paper has it, but in 64 bits: with 32 the drift along a row would show
-//! where a tile begins. Each row starts afresh.
+//! `r^2 = a dx^2 + b dy^2 + c dx dy` and `r^2(x + 1, y) = r^2(x, y) + 2 a dx + a + c dy`, whose last terms grow by
+//! `2 a` per pixel (huang2000 eq. 3 and 4). Sums are in floating point as in the paper, but in 64 bits: with 32
+//! bits the drift along a row would show at tile edges. Each row starts afresh.
 
 use splatvol_core::radial::Entry;
 

@@ -1,4 +1,5 @@
-//! `linear-1d`: a square root per pixel, into a table that is even in the distance (huang2000 section 3.1.1).
+//! `linear-1d`: a square root per pixel, looked up in a table with even steps of the distance (huang2000 section
+//! 3.1.1).
 
 use splatvol_core::radial::Entry;
 

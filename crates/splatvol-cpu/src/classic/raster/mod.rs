@@ -22,7 +22,7 @@ use splatvol_core::splats::{Footprint, Moving, Profile, Warp};
 
 pub(crate) use tables::Tables;
 
-/// Takes rows of weights (world length).
+/// Receives rows of weights (world length).
 pub(crate) trait Target {
     /// Pixels from x, y of the tile on.
     fn row(&mut self, place: (usize, usize), weights: &[f32]);
@@ -41,8 +41,8 @@ pub(crate) struct Brush<'a, P> {
 /// A part of a kernel: between two camera depths.
 pub(crate) type Section = [f32; 2];
 
-/// How far, in standard deviations, the middle of a kernel may lean over its footprint before its sections are worked
-/// out for each pixel.
+/// Largest lean of a kernel's middle over its footprint, standard deviations, for which one section serves all its
+/// pixels.
 const UPRIGHT: f32 = 2e-3;
 
 impl<P: Profile> Brush<'_, P> {
@@ -117,7 +117,7 @@ impl<P: Profile> Brush<'_, P> {
         }
     }
 
-    /// The share of the kernel in a section, where it is the same on all rays.
+    /// The share of the kernel in a section; `None` where it varies between rays.
     #[inline(always)]
     fn share(&self, footprint: &Footprint, section: Option<Section>) -> Option<f32> {
         let Some([near, far]) = footprint.section(section) else {

@@ -1,9 +1,10 @@
-//! `rlut`: squared distances added up from one-dimensional tables, one per sub-pixel position (huang2000 section 3.3).
+//! `rlut`: squared distances as sums from one-dimensional tables, one per sub-pixel position (huang2000 section
+//! 3.3).
 //!
-//! `r^2 = (x - x_o)^2 + (y - y_o)^2`, and a centre snapped to a grid of k x k cells leaves k tables of squares for x and y
-//! alike. No pixel waits for its neighbour. The paper's tables hold squared distances of one extent, and are made again for
-//! each sheet in perspective. Ours hold squared pixels, which serve every extent, and pixels multiply: `i = s_x a + s_y b`,
-//! which also makes them right for ellipses along the axes.
+//! `r^2 = (x - x_o)^2 + (y - y_o)^2`. A centre snapped to a grid of k x k cells needs k tables of squares, the same
+//! for x and y. No pixel depends on its neighbour. The paper's tables hold squared distances for one extent, and
+//! are rebuilt for each sheet in perspective. Ours hold squared pixels, which serve every extent, and each pixel
+//! multiplies: `i = s_x a + s_y b`. This is also right for ellipses along the axes.
 
 use splatvol_core::radial::Entry;
 use splatvol_core::splats::Footprint;

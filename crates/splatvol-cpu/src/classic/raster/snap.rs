@@ -1,4 +1,4 @@
-//! A grid of cells within the pixel, to whose centres splats are snapped (huang2000 sections 3.2 and 3.3).
+//! Sub-pixel grid of cells, to whose centres splats are snapped (huang2000 sections 3.2 and 3.3).
 
 /// k cells per pixel and axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -37,7 +37,7 @@ enum Method {
     Blit(Blits),
 }
 
-/// The rectangle of pixels that is filled: the first pixel of the picture, and how many.
+/// Rectangle of pixels to fill: its first pixel in the picture, and its size.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub first: [usize; 2],
@@ -52,7 +52,7 @@ impl Block {
     }
 }
 
-/// Rows of a table, and what their difference is multiplied by.
+/// Rows of a table, and the factor on their difference.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lookup<'a, E> {
     near: &'a [E],
@@ -67,7 +67,7 @@ impl<E: Entry> Lookup<'_, E> {
         self.far.len() - 1
     }
 
-    /// The weight of an entry; what is beyond the last one takes that, which is zero.
+    /// The weight of an entry; an index beyond the last entry gets the last one's, which is zero.
     #[inline(always)]
     pub(super) fn entry(&self, index: usize) -> f32 {
         let index = index.min(self.last());
@@ -77,7 +77,7 @@ impl<E: Entry> Lookup<'_, E> {
         }
     }
 
-    /// The weight of the entry that is nearest to a position, which counts entries from the centre.
+    /// The weight of the entry nearest to a position, counted in entries from the centre.
     #[inline(always)]
     pub(super) fn nearest(&self, position: f32) -> f32 {
         /// Added, it leaves the nearest integer in the lowest bits.
@@ -130,7 +130,7 @@ impl Tables {
         }))
     }
 
-    /// How far snapping may move the edge of a footprint, pixels.
+    /// Largest displacement of a footprint's edge by snapping, pixels.
     pub(crate) fn margin(&self) -> f32 {
         match self.method {
             Method::Linear | Method::Square | Method::Ellipse => 0.0,
@@ -139,7 +139,7 @@ impl Tables {
         }
     }
 
-    /// The footprint as this rasteriser has it: its centre, and its size, may be rounded.
+    /// The footprint as this rasteriser draws it: its centre and size may be rounded.
     #[inline]
     pub(crate) fn snap(&self, footprint: Footprint) -> Footprint {
         match &self.method {
@@ -235,7 +235,7 @@ impl Tables {
         }
     }
 
-    /// Memory of the footprint table, and of what the rasteriser adds to it so far.
+    /// Memory of the footprint table, and of the rasteriser's own tables so far.
     #[cfg(test)]
     pub(super) fn bytes(&self) -> [usize; 2] {
         let own = match &self.method {

@@ -1,4 +1,5 @@
-//! Enter: chunks are opened by the first plane that they reach, and splats go into four planes at a time, whatever they carry.
+//! Enter: chunks are opened by the first plane that they reach, and splats are added to four planes at a time, with
+//! any payload.
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::ProjectedBrick;
@@ -38,7 +39,8 @@ impl CloudView<'_> {
         footing.blocks_of(splat, ends).is_some()
     }
 
-    /// Opens the splats of a chunk that reach the tile: they wait for the first plane that they reach, from `sheet` on.
+    /// Opens the splats of a chunk that reach the tile, and queues each for the first plane that it reaches, from
+    /// `sheet` on.
     #[inline(always)]
     pub(super) fn open_chunk(
         &self,
@@ -70,8 +72,8 @@ pub(super) fn window(frame: &SheetFrame<'_>, sheet: usize) -> Window {
     }
 }
 
-/// Splats what waits for a sheet into it and the three behind it: N numbers of what each splat carries. `halo`: blocks around
-/// pixels that are not finished whose numbers those need, too.
+/// Splats the queue of a sheet into it and the three behind it: N numbers of each splat's payload. `halo`: width,
+/// in blocks, of the border around open pixels that those need, too.
 #[inline(always)]
 pub(super) fn enter<S: Simd, const N: usize>(
     simd: S,

@@ -1,9 +1,9 @@
-//! Show: what the samples of a mesh say on planes, classified behind the kernels as a grid's field is.
+//! Show: the field of a mesh's samples on planes, post-classified as a grid's field is.
 //!
-//! Each kernel carries its mass and its value times that. With W and S the sums of both on a plane, the field there is
-//! `v = S / W` (Shepard 1968, with elliptical kernels), and coverage is W, which is one within the mesh but for the ripple of its
-//! kernels, and no more than one. Light sees the gradient of v: the border of a mesh is where its samples end, not a surface of
-//! the field.
+//! Each kernel carries its mass, and its value times its mass. With W and S the sums of both on a plane, the field
+//! there is `v = S / W` (Shepard 1968, with elliptical kernels). Coverage is W, at most one; within the mesh it is
+//! one up to the ripple of the kernels. Lighting uses the gradient of v: at the border of a mesh the samples end,
+//! and the field has no surface there.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -84,7 +84,7 @@ impl Shown<2> for FieldMaterial<'_> {
     }
 }
 
-/// The planes of weights, and those of values.
+/// The planes of weights, and the planes of values.
 pub(super) fn of_field(planes: &[[Plane; MAX_CHANNELS]; 4]) -> [[&Plane; 4]; 2] {
     [0, 1].map(|channel| planes.each_ref().map(|planes| &planes[channel]))
 }

@@ -23,7 +23,7 @@ use crate::sheets::shade::PlaneShader;
 use crate::sheets::table::ShadeTable;
 
 impl CloudPlan {
-    /// The layer of a cloud of classified splats, of what clips (world) leave of it.
+    /// The layer of a cloud of classified splats, cut by clips (world).
     pub(crate) fn layer<'a>(
         &'a mut self,
         (cloud, clips): (&'a SplatCloud, &[Clip]),
@@ -110,7 +110,7 @@ impl MeshLayer {
         Layer::Mesh(frame, Box::new(CloudMode { view, shown }))
     }
 
-    /// A mesh of whose values each ray keeps one.
+    /// The layer of a mesh with one value per ray.
     pub(crate) fn values<'a, K: Kept>(
         &'a mut self,
         (cloud, mesh): OfMesh<'a>,

@@ -1,4 +1,4 @@
-//! Mode: clouds take the tile loop's way; finished planes become what is [`Shown`] of them.
+//! Mode: renders clouds in the tile loop; a [`Shown`] shades the finished planes.
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileRect};
@@ -15,7 +15,7 @@ use crate::sheets::plane::Plane;
 use crate::sheets::splat::Payload;
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch, SheetWork, take_planes};
 
-/// A cloud, and what it is shown as.
+/// A cloud and the shading of its planes.
 #[derive(Debug)]
 pub(crate) struct CloudMode<'a, F> {
     pub view: CloudView<'a>,
@@ -27,13 +27,14 @@ pub(crate) trait Shown<const N: usize>: Sync {
     /// Payload that a splat's value stands for.
     type Payload<'m>: Payload<N>;
 
-    /// Blocks around a tile whose pixels are needed, too, where gradients are differences of neighbours.
+    /// Width, in blocks, of the border of pixels that is needed around a tile where gradients are differences of
+    /// neighbours.
     const HALO: u8;
 
     /// The payload, given the classified voxels of the open chunks.
     fn payload(classified: &Classified) -> Self::Payload<'_>;
 
-    /// Makes of a finished sheet's planes what is kept of them.
+    /// Converts a finished sheet's planes to the form in which they are kept.
     #[inline(always)]
     fn taken<S: Simd>(&self, _: S, _: &mut [Plane; MAX_CHANNELS]) {}
 

@@ -1,4 +1,4 @@
-//! Open: a chunk's splats into camera space, and into the list of the plane that they reach first.
+//! Open: brings a chunk's splats into camera space, and queues them for the first plane that they reach.
 
 use glam::{Affine3A, DMat3, DVec2, DVec3, Vec3};
 use splatvol_core::splats::{KernelShape, SplatCloud};
@@ -11,12 +11,13 @@ use crate::splat_light::SplatLight;
 const DEPTH_SIGMA: f64 = 0.64;
 /// Standard deviations at which splats are cut in depth: four planes hold a flat one.
 pub(super) const DEPTH_CUT: f64 = 2.0 / DEPTH_SIGMA;
-/// Share of that cut at which planes are looked for: what lies beyond is less than a thousandth of the peak.
+/// Share of that cut within which planes are searched for: beyond it a splat has less than a thousandth of its
+/// peak.
 const NEARLY: f64 = 0.985;
-/// Standard deviations at which they are cut across it.
+/// Lateral cut of splats, standard deviations.
 pub(super) const CUT: f64 = 3.4;
 
-/// A splat in camera space, as planes see it.
+/// A splat in camera space, ready for the planes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct OpenSplat {
     /// Centre, camera space.
@@ -25,34 +26,34 @@ pub(crate) struct OpenSplat {
     pub slope: [f32; 2],
     /// Negative exponents to base 2, per world length squared: xx, xy (twice), yy.
     pub exponent: [f32; 3],
-    /// The same in depth.
+    /// Negative exponent to base 2 in depth, per world length squared.
     pub depth_exponent: f32,
     /// Half widths of the box around its section, world length.
     pub half_extent: [f32; 2],
-    /// How far it reaches in depth, world length.
+    /// Reach in depth, world length.
     pub reach: f32,
-    /// Extinction and emission at its centre, before what [`DEPTH_EDGE`] takes off.
+    /// Extinction and emission at its centre, before [`DEPTH_EDGE`] is subtracted.
     pub payload: [f32; 4],
 }
 
-/// A cloud from a camera: what opening its splats needs.
+/// A cloud in a camera's view, with everything needed to open its splats.
 #[derive(Debug, Clone)]
 pub(crate) struct CloudView<'a> {
     pub cloud: &'a SplatCloud,
     pub screen: ScreenFromCamera,
     pub camera_from_local: Affine3A,
     linear: DMat3,
-    /// Covariance of all splats where they have none of their own, camera space.
+    /// Covariance shared by all splats that have none of their own, camera space.
     shared: DMat3,
     light: Option<SplatLight>,
-    /// Low-pass variance, pixels squared; with `matched`, what footprints lack to it.
+    /// Low-pass variance, pixels squared; with `matched`, footprints are widened only up to it.
     low_pass: f64,
     matched: bool,
     /// Variance that planes widen splats by in depth.
     widening: f64,
     /// Splats that are left out; local space.
     cut: Cut,
-    /// Nearest plane, for the low-pass of what lies before it.
+    /// Depth of the nearest plane, for the low-pass of splats in front of it.
     nearest: f64,
 }
 
@@ -92,7 +93,7 @@ impl<'a> CloudView<'a> {
         }
     }
 
-    /// The same without the splats whose centres clips, given in world space, leave out.
+    /// Drops the splats whose centres are cut away by clips, which are given in world space.
     pub(crate) fn cut(self, clips: &[Clip]) -> Self {
         let cut = Cut::new(clips, self.cloud.world_from_local);
         Self { cut, ..self }
@@ -103,7 +104,7 @@ impl<'a> CloudView<'a> {
         variance + (DEPTH_SIGMA * spacing).powi(2)
     }
 
-    /// A splat as planes see it; `None` of one that holds nothing.
+    /// Opens a splat; `None` if it is empty.
     #[inline(always)]
     pub(crate) fn open(&self, index: usize) -> Option<OpenSplat> {
         let cloud = self.cloud;
@@ -186,7 +187,7 @@ impl<'a> CloudView<'a> {
     }
 }
 
-/// Splats of a tile that wait for their next plane, as chains through one memory.
+/// Queues of a tile's splats, one per plane, as linked lists in one memory.
 #[derive(Debug, Default)]
 pub(crate) struct Waiting {
     splats: Vec<OpenSplat>,
@@ -217,7 +218,7 @@ impl Waiting {
         self.count = 0;
     }
 
-    /// Adds a splat that comes at a plane; at none where that lies behind the last one.
+    /// Queues a splat for a plane; drops it where that lies behind the last one.
     pub(crate) fn add(&mut self, splat: &OpenSplat, plane: usize) {
         if plane >= self.heads.len() {
             return;
@@ -242,7 +243,7 @@ impl Waiting {
         self.count += 1;
     }
 
-    /// Takes a plane's chain; its first splat.
+    /// Takes a plane's list, and returns its first splat.
     pub(crate) fn take(&mut self, plane: usize) -> Option<u32> {
         let head = self.heads.get_mut(plane).map_or(0, std::mem::take);
         head.checked_sub(1)
@@ -284,7 +285,7 @@ mod tests {
         assert!((DEPTH_INTEGRAL - integral).abs() < 1e-9, "{integral}");
     }
 
-    /// Chains give back what was put into them, whatever was dropped before.
+    /// Lists return all their splats, whatever was dropped before.
     #[test]
     fn splats_wait_for_their_planes() {
         let mut waiting = Waiting::default();

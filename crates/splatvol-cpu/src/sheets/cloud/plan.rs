@@ -13,7 +13,7 @@ use crate::sheets::frame::ZonedFrame;
 use crate::sheets::plane::HALO;
 use crate::splat_light::SplatLight;
 
-/// Pixels that rounding to whole blocks adds to a footprint on either side, and those around a tile that it looks at.
+/// Pixels added to a footprint on either side: by rounding to whole blocks, and as the border that it reads.
 const ROUNDING: f64 = 2.0 + HALO as f64;
 
 /// A cloud's planes and lists, in memory that the next frame uses again.
@@ -35,8 +35,9 @@ pub(crate) fn own_spacing(
 }
 
 impl CloudPlan {
-    /// A cloud's frame, on planes this far apart, or on such as suit it, and the cloud as its planes see it. One zone: splats are
-    /// drawn on pixels, whatever their size, and put in order as they are opened.
+    /// Plans a cloud's frame, on planes of the given spacing or else of one that suits it, and returns the cloud in
+    /// that view. There is one zone: splats are drawn on pixels, whatever their size, and sorted as they are
+    /// opened.
     pub(crate) fn frame<'a>(
         &'a mut self,
         cloud: &'a SplatCloud,
@@ -83,7 +84,7 @@ impl CloudPlan {
     }
 }
 
-/// The least depth that planes have: one at the eye, where there is no scale, lies a little before it.
+/// Least depth of planes: the plane at the eye, which has no scale, counts as a little in front of it.
 fn nearest(stack: &Planes, screen: &ScreenFromCamera) -> f64 {
     if screen.perspective {
         stack.plane(0).max(AT_EYE * stack.spacing)
@@ -104,7 +105,7 @@ struct ChunkBounds {
     stretch: f64,
     /// Low-pass, pixels.
     pixel_sigma: f64,
-    /// Standard deviation of kernels where they have none of their own, local.
+    /// Standard deviation of kernels that have no covariance of their own, local.
     shared_sigma: f64,
 }
 
@@ -154,8 +155,8 @@ impl ChunkBounds {
         f64::from(chunk.sigma).max(self.shared_sigma) * self.stretch
     }
 
-    /// Planes this far apart; or as far as the settings ask for, but no nearer to each other than the pixels are in the middle
-    /// of the cloud: nearer ones cost more and show nothing.
+    /// Planes of the given spacing, or else of the settings', but at least that of the pixels in the middle of the
+    /// cloud: closer planes cost more and show nothing new.
     fn planes(
         &self,
         cloud: &SplatCloud,

@@ -1,8 +1,9 @@
-//! Splat: a splat into the four planes that it meets next, each block of 2 x 2 pixels by an exponential of its own.
+//! Splat: adds a splat to the four planes that it meets next, with an exponential of its own for each block of 2 x
+//! 2 pixels.
 //!
-//! Pixels' offsets are counted from the picture's corner, so that what a pixel gets does not depend on the tile, and a
-//! footprint is clipped to the tile's blocks. Powers by recurrence, as grids have them, would save little: with four channels
-//! stores bind, and of long thin ellipses they overflow.
+//! Pixels' offsets are counted from the picture's corner, so that a pixel's sums do not depend on the tile, and a
+//! footprint is clipped to the tile's blocks. Powers by recurrence, as for grids, would save little: with four
+//! channels the stores are the bottleneck, and for long thin ellipses the powers overflow.
 
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::SheetShape;
@@ -32,7 +33,7 @@ pub(crate) struct FourPlanes {
     depth: Lanes16,
     /// World length per pixel.
     per_pixel: Lanes16,
-    /// One where a plane exists, else zero.
+    /// One for existing planes, else zero.
     exists: Lanes16,
     /// Depths of the nearest and the farthest, and pixels per world length there.
     pub ends: [[f32; 2]; 2],
@@ -53,7 +54,7 @@ const COLUMN: [f32; 16] = [
 const ROW: [f32; 16] = [
     0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
 ];
-/// Exponents from which [`exp2_quick`] is right.
+/// Least exponent for which [`exp2_quick`] is right.
 const LEAST: f32 = -126.0;
 
 #[inline(always)]
