@@ -1,8 +1,9 @@
-//! The value between two planes: the cubic of `shade`, through both with the slopes that the planes beside them give.
+//! The value between two planes: the cubic of `shade`, through both planes with slopes from the planes beside them.
 //!
-//! It lies within its Bezier points, which most intervals' are all below what the pixel has; else its largest value is one of
-//! the ends', or at the root `b / (sqrt(c^2 - 3 b d) - c)` of its derivative. Near the volume's border coverage is the
-//! parabola through its values at both ends and in the middle; there only points count that are covered by a half and more.
+//! The cubic lies within the range of its Bezier points, which for most intervals is below the pixel's value so
+//! far. Otherwise its largest value is at an end, or at the root `b / (sqrt(c^2 - 3 b d) - c)` of its derivative.
+//! Near the volume's border coverage is the parabola through its values at both ends and in the middle; only points
+//! with a coverage of a half or more count there.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -41,7 +42,7 @@ impl<S: Simd> Cubic<S> {
         }
     }
 
-    /// A number less its value.
+    /// The cubic `number - self`.
     #[inline(always)]
     pub(crate) fn less_than(&self, number: f32) -> Self {
         let slope = self.b + self.c * 2.0 + self.d * 3.0;
@@ -80,8 +81,8 @@ impl<S: Simd> Cubic<S> {
         (peak.select(value, ends), peak.select(u, place))
     }
 
-    /// The largest of its values where the coverage is a half and more: at an end, at the summit or where the coverage is a
-    /// half; -1 where it is less everywhere. Values must be above -1.
+    /// The largest value where coverage is a half or more: at an end, at the maximum, or where coverage is a half;
+    /// -1 where coverage is less everywhere. Values must be above -1.
     #[inline(always)]
     pub(crate) fn largest_covered(&self, simd: S, coverage: &Parabola<S>) -> (f32x16<S>, f32x16<S>) {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -152,7 +153,7 @@ impl<S: Simd> Parabola<S> {
         (self.bend * u + self.slope) * u + self.from
     }
 
-    /// Where it is a half; outside of 0 to 1, or NaN, where the interval has no such place.
+    /// Places at which it is a half; outside of 0 to 1, or NaN, where the interval has none.
     #[inline(always)]
     fn crossings(&self, simd: S) -> [f32x16<S>; 2] {
         let zero = f32x16::splat(simd, 0.0);
@@ -203,7 +204,7 @@ mod tests {
         [value, sampled, at_place].map(|v| v.as_slice().try_into().expect("sixteen lanes"))
     }
 
-    /// Uniform in 0..1; neighbouring seeds have nothing in common.
+    /// Uniform in 0..1, independent for neighbouring seeds.
     fn unit(seed: usize) -> f32 {
         let mut z = (seed as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -215,7 +216,7 @@ mod tests {
         std::array::from_fn(|i| std::array::from_fn(|lane| unit(from + i * 16 + lane)))
     }
 
-    /// Largest covered value, and the value where it is said to be, for sixteen lanes.
+    /// Largest covered value, and the value at the place returned for it, for sixteen lanes.
     #[inline(always)]
     fn covered<S: Simd>(simd: S, values: [[f32; 16]; 4], coverage: [[f32; 16]; 3]) -> [[f32; 16]; 3] {
         let cubic = Cubic::through(values.map(|v| f32x16::from_slice(simd, &v)));

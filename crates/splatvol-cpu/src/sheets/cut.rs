@@ -1,7 +1,7 @@
-//! Cut: what clips leave of a pixel's interval, exactly.
+//! Cut: exact intervals of a pixel's ray that clips leave visible.
 //!
-//! Along a ray a plane's distance is linear in depth, so a convex body is one interval, from the last plane that is entered
-//! to the first that is left. Classified voxels, which have no intervals, are dropped by their centres.
+//! Along a ray a plane's distance is linear in depth, so a convex body is one interval, from the last entered plane
+//! to the first left one. Classified voxels have no intervals and are dropped by their centres.
 
 use glam::{DAffine3, DVec3, Vec3};
 use splatvol_core::brick::BRICK;
@@ -21,23 +21,23 @@ pub(crate) struct Cut {
     bodies: Vec<(Vec<Plane>, Keep)>,
 }
 
-/// A part of an interval that is left, 0 to 1 from plane to plane.
+/// A visible part of an interval, 0 to 1 from plane to plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Range {
     pub from: f32,
     pub to: f32,
-    /// Where it begins at a cut: the cut's normal (out of what is left).
+    /// Normal of the cut at which it begins, if any; it points out of the visible part.
     pub face: Option<Vec3>,
 }
 
-/// A ray between two planes: where it begins, and how far it moves.
+/// A ray between two planes: its start, and the step to its end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Segment {
     pub from: Vec3,
     pub step: Vec3,
 }
 
-/// Rounding may put a face this far before the interval that it begins.
+/// Largest distance that rounding may move a face in front of its interval's start.
 const ROUNDING: f32 = 1e-3;
 
 /// Where a ray enters and leaves a body, with the planes' normals; empty where it enters after it leaves.
@@ -101,7 +101,7 @@ impl Cut {
         }
     }
 
-    /// Drops the voxels of a brick whose centres are cut away: their values become NaN. `first`: the brick's first voxel.
+    /// Drops voxels of a brick with clipped centres: their values become NaN. `first`: the brick's first voxel.
     pub(crate) fn drop_voxels(&self, first: [u32; 3], values: &mut [f32; BRICK_VOXELS]) {
         for (i, value) in values.iter_mut().enumerate() {
             let place = [i % BRICK, i / BRICK % BRICK, i / (BRICK * BRICK)];
@@ -122,7 +122,7 @@ impl Cut {
     }
 }
 
-/// Begins a range at a face, where that is later.
+/// Moves the start of a range to a face, if that is later.
 fn begin(range: &mut Range, at: f32, normal: Vec3) {
     if at >= range.from - ROUNDING {
         range.face = Some(normal);

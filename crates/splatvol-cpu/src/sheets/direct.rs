@@ -1,10 +1,11 @@
-//! Splat without powers: an exponential for every weight.
+//! Direct splatting: an exponential for every weight, without powers.
 //!
-//! Powers (`splat`) share one square of blocks among all sheets that a voxel meets, and are floats as long as the footprint's
-//! centre stays near it on each of them. Close to the eye, where scales differ from sheet to sheet, and at wide angles it does
-//! not. Then each weight is `2^(xx (i - u)^2 + xy (i - u) (j - v) + yy (j - v)^2)` as it stands, in as many blocks as the
-//! footprints on all four sheets of a group cover: three to four times the time per block, for any size and shape. Points are
-//! counted from the picture's corner, so that what a pixel gets does not depend on the tile.
+//! Powers (`splat`) share one square of blocks among all sheets that a voxel meets. They stay within f32 only if
+//! the footprint's centre is near that square on each of them. Close to the eye, where scales differ from sheet to
+//! sheet, and at wide angles it is not. Then each weight is computed as
+//! `2^(xx (i - u)^2 + xy (i - u) (j - v) + yy (j - v)^2)`, in as many blocks as the footprints on all four sheets
+//! of a group cover. This takes three to four times as long per block, and works for any size and shape. Points are
+//! counted from the picture's corner, so that a pixel's sums do not depend on the tile.
 
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::{SplatConstants, half_extent};
@@ -82,8 +83,8 @@ impl<'a> DirectGroup<'a> {
         Some(Area { x0, y0, x1, y1 })
     }
 
-    /// Splats all records, which reach so far in depth, into the group's sheets of each of N rings, unless finished pixels hide
-    /// them; says which blocks it wrote to.
+    /// Splats all records, with the given reach in depth, into the group's sheets of each of N rings, unless
+    /// finished pixels hide them; returns the blocks written.
     #[inline(always)]
     pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize>(
         &self,

@@ -1,5 +1,5 @@
-//! Frames from state that is kept between them: a new camera costs a frame, a new transfer function what it
-//! changes, a new volume everything.
+//! Sheet engine: renders frames from cached state. A new camera costs only a frame, a new transfer function only
+//! the parts that it changes, a new volume everything.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -39,10 +39,10 @@ use crate::route::VolumeScene;
 use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
 
-/// Largest edge of a tile, and what it is unless asked otherwise, pixels: few voxels lie in two tiles.
+/// Largest and default edge of a tile, pixels: few voxels lie in two tiles.
 pub(crate) const TILE_EDGE: usize = 128;
 
-/// A tile's pixels and what they took.
+/// A tile's pixels and its work counts.
 pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
 
 /// State between frames.
@@ -76,7 +76,7 @@ impl TileMemory {
         scratch.sum::<usize>() + tiles.sum::<usize>()
     }
 
-    /// Renders all tiles of a frame. `sheets_per_voxel`: what a voxel is splatted into.
+    /// Renders all tiles of a frame. `sheets_per_voxel`: number of sheets that a voxel is splatted into.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
@@ -120,7 +120,7 @@ impl SheetEngine {
         }
     }
 
-    /// Bytes of the prepared volumes of the scene at hand, of others, and of what tiles are rendered in.
+    /// Bytes of the current scene's prepared volumes, of other volumes, and of the tiles.
     pub(crate) fn bytes(&self) -> [usize; 3] {
         let [own, others] = self.prepared.bytes();
         [own, others, self.memory.bytes()]
@@ -129,7 +129,7 @@ impl SheetEngine {
     /// Renders into a frame of the settings' size.
     ///
     /// # Errors
-    /// A picture that is given up, and samples that cannot be read.
+    /// A cancelled picture, or samples that cannot be read.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
@@ -351,14 +351,14 @@ fn count_work(work: &SheetWork, sheets_per_voxel: u64, statistics: &mut RenderSt
     statistics.slices += work.voxels * sheets_per_voxel;
 }
 
-/// A lock whose holder cannot have left nonsense: what it guards is overwritten.
+/// Locks a mutex, poisoned or not: its contents are overwritten.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The layers shown in a frame's tiles.
 pub(crate) trait Tiles: Sync {
-    /// The frame, or that of any of several layers: they share tiles and planes.
+    /// The frame of any of the layers: they share tiles and planes.
     fn frame(&self) -> &ZonedFrame<'_>;
 
     /// Bricks of all layers.
@@ -415,7 +415,7 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
     }
 }
 
-/// Renders all tiles; threads take the next one as they come free.
+/// Renders all tiles; each thread takes the next tile when it is free.
 fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetScratch>>], tiles: &[Tile]) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let frame = picture.frame().plan;

@@ -4,15 +4,16 @@ use fearless_simd::{f32x16, prelude::*};
 
 use super::cubic::Cubic;
 
-/// Which value is kept. Ranks of normalised values that occur are above 0, so that a pixel begins with rank 0.
+/// Extremum along a ray: the largest or smallest value. Ranks of normalised values are above 0, so that a pixel
+/// starts at rank 0.
 pub(crate) trait Extremum: Sync {
     /// Ranks of sixteen normalised values, or values of ranks: the map is its own inverse.
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S>;
 
-    /// Ranks along a ray whose values these are.
+    /// Ranks along a ray, from the values along it.
     fn rank_cubic<S: Simd>(values: Cubic<S>) -> Cubic<S>;
 
-    /// Ranks up to this show nothing, where values outside `hull` are invisible.
+    /// Largest rank that is not shown; values outside `hull` are invisible.
     fn least_rank(hull: [f32; 2]) -> f32;
 }
 
@@ -20,7 +21,7 @@ pub(crate) trait Extremum: Sync {
 #[derive(Debug)]
 pub(crate) struct Largest;
 
-/// The smallest value; its rank is its distance from 2, which is above what an interpolation of values up to 1 reaches.
+/// The smallest value. Its rank is its distance from 2, since interpolated values up to 1 stay below 2.
 #[derive(Debug)]
 pub(crate) struct Smallest;
 

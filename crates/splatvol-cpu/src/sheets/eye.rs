@@ -1,14 +1,15 @@
-//! Eye: the planes at and before a perspective camera's eye, where it lies within what is shown.
+//! Eye: the planes at and before a perspective camera's eye, where it lies within the visible volume.
 //!
-//! A plane at depth 0 has no scale: all pixels look from one point. Sums there, `S = sum_k c_k K(-u_k)` over the voxels around
-//! the eye, and their gradient are computed once per tile,
+//! A plane at depth 0 has no scale: all pixels look from one point. The sums there, `S = sum_k c_k K(-u_k)` over
+//! the voxels around the eye, and their gradient are computed once per tile,
 //!
 //! `K(d) = peak exp(-e^T L^-1 e / 2) (g(d_z) - edge)`, `e = d_xy - t d_z`, g the kernel's profile in depth
 //!
-//! in the names of [`splatvol_core::footprint`]. The plane at the eye holds S in every pixel. The plane before it, which lies on
-//! the other side of the eye, is continued along each pixel's ray: the cubic that has the values v of the eye and the two planes in
-//! front of it, and at the eye the slope `s = t grad S . ray`, t the planes' distance, is there
-//! `-3 v_eye / 2 + 3 v_1 - v_2 / 2 - 3 s`. The gradient across the axis at the eye is that of S, too.
+//! in the notation of [`splatvol_core::footprint`]. The plane at the eye holds S in every pixel. The plane before
+//! it lies on the other side of the eye and is extrapolated along each pixel's ray by a cubic. The cubic has the
+//! values v of the eye and the two planes in front of it, and at the eye the slope `s = t grad S . ray`, t the
+//! planes' distance. Its value at the plane before is `-3 v_eye / 2 + 3 v_1 - v_2 / 2 - 3 s`. The gradient across
+//! the axis at the eye is that of S, too.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::{DAffine3, DMat2, DVec2, DVec3};
@@ -36,7 +37,7 @@ pub(crate) struct Eye {
     variance: f64,
     edge: f64,
     peak: f64,
-    /// How far a voxel reaches, world length.
+    /// Reach of a voxel, world length.
     reach: f64,
 }
 
@@ -45,12 +46,12 @@ pub(crate) struct Eye {
 struct Jet<const N: usize> {
     value: [f64; N],
     gradient: [DVec3; N],
-    /// The same of the weights of missing samples.
+    /// Weight of missing samples and its gradient.
     missing: (f64, DVec3),
 }
 
 impl Eye {
-    /// Gets ready for a camera within a grid, given the kernel's peak on planes.
+    /// Prepares the eye for a camera within a grid, given the kernel's peak on planes.
     pub(crate) fn update(&mut self, view: &View, peak: f64, bricks: &dyn Bricks) {
         let (shape, kernel) = (view.shape(), view.kernel());
         self.camera_from_lattice = view.camera_from_lattice();
@@ -192,5 +193,5 @@ fn continue_before(
     (before.filled, eye.filled) = (Some(all), Some(all));
 }
 
-/// Standard deviations at which kernels are cut across the axis: there they are less than a ten thousandth of the peak.
+/// Lateral cut of kernels, standard deviations: beyond it they are below a ten thousandth of the peak.
 const LATERAL_CUT: f64 = 4.5;

@@ -1,9 +1,9 @@
 //! The transfer function for analytic gradients: the nodes of [`ClassificationTable`], ready for vectors.
 //!
-//! While the value runs evenly from a to b, extinction and emission have the means `(K(b) - K(a)) / (b - a)` and
-//! `(E(b) - E(a)) / (b - a)`, K and E their integrals. Where a and b are so close that the difference would lose its digits,
-//! both run linearly from end to end. Colour runs from its value at one end to that at the other while light goes through:
-//! what lies in front is seen better, by `half_step ((1 + exp(-tau)) - 2 (1 - exp(-tau)) / tau)`.
+//! While the value varies linearly from a to b, extinction and emission have the means `(K(b) - K(a)) / (b - a)`
+//! and `(E(b) - E(a)) / (b - a)`, K and E their integrals. Where a and b are so close that the difference would
+//! lose its digits, both vary linearly from end to end. Colour varies from one end to the other while the light is
+//! attenuated, so the front counts more, by `half_step ((1 + exp(-tau)) - 2 (1 - exp(-tau)) / tau)`.
 
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*, u32x16};
 use splatvol_core::classification::ClassificationTable;
@@ -13,7 +13,7 @@ const PER_VALUE: f32 = ClassificationTable::CELLS_PER_VALUE as f32;
 const FIRST: f32 = ClassificationTable::FIRST as f32;
 /// A power of two: indices are masked instead of checked.
 const CELLS: usize = ClassificationTable::CELLS;
-/// Cells of a rise below which its ends stand for it.
+/// Rise, in cells, below which the mean of both ends is used.
 const FLAT: f32 = 2.0;
 
 /// At both ends of a cell: K and E; extinction and linear colour.
@@ -71,7 +71,7 @@ struct Mean<'a, S: Simd> {
 }
 
 impl<S: Simd> Mean<'_, S> {
-    /// The mean of a channel, of which both ends have this sum.
+    /// The mean of a channel, given the sum of its values at both ends.
     #[inline(always)]
     fn of(&self, ends: f32x16<S>, channel: usize) -> f32x16<S> {
         let [a, b] = self.points;
@@ -132,7 +132,7 @@ fn centroid<S: Simd>(simd: S, [a, b]: [f32x16<S>; 2], mean: f32x16<S>) -> f32x16
     (a_none & b_none).select(half, from_zero)
 }
 
-/// By how much what lies in front is seen better than what lies behind.
+/// Extra weight of the front over the back, since the front is attenuated less.
 #[inline(always)]
 pub(crate) fn advantage<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! A layer's frame: its plan, and what shading its planes needs of the view.
+//! A layer's frame: its plan, and view-dependent data for shading its planes.
 
 use glam::{DAffine3, DVec3};
 use splatvol_core::bin::TileLists;
@@ -99,7 +99,7 @@ pub(crate) struct SheetFrame<'a> {
     pub termination: f32,
     /// Pixels from one raster point to the next.
     pub step: usize,
-    /// How far a voxel reaches in depth, world length.
+    /// Reach of a voxel in depth, world length.
     pub depth_reach: f32,
     /// Standard deviations at which footprints are cut.
     pub cut: f32,
@@ -116,7 +116,7 @@ impl SheetFrame<'_> {
         self.rays.principal.map(|at| at - 0.5)
     }
 
-    /// How far footprints reach on a sheet, raster points.
+    /// Half extent of footprints on a sheet, raster points.
     pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
         room_of(shape, self.cut, self.room)
     }
@@ -128,7 +128,7 @@ fn camera_from_samples(view: &View) -> DAffine3 {
     view.camera_from_lattice() * DAffine3::from_translation(margin)
 }
 
-/// A field whose coefficients are splatted with their kernels' derivatives, and how its planes are shaded.
+/// A field whose coefficients are splatted with their kernels' derivatives, with the shader of its planes.
 pub(crate) fn analytic_field<'a>(
     view: &View,
     store: &'a FieldStore,

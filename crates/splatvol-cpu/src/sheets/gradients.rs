@@ -1,9 +1,10 @@
 //! Gradients: kernels and their derivatives, splatted side by side.
 //!
-//! A footprint `w` on a sheet has the derivatives `-Q d w`, d the offset from its centre, and `-dz / s^2 w` along depth: so
-//! four sums tell value and gradient of a field exactly, `S = sum c w`, `sum c w dx`, `sum c w dy` and `sum c w dz`. Offsets
-//! are counted from each footprint's own centre: sums of coordinates from elsewhere would lose the digits of the difference,
-//! and depend on where the tile lies. Depth has the profile that is not windowed: its derivative is that of both.
+//! A footprint `w` on a sheet has the derivatives `-Q d w`, d the offset from its centre, and `-dz / s^2 w` along
+//! depth. So four sums give the value and gradient of a field exactly: `S = sum c w`, `sum c w dx`, `sum c w dy`
+//! and `sum c w dz`. Offsets are counted from each footprint's own centre: sums of coordinates from another origin
+//! would lose digits in the difference, and depend on the tile's place. The profile in depth is not windowed, so
+//! that its derivative is that of value and gradient alike.
 
 use fearless_simd::{f32x16, prelude::*};
 

@@ -1,18 +1,19 @@
 //! The field between two planes along sixteen rays.
 //!
-//! Both planes have the sums `S` and `W` with their gradients, so that `v = S / W` is known at both ends with its slope along
-//! the ray, `v' = (S' - v W') / W`: between them it is the cubic Hermite polynomial, `O(dz^4)`; W and the coverage run linearly.
-//! The gradient runs linearly between the ends, but for its part along the ray, which is the polynomial's derivative (with
-//! the linear part alone, or light interpolated instead of gradients, sheets show as wood grain on slopes).
+//! Both planes hold the sums `S` and `W` with their gradients, so `v = S / W` and its slope along the ray,
+//! `v' = (S' - v W') / W`, are known at both ends. Between them v is the cubic Hermite polynomial, `O(dz^4)`; W and
+//! the coverage vary linearly. The gradient varies linearly between the ends, except for its part along the ray,
+//! which is the polynomial's derivative. With the linear part alone, or with interpolated lighting instead of
+//! gradients, sheets would show as wood grain on slopes.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::cubic::Cubic;
 use super::lattice_weights::{Weights, coverage};
 
-/// Weights below this lie so far outside the volume that their values count for nothing.
+/// Weights below this lie so far outside the volume that their values are ignored.
 const FADED: f32 = 0.15;
-/// Least weight that is divided by.
+/// Least divisor in place of a smaller weight.
 const LEAST_WEIGHT: f32 = 0.01;
 /// Most pieces of an interval.
 const MOST_PIECES: f32 = 8.0;
@@ -136,7 +137,8 @@ impl<S: Simd> Hermite<S> {
         ]
     }
 
-    /// Which rays may meet values from `first` to `last`, and how far the value bends within a quarter of the interval.
+    /// Rays that may meet values from `first` to `last`, and the largest bend of the value within a quarter of the
+    /// interval.
     #[inline(always)]
     pub(crate) fn may_meet(&self, simd: S, [first, last]: [f32; 2]) -> (mask32x16<S>, f32x16<S>) {
         let [a, b, c, d, e] = [

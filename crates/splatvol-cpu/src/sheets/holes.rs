@@ -1,11 +1,12 @@
 //! Holes: missing samples, which have no weight (docs/numerics.md).
 //!
-//! Planes hold `S = sum_k (c_k - b) h(x - k)` over the samples that there are. Where all of a lattice's samples are there, the weights
-//! `h` add up to W, one but at the borders; where some are missing, to `W - M`, `M = sum_k h(x - k)` over those. So the
-//! missing samples near visible ones are splatted, too, into a ring of their own with coefficients of one, and so are their
-//! moments, where gradients are analytic. Then `v = b + S / (W - M)`, coverage is `B (W - M) / W` in place of B, and light sees the
-//! gradient of `S - b M`, which differs from that of all coefficients' sum, those of missing ones 0, by nothing but the border's.
-//! A sample is splatted once, and pixels without holes are what they would be without these.
+//! Planes hold `S = sum_k (c_k - b) h(x - k)` over the existing samples. If a lattice has all its samples, the
+//! weights `h` add up to W, which is one except at the borders; if some are missing, to `W - M`,
+//! `M = sum_k h(x - k)` over the missing ones. So the missing samples near visible ones are splatted, too, into a
+//! ring of their own with coefficients of one; where gradients are analytic, with their moments. Then
+//! `v = b + S / (W - M)`, and coverage is `B (W - M) / W` in place of B. Lighting uses the gradient of `S - b M`.
+//! This is the gradient of the sum over all coefficients, the missing ones being 0, except for the border's part. A
+//! sample is splatted only once, and pixels without holes are not changed by these sums.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
@@ -17,16 +18,16 @@ use super::shade::Interval;
 use super::splat::Records;
 use super::tile::{MAX_CHANNELS, SheetScratch, take};
 
-/// Shares of the weight below this have no value of their own.
+/// Share of the weight below which a pixel has no value of its own.
 const FADED: f32 = 0.15;
-/// Least share that is divided by.
+/// Least share used as a divisor.
 const LEAST: f32 = 0.01;
 
 /// A thread's memory of missing samples.
 #[derive(Debug, Default)]
 pub(crate) struct Holes {
     pub ring: SheetRing,
-    /// Those that wait to be splatted.
+    /// Missing samples that are still to be splatted.
     pub records: Records,
     /// M and its moments on the last four sheets, by channel.
     pub planes: [[Plane; MAX_CHANNELS]; 4],
@@ -35,7 +36,7 @@ pub(crate) struct Holes {
 }
 
 impl Holes {
-    /// Gets ready for a zone of a tile: rows of the ring, its groups, and pixels of the planes of so many channels.
+    /// Prepares for a zone of a tile, with the ring's rows and groups, and the pixels and channels of the planes.
     pub(super) fn begin_zone(&mut self, (height, groups): (usize, usize), size: [usize; 2], channels: usize) {
         self.ring.reset(height, groups);
         for planes in &mut self.planes {
@@ -90,7 +91,7 @@ impl SheetScratch {
 }
 
 impl<'a> Interval<'a> {
-    /// Notes what is missing on the planes, given the background.
+    /// Sets the weights of missing samples on the planes, given the background.
     pub(super) fn leave_out(&mut self, holes: &'a Holes, background: f32) {
         self.holes = holes.weights();
         if let (Some(_), Some(gradient)) = (&self.holes, &mut self.at_eye) {
@@ -121,7 +122,7 @@ impl<'a> Interval<'a> {
         any(simd, a.max(b).max(c.max(d))).then_some(missing)
     }
 
-    /// Which of sixteen pixels lack something on the two planes between which it is.
+    /// Marks those of sixteen pixels that miss samples on the interval's two planes.
     #[inline(always)]
     pub(super) fn lacks<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> Option<mask32x16<S>> {
         let [_, near, far, _] = self.holes?;
@@ -149,8 +150,8 @@ pub(super) struct Beside<S: Simd> {
 }
 
 impl<S: Simd> Beside<S> {
-    /// Of an interval's sums, less the background; or of their means where its planes have weights of their own. `missing`: M
-    /// over W.
+    /// From an interval's sums, less the background, or from their means where its planes have weights of their
+    /// own. `missing`: M over W.
     #[inline(always)]
     pub(super) fn of(
         simd: S,
@@ -183,7 +184,7 @@ impl<S: Simd> Beside<S> {
         }
     }
 
-    /// Coverage at both ends of the interval, of which that of the volume's border is given.
+    /// Coverage at both ends of the interval, given the coverage at the volume's border.
     #[inline(always)]
     pub(super) fn covered(&self, simd: S, [near, far]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
         [
@@ -192,7 +193,7 @@ impl<S: Simd> Beside<S> {
         ]
     }
 
-    /// The same at the near end, in the middle and at the far end.
+    /// As [`Self::covered`], at the near end, in the middle and at the far end.
     #[inline(always)]
     pub(super) fn covered_along(&self, simd: S, [near, middle, far]: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
         let [a, b, c, d] = self.left;
@@ -215,7 +216,8 @@ impl<S: Simd> Beside<S> {
 /// `q share - BELOW (1 - share)`.
 const BELOW: f32 = 0.01 / 0.98;
 
-/// The same of one pixel: values on the four planes, less the background, and coverage. `divided`: sums already are.
+/// Scalar version of [`Beside`]: values on the four planes, less the background, and coverage. `divided`: the sums
+/// are means already.
 pub(super) fn beside_of(
     (sums, divided): ([f32; 4], bool),
     missing: [f32; 4],
@@ -253,7 +255,7 @@ impl Records {
         self.row[to] = other.row[from];
     }
 
-    /// Makes a copy of one of its own.
+    /// Copies one of its own records to another place.
     fn move_forward(&mut self, from: usize, to: usize) {
         for column in [
             &mut self.x,
@@ -270,7 +272,7 @@ impl Records {
         }
     }
 
-    /// Moves those of missing samples to `missing`, with coefficients of one; says whether there are any.
+    /// Moves the records of missing samples to `missing`, with coefficients of one; returns whether there are any.
     pub(super) fn part(&mut self, missing: &mut Self) -> bool {
         missing.len = 0;
         if !self.value[..self.len].contains(&f32::INFINITY) {

@@ -1,14 +1,15 @@
-//! X-ray: classified voxels are splatted as what a ray sees of them in all.
+//! X-ray: classified voxels are splatted as their integrals along the rays.
 //!
-//! The integral of a voxel's Gaussian along the ray of pixel p (per depth) is itself a Gaussian of the voxel's projected
-//! offset, of covariance `L + s_z^2 (p - t) (p - t)^T` in the names of [`splatvol_core::footprint`]: exact in perspective
-//! too, the length of the ray aside, which is applied in the end. So no voxel needs more than one sheet, and the four
-//! lanes of a pixel hold extinction and emission instead of four sheets. p is taken from the tile's middle; what a pixel's
-//! own covariance has in addition, D, is made up for as heat spreads, `I + D : grad grad I / 2`, at the pixel's mean depth.
+//! The integral of a voxel's Gaussian along the ray of pixel p (per depth) is itself a Gaussian of the voxel's
+//! projected offset, of covariance `L + s_z^2 (p - t) (p - t)^T` in the notation of [`splatvol_core::footprint`].
+//! It is exact in perspective, too, except for the length of the ray, which is applied at the end. So a voxel needs
+//! only one sheet, and the four lanes of a pixel hold extinction and emission instead of four sheets. p is taken
+//! from the tile's middle. The excess covariance D of a pixel is compensated as heat spreads, by
+//! `I + D : grad grad I / 2`, at the pixel's mean depth.
 //!
-//! Voxels still come slab by slab: footprints have their slab's size, centres and masses are their own. For the mean depth a second
-//! block per pixel sums `A = sum_s (s' - s) E_s`, `E_s` what has been added up to slab s and s' the slab after it; what all
-//! slabs hold times their index is then `s_last E - A`.
+//! Voxels still enter slab by slab: footprints have their slab's size but their own centres and masses. For the
+//! mean depth a second block per pixel sums `A = sum_s (s' - s) E_s`, with `E_s` the sum up to slab s and s' the
+//! next slab. The sum over all slabs of content times index is then `s_last E - A`.
 
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
 use splatvol_core::bin::TileRect;
@@ -36,7 +37,7 @@ use crate::simd::math::exp2_of;
 pub(crate) struct Integral<'a> {
     pub bricks: ClassifiedBricks<'a>,
     pub shapes: RayShapes,
-    /// How far a voxel reaches in depth, world length.
+    /// Reach of a voxel in depth, world length.
     pub depth_reach: f64,
 }
 
@@ -53,7 +54,7 @@ impl Payload<1> for InLanes<'_> {
     }
 }
 
-/// The group that holds what voxels add up to, and the one that holds what tells their depth.
+/// Groups of the ring: sums of the voxels, and sums for their mean depth.
 const SUMS: usize = 0;
 const DEPTHS: usize = 1;
 
@@ -93,7 +94,8 @@ impl Mode<1> for Integral<'_> {
             .at(&frame.zone.raster, place.middle(), self.slab(frame, sheet).depth)
     }
 
-    /// A voxel belongs to one slab: what lies on a plane to the one before it, in another zone, too.
+    /// Depths of a slab. A voxel belongs to one slab only; on a plane, to the slab before it, also if that is in
+    /// another zone.
     fn depths(&self, frame: &SheetFrame<'_>, sheet: usize) -> [f32; 2] {
         let before = (frame.stack.first + sheet as i64 - 1) as f64 * frame.stack.spacing;
         let first = match frame.zone.eye {
@@ -246,8 +248,9 @@ impl Mode<1> for Integral<'_> {
 }
 
 impl Integral<'_> {
-    /// A slab's footprints: at its middle, but within reach of the eye at the mean depth of what is seen of a kernel there, and
-    /// in the slab that begins there, which has all kernels before it, too, at that of half a kernel.
+    /// Depth of a slab's footprints. It is the slab's middle. Within reach of the eye it is the mean depth of the
+    /// visible part of a kernel there. In the slab that begins at the eye, which also has all kernels before it, it
+    /// is the mean depth of half a kernel.
     fn slab(&self, frame: &SheetFrame<'_>, sheet: usize) -> Slab {
         let middle = slab_depth(frame, sheet);
         let sigma = self.shapes.shape.depth_sigma;
@@ -268,7 +271,8 @@ impl Integral<'_> {
         }
     }
 
-    /// Of voxels at the eye only what lies behind its depth is seen: a share of them, at the mean depth of that share.
+    /// Reduces voxels at the eye to their visible part, which lies behind its depth: a share of them, at that
+    /// share's mean depth.
     fn leave_out_before_eye(&self, frame: &SheetFrame<'_>, slab: &Slab, (records, eye): (&mut Records, f32)) {
         let depth = slab.depth as f32;
         let sigma = self.shapes.shape.depth_sigma as f32;
@@ -302,7 +306,7 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &plane[at..at + 16])
 }
 
-/// A channel's second differences around sixteen pixels, xx, 2 xy and yy, times what its covariance lacks.
+/// A channel's second differences around sixteen pixels, xx, 2 xy and yy, times the excess covariance.
 #[inline(always)]
 fn spread<S: Simd>(simd: S, plane: &Plane, at: usize, [xx, xy, yy]: [f32x16<S>; 3]) -> f32x16<S> {
     let (values, pitch) = (&plane.values, plane.pitch);
@@ -319,7 +323,7 @@ struct Pixels<'a> {
     frame: &'a SheetFrame<'a>,
     place: &'a Place,
     canvas: &'a mut Canvas,
-    /// Drift of footprints as the tile's middle sees it, and as a camera does that looks along the axis.
+    /// Drift of footprints for the tile's middle, and for a camera that looks along the axis.
     drift: [f32; 2],
     slope: [f32; 2],
     depth_sigma: f32,
@@ -354,7 +358,7 @@ impl Pixels<'_> {
         [xx + filter, (across * down - own_x * own_y) * square, yy + filter]
     }
 
-    /// Adds sixteen line integrals per depth, of those `seen`; `index`: mean index of the slab.
+    /// Adds sixteen line integrals per depth, of the lanes `seen`; `index`: mean index of the slab.
     #[inline(always)]
     fn add<S: Simd>(
         &mut self,

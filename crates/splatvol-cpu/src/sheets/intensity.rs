@@ -44,7 +44,7 @@ pub(crate) struct RayValues<'a, K> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece<S: Simd> {
     pub values: Cubic<S>,
-    /// Where it is not one.
+    /// Coverage, where it is not one.
     pub coverage: Option<Parabola<S>>,
     /// Camera depth of the near end, and to the far one.
     pub depth: f32,
@@ -61,7 +61,7 @@ pub(crate) trait Kept: Sync {
     fn settle<S: Simd>(simd: S, canvas: &mut Canvas, pixel: usize);
 }
 
-/// The largest or smallest value: its rank in `color[0]`, where it is first reached in `depth_sum`.
+/// The largest or smallest value: its rank in `color[0]`, and the depth where it is first reached in `depth_sum`.
 #[derive(Debug)]
 pub(crate) struct Extreme<E>(PhantomData<E>);
 
@@ -75,7 +75,7 @@ fn load<S: Simd>(simd: S, plane: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &plane[at..at + 16])
 }
 
-/// The value of a sum, or where that has none what continues the interval.
+/// The value of a sum; where its weight is too small, `straight`, which continues the interval.
 #[inline(always)]
 fn or_straight<S: Simd>(simd: S, sum: f32x16<S>, shares: &Shares<S>, straight: f32x16<S>) -> f32x16<S> {
     shares.is_faded(simd).select(straight, sum * shares.per_weight)
@@ -165,7 +165,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
         }
     }
 
-    /// The interval behind a sheet, and the pixels where it holds something. `at_eye`: as [`SheetScratch::at_eye`].
+    /// The interval behind a sheet, and its non-empty pixels. `at_eye`: as [`SheetScratch::at_eye`].
     pub(crate) fn interval<'p>(
         &self,
         frame: &SheetFrame<'_>,
@@ -175,7 +175,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
         interval(&self.shader, frame, at, planes)
     }
 
-    /// Takes an interval's values to what the canvas has.
+    /// Merges an interval's values into the canvas.
     #[inline(always)]
     pub(crate) fn keep<S: Simd>(
         &self,
@@ -200,7 +200,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
         }
     }
 
-    /// Makes pixels of what was kept.
+    /// Converts the reduced values to pixels.
     #[inline(always)]
     pub(crate) fn finish<S: Simd>(&self, simd: S, canvas: &mut Canvas) {
         self.colors.finish::<S, K>(simd, canvas);
@@ -280,7 +280,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
 #[derive(Debug)]
 pub(crate) struct ValueColors<'a> {
     table: &'a ClassificationTable,
-    /// World length whose opacity a value has.
+    /// World length over which a value's opacity is taken.
     unit_distance: f32,
 }
 
@@ -324,7 +324,7 @@ impl<'a> ValueColors<'a> {
     }
 }
 
-/// Where the planes beside an interval's own leave the volume: in the middle, before and behind.
+/// Border on the planes beside an interval's own: in the middle, before and behind.
 #[derive(Debug)]
 struct Around {
     middle: BorderPlane,

@@ -1,11 +1,12 @@
-//! Weights of the lattice: what kernels add up to where the lattice ends, and the box's share of them.
+//! Weights of the lattice: sums of the kernels near the lattice's faces, and the box's share of them.
 //!
-//! `W(x) = sum_k h(x - k)` over the points of a box is the product over its axes of `w(x) = sum_j phi((x - j) / s) / s`, phi
-//! the normal density and s the low-passed kernel's standard deviation along the axis; its gradient follows from
-//! `w'(x) = -sum_j (x - j) phi((x - j) / s) / s^3`. A low-pass ties axes together by a covariance c, which to first order
-//! adds `c dw/da dw/db` (the density's derivative by c is its mixed second derivative). Coverage is docs/numerics.md's:
-//! `B = prod_a Phi((x_a + 1/2) / s_a) - Phi((x_a - n_a + 1/2) / s_a)`. Only vectors of pixels near a face are asked for;
-//! elsewhere both are one, and the gradient is zero.
+//! `W(x) = sum_k h(x - k)` over the points of a box is the product over its axes of
+//! `w(x) = sum_j phi((x - j) / s) / s`, phi the normal density and s the low-passed kernel's standard deviation
+//! along the axis. Its gradient follows from `w'(x) = -sum_j (x - j) phi((x - j) / s) / s^3`. A low-pass couples
+//! axes by a covariance c, which to first order adds `c dw/da dw/db` (the density's derivative by c is its mixed
+//! second derivative). Coverage is that of docs/numerics.md:
+//! `B = prod_a Phi((x_a + 1/2) / s_a) - Phi((x_a - n_a + 1/2) / s_a)`. Only vectors of pixels near a face are
+//! evaluated; elsewhere both are one, and the gradient is zero.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::{Affine3A, DAffine3, DVec3, Vec3, Vec3A};
@@ -15,12 +16,12 @@ use crate::simd::math::exp2_quick;
 
 /// Standard deviations from a face beyond which it does not matter.
 const REACH: f32 = 4.2;
-/// Standard deviations at which sums over the lattice are cut.
+/// Cut of sums over the lattice, standard deviations.
 const CUT: f32 = 4.5;
 /// Largest exponent of a term, to base 2.
 const FARTHEST: f32 = -120.0;
 
-/// The lattice and the volume's box as camera space sees them.
+/// The lattice and the volume's box in camera space.
 #[derive(Debug, Clone)]
 pub(crate) struct LatticeWeights {
     /// Voxels from the first sample.
@@ -136,7 +137,7 @@ impl LatticeWeights {
         }
     }
 
-    /// Whether no point between two comes near a face along an axis.
+    /// Whether all points between two are far from the faces along an axis.
     #[inline(always)]
     fn is_inside(&self, axis: usize, plane: &WeightPlane, [from, to]: [Vec3A; 2]) -> bool {
         let reach = REACH * plane.sigma[axis];
@@ -144,7 +145,7 @@ impl LatticeWeights {
         low + 0.5 >= reach && self.size[axis] - 0.5 - high >= reach
     }
 
-    /// Whether sixteen pixels of a plane from (x, y) on come near a face.
+    /// Whether sixteen pixels of a plane from (x, y) on are near a face.
     #[inline(always)]
     pub(crate) fn is_near(&self, plane: &WeightPlane, [x, y]: [usize; 2]) -> bool {
         let ends = plane.sixteen([x, y]);

@@ -1,11 +1,12 @@
-//! Layer: a part of a scene on its way through a tile, and the loop that takes all layers through it.
+//! Layer: state of a part of a scene in a tile, and the loop over all layers of the tile.
 //!
-//! All layers of a scene lie on the same planes. Sheet by sheet each takes in what its splats leave there; of what lies between
-//! two planes each gives its material, which is put together on the canvas ([`Canvas::gather`]) and composited once. A layer
-//! that is alone goes straight to the canvas, and makes the same picture as among others that do not reach its pixels.
+//! All layers of a scene lie on the same planes. Sheet by sheet each layer splats its voxels. For each interval
+//! between two planes the layers add their materials to the canvas ([`Canvas::gather`]), which composites them
+//! once. A single layer is composited directly, and gives the same picture as among other layers that do not reach
+//! its pixels.
 //!
-//! Layers are cut into zones of depth (`splatvol_core::plan`) each by itself: one that enters its next zone makes the planes before the one
-//! at hand again, in that zone's raster, while the others wait.
+//! Each layer is cut into its own zones of depth (`splatvol_core::plan`). A layer that enters its next zone
+//! rebuilds the planes before the current one in that zone's raster, while the others wait.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -26,24 +27,25 @@ const AHEAD: usize = 3;
 
 /// A part of a scene in a tile.
 pub(crate) trait TileLayer<S: Simd> {
-    /// The first plane that can hold anything of this layer; planes are counted from depth 0 ([`splatvol_core::sheets::Planes`]).
+    /// The first plane that this layer can reach; planes are counted from depth 0
+    /// ([`splatvol_core::sheets::Planes`]).
     fn first(&self) -> i64;
 
-    /// The first plane, from this one on, at which there is anything to do.
+    /// The first plane, from this one on, that needs work.
     fn next(&self, plane: i64) -> Option<i64>;
 
-    /// Goes on to the zone of a plane: what is left of the last zone comes to the canvas, and the planes before this one that
-    /// both need are made again.
+    /// Enters the zone of a plane: composites the rest of the last zone, and rebuilds the planes before this one
+    /// that both zones need.
     fn go_on_to(&mut self, simd: S, plane: i64, canvas: &mut Canvas, work: &mut SheetWork);
 
-    /// Splats what enters a plane, and takes the plane out of the ring.
+    /// Splats the voxels that enter a plane, and takes the plane out of the ring.
     fn splat(&mut self, simd: S, plane: i64, work: &mut SheetWork);
 
-    /// Puts what lies between the last plane but two and the one behind it on the canvas: the plane that was taken last is the
-    /// one that slopes need.
+    /// Composites the interval between the last plane but two and the one behind it; slopes need the plane that was
+    /// taken last.
     fn shade(&mut self, simd: S, plane: i64, canvas: &mut Canvas);
 
-    /// Makes pixels of what the canvas has in the end.
+    /// Converts the final canvas to pixels.
     fn finish(&mut self, simd: S, canvas: &mut Canvas);
 
     /// Which of the tile's pixels are still open.
@@ -57,11 +59,11 @@ pub(crate) struct ModeLayer<'a, M, const N: usize> {
     mode: &'a M,
     scratch: &'a mut SheetScratch,
     tile: usize,
-    /// Which zone it is in, and what tiles share there.
+    /// Index of the current zone, and its frame.
     zone: usize,
     frame: SheetFrame<'a>,
     place: Place,
-    /// The first of the tile's bricks that is not open yet, and the first that is not fetched.
+    /// The tile's first unopened brick, and the first that is not prefetched.
     next: usize,
     fetched: usize,
     /// Sheets since the last voxel: when the ring and the planes are empty, sheets are skipped.
@@ -69,7 +71,7 @@ pub(crate) struct ModeLayer<'a, M, const N: usize> {
 }
 
 impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
-    /// The layer at the beginning of a tile; `None` where all of it is behind the camera.
+    /// A layer at the start of a tile; `None` where all of it is behind the camera.
     pub(crate) fn new(
         (picture, mode): (&'a ZonedFrame<'a>, &'a M),
         tile: usize,
@@ -96,7 +98,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         Some(layer)
     }
 
-    /// Gets ready for the zone at hand.
+    /// Prepares for the current zone.
     fn begin_zone(&mut self) {
         let Self { frame, mode, .. } = self;
         self.place = Place::new(self.picture.plan.tiles.rect(self.tile), frame.step);
@@ -115,7 +117,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         (sheet <= self.frame.zone.last_sheet).then_some(sheet)
     }
 
-    /// The first plane of this zone, from this one on, at which there is anything to do.
+    /// The first plane of this zone, from this one on, that needs work.
     fn next_here(&self, plane: i64) -> Option<i64> {
         let first = self.frame.stack.first;
         let plane = plane.max(first);
@@ -129,7 +131,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         (next <= self.frame.zone.last_plane()).then_some(next)
     }
 
-    /// The same of the zones behind it.
+    /// The first such plane of the zones behind it.
     fn next_behind(&self, plane: i64) -> Option<i64> {
         let mut behind = self.picture.plan.zones().iter().skip(self.zone + 1);
         behind.find_map(|ZonePlan { zone, lists, .. }| {
@@ -168,7 +170,7 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         }
     }
 
-    /// Leaves a zone: what it has left goes to the canvas.
+    /// Leaves a zone, and composites the rest of it.
     fn leave<S: Simd>(&mut self, simd: S, canvas: &mut Canvas) {
         simd.vectorize(
             #[inline(always)]
@@ -280,7 +282,7 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
     }
 }
 
-/// Takes layers through a tile, plane by plane, front to back, unless `stop` is set meanwhile.
+/// Renders the layers of a tile, plane by plane, front to back, unless `stop` is set meanwhile.
 pub(crate) fn render<S: Simd>(
     simd: S,
     (termination, stop): (f32, &AtomicBool),
@@ -319,7 +321,7 @@ pub(crate) fn render<S: Simd>(
     work
 }
 
-/// Composites what the layers gathered of an interval, and closes the pixels that it finishes.
+/// Composites the gathered materials of an interval, and closes the pixels that it finishes.
 fn settle<S: Simd>(simd: S, termination: f32, layers: &mut [&mut dyn TileLayer<S>], canvas: &mut Canvas) {
     simd.vectorize(
         #[inline(always)]

@@ -1,8 +1,8 @@
-//! Layers: the parts of a scene that are rendered together, each by its own mode, on planes that all of them share.
+//! Layers: parts of a scene that are rendered together on common planes, each in its own mode.
 //!
-//! A volume is a layer of its own, whatever its classification, and so is a mesh that is classified behind its kernels; what is
-//! classified already shares one, the cloud. A layer has
-//! its own raster, kernel, filter and table; common are the planes, the tiles and what pixels have in the end.
+//! A volume is a layer of its own, whatever its classification, and so is a post-classified mesh. All
+//! pre-classified items share one layer, the cloud. Each layer has its own raster, kernel, filter and table; the
+//! planes, the tiles and the final pixels are common.
 
 use std::sync::atomic::AtomicBool;
 
@@ -47,7 +47,7 @@ impl Layer<'_> {
         }
     }
 
-    /// The layer at the beginning of a tile; `None` where all of it is behind the camera.
+    /// A layer at the start of a tile; `None` where all of it is behind the camera.
     fn begin<'t, S: Simd>(
         &'t self,
         tile: usize,

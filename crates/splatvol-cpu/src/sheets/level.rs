@@ -1,9 +1,9 @@
-//! Levels of detail: the volume and its halves, each with what a transfer function needs of it.
+//! Levels of detail: the volume and its halves, each with the data that a transfer function needs.
 //!
-//! A level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume; within a quarter of an octave
-//! of the change both levels are rendered and blended, so that no change is seen. Minified volumes are anti-aliased by their
-//! mips, and cost what their pixels cost. Classified voxels and analytic gradients have no levels: they are anti-aliased by the
-//! filter alone.
+//! The level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume. Within a quarter of
+//! an octave of a change both levels are rendered and blended, so that the change is invisible. Minified volumes
+//! are anti-aliased by their mips, and cost in proportion to their pixels. Classified voxels and analytic gradients
+//! have no levels: they are anti-aliased by the filter alone.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,15 +28,15 @@ const BLEND: f64 = 0.25;
 /// Which voxels a picture needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// Those around visible values of the field.
+    /// Voxels around visible values of the field.
     Visible,
-    /// Those around values of the field that are as large as some visible one: a larger one hides it.
+    /// Voxels around values of the field at least as large as some visible one, which a larger value hides.
     Largest,
-    /// Those around values of the field that are as small as some visible one.
+    /// Voxels around values of the field at least as small as some visible one.
     Smallest,
-    /// All: each has a share in the mean.
+    /// All voxels: each contributes to the mean.
     All,
-    /// Those that are visible themselves.
+    /// Voxels that are visible themselves.
     Classified,
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct Level {
     pub field: FieldStore,
     pub table: ShadeTable,
     pub classification: ClassificationTable,
-    /// Bricks with visible voxels, where those are wanted.
+    /// Bricks with visible voxels, if needed.
     pub visible: Vec<u32>,
     /// Smallest and largest visible value.
     pub hull: [f32; 2],
@@ -113,7 +113,7 @@ impl Level {
         self.find(stop);
     }
 
-    /// Finds what is needed.
+    /// Finds the needed voxels.
     fn find(&mut self, stop: &AtomicBool) {
         let visible = VisibleLevels::new(&self.classification);
         self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
@@ -133,12 +133,12 @@ impl Level {
     }
 }
 
-/// Whether coefficients interpolate the samples: of classified voxels there are none.
+/// Whether coefficients interpolate the samples; classified voxels have no coefficients.
 fn interpolates(settings: &RenderSettings<SheetSettings>) -> bool {
     settings.method.prefilter || settings.method.splats_colors()
 }
 
-/// A volume's levels, made as they are wanted.
+/// A volume's levels, made on demand.
 #[derive(Debug)]
 pub(crate) struct Pyramid {
     kernel: SheetKernel,
@@ -149,7 +149,7 @@ pub(crate) struct Pyramid {
     levels: Vec<Option<Level>>,
 }
 
-/// Which level is rendered, and how much of the next coarser one is blended in.
+/// Level to render, and the share of the next coarser one to blend in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Detail {
     pub level: usize,
@@ -157,7 +157,7 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
-    /// The volume as it is.
+    /// The full resolution.
     pub(crate) const FINEST: Self = Self {
         level: 0,
         coarser: 0.0,
@@ -220,7 +220,7 @@ impl Pyramid {
         samples + levels.sum::<usize>()
     }
 
-    /// The samples of a level; those of the last that can be made.
+    /// The samples of a level, or of the last one that can be made.
     ///
     /// # Errors
     /// Samples that cannot be read.

@@ -1,9 +1,9 @@
-//! Which pixels of a tile are still open, and which footprints reach none of them: what lies behind finished pixels is not
-//! splatted.
+//! Open mask: the open pixels of a tile, and the footprints that reach one. Splats behind finished pixels are
+//! skipped.
 //!
-//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits, so that "does a footprint of n x n
-//! blocks that begins here touch an open pixel, or one whose derivatives need it" is answered for all places at once, by
-//! shifting rows of bits over each other: a voxel then tests one bit.
+//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits. Shifting rows of bits over each
+//! other tells for all places at once whether a footprint of n x n blocks that begins there touches an open pixel,
+//! or a pixel whose derivatives an open one needs. A voxel then tests one bit.
 
 use splatvol_core::plan::MAX_BLOCKS;
 
@@ -23,7 +23,7 @@ const WORDS: usize = 4;
 pub(crate) struct OpenMask {
     /// Open pixels of the tile, row by row.
     pixels: [u128; MAX_EDGE],
-    /// How many there are.
+    /// Number of open pixels.
     open: usize,
     /// Octaves from raster points to pixels.
     octaves: u32,
@@ -33,7 +33,7 @@ pub(crate) struct OpenMask {
     needed: [u128; ROWS],
     /// First blocks of footprints that reach a needed block, in words of 32.
     reached: [u32; ROWS * WORDS],
-    /// Blocks along the edge of the footprints that `reached` is of; 0 where it is out of date.
+    /// Blocks along the edge of the footprints for which `reached` was computed; 0 where it is out of date.
     size: usize,
     /// True once any pixel is finished.
     pub any_finished: bool,
@@ -93,7 +93,7 @@ impl OpenMask {
         self.open == 0
     }
 
-    /// Brings up to date what footprints of `size` x `size` blocks reach.
+    /// Updates `reached` for footprints of `size` x `size` blocks.
     pub(crate) fn refresh(&mut self, size: usize) {
         if self.size == size {
             return;
@@ -131,7 +131,7 @@ impl OpenMask {
         }
     }
 
-    /// A pixel needs itself and the pixels beside it.
+    /// Marks the open pixels and the pixels beside them.
     fn find_needed_pixels(&mut self) {
         const FIRST: usize = MAX_BLOCKS + HALO / BLOCK_EDGE;
         for (y, &row) in self.pixels.iter().enumerate().filter(|(_, row)| **row != 0) {
@@ -143,8 +143,8 @@ impl OpenMask {
         }
     }
 
-    /// A pixel needs the coefficients of the splines that reach it and the pixels beside it: between raster points i and
-    /// i + 1, those from i - 2 to i + 3.
+    /// Marks the coefficients of splines that reach an open pixel or the pixels beside it: between raster points i
+    /// and i + 1, those from i - 2 to i + 3.
     fn find_needed_points(&mut self) {
         const FIRST: usize = MAX_BLOCKS + RASTER_HALO / BLOCK_EDGE;
         for (y, &row) in self.pixels.iter().enumerate().filter(|(_, row)| **row != 0) {
@@ -198,7 +198,7 @@ impl OpenMask {
         all == bits
     }
 
-    /// Whether a footprint whose first block is this one, of [`OpenMask::refresh`]'s size, reaches a needed block.
+    /// Whether a footprint of [`OpenMask::refresh`]'s size, with this first block, reaches a needed block.
     #[inline(always)]
     pub(crate) fn reaches(&self, column: u32, row: u32) -> bool {
         let word = row as usize * WORDS + (column / 32) as usize;

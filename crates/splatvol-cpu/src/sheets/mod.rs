@@ -1,4 +1,4 @@
-//! Sheets: kernels summed on planes, which are then composited.
+//! Sheets: kernels are summed on planes, and the planes composited.
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
@@ -17,9 +17,9 @@
 //! | | `classified`, `integral`, `slab` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
-//! `engine` keeps what lasts from frame to frame, `layer` takes the layers of a tile through these stages (several in a
-//! `scene`, as `layers`), `canvas` puts their material together, `cloud` splats kernels of their own shapes; what differs
-//! between post-classification and the others is a `mode`.
+//! `engine` keeps state from frame to frame. `layer` runs the layers of a tile through these stages (several in a
+//! `scene`, as `layers`), `canvas` composites their material, and `cloud` splats kernels of their own shapes. A
+//! `mode` holds the differences between post-classification and the others.
 #![allow(
     clippy::needless_range_loop,
     reason = "iterators over several arrays need closures, which do not inline into code for vectors"

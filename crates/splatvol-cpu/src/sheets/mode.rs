@@ -31,7 +31,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
     /// The payload, given the classified voxels of the open bricks.
     fn payload(classified: &Classified) -> Self::Payload<'_>;
 
-    /// Gets an empty canvas ready.
+    /// Prepares an empty canvas.
     fn begin(&self, _: &mut Canvas) {}
 
     /// Opens a brick of a grid. Writes its voxels' values, NaN where there is nothing to splat, and their payloads
@@ -47,7 +47,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         values.fill(f32::NAN);
     }
 
-    /// Opens whatever a list's entry stands for, unless finished pixels hide it.
+    /// Opens the brick of a list entry, unless finished pixels hide it.
     #[inline(always)]
     fn open_brick<S: Simd>(
         &self,
@@ -63,15 +63,15 @@ pub(crate) trait Mode<const N: usize>: Sync {
         scratch.open_lattice(simd, (frame, self), brick, blocks);
     }
 
-    /// Gets memory of its own ready for a zone of a tile.
+    /// Prepares memory of its own for a zone of a tile.
     fn reset(&self, _: &SheetFrame<'_>, _: &mut SheetScratch) {}
 
-    /// Whether anything that was opened has not been splatted altogether.
+    /// Whether any open brick has voxels left to splat.
     fn waits(&self, scratch: &SheetScratch) -> bool {
         !scratch.open.is_empty()
     }
 
-    /// Splats what enters a sheet.
+    /// Splats the voxels that enter a sheet.
     #[inline(always)]
     fn enter<S: Simd>(
         &self,
@@ -92,12 +92,12 @@ pub(crate) trait Mode<const N: usize>: Sync {
         lattice_window(frame, place, (&shape, self.depths(frame, sheet)))
     }
 
-    /// Whether samples may be missing: voxels whose values are infinite.
+    /// Whether samples may be missing; their voxels have infinite values.
     fn has_holes(&self) -> bool {
         false
     }
 
-    /// Fetches from memory what opening a brick will need soon.
+    /// Prefetches the data for opening a brick.
     #[inline(always)]
     fn touch(&self, _brick: usize) {}
 
@@ -111,7 +111,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         N
     }
 
-    /// The footprint that stands for those of all voxels that enter a sheet.
+    /// Common footprint of all voxels that enter a sheet.
     fn shape(&self, frame: &SheetFrame<'_>, _: &Place, sheet: usize) -> SheetShape {
         let middle = sheet + frame.groups * LANES / 2;
         frame.sheets[middle.min(frame.sheets.len() - 1)]
@@ -128,7 +128,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         GroupShape::new(frame.sheets, sheet as isize, group, frame.groups)
     }
 
-    /// Gets records ready to be splatted; `first` where they are the first that enter the sheet.
+    /// Prepares records for splatting; `first` if they are the first that enter the sheet.
     #[inline(always)]
     fn prepare<S: Simd>(
         &self,
@@ -151,7 +151,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         take_planes::<S, N>(simd, frame, (place, sheet), scratch);
     }
 
-    /// Takes what lies between a sheet and the next to the canvas, and closes the pixels that it finishes.
+    /// Composites the interval between a sheet and the next, and closes the pixels that it finishes.
     fn shade<S: Simd>(
         &self,
         simd: S,
@@ -161,7 +161,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         canvas_and_scratch: (&mut Canvas, &mut SheetScratch),
     );
 
-    /// Takes what a zone leaves in the ring to the canvas.
+    /// Composites the rest of a zone from the ring.
     #[inline(always)]
     fn leave<S: Simd>(
         &self,
@@ -172,7 +172,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
     ) {
     }
 
-    /// Makes pixels of what the canvas has in the end.
+    /// Converts the final canvas to pixels.
     #[inline(always)]
     fn finish<S: Simd>(&self, _: S, _: &ZonedFrame<'_>, _: &TileRect, _: &mut Canvas) {}
 }

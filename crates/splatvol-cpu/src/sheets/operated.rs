@@ -50,9 +50,9 @@ struct Surface {
 pub(crate) struct Face {
     /// World axes.
     normal: Vec3,
-    /// Share of what is lit that lies on the face, 0 to 1.
+    /// Share of the lit material that lies on the face, 0 to 1.
     share: f32,
-    /// Light that is left of what reached the face.
+    /// Transmittance from the face on.
     through: f32,
     /// The interval in which it was last seen.
     sheet: usize,
@@ -88,7 +88,7 @@ impl Faces {
     }
 }
 
-/// A pixel of the canvas, while it is worked on.
+/// State of a pixel during shading.
 struct Ink {
     through: f32,
     color: Vec3,
@@ -132,7 +132,7 @@ impl Ink {
         canvas.depth_sum[pixel] = self.depth_sum;
     }
 
-    /// Puts something that lets this share of the light through behind what there is.
+    /// Composites a colour with a transmittance behind the pixel.
     fn add(&mut self, color: Vec3, through: f32, depth: f32) {
         let share = self.through * (1.0 - through);
         self.color += color * share;
@@ -142,7 +142,7 @@ impl Ink {
 }
 
 impl<'a> Operated<'a> {
-    /// `None` where nothing of this is asked. `mean_spacing`: world length; values lie in the range.
+    /// `None` without operators, clips and isosurfaces. `mean_spacing`: world length; values lie in the range.
     pub(crate) fn new(
         asked: &Asked<'a>,
         mean_spacing: f64,
@@ -312,7 +312,7 @@ impl<'a> Operated<'a> {
         }
     }
 
-    /// Runs the operators; false where nothing is left to see.
+    /// Applies the operators; false if the result is invisible.
     fn operate(&self, sample: &SheetSample, appearance: &mut Appearance) -> bool {
         for operator in self.operators {
             operator.apply(sample, appearance);
@@ -321,7 +321,7 @@ impl<'a> Operated<'a> {
         appearance.extinction > 0.0
     }
 
-    /// The colour that is seen.
+    /// The lit colour.
     fn light(&self, shader: &PlaneShader<'_>, appearance: &Appearance) -> Vec3 {
         let Lit { diffuse, specular } = shader.phong.as_ref().map_or(Lit::PLAIN, |phong| {
             let normal = self.units.world_from_camera.matrix3.transpose() * appearance.normal;

@@ -1,7 +1,7 @@
 //! A pixel between two planes: value, coverage, gradient and place along its ray.
 //!
-//! The same as `shade`, one pixel at a time: the value is the cubic through both planes, the gradient the planes' central
-//! differences across the ray and a difference of four planes along it.
+//! A scalar version of `shade`: the value is the cubic through both planes, and the gradient consists of the
+//! planes' central differences across the ray and a difference of four planes along it.
 
 use glam::{Affine3A, Vec3};
 use splatvol_scene::SheetSample;
@@ -16,7 +16,7 @@ use super::shade::{Interval, PlaneShader, depth_slope_of};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Units {
     pub world_from_camera: Affine3A,
-    /// Data value of 0, and of 1 less that.
+    /// Data value at 0, and the difference from there to 1.
     pub lowest: f32,
     pub range: f32,
 }
@@ -36,7 +36,7 @@ pub(crate) struct Pixel {
     pub cubic: Cubic,
     /// Values at both ends.
     ends: [f32; 2],
-    /// Sums of the planes before, at both ends, and behind, whose slope light sees: values, but beside holes.
+    /// Sums of the four planes, for the slope that lighting uses: the values, except beside holes.
     whole: [f32; 4],
     coverage: [f32; 2],
     /// Differences across the ray on both planes, per world length.
@@ -54,7 +54,7 @@ pub(crate) struct Pixel {
 }
 
 impl Pixels<'_> {
-    /// The pixel at x, y of the tile; `None` where it cannot show anything.
+    /// The pixel at x, y of the tile; `None` where it is invisible.
     pub(crate) fn get(&self, [x, y]: [usize; 2]) -> Option<Pixel> {
         let Self { shader, interval, .. } = self;
         let [before, near, far, after] = interval.planes;

@@ -4,7 +4,7 @@ use fearless_simd::{f32x16, f64x8, prelude::*};
 
 use super::ring::{Area, BLOCK_EDGE, Block, LANES, SheetRing};
 
-/// Pixels around a tile whose values its pixels' derivatives need; even, as blocks are.
+/// Width of the border of pixels that derivatives need around a tile; even, to hold whole blocks.
 pub(crate) const HALO: usize = 2;
 /// Vectors may read and write this far behind a row.
 const PADDING: usize = 64;
@@ -62,7 +62,7 @@ impl Plane {
         self.filled = None;
     }
 
-    /// Zeroes what is filled.
+    /// Zeroes the filled part.
     pub(crate) fn clear(&mut self) {
         if let Some(span) = self.filled.take() {
             for y in span.y0..span.y1 {
@@ -71,7 +71,7 @@ impl Plane {
         }
     }
 
-    /// Takes sheet `slot` out of the ring, leaving zeros there. `apron`: blocks before the plane's first pixel;
+    /// Takes sheet `slot` out of the ring and zeroes it there. `apron`: blocks before the plane's first pixel;
     /// `size`: the plane's pixels.
     #[inline(always)]
     pub(crate) fn take<S: Simd>(

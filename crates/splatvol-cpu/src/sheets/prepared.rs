@@ -1,6 +1,8 @@
-//! Prepared volumes: those of the scene at hand, and of earlier scenes those last used, as long as they fit into a budget.
+//! Cache of prepared volumes: those of the current scene, and the last used ones of earlier scenes within a memory
+//! budget.
 //!
-//! Whoever switches between a few volumes finds them ready; whoever goes through hundreds keeps no more memory than allowed.
+//! Switching between a few volumes finds them prepared; going through hundreds takes no more memory than the
+//! budget.
 
 use std::sync::Arc;
 
@@ -8,14 +10,14 @@ use splatvol_scene::{RenderSettings, SheetSettings, Volume};
 
 use super::level::Pyramid;
 
-/// Bytes for volumes of earlier scenes, where nobody says how many.
+/// Default budget for volumes of earlier scenes, bytes.
 pub(crate) const SPARE: usize = 1 << 30;
 
-/// Prepared volumes, those of the scene at hand first, then the others, the last used first.
+/// Prepared volumes: those of the current scene, then the others, last used first.
 #[derive(Debug)]
 pub(crate) struct Prepared {
     pyramids: Vec<Pyramid>,
-    /// How many are of the scene at hand.
+    /// Number of volumes of the current scene.
     own: usize,
     spare: usize,
 }
@@ -27,7 +29,7 @@ impl Default for Prepared {
 }
 
 impl Prepared {
-    /// Nothing yet; `spare`: bytes for volumes of earlier scenes.
+    /// An empty cache; `spare`: bytes for volumes of earlier scenes.
     pub(crate) fn with_spare(spare: usize) -> Self {
         Self {
             pyramids: Vec::new(),
@@ -36,7 +38,7 @@ impl Prepared {
         }
     }
 
-    /// The volumes of a scene, in its order. Others are freed before any of these takes memory.
+    /// The volumes of a scene, in its order. Other volumes are freed before any of these allocates memory.
     pub(crate) fn of_scene<'v>(
         &mut self,
         volumes: impl Iterator<Item = &'v Arc<Volume>>,

@@ -1,9 +1,9 @@
 //! The ring of open sheets of a tile: four sheets interleaved in every pixel.
 //!
-//! A voxel is splatted once into all the sheets that it reaches. Blocks hold 2 x 2 pixels by four sheets, one 512-bit
-//! vector: whatever the position of a footprint, its rows and columns fill whole aligned vectors, and the store traffic,
-//! which bounds splatting, is a quarter of a sheet-by-sheet layout's. Where a kernel reaches more than four sheets, the
-//! ring has several groups of four.
+//! A voxel is splatted once into all the sheets that it reaches. A block holds 2 x 2 pixels by four sheets in one
+//! 512-bit vector. So the rows and columns of a footprint at any position fill whole aligned vectors. The store
+//! traffic, which bounds splatting, is a quarter of that of a sheet-by-sheet layout. Where a kernel reaches more
+//! than four sheets, the ring has several groups of four.
 
 /// Sheets that a block interleaves.
 pub(crate) const LANES: usize = 4;
@@ -66,7 +66,7 @@ pub(crate) struct SheetRing {
     pub height: usize,
     /// Area written to each sheet since it was last taken.
     pub touched: Vec<Area>,
-    /// Index of the sheet before which sums over sheets are up to date, where there are such.
+    /// Index of the sheet up to which sums over sheets are complete, where there are such sums.
     pub last_sheet: f32,
 }
 

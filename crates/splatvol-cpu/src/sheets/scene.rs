@@ -1,8 +1,8 @@
-//! Scenes of several layers: what is kept of each, and a frame of all of them.
+//! Scenes of several layers: their cached data, and the rendering of a frame.
 //!
-//! Every volume has its own levels of detail, coefficients, table and footprint; what is classified already is one cloud. The
-//! planes are those that the volume with the thinnest sheets has alone, so that a volume among points is sampled as it is
-//! without them; a scene without volumes has those of the finest mesh or cloud.
+//! Every volume has its own levels of detail, coefficients, table and footprint; all pre-classified items are one
+//! cloud. The planes are those of the volume with the thinnest sheets, so that a volume among points is sampled as
+//! it is without them. A scene without volumes has the planes of the finest mesh or cloud.
 
 use splatvol_core::bin::TileGrid;
 use splatvol_core::engine::{RenderStatistics, Task};
@@ -37,7 +37,7 @@ use crate::run::Run;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LayeredScene<'a> {
     pub volumes: &'a [VolumeScene<'a>],
-    /// Meshes whose values are classified behind their kernels.
+    /// Post-classified meshes.
     pub meshes: &'a [MeshScene<'a>],
     /// Their samples, in the same order.
     pub mesh_clouds: &'a MeshStore,
@@ -47,7 +47,7 @@ pub(crate) struct LayeredScene<'a> {
 }
 
 impl LayeredScene<'_> {
-    /// Distance of planes where there are no volumes: that of the finest cloud.
+    /// Distance of planes in a scene without volumes: that of the finest cloud.
     fn spacing(&self, view: (&Camera, &RenderSettings<SheetSettings>)) -> Option<f64> {
         let clouds = self.mesh_clouds.clouds().chain(self.cloud);
         clouds.map(|cloud| own_spacing(cloud, view)).reduce(f64::min)
@@ -92,10 +92,10 @@ fn views(
 }
 
 impl SheetEngine {
-    /// Renders a scene of several layers. `start`: when work on the frame began.
+    /// Renders a scene of several layers. `start`: start time of the frame.
     ///
     /// # Errors
-    /// A picture that is given up, and samples that cannot be read.
+    /// A cancelled picture, or samples that cannot be read.
     pub(crate) fn render_layers(
         &mut self,
         run: Run<'_>,

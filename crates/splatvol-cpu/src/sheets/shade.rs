@@ -1,10 +1,11 @@
 //! Shade: two neighbouring planes, classified, lit and composited sixteen pixels at a time.
 //!
-//! Along a pixel's ray the value is the cubic through both planes with the slopes that the planes beside them give
-//! (Catmull and Rom); it is cut in the middle, and each half takes its mean extinction from the integral of the transfer
-//! function, `(K(b) - K(a)) / (b - a)`, and its colour and light where its material is: right for any transfer function,
-//! and thin bands between two planes are seen as they are. The gradient is the planes' central differences across the ray,
-//! and along it a difference of the four planes that is as soft as those. Thin intervals are not cut.
+//! Along a pixel's ray the value is the cubic through both planes with slopes from the planes beside them (Catmull
+//! and Rom). It is cut in the middle. Each half takes its mean extinction from the integral of the transfer
+//! function, `(K(b) - K(a)) / (b - a)`, and its colour and lighting at the place of its material. This is right for
+//! any transfer function, and shows thin bands between two planes as they are. The gradient consists of the planes'
+//! central differences across the ray and, along it, of a difference of the four planes with the same low-pass.
+//! Thin intervals are not cut.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::Vec3A;
@@ -24,14 +25,14 @@ use crate::simd::math::exp2_quick;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interval<'a> {
     pub planes: [&'a Plane; 4],
-    /// Weights of missing samples there, where there are any.
+    /// Weights of missing samples there, if any.
     pub holes: Option<[&'a Plane; 4]>,
-    /// Weights that the planes' values are the means by, where those are not one.
+    /// Weights by which the planes' values have been divided, where those are not one.
     pub weights: Option<[&'a Plane; 4]>,
     /// Camera depths of the second and third plane, and pixels per world length there.
     pub depths: [f32; 2],
     pub scales: [f32; 2],
-    /// Gradient at the second plane where that is at the eye, which has no differences.
+    /// Gradient at the second plane if that is at the eye, where there are no differences.
     pub at_eye: Option<[f32; 3]>,
     /// Where they leave the volume, and whether they do within the tile.
     pub borders: [BorderPlane; 2],
@@ -65,7 +66,7 @@ fn depth_slope<S: Simd>([a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f
     third * correction + (from_middle * bend + rise)
 }
 
-/// The same of one pixel.
+/// Scalar version of `depth_slope`.
 pub(crate) fn depth_slope_of([a, b, c, d]: [f32; 4], u: f32, sharpness: f32) -> f32 {
     let rise = c - b;
     let (near, far) = (a - b - b + c, b - c - c + d);
@@ -99,8 +100,9 @@ fn lit<S: Simd>(simd: S, phong: &Phong, gradient: &[Lanes16; 3]) -> [f32x16<S>; 
 }
 
 impl<'a> Interval<'a> {
-    /// Share of the third difference that makes slopes along the ray lose as much at high frequencies as the central
-    /// differences across it, so that gradients keep their direction: differences over a width w lose `(w omega)^2 / 24`.
+    /// Share of the third difference with which slopes along the ray lose as much at high frequencies as the
+    /// central differences across it. So gradients keep their direction: differences over a width w lose
+    /// `(w omega)^2 / 24`.
     pub(crate) fn sharpness(&self, spacing: f32) -> f32 {
         let width = 2.0 / (self.scales[0] * spacing);
         ((1.0 - width * width) / 24.0).max(SOFTEST)
@@ -137,8 +139,8 @@ pub(crate) struct PlaneShader<'a> {
     pub border: Border,
 }
 
-/// Vectors that are shaded together: the chain of dependent instructions of one is longer than a processor looks ahead,
-/// but those of several run side by side, stage by stage.
+/// Vectors shaded together. The chain of dependent instructions of one vector is longer than a processor's
+/// look-ahead; those of several vectors run side by side, stage by stage.
 const BATCH: usize = 8;
 
 /// Intermediate results between the shading stages, per vector.
@@ -153,10 +155,10 @@ pub(crate) struct ShadeBatch {
     color: [[Lanes16; 3]; BATCH],
     /// Where the material lies in the interval, 0 to 1.
     place: [Lanes16; BATCH],
-    /// Gradients where the material of each half is, and the share of what is seen that is in the second.
+    /// Gradients at the material of each half, and the second half's share of the visible material.
     gradients: [[[Lanes16; 3]; 2]; BATCH],
     behind: [Lanes16; BATCH],
-    /// Whether there are two halves; else the first gradient is that of the whole.
+    /// Whether the interval is cut in halves; else the first gradient is that of the whole.
     halves: [bool; BATCH],
     /// Diffuse and specular factors.
     light: [[Lanes16; 2]; BATCH],
@@ -242,8 +244,8 @@ impl PlaneShader<'_> {
         self.flush(simd, interval, target);
     }
 
-    /// Whether any of sixteen pixels can hold visible values. Only open pixels count: what finished ones hold depends on
-    /// the tile.
+    /// Whether any of sixteen pixels can hold visible values. Only open pixels count, since the contents of
+    /// finished ones depend on the tile.
     #[inline(always)]
     fn may_show<S: Simd>(
         &self,
@@ -285,7 +287,7 @@ impl PlaneShader<'_> {
         })
     }
 
-    /// The picture's first pixel on the plane of a depth, camera space, and what leads to the next along x and y.
+    /// The picture's first pixel on the plane of a depth, camera space, and the steps to the next along x and y.
     pub(crate) fn pixels(&self, depth: f32) -> [Vec3A; 3] {
         let scale = if self.per_pixel > 0.0 {
             self.per_pixel * depth
@@ -486,7 +488,7 @@ impl PlaneShader<'_> {
         }
     }
 
-    /// Puts the batch's n-th vector behind what its pixels have.
+    /// Composites the batch's n-th vector behind its pixels.
     #[inline(always)]
     fn composite<S: Simd>(&self, simd: S, near_depth: f32, target: &mut ShadeTarget<'_>, n: usize) {
         let ShadeTarget { batch, canvas, .. } = target;

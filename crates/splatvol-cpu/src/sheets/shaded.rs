@@ -98,7 +98,7 @@ pub(crate) fn show<S: Simd>(
     }
 }
 
-/// Pixels of the tile where one of the two middle planes holds something.
+/// Pixels of the tile where one of the two middle planes is not empty.
 pub(crate) fn filled(planes: [&Plane; 4], place: &Place) -> Option<Span> {
     let filled = |plane: &Plane| plane.filled.unwrap_or(Span::EMPTY);
     let span = filled(planes[1]).join(filled(planes[2]));
@@ -110,7 +110,7 @@ pub(crate) fn filled(planes: [&Plane; 4], place: &Place) -> Option<Span> {
     })
 }
 
-/// The interval behind a sheet, and the pixels where it holds something. `at_eye`: as [`SheetScratch::at_eye`].
+/// The interval behind a sheet, and its non-empty pixels. `at_eye`: as [`SheetScratch::at_eye`].
 pub(crate) fn interval<'a>(
     shader: &PlaneShader<'_>,
     frame: &SheetFrame<'_>,

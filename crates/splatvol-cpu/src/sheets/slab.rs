@@ -1,4 +1,4 @@
-//! Slab: what the voxels of one have in common where they are integrated along rays (see `integral`).
+//! Slab: data shared by its voxels where they are integrated along rays (see `integral`).
 
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::SplatConstants;
@@ -8,11 +8,12 @@ use super::splat::Records;
 /// Where the footprints of a slab's voxels are gathered.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slab {
-    /// Least depth of what is seen of them.
+    /// Least depth of their visible part.
     pub begin: f32,
-    /// Depth of the plane whose scale they have.
+    /// Depth of the plane whose scale the footprints have.
     pub depth: f64,
-    /// Footprints that lie nearer would be larger, by the depths' ratio: those of a slab have one size, but mass of their own.
+    /// Footprints of nearer voxels would be larger by the ratio of depths; in a slab they have one size, but masses
+    /// of their own.
     pub is_wider_when_near: bool,
 }
 
@@ -26,8 +27,8 @@ impl Slab {
         }
     }
 
-    /// Moves voxels to the slab's depth along their own rays. The profile in depth stands for their mass relative to the
-    /// largest: they move from where it is one.
+    /// Moves voxels to the slab's depth along their own rays. Their mass relative to the largest is expressed by
+    /// the profile in depth: their offset is zero at the largest mass.
     #[inline(always)]
     pub(crate) fn gather<S: Simd>(&self, simd: S, constants: &SplatConstants, records: &mut Records) {
         let depth = f32x16::splat(simd, self.depth as f32);

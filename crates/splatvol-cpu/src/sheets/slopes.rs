@@ -1,8 +1,9 @@
 //! Slopes: kernels and their derivatives along the rays, splatted side by side.
 //!
-//! Values of rays need of a gradient its part along the ray alone. A ray moves by t across per depth, and t is affine on a plane:
-//! `t = t_0 + k d`, d the offset from a footprint's centre, where it is `t_0`. With [`super::gradients`]' derivatives, Q the inverse of
-//! the footprint's covariance there and s the drift of its centre per depth, a voxel's term is
+//! Values along rays need only the gradient's part along the ray. A ray moves by t across per depth, and t is
+//! affine on a plane: `t = t_0 + k d`, d the offset from a footprint's centre, where it is `t_0`. With
+//! [`super::gradients`]' derivatives, Q the inverse of the footprint's covariance there and s the drift of its
+//! centre per depth, a voxel's term is
 //!
 //! `c w (-(t_0 - s + k d) . Q d - dz / s_z^2)`:
 //!

@@ -6,13 +6,13 @@
 //! `2^(a (i-u)^2 + c (i-u)(j-v) + b (j-v)^2) = C(i, j) p^i q^j 2^(a u^2 + c u v + b v^2)`,
 //! `C(i, j) = 2^(a i^2 + c i j + b j^2)`, `p = 2^(-2 a u - c v)`, `q = 2^(-2 b v - c u)`:
 //!
-//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs one or two exponentials
-//! of vectors whatever its size and shape, and every weight is exact: no table of phases, no rounding of positions. Where C
-//! is a product of a column and a row (radial kernels) each vector of pixels costs one multiply-add, otherwise one
-//! multiplication more.
+//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs one or two
+//! vector exponentials whatever its size and shape, and every weight is exact: there is no table of phases and no
+//! rounding of positions. Where C is a product of a column and a row (radial kernels) each vector of pixels costs
+//! one multiply-add, otherwise one more multiplication.
 //!
-//! Round footprints count i and j from their first block. Of an elongated one the powers would overflow there: those count
-//! from the block in the middle, and need powers that lead back, `p^-2` and `q^-2`, too.
+//! Round footprints count i and j from their first block. For an elongated footprint the powers would overflow
+//! there; it counts from the middle block, and also needs the inverse powers `p^-2` and `q^-2`.
 
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
@@ -21,7 +21,7 @@ use super::ring::{Area, Block, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
 use crate::simd::math::{exp2, exp2_quick};
 
-/// Voxels that wait to be splatted.
+/// Voxels buffered for splatting.
 pub(crate) const CAPACITY: usize = 1024;
 
 /// A column of the records: vectors may be stored behind the last one.
@@ -35,7 +35,7 @@ pub(crate) struct Records {
     pub x: Column<f32>,
     pub y: Column<f32>,
     pub z: Column<f32>,
-    /// Coefficient, or what else the mode's [`Payload`] makes something of.
+    /// Coefficient, or another number that the mode's [`Payload`] interprets.
     pub value: Column<f32>,
     /// Raster coordinates of the principal point from the footprint's middle.
     pub origin_x: Column<f32>,
@@ -71,7 +71,7 @@ const NONE_LOW: Lanes16 = Lanes16([f32::INFINITY; 16]);
 const NONE_HIGH: Lanes16 = Lanes16([-1.0; 16]);
 
 impl Records {
-    /// Notes the first blocks of footprints that are about to be added.
+    /// Stores the first blocks of footprints that are added next.
     #[inline(always)]
     pub(crate) fn join<S: Simd>(&mut self, simd: S, which: mask32x16<S>, column: f32x16<S>, row: f32x16<S>) {
         let (low, high) = (f32x16::splat(simd, f32::INFINITY), f32x16::splat(simd, -1.0));
@@ -174,13 +174,13 @@ impl Stencil {
     }
 }
 
-/// The block of a footprint whose first raster point i and j count from.
+/// The block of a footprint with the raster point from which i and j count.
 pub(crate) const fn origin_block(size: usize, ellipses: bool) -> usize {
     if ellipses { size / 2 } else { 0 }
 }
 
-/// Voxels whose powers are computed together: a voxel's chain of dependent instructions is longer than a processor
-/// looks ahead, but those of different voxels run side by side.
+/// Voxels whose powers are computed together. The chain of dependent instructions of one voxel is longer than a
+/// processor's look-ahead; those of different voxels run side by side.
 const BATCH: usize = 16;
 
 /// Powers of a batch: exponents first.
@@ -449,7 +449,7 @@ fn exponents<S: Simd>(
     }
 }
 
-/// Powers of a voxel's columns, and what leads from row to row.
+/// Powers of a voxel's columns, and the factors from row to row.
 pub(crate) struct Steps<S: Simd, const SIZE: usize> {
     pub across: [f32x16<S>; SIZE],
     /// Of the rows of the block that counting begins at.

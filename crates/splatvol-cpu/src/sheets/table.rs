@@ -1,9 +1,9 @@
 //! The transfer function, ready for vectors.
 //!
-//! While the value v runs evenly from a to b, its mean extinction is `(K(b) - K(a)) / (b - a)`, K the integral of the
-//! extinction, and the mean of the values, each as often as there is material of it, is `(M(b) - M(a)) / (K(b) - K(a))`, M the
-//! integral of v times the extinction (after Engel 2001, in one dimension). The colour is taken at that mean: it is one that
-//! can be seen, even where a thin band lies between a and b and both ends are clear.
+//! While the value v varies linearly from a to b, its mean extinction is `(K(b) - K(a)) / (b - a)`, K the integral
+//! of the extinction. The mean of the values, weighted by extinction, is `(M(b) - M(a)) / (K(b) - K(a))`, M the
+//! integral of v times the extinction (after Engel 2001, in one dimension). The colour is taken at that mean: it is
+//! a visible colour even where a thin band lies between a and b and both ends are clear.
 
 use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
 use splatvol_core::classification::ClassificationTable;
@@ -49,7 +49,8 @@ pub(crate) struct Segment<S: Simd> {
 }
 
 impl<S: Simd> Segment<S> {
-    /// Material that fills the segment, of this optical depth and transmittance, hides itself: what is seen of it lies on average
+    /// Moves the place of homogeneous material to the mean place of its visible light. Material that fills the
+    /// segment, of this optical depth t and transmittance, hides part of itself: its light comes on average from
     /// `1 / t - 1 / (e^t - 1)` behind its beginning. `ends`: values at both ends.
     #[inline(always)]
     pub(crate) fn move_forward(
@@ -150,7 +151,7 @@ fn root(value: f32, bits: u32) -> u32 {
 }
 
 impl ShadeTable {
-    /// Takes another transfer function, with the levels that it shows and the field's background.
+    /// Sets another transfer function, with its visible levels and the field's background.
     pub(crate) fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
         let (mut material, mut moment) = (0.0f64, 0.0f64);
         let node = |i: usize| FIRST + i as f32 / PER_VALUE;
@@ -176,8 +177,8 @@ impl ShadeTable {
             .min(splat(simd, CELLS as f32 - 0.01))
     }
 
-    /// Columns of the cells at sixteen positions. Rows are put together in registers: vectors read from memory just
-    /// written in pieces would have to wait for it.
+    /// Columns of the cells at sixteen positions. Rows are assembled in registers: a vector load from memory just
+    /// written in pieces would stall.
     #[inline(always)]
     fn columns<S: Simd>(&self, simd: S, position: f32x16<S>) -> [f32x16<S>; 4] {
         let cells: u32x16<S> = position.to_int();

@@ -64,9 +64,9 @@ pub(crate) struct SheetScratch {
     pub faces: Faces,
     /// Payload of the voxels of open bricks, where it is more than a number.
     pub classified: Classified,
-    /// Splats of a cloud that wait for their next plane.
+    /// Queues of a cloud's splats, by their next plane.
     pub waiting: Waiting,
-    /// Gradient of what is splatted, camera space per world length, while the nearer of two planes lies at the eye.
+    /// Gradient of the splatted sum, camera space per world length, while the nearer of two planes lies at the eye.
     pub at_eye: Option<[f32; 3]>,
 }
 
@@ -94,13 +94,13 @@ impl SheetScratch {
             + self.waiting.bytes()
     }
 
-    /// Gets ready for a tile of so many pixels.
+    /// Prepares for a tile of so many pixels.
     pub(crate) fn reset(&mut self, size: [usize; 2]) {
         self.mask.reset(size);
         self.faces.clear();
     }
 
-    /// Gets ready for a zone of a tile.
+    /// Prepares for a zone of a tile.
     pub(crate) fn begin_zone(
         &mut self,
         frame: &SheetFrame<'_>,
@@ -124,14 +124,14 @@ impl SheetScratch {
         self.groups.resize(frame.groups, GroupShape::default());
     }
 
-    /// Gets memory of missing samples ready for a zone of a tile.
+    /// Prepares memory of missing samples for a zone of a tile.
     pub(crate) fn begin_holes(&mut self, frame: &SheetFrame<'_>, place: &Place, channels: usize) {
         let ring = (ring_height(place), frame.groups * channels);
         let size = place.size.map(|n| n + 2 * HALO);
         self.holes.begin_zone(ring, size, channels);
     }
 
-    /// Memory for a brick's voxels that is free.
+    /// A free slot for a brick's voxels.
     pub(crate) fn take_slot(&mut self) -> u32 {
         self.free.pop().unwrap_or_else(|| {
             self.voxels.push(OpenVoxels::default());
@@ -374,7 +374,7 @@ impl OpenSheets<'_> {
     }
 }
 
-/// Takes a finished sheet out of the ring, as the last planes, one per number that is splatted.
+/// Takes a finished sheet out of the ring, as the last planes, one per splatted number.
 #[inline(always)]
 pub(crate) fn take_planes<S: Simd, const N: usize>(
     simd: S,

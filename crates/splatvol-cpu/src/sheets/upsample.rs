@@ -1,10 +1,10 @@
 //! Upsample: sheets of coarse rasters to pixels.
 //!
-//! Big footprints are splatted narrower onto a raster of `step` pixels, whose points are then the coefficients of a cubic
-//! B-spline: what the spline adds, a variance of a third of a raster step squared, was taken from the footprints. So the
-//! cost of a voxel does not grow with the zoom. The spline is evaluated by subdivision: its coefficients on the raster
-//! twice as fine are `(c[i-1] + 6 c[i] + c[i+1]) / 8` and `(c[i] + c[i+1]) / 2`, and at pixels its value is
-//! `(c[i-1] + 4 c[i] + c[i+1]) / 6`.
+//! Big footprints are splatted narrower onto a raster of `step` pixels, whose points are the coefficients of a
+//! cubic B-spline. The spline adds a variance of a third of a raster step squared, by which the footprints were
+//! narrowed. So the cost of a voxel does not grow with the zoom. The spline is evaluated by subdivision: its
+//! coefficients on the raster twice as fine are `(c[i-1] + 6 c[i] + c[i+1]) / 8` and `(c[i] + c[i+1]) / 2`, and at
+//! pixels its value is `(c[i-1] + 4 c[i] + c[i+1]) / 6`.
 
 use fearless_simd::{f32x16, prelude::*};
 
@@ -58,8 +58,8 @@ impl Upsampler {
     }
 }
 
-/// A raster twice as fine as another. Both begin at an even point: where the tile begins within the coarse one's first points,
-/// the finer one begins later.
+/// A raster twice as fine as another. Both begin at an even point; if the tile begins within the coarse one's first
+/// points, the finer one begins later.
 #[derive(Debug, Clone, Copy)]
 struct Finer {
     step: usize,

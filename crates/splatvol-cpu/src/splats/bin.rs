@@ -1,7 +1,8 @@
-//! Bin: splats in depth order to the lists of the tiles they may touch, by counting.
+//! Bin: adds splats in depth order to the lists of the tiles that they may touch, by counting.
 //!
-//! Parts of the order count their splats per tile, then write them where those of the parts before end. Lists are made for
-//! as many tiles at once as a fixed number of entries per splat allows, so memory is bounded however large splats are.
+//! Parts of the order count their splats per tile, then write them behind those of the parts before. The number of
+//! tiles whose lists are made at once is limited by a fixed number of entries per splat, so memory is bounded
+//! however large splats are.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -26,7 +27,7 @@ pub(crate) struct Bins {
     entries: Vec<AtomicU32>,
 }
 
-/// How many splats of a part of the order every tile has.
+/// Number of splats per tile, for each part of the order.
 pub(crate) struct Counted<'a> {
     grid: TileGrid,
     order: &'a [AtomicU64],
@@ -99,7 +100,7 @@ impl<'a> Counted<'a> {
         })
     }
 
-    /// The tiles from `first` on whose lists are made at once, one at least.
+    /// The tiles from `first` on whose lists are made at once, at least one.
     fn next_tiles(&self, first: usize) -> Range<usize> {
         let most = (self.order.len() * ENTRIES_PER_SPLAT).min(u32::MAX as usize);
         let mut sum = 0;
@@ -121,8 +122,8 @@ impl Bins {
         self.entries.capacity() * size_of::<AtomicU32>()
     }
 
-    /// Calls `consume` with the lists of all tiles, some at a time, in order, until the picture is given up: the last lists may
-    /// be wrong then.
+    /// Calls `consume` with the lists of all tiles, some at a time, in order, until the picture is cancelled; the
+    /// last lists may then be wrong.
     pub(crate) fn for_each(&mut self, mut counted: Counted<'_>, mut consume: impl FnMut(&Lists<'_>)) {
         let mut first = 0;
         while first < counted.grid.len() && !counted.stop.load(Ordering::Relaxed) {

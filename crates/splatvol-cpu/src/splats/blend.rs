@@ -22,9 +22,9 @@ pub(crate) use integral::Integral;
 pub(crate) use light::{Light, Profile};
 pub(crate) use published::Published;
 
-/// How splats become pixels.
+/// Blending of splats into pixels.
 pub(crate) trait Blend: Copy + Send + Sync {
-    /// A block that nothing was splatted to.
+    /// An empty block.
     const EMPTY: Block;
 
     /// Whether a splat of this peak is visible at all; its source defines the peak.
@@ -36,7 +36,7 @@ pub(crate) trait Blend: Copy + Send + Sync {
     /// Where a splat ends, given the stored peak: `log2(e) d^T V^-1 d / 2`.
     fn end<S: Simd>(self, simd: S, kept: f32x16<S>) -> f32x16<S>;
 
-    /// Half of the square around a splat outside which it is not drawn, pixels; covariance: xx, xy, yy.
+    /// Half the edge of the square around a splat beyond which it is not drawn, pixels; covariance: xx, xy, yy.
     #[inline(always)]
     fn square<S: Simd>(self, simd: S, _covariance: [f32x16<S>; 3]) -> f32x16<S> {
         f32x16::splat(simd, f32::MAX)
@@ -54,7 +54,7 @@ pub(crate) trait Blend: Copy + Send + Sync {
     /// Final result of the pixels of a block.
     fn resolve<S: Simd>(self, simd: S, block: &Block) -> Resolved;
 
-    /// The pixel where there is no splat.
+    /// The pixel of an empty tile.
     fn empty(self) -> [f32; 4] {
         [0.0; 4]
     }

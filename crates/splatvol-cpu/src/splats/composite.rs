@@ -1,7 +1,7 @@
 //! Composite: a tile's splats, front to back, on blocks of 4 x 4 pixels, one SIMD vector each.
 //!
-//! `blend` says what a splat does to a pixel. A block whose pixels have all ended is taken out of the tile's mask of blocks, and
-//! a tile without blocks is finished.
+//! `blend` defines the effect of a splat on a pixel. A block whose pixels have all ended is removed from the tile's
+//! mask of blocks; a tile without blocks is finished.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -13,7 +13,7 @@ use super::project::Splat;
 
 /// Pixels of a block.
 pub(crate) const LANES: usize = BLOCK * BLOCK;
-/// Splats between two looks at whether the picture is given up.
+/// Splats between two checks for cancellation.
 const PATIENCE: usize = 256 * BATCH;
 /// Positions of a block's pixels: rows of four.
 const COLUMN: [f32; LANES] = [0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.];
@@ -52,7 +52,7 @@ impl Default for Scratch {
     }
 }
 
-/// A tile's place among tiles, its blocks that lie in the picture, and what is set where the picture is given up.
+/// A tile's position among tiles, its blocks within the picture, and the cancellation flag.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place<'a> {
     pub tile: [usize; 2],
@@ -94,7 +94,7 @@ pub(crate) fn composite<S: Simd, B: Blend>(
     }
 }
 
-/// Puts a splat behind the blocks of a mask; returns those that are finished.
+/// Composites a splat behind the blocks of a mask; returns the finished ones.
 #[inline(always)]
 fn add<S: Simd, B: Blend>(
     simd: S,

@@ -102,7 +102,7 @@ fn clip(rect: Rect, tile: [usize; 2]) -> u64 {
     columns & pick(rect.rows, HALF * tile[1], [0xffff_ffff, 0xffff_ffff << 32])
 }
 
-/// The masks of those of two reference tiles, from `tile` on, that lie in a range.
+/// The masks of two reference tiles, from `tile` on, limited to a range.
 #[inline(always)]
 fn pick([first, past]: [u16; 2], tile: usize, masks: [u64; 2]) -> u64 {
     let mut picked = 0;

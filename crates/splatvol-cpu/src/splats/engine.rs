@@ -57,7 +57,7 @@ impl Cloud<'_> {
         }
     }
 
-    /// The camera depth from which on it is drawn, world length; `None` where it has none of its own.
+    /// The near limit, camera depth, world length; `None` for a cloud without one of its own.
     fn near(&self, settings: &CloudSettings) -> Option<f64> {
         match settings.near {
             Near::World(near) => Some(sane(near)),
@@ -81,7 +81,7 @@ enum Content<'a> {
 }
 
 impl SeenCloud<'_> {
-    /// Projects a range; returns how many splats can be seen.
+    /// Projects a range; returns the number of visible splats.
     fn project(
         &self,
         level: Level,
@@ -110,7 +110,7 @@ pub(crate) struct SplatEngine {
     bins: Bins,
 }
 
-/// A piece of a cloud, and where its splats go.
+/// A piece of a cloud, and the target of its splats.
 struct Chunk<'a> {
     cloud: usize,
     range: Range<usize>,
@@ -126,9 +126,10 @@ impl SplatEngine {
             + self.bins.bytes()
     }
 
-    /// A picture of all clouds together, into a frame whose memory is used again if it has the size; nonsense once it is given up.
+    /// Renders all clouds together into a frame, whose memory is reused if it has the size. After cancellation the
+    /// frame's contents are undefined.
     ///
-    /// Draws the first 2^32 - 1 splats if there should be more.
+    /// Draws only the first 2^32 - 1 splats.
     pub(crate) fn render(
         &mut self,
         run: Run<'_>,
@@ -165,7 +166,7 @@ impl SplatEngine {
         .unwrap_or_default()
     }
 
-    /// All stages; `None` where the picture was given up before the last.
+    /// Runs all stages; `None` if the picture is cancelled before the last.
     fn draw<B: Blend>(
         &mut self,
         run: Run<'_>,
@@ -237,7 +238,7 @@ struct Tiling<'a, B> {
 }
 
 impl<B: Blend> Tiling<'_, B> {
-    /// Renders the splats of a list into a tile's rows, unless nobody wants them.
+    /// Renders the splats of a list into a tile's rows, unless the tile is not wanted.
     fn render(&self, tile: usize, entries: &[AtomicU32], rows: &mut TileRows<'_>, scratch: &mut Scratch) {
         let Self { run, blend, grid, .. } = self;
         let rect = grid.rect(tile);
@@ -267,7 +268,7 @@ impl<B: Blend> Tiling<'_, B> {
     }
 }
 
-/// Clouds, and each as it is seen.
+/// Clouds, each with its view.
 struct Clouds<'a> {
     clouds: &'a [Cloud<'a>],
     seen: Vec<SeenCloud<'a>>,

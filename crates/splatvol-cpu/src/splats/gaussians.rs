@@ -1,4 +1,4 @@
-//! 3-D Gaussians as trained: covariances from scales and rotations, colours from harmonics, opacities as they are.
+//! 3-D Gaussians as trained: covariances from scales and rotations, colours from harmonics, opacities unchanged.
 //!
 //! ```text
 //! A = J M R S,  V - h I = A A^T                                2 x 3

@@ -1,17 +1,18 @@
-//! Kernels of everything else - points, samples of meshes, voxels, Gaussians in linear light - as whole splats.
+//! Kernels of all other items - points, samples of meshes, voxels, Gaussians in linear light - as whole splats.
 //!
-//! A kernel holds a mass m, extinction integrated over space, or the optical depth t of a ray through its middle (Gaussians, as
-//! thick from every side), and a covariance. Its splat is as thick in the middle as a ray through it meets (zwicker2001 eq.
-//! 22), and what the low-pass adds to its width, it takes from its depth:
+//! A kernel holds a covariance, and either a mass m, extinction integrated over space, or the optical depth t of a
+//! ray through its middle (Gaussians, the same from every side). The optical depth in the middle of its splat is
+//! that of a ray through it (zwicker2001 eq. 22); widening by the low-pass reduces it.
 //!
 //! ```text
 //! V - h I = P Sigma P^T,  det (V - h I) = w^T adj(Sigma) w,  w = p_0 x p_1       P = J M, of rows p
 //! tau = m s^2 l / (2 pi sqrt(det V)),  l = sqrt(1 + (x/z)^2 + (y/z)^2)           or t sqrt(det (V - h I) / det V)
 //! ```
 //!
-//! Among published Gaussians it falls off as they do, in opacity, from `1 - exp(-tau)`, and its colour, lit in linear light, is
-//! encoded as display colour, since that is what is composited there. Otherwise its optical depth falls off as a Gaussian.
-//! So discs of points that overlap are a surface about as opaque as in sheets, and what is smaller than a pixel fades.
+//! Among published Gaussians a splat's opacity falls off as theirs does, from `1 - exp(-tau)`. Its colour, lit in
+//! linear light, is encoded as display colour, in which these are composited. Otherwise its optical depth falls off
+//! as a Gaussian. So overlapping discs of points are a surface about as opaque as in sheets, and splats smaller
+//! than a pixel fade.
 
 use std::ops::Range;
 
@@ -45,7 +46,7 @@ struct Light {
 }
 
 impl<'a> Kernels<'a> {
-    /// Of kernels that have covariances of their own.
+    /// From kernels with covariances of their own.
     pub(crate) fn new(
         cloud: &'a SplatCloud,
         lighting: Option<&Lighting>,

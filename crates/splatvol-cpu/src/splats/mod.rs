@@ -1,9 +1,9 @@
 //! Splats: whole footprints, sorted by the depth of their centres, and composited one by one.
 //!
-//! 3-D Gaussians have the constants and the result of the published renderer (Kerbl, Kopanas, Leimkuehler and Drettakis 2023,
-//! "3D Gaussian Splatting for Real-Time Radiance Field Rendering", sections 4 and 6), points and samples of meshes beside them
-//! included. Without Gaussians, or where these are to be volumetric, splats are optical depths in linear light (Westover 1989;
-//! Zwicker et al. 2001), or are added up to X-rays (`blend`).
+//! 3-D Gaussians have the constants and the result of the published renderer (Kerbl, Kopanas, Leimkuehler and
+//! Drettakis 2023, "3D Gaussian Splatting for Real-Time Radiance Field Rendering", sections 4 and 6); so do points
+//! and samples of meshes beside them. Without Gaussians, or with volumetric ones, splats are optical depths in
+//! linear light (Westover 1989; Zwicker et al. 2001), or are added up to X-rays (`blend`).
 //!
 //! ```text
 //! V     = J M Sigma M^T J^T + low_pass I                       (Zwicker et al. 2002, "EWA Splatting", eq. 31)

@@ -1,8 +1,9 @@
-//! Order: 64-bit keys, depth above index, by depth; equal depths stay in the order of their indices.
+//! Order: sorts 64-bit keys, depth above index, by depth; equal depths stay in the order of their indices.
 //!
-//! A least-significant-digit radix sort (Knuth, The Art of Computer Programming 3, 5.2.5) of the bits in which depths
-//! differ at all. Parts count their digits and scatter their keys in parallel; where a key goes depends on the keys alone,
-//! so the number of parts does not matter. Keys lie in atomics, since parts write anywhere; relaxed stores cost nothing.
+//! A least-significant-digit radix sort (Knuth, The Art of Computer Programming 3, 5.2.5) of the bits in which
+//! depths differ. Parts count their digits and scatter their keys in parallel. The place of a key depends on the
+//! keys alone, not on the number of parts. Keys are atomics, since parts write anywhere; relaxed stores cost
+//! nothing.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,4 +1,4 @@
-//! Project: what is to be splatted, sixteen at a time, to ellipses on the screen.
+//! Project: splats, sixteen at a time, to ellipses on the screen.
 //!
 //! ```text
 //! V = J M Sigma M^T J^T + h I                                  Sigma: `Source::shape`; h: `View::low_pass`
@@ -29,7 +29,7 @@ pub(crate) struct Splat {
     pub peak: f32,
     /// Half width and height of the ellipse where it ends, pixels.
     pub reach: [f32; 2],
-    /// As it is blended: in display or in linear light.
+    /// Colour in the space of blending: display or linear light.
     pub color: [f32; 3],
     /// Camera depth.
     pub depth: f32,
@@ -75,7 +75,7 @@ pub(crate) trait Source: Sync {
     /// Opacities or optical depths in the middle, as the blend has them.
     fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S>;
 
-    /// Colours of a range, of those lanes whose bits are set.
+    /// Colours of a range, for the lanes whose bits are set.
     fn colors<S: Simd>(
         &self,
         simd: S,
@@ -85,7 +85,7 @@ pub(crate) trait Source: Sync {
     ) -> [[f32; 3]; LANES];
 }
 
-/// How splats are seen, for what they are in the middle.
+/// Projected shapes of splats, from which their peaks are computed.
 pub(crate) struct Seen<S: Simd> {
     /// Determinant of the covariance, without the low-pass and with it, pixels to the fourth.
     pub sharp: f32x16<S>,
@@ -107,7 +107,7 @@ struct Lanes<S: Simd> {
 /// Centre, conic, peak, reach, depth.
 const VALUES: usize = 9;
 
-/// Projects a range of a source; returns how many can be seen.
+/// Projects a range of a source; returns the number of visible splats.
 #[inline(always)]
 pub(crate) fn project<S: Simd>(
     simd: S,
@@ -132,7 +132,7 @@ pub(crate) fn project<S: Simd>(
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Puts the visible lanes behind the first `count` splats of the target; returns how many.
+    /// Stores the visible lanes behind the first `count` splats of the target; returns their number.
     #[inline(always)]
     fn store(
         &self,

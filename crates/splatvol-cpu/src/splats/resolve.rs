@@ -28,7 +28,7 @@ impl TileRows<'_> {
     }
 }
 
-/// A block's pixels as a frame wants them.
+/// A block's pixels in the form that a frame stores.
 pub(crate) struct Resolved {
     /// Linear, premultiplied.
     pub color: [[f32; LANES]; 4],
@@ -66,7 +66,7 @@ pub(crate) fn resolve<S: Simd>(
     }
 }
 
-/// Writes the same pixel everywhere, where a tile has no splats.
+/// Fills a tile without splats with one pixel.
 pub(crate) fn fill(pixel: [f32; 4], rows: &mut TileRows<'_>) {
     for row in &mut rows.pixels {
         row.fill(pixel);

@@ -2,7 +2,7 @@
 
 use splatvol_scene::{ImageSize, Lighting};
 
-/// How splats are rendered. Values that make no sense (negative, not finite) count as zero.
+/// Settings of a cloud of splats. Negative or non-finite values count as zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CloudSettings {
     /// Pixels of the picture.
@@ -14,14 +14,14 @@ pub(crate) struct CloudSettings {
     pub near: Near,
     /// Lighting of everything but Gaussians; `None` leaves colours unlit.
     pub lighting: Option<Lighting>,
-    /// How splats add up.
+    /// Blending of splats.
     pub manner: Manner,
 }
 
-/// How splats add up.
+/// Blending of splats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Manner {
-    /// As the published renderer of Gaussians has it: opacities, over each other in display colours.
+    /// Opacities, composited in display colours, as in the published renderer of Gaussians.
     Published {
         /// Background: linear light, straight alpha. Composited in display space.
         background: [f32; 4],
@@ -33,7 +33,7 @@ pub(crate) enum Manner {
         /// Pixels end where their transmittance falls to this.
         termination: f32,
     },
-    /// The same optical depths added up, whatever their order: line integrals.
+    /// Sums of the same optical depths, in any order: line integrals.
     Integral {
         /// Where footprints end, standard deviations.
         cut: f64,
@@ -49,7 +49,7 @@ pub(crate) enum LowPass {
     Lacking(f32),
 }
 
-/// From which camera depth on splats are drawn.
+/// Near limit of splats, camera depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Near {
     /// In the Gaussians' own units, before `world_from_local`. Other splats use the nearest depth at which any

@@ -1,7 +1,7 @@
-//! A camera as one cloud sees it: everything constant that projection needs, in f32, from f64.
+//! View: a camera relative to one cloud, with all constants of projection, computed in f64 and stored in f32.
 //!
-//! The camera is brought into the cloud's frame, so that offsets are small numbers near the camera wherever the cloud
-//! lies; its position is kept in two f32, high and low part.
+//! The camera is transformed into the cloud's frame, so that offsets are small numbers near the camera wherever the
+//! cloud lies. Its position is stored in two f32, high and low part.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::{DAffine3, DMat3, DVec3};
@@ -19,11 +19,11 @@ pub(crate) const LEAST_VARIANCE: f32 = 1e-6;
 /// A camera before a cloud.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct View {
-    /// Camera position, local: f32, and what is left.
+    /// Camera position, local, in two f32: the rounded value and the remainder.
     pub eye: [[f32; 3]; 2],
     /// Linear part of `camera_from_local`, rows.
     pub camera_from_local: [[f32; 3]; 3],
-    /// View direction, local, where it is the same everywhere.
+    /// View direction, local, if all pixels share it.
     pub direction: Option<[f32; 3]>,
     pub perspective: bool,
     /// Pixels per length at depth 1, or at every depth.
@@ -40,7 +40,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Of a cloud in a space of its own, nothing of which is drawn before the camera depth `near`, world length.
+    /// View of a cloud in its own space, with the near limit `near`, camera depth, world length.
     pub(crate) fn new(
         world_from_local: &DAffine3,
         near: f64,
@@ -88,7 +88,7 @@ impl LowPass {
         }
     }
 
-    /// Variance to be added to covariances xx, xy, yy of this determinant.
+    /// Variance to add to covariances xx, xy, yy of this determinant.
     #[inline(always)]
     pub(super) fn added<S: Simd>(self, simd: S, [xx, xy, yy, determinant]: [f32x16<S>; 4]) -> f32x16<S> {
         let variance = match self {

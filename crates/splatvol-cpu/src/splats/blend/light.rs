@@ -1,4 +1,4 @@
-//! Optical depths in linear light: each splat a slab that lets `exp(-tau)` through.
+//! Optical depths in linear light: each splat is a slab of transmittance `exp(-tau)`.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
@@ -11,7 +11,7 @@ use crate::splats::resolve::Resolved;
 /// Optical depths through the middle beyond are no deeper.
 const DEEPEST: f32 = 1e9;
 
-/// A Gaussian less its value at the cut, so that it ends without a step, with all its mass.
+/// A cut Gaussian, less its value at the cut so that it ends without a step, with its mass kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Profile {
     /// Edge subtracted from a Gaussian of peak 1.

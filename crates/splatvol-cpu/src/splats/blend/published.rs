@@ -1,4 +1,4 @@
-//! As the published renderer of Gaussians has it: opacities, over each other in display colours.
+//! Blending as in the published renderer of Gaussians: opacities, composited in display colours.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use splatvol_scene::transfer_function::srgb_from_linear;
@@ -23,7 +23,7 @@ pub(crate) struct Published {
     /// Display colour behind everything, straight.
     color: [f32; 3],
     alpha: f32,
-    /// The same in linear light, premultiplied.
+    /// The background in linear light, premultiplied.
     empty: [f32; 4],
 }
 
