@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`camera`] | the camera: asked for, framed automatically, or moved from an earlier one |
 //! | [`mod@outline`] | what an automatic camera shows of an item |
+//! | `mesh_outline` | the cells of a mesh that can be seen |
 //! | [`visible`] | which voxels can be seen, but for specks |
 //! | [`standing`] | which way is up where no file says so |
 //! | `framing`, `turning` | where a camera has to be for an outline to fill the picture, still or on a turntable |
@@ -15,6 +16,7 @@
 
 pub mod camera;
 mod framing;
+mod mesh_outline;
 pub mod outline;
 pub mod standing;
 mod turning;

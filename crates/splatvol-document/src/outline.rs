@@ -7,6 +7,7 @@ use glam::{DAffine3, DVec3};
 use splatvol_scene::{Content, Gaussians, Item};
 
 use crate::Fit;
+use crate::mesh_outline::visible_cells;
 use crate::visible::visible_outline;
 
 /// Places looked at per item.
@@ -45,7 +46,22 @@ pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
                 .map(|place| item.world_from_item.transform_point3(place))
                 .collect()
         }
-        Content::Mesh { .. } => item.bounds().corners().to_vec(),
+        Content::Mesh {
+            mesh,
+            transfer_function,
+            isosurfaces,
+        } => {
+            let seen = match isosurfaces.is_empty() {
+                true => visible_cells(mesh, transfer_function),
+                false => Vec::new(),
+            };
+            if seen.is_empty() {
+                return item.bounds().corners().to_vec();
+            }
+            seen.into_iter()
+                .map(|place| item.world_from_item.transform_point3(place))
+                .collect()
+        }
         Content::Points { points, .. } => {
             without_strays(world(points.world_from_local(), points.positions()))
         }

@@ -299,7 +299,7 @@ fn mistakes_are_named_with_their_exit_code() {
         ("render sample:ball --size 0", 2, &["--size"]),
         ("render sample:ball --kernel-sigma 99", 2, &["kernel sigma", "99"]),
         ("render sample:ball --camera-fov 200", 2, &["camera fov", "200"]),
-        ("render sample:ball --zoom 0", 2, &["--zoom"]),
+        ("render sample:ball --zoom 0", 2, &["zoom: 0"]),
         ("render sample:ball --cmap nope", 2, &["nope"]),
         (
             "render sample:ball --camera-pos 1,2,3 --camera-target 1,2,3",
