@@ -60,14 +60,14 @@ impl TileGrid {
     }
 }
 
-/// A brick as the screen sees it.
+/// A brick projected to the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectedBrick {
     /// Which brick, and which of its blocks.
     pub active: ActiveBrick,
-    /// First sheet that it can touch.
+    /// First sheet within its reach.
     pub front_sheet: u32,
-    /// Pixels that it can touch: x0, y0, x1, y1, ends included.
+    /// Bounds of the pixels that it can touch: x0, y0, x1, y1, ends included.
     pub rect: [f32; 4],
 }
 
@@ -77,9 +77,9 @@ pub struct TileLists {
     offsets: Vec<u32>,
     entries: Vec<u32>,
     next: Vec<u32>,
-    /// Projected bricks, by front sheet, then by brick; what the lists' entries index.
+    /// Projected bricks, by front sheet, then by brick; the lists' entries are indices of these.
     pub bricks: Vec<ProjectedBrick>,
-    /// Tiles, those with most bricks first.
+    /// Tiles, sorted by descending number of bricks.
     longest_first: Vec<u32>,
 }
 
@@ -91,7 +91,7 @@ impl TileLists {
         lists
     }
 
-    /// The same in memory that is there.
+    /// As [`Self::new`], in existing memory.
     pub fn fill(&mut self, bricks: impl IntoIterator<Item = ProjectedBrick>, tiles: &TileGrid) {
         let Self {
             offsets,
@@ -134,7 +134,7 @@ impl TileLists {
         });
     }
 
-    /// All tiles, those with most bricks first: taken in this order, threads end at nearly the same time.
+    /// All tiles, sorted by descending number of bricks: in this order threads finish at nearly the same time.
     pub fn longest_first(&self) -> &[u32] {
         &self.longest_first
     }

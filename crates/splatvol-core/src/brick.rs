@@ -1,9 +1,9 @@
 //! Bricks of 8^3 voxels, the unit of activation, and their 4^3 blocks, the unit of culling.
 //!
-//! A block can hold visible points only if extinction is not zero somewhere in the range that the reconstruction can
-//! take there: the samples within the kernel's reach, widened by [`OVERSHOOT`] where the kernel interpolates. Voxels
-//! matter only within reach of such a block. Elsewhere the reconstruction misses contributions, but it stays within
-//! a range that is invisible, so culling does not change the picture.
+//! A block can hold visible points only if extinction is non-zero somewhere in the range of the reconstruction
+//! there: the range of the samples within the kernel's reach, widened by [`OVERSHOOT`] where the kernel
+//! interpolates. Voxels matter only within reach of such a block. Elsewhere the reconstruction lacks contributions,
+//! but it stays within an invisible range, so culling does not change the picture.
 
 use rayon::prelude::*;
 
@@ -14,8 +14,9 @@ pub const BRICK: usize = 8;
 /// Voxels along a block's edge.
 pub const BLOCK: usize = 4;
 
-/// How far an interpolating reconstruction leaves the range of the samples around, in that range's width. Measured on
-/// random noise, the worst case: 0.38 (prefiltered Gaussian, sigma 0.7); data of any smoothness stays below 0.15.
+/// Overshoot of an interpolating reconstruction beyond the range of the samples around, relative to that range's
+/// width. Measured on random noise, the worst case: 0.38 (prefiltered Gaussian, sigma 0.7); data of any smoothness
+/// stays below 0.15.
 pub const OVERSHOOT: f32 = 0.5;
 
 /// Smallest and largest value; empty where minimum exceeds maximum.
@@ -133,8 +134,8 @@ impl BrickGrid {
         )
     }
 
-    /// Bricks whose voxels can change a pixel of a reconstruction, ascending. `reach`: how far a voxel acts, in voxels
-    /// per axis, the low-pass and a sheet's spacing included.
+    /// Bricks whose voxels can change a pixel of a reconstruction, ascending. `reach`: of a voxel, in voxels per
+    /// axis, the low-pass and a sheet's spacing included.
     pub fn active(&self, table: &ClassificationTable, reach: [f64; 3]) -> Vec<ActiveBrick> {
         let steps = reach.map(|r| (r / BLOCK as f64).ceil() as usize);
         let mut around = self.ranges.clone();

@@ -1,11 +1,11 @@
 //! Classification tables: extinction and emission of normalised values, and their integrals.
 //!
-//! Between two sheets the value runs from a to b; if it runs linearly, the mean extinction on the way is
-//! `(K(b) - K(a)) / (b - a)` with `K' = kappa`, and likewise for emission `kappa c`: pre-integrated classification
-//! from one-dimensional tables, right for any transfer function, ray length and sheet thickness (the second form of
-//! Engel, Kraus and Ertl 2001, which leaves out the attenuation inside the interval, second order in its optical
-//! depth). Two-dimensional tables hold that too, but for one ray length only; the shading stage takes short
-//! intervals instead.
+//! Between two sheets the value varies from a to b. If it varies linearly, its mean extinction is
+//! `(K(b) - K(a)) / (b - a)` with `K' = kappa`, and likewise for emission `kappa c`. This is pre-integrated
+//! classification from one-dimensional tables, right for any transfer function, ray length and sheet thickness (the
+//! second form of Engel, Kraus and Ertl 2001, which leaves out the attenuation inside the interval, second order in
+//! its optical depth). Two-dimensional tables include the attenuation, but for one ray length only; the shading
+//! stage takes short intervals instead.
 
 use splatvol_scene::TransferFunction;
 
@@ -14,7 +14,7 @@ use splatvol_scene::TransferFunction;
 pub struct ClassificationTable {
     /// At the nodes.
     points: Vec<[f32; 4]>,
-    /// Linear rgb at the nodes, whatever the extinction.
+    /// Linear rgb at the nodes, independent of the extinction.
     colors: Vec<[f32; 3]>,
     /// Integral over the normalised value from the first node, f64 because differences of it are taken.
     integrals: Vec<[f64; 4]>,
@@ -82,7 +82,8 @@ impl ClassificationTable {
         std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
     }
 
-    /// A node of [`Self::CELLS`] `+ 1`: integrals up to it of extinction and emission, both there, and linear rgb.
+    /// A node of [`Self::CELLS`] `+ 1`: integrals of extinction and emission up to it, their values there, and
+    /// linear rgb.
     pub fn node(&self, index: usize) -> ([f64; 4], [f32; 4], [f32; 3]) {
         (self.integrals[index], self.points[index], self.colors[index])
     }

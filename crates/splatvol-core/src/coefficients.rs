@@ -8,7 +8,7 @@ use crate::brick::BrickGrid;
 use crate::kernel::GaussianKernel;
 use crate::prefilter;
 
-/// Coefficients `c_k` of the field (docs/numerics.md), x fastest; NaN marks samples that are missing.
+/// Coefficients `c_k` of the field (docs/numerics.md), x fastest; NaN for missing samples.
 ///
 /// A lattice to interpolate from is continued by one mirrored sample beyond each face (`margin`), so that values near
 /// the border have neighbours on both sides.
@@ -75,7 +75,7 @@ impl Coefficients {
 /// Purpose of the coefficients.
 #[derive(Debug, Clone, Copy)]
 pub enum Use<'a> {
-    /// The samples as they are, each to be classified.
+    /// The unchanged samples, each to be classified.
     Samples,
     /// A continuous field; with a kernel, one that interpolates the samples by it.
     Field(Option<&'a GaussianKernel>),
@@ -109,8 +109,8 @@ fn normalised(volume: &Volume, dims: [usize; 3], margin: [usize; 3]) -> Vec<f32>
     values
 }
 
-/// Gives missing samples the mean of their finite face neighbours (0 without any), so that the solver sees no jump
-/// there, and lists them.
+/// Replaces missing samples by the mean of their finite face neighbours (0 without any), so that the solver has no
+/// jump there, and lists them.
 fn fill_missing(values: &mut [f32], [nx, ny, nz]: [usize; 3]) -> Vec<usize> {
     let missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_nan()).collect();
     let filled: Vec<f32> = missing

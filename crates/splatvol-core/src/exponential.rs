@@ -1,7 +1,8 @@
 //! Powers of two, per lane.
 //!
-//! `2^x = 2^n 2^r`, n the nearest integer, `|r| <= 1/2`, a polynomial for `2^r`. Adding `1.5 * 2^23` leaves n in the lowest bits of
-//! a float, from where it is shifted into the exponent. The same bits at every level of instructions: nothing is fused.
+//! `2^x = 2^n 2^r`, n the nearest integer, `|r| <= 1/2`, with a polynomial for `2^r`. Adding `1.5 * 2^23` puts n in
+//! the lowest bits of a float, which are then shifted into the exponent. No operation is fused, so the bits are the
+//! same at every SIMD level.
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
@@ -16,7 +17,7 @@ const PRECISE: [f32; 6] = [
     6.931_472e-1,
     1.0,
 ];
-/// The same; relative error 3e-6.
+/// Coefficients of a shorter polynomial; relative error 3e-6.
 const QUICK: [f32; 5] = [9.582_853e-3, 5.590_642_5e-2, 2.402_41e-1, 6.931_242e-1, 1.0];
 
 #[inline(always)]

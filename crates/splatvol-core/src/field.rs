@@ -30,7 +30,7 @@ macro_rules! vectorized {
     };
 }
 
-/// Runs loops over the samples of a region, whatever their type; none where they cannot be had.
+/// Runs a loop over the samples of a region, for any sample type; does nothing if they cannot be read.
 macro_rules! with_block {
     ($reader:expr, $region:expr, $block:ident => $body:expr) => {
         $reader.read($region).map(|block| {
@@ -65,7 +65,8 @@ pub use level::SourceLevel;
 use needs::Needs;
 pub use samples::Neighbourhood;
 
-/// Bricks of a volume (128 MiB) up to which those not needed now are kept, once solved, for the next transfer function.
+/// Number of bricks of a volume (128 MiB) up to which solved bricks are kept for the next transfer function, though
+/// not needed now.
 const KEEP_ALL: usize = 1 << 17;
 
 /// Bricks that hold needed voxels, and their coefficients.
@@ -110,7 +111,7 @@ struct NeededBrick {
 }
 
 impl FieldStore {
-    /// Reads samples through, which coefficients are to interpolate; nothing is needed yet.
+    /// Reads the samples through once, for coefficients that interpolate them; no brick is needed yet.
     pub fn new(source: impl Into<SourceLevel>, kernel: &GaussianKernel) -> Self {
         let source = source.into();
         let lattice = Lattice::new(&source);
@@ -118,7 +119,7 @@ impl FieldStore {
         Self::solved_by(solver, source, (lattice, kernel))
     }
 
-    /// The same of samples that are coefficients as they are: a field that the kernel smooths.
+    /// As [`Self::new`], with the samples themselves as coefficients: a field that the kernel smooths.
     pub fn of_samples(source: impl Into<SourceLevel>, kernel: &GaussianKernel) -> Self {
         let source = source.into();
         let lattice = Lattice::new(&source);
@@ -156,12 +157,12 @@ impl FieldStore {
         }
     }
 
-    /// Takes another transfer function: finds what is needed under it, and solves for what is not there.
+    /// Sets another transfer function: finds the needed voxels, and solves for the missing coefficients.
     pub fn update(&mut self, levels: &VisibleLevels) {
         self.update_unless(&AtomicBool::new(false), levels);
     }
 
-    /// The same; given up, half done, where `stop` is set meanwhile: then the store is good for nothing any more.
+    /// As [`Self::update`], cancelled if `stop` is set meanwhile; the store must not be used after that.
     pub fn update_unless(&mut self, stop: &AtomicBool, levels: &VisibleLevels) {
         let background = self.histogram.background(levels);
         let levels = &levels.beyond(background);
@@ -233,8 +234,8 @@ impl FieldStore {
         chunk.stored(chunk.needed[i].place).touch();
     }
 
-    /// Coefficients of a needed brick less the background, x fastest; NaN where a voxel is not needed, infinite where it is
-    /// but its sample is missing.
+    /// Coefficients of a needed brick less the background, x fastest; NaN for voxels that are not needed, infinite
+    /// for needed ones with a missing sample.
     #[inline(always)]
     pub fn decode(&self, index: usize, out: &mut [f32; BRICK_VOXELS]) {
         let [chunk, i] = self.needed[index].map(|n| n as usize);
@@ -275,7 +276,7 @@ impl FieldStore {
         &self.source
     }
 
-    /// Why samples could not be read: then the field is not what it should be.
+    /// The error of reading samples, if any; the field is then incomplete.
     pub fn failure(&self) -> Option<SceneError> {
         self.failure.get()
     }
@@ -297,7 +298,7 @@ impl FieldStore {
             + self.chunks.iter().map(of_chunk).sum::<usize>()
     }
 
-    /// Visible cells of the bricks whose levels changed; says which bricks' cells are others than before.
+    /// Updates the visible cells of the bricks whose levels changed. Marks the bricks whose cells changed.
     fn find_cells(&mut self, levels: &VisibleLevels, changed: Option<&VisibleLevels>) -> Vec<bool> {
         let mut touched = vec![false; self.cells.len()];
         let intervals = levels.intervals();
@@ -334,7 +335,7 @@ impl FieldStore {
     }
 }
 
-/// Reads regions into memory of its own.
+/// Reads regions of samples into its own memory.
 pub(crate) struct Reader<'a> {
     source: &'a SourceLevel,
     failure: &'a Failure,
@@ -355,7 +356,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// How common values are, from up to 65 536 samples, evenly spread.
+/// Frequencies of values, from up to 65 536 evenly spread samples.
 fn histogram(reader: &mut Reader<'_>) -> Histogram {
     let [nx, ny, nz] = reader.source.grid().dims();
     let mut histogram = Histogram::new(reader.source.value_range(), reader.source.rescale());
@@ -377,7 +378,7 @@ fn histogram(reader: &mut Reader<'_>) -> Histogram {
 
 /// The bricks of a chunk and those around it.
 struct Surroundings<'a> {
-    /// Visible cells, `None` without any, and whether they are others than before.
+    /// Visible cells, `None` without any, and whether they changed.
     bricks: [(Option<&'a CellBits>, bool); AROUND[0] * AROUND[1] * AROUND[2]],
     any_touched: bool,
 }
@@ -533,7 +534,7 @@ impl ChunkJob<'_> {
         }
     }
 
-    /// Solves for the chunk and stores the bricks that are wanted, those held before included.
+    /// Solves for the chunk and stores the wanted bricks, including those already held.
     fn solve<T: Stored>(
         &self,
         data: &Block<'_, T>,

@@ -22,16 +22,17 @@ pub struct GaussianKernel {
 }
 
 impl GaussianKernel {
-    /// The kernel that the settings ask for. Another kernel is represented by the Gaussian of its standard deviation and
-    /// support, which says where it acts, not what its values are: engines that evaluate this one take Gaussians only.
+    /// The kernel of the settings. A kernel of another kind is represented by the Gaussian of its standard
+    /// deviation and support; this gives its reach, not its values. Engines that evaluate this type accept
+    /// Gaussians only.
     pub fn new(kernel: Kernel) -> Self {
         let (sigma, radius) = moments(kernel);
         Self::with_edge(sigma, radius, 0.0)
     }
 
-    /// The same less its value at the radius, so that it ends without a step: with sigma 0.605 and radius 2 its sum over
-    /// the lattice ripples by 1e-3 where the cut kernel's ripples by 5e-3. A step of less than a thousandth of the peak is
-    /// left: it is smaller than what the window would do.
+    /// As [`Self::new`], less the value at the radius, so that the kernel ends without a step. With sigma 0.605 and
+    /// radius 2 its sum over the lattice ripples by 1e-3, and the cut kernel's by 5e-3. A step of less than a
+    /// thousandth of the peak is kept: it is smaller than the effect of the window.
     pub fn windowed(kernel: Kernel) -> Self {
         let (sigma, radius) = moments(kernel);
         let step = profile(radius, sigma);
@@ -51,8 +52,8 @@ impl GaussianKernel {
         }
     }
 
-    /// The same with a radius of at least so many standard deviations, where the cut is there to save time and not part of the
-    /// kernel: beyond four of them.
+    /// Extends the radius to at least so many standard deviations, if the cut only saves time and is not part of
+    /// the kernel: beyond four standard deviations.
     #[must_use]
     pub fn without_tails_cut(self, deviations: f64) -> Self {
         let radius = self.radius.max(deviations * self.sigma);

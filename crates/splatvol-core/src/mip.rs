@@ -1,10 +1,10 @@
 //! Half-resolution volumes, for pictures in which a voxel is smaller than a pixel.
 //!
-//! Along an axis of n samples the half has `m = ceil(n / 2)` cells of `n / m` old spacings, so that both have the same
-//! box in world space, and each new sample is the mean of the old cells it covers, parts of cells by their length:
-//! 1/2, 1/2 where n is even, three weights where it is odd. Constants stay, the integral over the box stays, and linear
-//! data stay where they are (for odd n up to 1/16 of an old step). Missing samples are left out of the mean; a new
-//! sample is missing where all it covers are.
+//! Along an axis of n samples the half has `m = ceil(n / 2)` cells of `n / m` old spacings, so that both have the
+//! same box in world space. Each new sample is the mean of the old cells within it, partial cells weighted by their
+//! length: 1/2, 1/2 where n is even, three weights where it is odd. Constants and the integral over the box are
+//! preserved, and linear data stay in place (for odd n up to 1/16 of an old step). Missing samples are left out of
+//! the mean; a new sample is missing if all its old samples are.
 
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -89,7 +89,7 @@ impl Cover {
     }
 }
 
-/// Means of samples, less the smallest of the value range (so that f32 holds them).
+/// Means of samples, less the smallest of the value range (so that f32 is precise enough).
 struct Reduction<'a> {
     source: &'a SourceLevel,
     dims: [usize; 3],

@@ -9,23 +9,25 @@ use splatvol_scene::{Frame, SceneError};
 use super::Edges;
 use crate::bin::TileRect;
 
-/// Told the share of a picture that is finished.
+/// Callback for the finished share of a picture.
 pub type OnProgress<'a> = &'a (dyn Fn(f64) + Sync);
-/// Told where finished pixels lie, and their linear premultiplied colours row by row.
+/// Callback for finished pixels: their rectangle, and their linear premultiplied colours row by row.
 pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
 
-/// Says what is wanted of a picture, and hears how it is made.
+/// Control of a picture: cancellation, progress callbacks and the wanted part.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Set by any thread at any time, gives the picture up: [`SceneError::Stopped`]. Looked at once per sheet of a tile,
-    /// or every few thousand splats; some milliseconds pass at most once an engine has prepared what it keeps of a scene.
+    /// Cancellation flag: any thread may set it at any time, and the result is [`SceneError::Stopped`]. It is
+    /// checked once per sheet of a tile, or every few thousand splats, which takes some milliseconds at most once
+    /// an engine has prepared the scene's data.
     pub stop: Option<&'a AtomicBool>,
-    /// Called by any thread, one at a time, with shares that grow from 0 to 1 once per picture.
+    /// Called by any thread, one at a time, with shares that increase from 0 to 1 once per picture.
     pub progress: Option<OnProgress<'a>>,
-    /// Called by any thread as soon as pixels are there; later calls replace the pixels of earlier ones (where two levels of
-    /// detail are blended, edges sampled again, or several moments of a shutter averaged), and the last are the picture's.
+    /// Called by any thread as soon as pixels are finished. Later calls replace the pixels of earlier ones (where
+    /// two levels of detail are blended, edges are sampled again, or several moments of a shutter are averaged);
+    /// the last ones are the picture's.
     pub tile: Option<OnTile<'a>>,
-    /// The pixels that are wanted, `None` for all: the others stay empty. Parts of a picture have its pixels, to the bit.
+    /// The wanted pixels, `None` for all; the others stay empty. A part has the whole picture's pixels, to the bit.
     pub part: Option<TileRect>,
 }
 
@@ -56,7 +58,7 @@ pub struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Progress that a caller hears of.
+    /// Progress that is passed to the caller's callback.
     pub fn new(control: &Control<'a>) -> Self {
         Self {
             told: control.progress,
@@ -64,7 +66,7 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Tells a share, unless a larger one has been told.
+    /// Reports a share, unless a larger one has been reported.
     pub fn report(&self, share: f64) {
         let Some(told) = self.told else { return };
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -75,16 +77,16 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// The making of a picture, or of one of the pictures that it is made of.
+/// The rendering of a picture, or of one of several that are combined to a picture.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
-    /// Set where the picture is given up.
+    /// Cancellation flag.
     pub stop: &'a AtomicBool,
-    /// Told the share of this picture that is finished.
+    /// Callback for the finished share of this picture.
     pub progress: OnProgress<'a>,
-    /// Told of finished pixels.
+    /// Callback for finished pixels.
     pub tile: Option<OnTile<'a>>,
-    /// The pixels that are wanted, `None` for all.
+    /// The wanted pixels, `None` for all.
     pub part: Option<TileRect>,
     /// Tiles without any of these are left out.
     pub edges: Option<&'a Edges>,
@@ -102,7 +104,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// A picture whose pixels are not those of the whole one: nobody hears of its tiles.
+    /// A task for an intermediate picture, whose pixels are not those of the final one: its tiles are not reported.
     pub fn unseen(self, progress: OnProgress<'a>) -> Self {
         Self {
             progress,
@@ -111,12 +113,12 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// Whether the picture has been given up.
+    /// Whether the picture has been cancelled.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// An error once the picture has been given up.
+    /// Returns an error once the picture has been cancelled.
     ///
     /// # Errors
     /// [`SceneError::Stopped`].
@@ -127,7 +129,7 @@ impl<'a> Task<'a> {
         Ok(())
     }
 
-    /// Tells the share that is finished, unless the picture has been given up.
+    /// Reports the finished share, unless the picture has been cancelled.
     pub fn report(&self, share: f64) {
         if !self.is_stopped() {
             (self.progress)(share);
@@ -141,7 +143,7 @@ impl<'a> Task<'a> {
         self.part.is_none_or(meets) && self.edges.is_none_or(|edges| edges.meets(rect))
     }
 
-    /// Tells of all pixels of a frame.
+    /// Reports all pixels of a frame.
     pub fn show_all(&self, frame: &Frame) {
         if let Some(tile) = self.tile {
             let [x1, y1] = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
@@ -149,7 +151,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// Tells of finished pixels.
+    /// Reports finished pixels.
     pub fn show(&self, rect: &TileRect, colors: impl FnOnce() -> Vec<[f32; 4]>) {
         if let Some(tile) = self.tile {
             tile(rect, &colors());

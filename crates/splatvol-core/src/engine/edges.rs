@@ -1,14 +1,15 @@
-//! Coverage: edges are sampled several times per pixel.
+//! Coverage: edges are rendered with several samples per pixel.
 //!
-//! A frame is rendered once as it is. Pixels that differ from a neighbour are edges; tiles of a picture several times as
-//! large that hold any are rendered too, and an edge becomes the mean of its samples there:
+//! A frame is first rendered with one sample per pixel. Pixels that differ from a neighbour are edges. Of a picture
+//! several times as large, only the tiles with edges are rendered, and an edge becomes the mean of its samples
+//! there:
 //!
 //! ```text
 //! C = 1/n^2 sum_i C_i,   T = 1/n^2 sum_i exp(-tau_i)
 //! ```
 //!
-//! Footprints are filtered for the pixels of the larger picture, so that the low-pass of an edge is the square pixel, and
-//! a little of the filter's own.
+//! Footprints are filtered for the pixels of the larger picture, so the low-pass of an edge is the square pixel
+//! plus a small part of the filter itself.
 
 use splatvol_scene::{Coverage, Frame, ImageSize, RenderSettings, SceneError};
 
@@ -27,7 +28,8 @@ pub struct Edges {
 }
 
 impl Edges {
-    /// The pixels of a frame that differ from a neighbour; `None` where none does, or none is asked for.
+    /// The pixels of a frame that differ from a neighbour; `None` where none does, or without supersampling of
+    /// edges.
     pub fn of(frame: &Frame, coverage: Coverage) -> Option<Self> {
         let Coverage::Adaptive { samples, contrast } = coverage else {
             return None;
@@ -60,7 +62,7 @@ impl Edges {
         })
     }
 
-    /// How many pixels they are.
+    /// Number of edge pixels.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -82,7 +84,7 @@ impl Edges {
         })
     }
 
-    /// The making of the larger picture: of the same part, and of no tiles without edges.
+    /// Task for the larger picture: the same part, without the tiles that have no edges.
     pub fn task<'a>(&'a self, task: Task<'a>) -> Task<'a> {
         let larger = |TileRect { x0, y0, x1, y1 }| TileRect {
             x0: x0 * self.samples,

@@ -22,30 +22,32 @@ pub use control::{Control, OnProgress, OnTile, Progress, Task};
 pub use edges::Edges;
 pub use statistics::{MemoryUse, RenderStatistics, StageSeconds};
 
-/// A picture to be made.
+/// A picture to render.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// From where.
+    /// The camera.
     pub camera: &'a Camera,
-    /// How.
+    /// The settings.
     pub settings: &'a RenderSettings,
 }
 
-/// Makes pictures of scenes, one sample per pixel, and keeps between them what it derives from their items.
+/// Renders scenes with one sample per pixel, and caches data derived from their items.
 pub trait Engine: Debug + Send {
-    /// Whether the engine can make a picture, before it begins.
+    /// Checks, before rendering, that the engine supports a picture.
     ///
     /// # Errors
-    /// Why not: the field, its value and what would be accepted; or what was asked for, and what cannot be combined with it.
+    /// The offending field, its value and the accepted values; or the feature in use, and the one it cannot be
+    /// combined with.
     fn check(&self, shot: Shot<'_>) -> Result<(), SceneError>;
 
-    /// Makes a picture that passes [`Engine::check`]. `frame` is of the settings' size; of tiles that the task does not want it
-    /// holds anything afterwards.
+    /// Renders a picture that passes [`Engine::check`]. `frame` is of the settings' size; the contents of tiles
+    /// that the task does not want are undefined afterwards.
     ///
     /// # Errors
-    /// [`SceneError::Stopped`], which leaves nonsense in the frame; places that cannot be inverted.
+    /// [`SceneError::Stopped`], after which the frame's contents are undefined; transformations that cannot be
+    /// inverted.
     fn render(
         &mut self,
         shot: Shot<'_>,
@@ -53,6 +55,6 @@ pub trait Engine: Debug + Send {
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError>;
 
-    /// Bytes held between pictures, by what they are for.
+    /// Bytes held between pictures, by purpose.
     fn memory(&self) -> MemoryUse;
 }

@@ -26,7 +26,7 @@ pub struct StageSeconds {
 }
 
 impl StageSeconds {
-    /// Stage by stage, both.
+    /// Sums of both, stage by stage.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self {
@@ -43,12 +43,12 @@ impl StageSeconds {
     }
 }
 
-/// Bytes that a renderer holds between frames, by what they are for.
+/// Bytes that a renderer holds between frames, by purpose.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct MemoryUse {
-    /// Volumes of the scene: samples, and what engines made of them.
+    /// Volumes of the scene: samples, and the engines' derived data.
     pub volumes: usize,
-    /// The same of volumes of earlier scenes.
+    /// Volumes of earlier scenes: samples and derived data.
     pub spare_volumes: usize,
     /// Clouds of points, Gaussians and samples of meshes.
     pub clouds: usize,
@@ -85,8 +85,8 @@ pub struct RenderStatistics {
     pub slices: u64,
     /// Bricks left out for being hidden, summed over tiles (the papers' methods).
     pub hidden_bricks: u64,
-    /// Voxels left out for being hidden, summed over tiles: those of hidden bricks, and hidden ones of others (the
-    /// papers' methods).
+    /// Hidden voxels that were skipped, summed over tiles: those of hidden bricks, and hidden ones of other bricks
+    /// (the papers' methods).
     pub hidden_voxels: u64,
     /// Share of them among the voxels that could be seen, hidden and drawn (the papers' methods).
     pub hidden_share: f64,

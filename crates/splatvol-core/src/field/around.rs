@@ -1,9 +1,10 @@
-//! Cells whose corners do not bound what is between them.
+//! Cells whose corners do not bound the values inside.
 //!
-//! Where a sample is missing, values are those of what is left within the kernel's reach, and coefficients that interpolate
-//! leave the samples' range by more than among their neighbours. A kernel of samples that are not prefiltered smooths: values
-//! come from as far as it reaches, and stay within the range of what is there. Such a cell has the range of all the points whose kernels
-//! reach it, its brick that of the bricks around it, too.
+//! Near a missing sample, values come from the remaining samples within the kernel's reach, and interpolating
+//! coefficients leave the samples' range further than elsewhere. A kernel of samples that are not prefiltered
+//! smooths: values come from the whole reach of the kernel, and stay within the range of the samples there. Such a
+//! cell has the range of all the points whose kernels reach it, and its brick includes the ranges of the bricks
+//! around it.
 
 use rayon::prelude::*;
 
@@ -21,14 +22,14 @@ use super::level::{Failure, SourceLevel};
 const REACH: usize = 3;
 /// Points along an axis whose kernels reach a brick's cells.
 const EDGE: usize = BRICK + 2 * REACH - 1;
-/// Those of a row, in whole vectors.
+/// Length of a row of such points, rounded up to whole vectors.
 const ROW: usize = EDGE.next_multiple_of(BRICK);
 
 /// Ranges of the values of bricks.
 #[derive(Debug, Clone)]
 pub(super) struct BrickRanges {
     ranges: Vec<LevelRange>,
-    /// Bricks some of whose cells values from around reach; of none where there is no such brick.
+    /// Marks bricks with cells that values from outside the cell reach; empty where there is no such brick.
     loose: Vec<bool>,
     /// Whether coefficients interpolate the samples.
     interpolates: bool,
@@ -78,7 +79,7 @@ impl BrickRanges {
         of
     }
 
-    /// Gives bricks the ranges of those around where values from there reach them.
+    /// Widens the ranges of bricks by those of the bricks around, where values from there reach them.
     fn spread(&mut self, bricks: [usize; 3]) {
         if !self.loose.contains(&true) {
             self.loose.clear();
@@ -114,7 +115,7 @@ impl BrickRanges {
         self.ranges.len() * size_of::<LevelRange>() + self.loose.len()
     }
 
-    /// Visible cells of the brick at `first`, of those that exist. `intervals`: the visible levels.
+    /// Visible cells of the brick at `first`, among the existing ones. `intervals`: the visible levels.
     pub(super) fn visible(
         &self,
         (lattice, reader): (&Lattice, &mut Reader<'_>),
@@ -151,7 +152,7 @@ impl BrickRanges {
         std::array::from_fn(|z| found[z] & existing[z])
     }
 
-    /// Visible cells of a brick whose cells values from around reach.
+    /// Visible cells of a brick whose cells are reached by values from outside.
     #[inline(always)]
     fn loosely<T: Stored>(
         &self,
@@ -182,7 +183,7 @@ fn slack(interpolates: bool, low: i32, high: i32) -> i32 {
     1 + if interpolates { high - low + 1 } else { 0 }
 }
 
-/// Joins what each brick has with what the 26 around it have.
+/// Joins each brick's value with those of the 26 bricks around.
 fn around<T: Copy>(values: &mut [T], bricks: [usize; 3], join: impl Fn(T, T) -> T) {
     let strides = [1, bricks[0], bricks[0] * bricks[1]];
     for axis in 0..3 {
@@ -199,7 +200,7 @@ fn around<T: Copy>(values: &mut [T], bricks: [usize; 3], join: impl Fn(T, T) -> 
     }
 }
 
-/// Ranges of the samples that there are in a layer of bricks, x fastest, and which bricks have missing ones.
+/// Ranges of the existing samples in a layer of bricks, x fastest, and which bricks have missing samples.
 fn layer_ranges<T: Stored>(
     lattice: &Lattice,
     data: &Block<'_, T>,
@@ -233,14 +234,14 @@ fn layer_ranges<T: Stored>(
     }
 }
 
-/// Numbers of the points whose kernels reach a brick's cells.
+/// A number for each point whose kernel reaches a brick's cells.
 type Numbers = [[[i16; ROW]; EDGE]; EDGE];
 /// Numbers of its cells.
 type Cells = [[[i16; BRICK]; BRICK]; BRICK];
 
 /// The points whose kernels reach a brick's cells.
 struct Points {
-    /// Levels; those of missing ones are above all others, and below.
+    /// Levels; a missing sample's low level is above all others, and its high level below.
     low: Numbers,
     high: Numbers,
     /// One where a sample is missing.
@@ -248,7 +249,7 @@ struct Points {
 }
 
 impl Points {
-    /// Reads those around the brick at `first`; beyond the lattice its outermost ones again.
+    /// Reads the points around the brick at `first`; points beyond the lattice repeat its outermost ones.
     #[inline(always)]
     fn read<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, first: [usize; 3]) -> Self {
         let [_, ny, nz] = lattice.dims;

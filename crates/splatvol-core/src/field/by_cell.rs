@@ -1,4 +1,5 @@
-//! The store as its definition says: every cell and every voxel by itself, from coefficients of the whole volume.
+//! Reference store straight from the definition: every cell and every voxel by itself, from coefficients of the
+//! whole volume.
 
 use rayon::prelude::*;
 use splatvol_scene::volume::widen;
@@ -8,7 +9,7 @@ use crate::brick::BRICK;
 use crate::coefficients::Coefficients;
 use crate::visibility::{BRICK_VOXELS, TOLERANCE, VisibleLevels};
 
-/// How far a cell's reconstruction leaves the range of its corners, in that range's width.
+/// Overshoot of a cell's reconstruction beyond the range of its corners, relative to that range's width.
 const CELL_OVERSHOOT: f32 = 0.15;
 
 /// Bricks that hold needed voxels, and their coefficients less the background; NaN where a voxel is not needed.
@@ -154,7 +155,7 @@ fn normalised_row(volume: &Volume, coefficients: &Coefficients, [y, z]: [usize; 
 }
 
 impl BrickStore {
-    /// Collects what a reconstruction needs under a transfer function.
+    /// Collects the voxels that a reconstruction needs under a transfer function.
     pub(super) fn new(
         volume: &Volume,
         coefficients: &Coefficients,

@@ -1,9 +1,9 @@
-//! Which cells of a brick can be seen: one bit per cell, from the ranges of their corners.
+//! Visible cells of a brick: one bit per cell, from the ranges of their corners.
 //!
-//! Ranges are kept as levels of [`VisibleLevels`](crate::visibility::VisibleLevels), which order values as the values
-//! themselves do, in 16 bits: eight cells fit a vector register of the smallest machine. A brick's own range decides
-//! most bricks; only where some of its levels are visible and some are not does each cell count. Cells whose corners say too
-//! little about what is between them are those of [`super::around`].
+//! Ranges are levels of [`VisibleLevels`](crate::visibility::VisibleLevels), which keep the order of values, in 16
+//! bits: eight cells fit the smallest vector register. A brick's own range decides most bricks; cells are tested
+//! one by one only where some of its levels are visible and some are not. [`super::around`] handles cells whose
+//! corners do not bound the values inside.
 
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
@@ -22,7 +22,7 @@ pub(super) type LevelRange = [i16; 2];
 /// The range of no point.
 pub(super) const NO_LEVEL: LevelRange = [i16::MAX, i16::MIN];
 
-/// Both ranges together.
+/// Union of two ranges.
 pub(super) fn union(a: LevelRange, b: LevelRange) -> LevelRange {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
@@ -110,7 +110,7 @@ pub(super) fn layer_ranges<T: Stored>(
     }
 }
 
-/// Ranges of a row of bricks from those of its columns.
+/// Ranges of a row of bricks, from those of its columns.
 pub(super) fn along_bricks(lattice: &Lattice, columns: &[LevelRange], row: &mut [LevelRange]) {
     let mut points = [NO_LEVEL; POINTS];
     for (bx, range) in row.iter_mut().enumerate() {

@@ -1,9 +1,9 @@
-//! Coefficients of a part of the lattice, and bricks of them in 16 bits.
+//! Chunks: coefficients of a part of the lattice, stored as bricks in 16 bits.
 //!
 //! The interpolating coefficients of docs/numerics.md are the solution of banded systems along the axes
-//! ([`AxisSolver`]). An error in one row falls geometrically along the axis (by 0.27 per voxel for sigma 0.605, radius
-//! 2), so that a part of the lattice with a halo of some ten points on each side yields what the whole does, up to
-//! [`CUT_SHARE`]. At the lattice's own faces the part's system is the whole's, border included.
+//! ([`AxisSolver`]). An error in one row falls geometrically along the axis (by 0.27 per voxel for sigma 0.605,
+//! radius 2). So a part of the lattice with a halo of some ten points on each side has the solution of the whole
+//! lattice, up to [`CUT_SHARE`]. At the lattice's own faces the part's system is the whole's, border included.
 
 use splatvol_scene::VoxelBox;
 
@@ -16,13 +16,13 @@ use super::cells::{CellBits, pack};
 use super::lattice::{Block, Lattice, Stored};
 use super::needs::Needs;
 
-/// Bricks of a chunk along x, y, z: what is solved at once, with room for its halo in a processor's own cache.
+/// Bricks of a chunk along x, y, z: the unit of solving, which fits a core's own cache together with its halo.
 pub(super) const CHUNK: [usize; 3] = [8, 4, 4];
 /// Lattice points of a chunk along x, y, z.
 const SPAN: [usize; 3] = [CHUNK[0] * BRICK, CHUNK[1] * BRICK, CHUNK[2] * BRICK];
 /// Bound on the error inside the chunk from an error of 1 at the edge of the halo.
 const CUT_SHARE: f64 = 1e-6;
-/// Stored in place of a coefficient that there is none of: the sample is missing, or the point is none of the lattice.
+/// Marks the absence of a coefficient: the sample is missing, or the point lies outside the lattice.
 const MISSING: u16 = u16::MAX;
 /// Largest stored coefficient.
 const STEPS: f32 = 65_534.0;
@@ -38,7 +38,7 @@ pub(super) struct StoredBrick {
 }
 
 impl StoredBrick {
-    /// From coefficients, NaN where there are none.
+    /// Quantises coefficients, NaN where there are none.
     #[inline(always)]
     fn new(values: &[f32; BRICK_VOXELS]) -> Self {
         let (mut low, mut high) = ([f32::INFINITY; BRICK], [f32::NEG_INFINITY; BRICK]);
@@ -100,8 +100,8 @@ impl StoredBrick {
         }
     }
 
-    /// Voxels that a reconstruction needs: all near ones, of the far ones those that differ from the background or are missing.
-    /// `existing`: those that are on the lattice.
+    /// Voxels that a reconstruction needs: all near ones, and the far ones that differ from the background or are
+    /// missing. `existing`: the voxels on the lattice.
     #[inline(always)]
     pub(super) fn mask(&self, needs: &Needs, background: f32, existing: &CellBits) -> CellBits {
         let (scale, offset) = (self.scale, self.offset - background);
@@ -155,7 +155,7 @@ pub(super) struct Scratch {
     slab: Vec<f32>,
 }
 
-/// A chunk's points along an axis: those to solve for, and with the halo.
+/// A chunk's points along an axis: the solved ones, and those with the halo.
 #[derive(Debug, Clone, Copy)]
 struct Extent {
     from: usize,
@@ -322,7 +322,7 @@ fn load<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, [x, y]: [Extent; 2], 
     }
 }
 
-/// Columns of [`BLOCK`] lines back to rows, as many as `rows` holds.
+/// Transposes columns of [`BLOCK`] lines back to rows, as many as `rows` holds.
 #[inline(always)]
 fn transpose_columns(lines: &[f32], rows: &mut [f32], width: usize) {
     for (line, row) in rows.chunks_exact_mut(width).enumerate() {

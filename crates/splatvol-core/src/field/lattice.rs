@@ -69,7 +69,7 @@ impl<'a, T: Copy> Block<'a, T> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row<'a, T> {
     samples: &'a [T],
-    /// The first sample that is there.
+    /// Index of the first available sample.
     first: usize,
 }
 
@@ -79,7 +79,7 @@ impl<'a, T: Copy> Row<'a, T> {
         Self { samples, first: 0 }
     }
 
-    /// All samples that are there.
+    /// All available samples.
     #[inline(always)]
     pub(super) fn samples(&self) -> &'a [T] {
         self.samples
@@ -91,7 +91,7 @@ impl<'a, T: Copy> Row<'a, T> {
         self.samples[x - self.first]
     }
 
-    /// Samples from one on, where there are so many. A start before the first sample of all may have wrapped.
+    /// Samples from one on, if there are N. A start before the very first sample may have wrapped.
     #[inline(always)]
     pub(super) fn chunk<const N: usize>(&self, start: usize) -> Option<&'a [T; N]> {
         self.samples.get(start.wrapping_sub(self.first)..)?.first_chunk()
@@ -106,7 +106,7 @@ impl<'a, T: Copy> Row<'a, T> {
 /// Points of a row that are read at once.
 const PART: usize = 64;
 
-/// Where a volume's samples lie on the lattice, and what they are worth.
+/// Position of a volume's samples on the lattice, and their normalisation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lattice {
     /// Samples along x, y, z.
@@ -150,7 +150,7 @@ impl Lattice {
         if point > last { 2 * last - point } else { point }
     }
 
-    /// The samples that lattice points from one on, to before another, are made of, and their neighbours.
+    /// The samples that determine a range of lattice points (end excluded), and the neighbours of these samples.
     pub(super) fn region(&self, from: [usize; 3], to: [usize; 3]) -> VoxelBox {
         // Points beyond a face are samples before it, missing ones the means of their neighbours.
         const AROUND: usize = 3;

@@ -1,4 +1,4 @@
-//! One level of a source of samples: what a field is made of.
+//! One level of a source of samples, from which a field is built.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -18,7 +18,7 @@ impl SourceLevel {
         Self { source, level }
     }
 
-    /// Where they come from, and which level they are.
+    /// The source, and the level's index.
     pub fn of(&self) -> (&Arc<dyn SampleSource>, usize) {
         (&self.source, self.level)
     }
@@ -28,7 +28,7 @@ impl SourceLevel {
         self.source.grid(self.level)
     }
 
-    /// How stored samples become real values.
+    /// Mapping from stored samples to real values.
     pub fn rescale(&self) -> Rescale {
         self.source.rescale(self.level)
     }
@@ -63,8 +63,8 @@ impl From<Arc<Volume>> for SourceLevel {
     }
 }
 
-/// Why samples could not be read, the first time that it happened. Whoever reads goes on without them: a picture is given up
-/// by who asks for this.
+/// First error of reading samples. Readers continue without these samples; the caller that asks for the error
+/// cancels the picture.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Failure(Arc<Mutex<Option<SceneError>>>);
 

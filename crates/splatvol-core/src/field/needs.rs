@@ -1,7 +1,8 @@
-//! Which voxels of a brick a reconstruction needs: those near visible cells, by shifts of whole slices.
+//! Voxels of a brick that a reconstruction needs: those near visible cells, found by shifts of whole slices.
 //!
-//! Voxel x touches cells x - 1 and x; a kernel of radius 2 reaches one cell further on both sides, a wide one two. A slice of 8 x 8
-//! cells is one word, so that a step along x or y is a shift of it with what the neighbour hands over.
+//! Voxel x touches cells x - 1 and x; a kernel of radius 2 reaches one cell further on both sides, a wide one two.
+//! A slice of 8 x 8 cells is one word, so a step along x or y is a shift of the word, with the neighbouring brick's
+//! bits shifted in.
 
 use crate::brick::BRICK;
 
@@ -25,7 +26,7 @@ const FIRST: [u64; 3] = [
 const SLICES: usize = BRICK + 5;
 
 impl Needs {
-    /// From the visible cells of 3 x 3 x 3 bricks, x fastest; `None` stands for a brick without any. `WIDE`: the kernel
+    /// From the visible cells of 3 x 3 x 3 bricks, x fastest; `None` is a brick without any. `WIDE`: the kernel
     /// reaches three voxels, not two.
     #[inline(always)]
     pub(super) fn around<const WIDE: bool>(bricks: &[Option<&CellBits>; 27]) -> Option<Self> {

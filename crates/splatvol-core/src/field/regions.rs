@@ -16,7 +16,7 @@ use crate::kernel::GaussianKernel;
 use crate::mip;
 use crate::visibility::{BRICK_VOXELS, VisibleLevels};
 
-/// Copies what is asked for, and nothing else; fails after so many reads.
+/// Source that copies only the requested region; fails after so many reads.
 #[derive(Debug)]
 struct Pieces {
     volume: Volume,
@@ -99,7 +99,7 @@ fn pieces(volume: &Volume, reads: usize) -> SourceLevel {
     SourceLevel::new(Arc::new(pieces), 0)
 }
 
-/// Levels of which a third is visible.
+/// Visible levels: a third of all.
 fn levels() -> VisibleLevels {
     use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
 

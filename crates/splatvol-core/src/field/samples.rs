@@ -1,5 +1,5 @@
-//! Samples of a field's bricks as they are, for pictures that classify voxels: nothing is kept of them but the ranges that
-//! the field has anyway, and what a transfer function shows is found anew from those in a millisecond.
+//! Samples of a field's bricks, for classification of voxels. Only the ranges, which the field has anyway, are
+//! kept; the visible bricks of a transfer function are found anew from these in a millisecond.
 
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
@@ -9,7 +9,7 @@ use super::lattice::{Block, Lattice, Stored};
 
 /// Samples along the edge of a brick with one around it.
 const AROUND: usize = BRICK + 2;
-/// Numbers of a row in memory: one before the brick, its eight, one behind, and what makes it a vector.
+/// Row length in memory: one sample before the brick, its eight, one behind, and padding to a vector.
 const ROW: usize = 16;
 
 /// Normalised samples of a brick and of one voxel around it.
@@ -37,7 +37,7 @@ impl Default for Neighbourhood {
 }
 
 impl FieldStore {
-    /// Bricks of which a sample may be visible, ascending, in place of what `bricks` held.
+    /// Replaces `bricks` by those with a sample that may be visible, ascending.
     pub fn visible_bricks(&self, levels: &VisibleLevels, bricks: &mut Vec<u32>) {
         let shows = |[low, high]: [i16; 2]| {
             low <= high && levels.any_of([(low - 1).max(0), (high + 1).min(LEVELS as i16 - 1)])

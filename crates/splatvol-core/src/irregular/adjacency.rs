@@ -83,9 +83,9 @@ pub(super) fn of_cells(cells: &Cells, cells_of_points: &Lists) -> Lists {
     Lists::from_lists(&(0..cells.len()).into_par_iter().map(list).collect::<Vec<_>>())
 }
 
-/// The points of a cell, once each, whose cells are looked through for those that share a face, and the two that are not:
-/// of three shared points one at least is another. They are those of most cells, so that nothing is looked through again and
-/// again where many cells meet in a point or around an edge, as at a pole.
+/// The points of a cell, each once, in two lists: those whose cells are searched for a common face, and the two
+/// left out. Of three shared points at least one is in the first list. The two left out belong to the most cells,
+/// so that the search stays short where many cells meet in a point or around an edge, as at a pole.
 fn scanned(cells: &Cells, cells_of_points: &Lists, cell: usize) -> (Vec<u32>, Vec<u32>) {
     let mut points = distinct_points(cells, cell);
     points.sort_by_key(|&point| cells_of_points.of(point as usize).len());
@@ -93,7 +93,7 @@ fn scanned(cells: &Cells, cells_of_points: &Lists, cell: usize) -> (Vec<u32>, Ve
     (points, passed_over)
 }
 
-/// The cells of some points, those that have several of them as often.
+/// The cells of some points; a cell with several of the points occurs several times.
 fn candidates(cells_of_points: &Lists, points: &[u32]) -> Vec<u32> {
     let mut found = Vec::new();
     for &point in points {
@@ -112,8 +112,8 @@ fn distinct_points(cells: &Cells, cell: usize) -> Vec<u32> {
     points
 }
 
-/// How many faces a cell has; fewer than its kind where it is collapsed to another: a hexahedron to a wedge, a pyramid or a
-/// tetrahedron.
+/// Number of faces of a cell. It is smaller than its kind's for a collapsed cell: a hexahedron collapsed to a
+/// wedge, a pyramid or a tetrahedron.
 pub(super) fn face_count(cells: &Cells, cell: usize) -> usize {
     let corners = cells.kind(cell).linear().point_count();
     let mut own = cells.points(cell)[..corners].to_vec();
@@ -132,7 +132,7 @@ mod tests {
 
     use super::*;
 
-    /// Tetrahedra around an edge whose two ends, points 0 and 1, they all share.
+    /// Tetrahedra around a common edge, whose ends are points 0 and 1.
     fn around_an_edge(count: u32) -> Cells {
         let mut cells = Cells::default();
         for n in 0..count {

@@ -1,4 +1,4 @@
-//! The samples of all structured blocks of a mesh, and what blocks share.
+//! Samples of all structured blocks of a mesh, and data shared by blocks.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -35,7 +35,7 @@ pub(super) fn samples(mesh: &Mesh, blocks: &[[usize; 3]], sigma: f64) -> (Vec<Sa
     replaced(all, &shares, &resampled)
 }
 
-/// The samples with those of some ranges replaced by what they were resampled to.
+/// The samples, with some ranges replaced by their resampled ones.
 fn replaced(
     samples: Vec<Sample>,
     shares: &[f64],

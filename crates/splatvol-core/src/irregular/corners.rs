@@ -10,10 +10,10 @@ use super::pieces::{Hexahedron, LONGEST, Region, UNCUT, count, hexahedron, lengt
 use super::resample::{Cut, Regions};
 use super::{Sample, position};
 
-/// Sides of pieces that are gathered, by those of what they are gathered to.
+/// Side of pieces before they are gathered, relative to the side afterwards.
 const FINE: f64 = 0.6;
 
-/// A mesh with its samples as they are before they are normalised.
+/// A mesh with its samples before normalisation.
 pub(super) struct CornerRegions<'a> {
     mesh: &'a Mesh,
     cells: &'a Cells,
@@ -69,7 +69,7 @@ impl<'a> CornerRegions<'a> {
         found
     }
 
-    /// The parts of a cell, with values by its gradient within what its neighbours have.
+    /// The parts of a cell, with values from its gradient, limited to the range of its neighbours.
     fn of_cell(&self, cell: usize) -> Vec<Hexahedron> {
         let points = self.cells.points(cell);
         let own = &self.samples[cell];

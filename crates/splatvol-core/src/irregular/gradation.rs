@@ -1,4 +1,4 @@
-//! Kernels whose size varies no faster than they can follow: gradation of a field of covariances.
+//! Gradation of a field of covariances: limits the growth of kernels from sample to sample.
 //!
 //! A covariance is a metric: `V^-1` measures offsets in standard deviations. Between neighbours i and j no direction of i
 //! may be wider than `1 + g d_ij` times that of j, with `d_ij` their distance in spacings of j (Borouchaki, Hecht and Frey,
@@ -13,18 +13,18 @@ use super::Sample;
 use super::whitening::whitening;
 use crate::eigen::eigen;
 
-/// Passes of cutting at most: each takes a change of size one neighbour further.
+/// Most passes of cutting: each carries a change of size one neighbour further.
 const PASSES: usize = 32;
-/// A cut by less is none.
+/// Relative cut below which a covariance counts as unchanged.
 const SLACK: f64 = 1e-6;
 
-/// Who is beside whom.
+/// Adjacency of samples.
 pub(super) trait Neighbours: Sync {
     /// Calls `visit` for each neighbour of a sample.
     fn each_neighbour(&self, index: usize, visit: &mut dyn FnMut(usize));
 }
 
-/// A metric with what is asked of it again and again.
+/// A metric with its frequently used derived numbers.
 #[derive(Debug, Clone, Copy)]
 struct Metric {
     position: DVec3,
@@ -45,7 +45,7 @@ impl Metric {
         }
     }
 
-    /// The square of how much wider than this one a neighbour may be.
+    /// Square of the largest width of a neighbour relative to this one.
     fn limit(&self, other: &Self, growth: f64, sigma: f64) -> f64 {
         let spacings = sigma * (self.whitening * (other.position - self.position)).length();
         (1.0 + growth * spacings).powi(2)
@@ -65,7 +65,7 @@ fn exceeds(matrix: &DMat3, limit: f64) -> bool {
     x.x <= 0.0 || x.x * y.y - x.y * y.x <= 0.0 || rest.determinant() <= 0.0
 }
 
-/// Growths of a kernel per spacing beyond which there is need for more kernels.
+/// Growth of a kernel per spacing beyond which more kernels are needed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Trigger {
     /// From one sample to another.
@@ -107,8 +107,8 @@ pub(super) fn violations(
     (0..samples.len()).into_par_iter().map(of).collect()
 }
 
-/// Covariances cut until none is wider than its neighbours allow. After the first pass only those beside what was cut are
-/// looked at.
+/// Cuts covariances until none is wider than its neighbours allow. After the first pass only the neighbours of cut
+/// ones are tested.
 pub(super) fn graded(
     samples: &[Sample],
     neighbours: &impl Neighbours,

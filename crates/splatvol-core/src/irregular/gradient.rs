@@ -1,13 +1,13 @@
 //! Gradients of scattered values by least squares.
 //!
-//! `min_g sum_j w_j (f_j - f_i - g . d_j)^2` over the neighbours j at offsets `d_j`, with `w_j = 1 / |d_j|^2`: exact
-//! for linear fields. Directions that no neighbour lies in get nothing (a faint ridge sees to that).
+//! `min_g sum_j w_j (f_j - f_i - g . d_j)^2` over the neighbours j at offsets `d_j`, with `w_j = 1 / |d_j|^2`:
+//! exact for linear fields. The gradient is zero in directions without a neighbour, by means of a small ridge.
 
 use glam::{DMat3, DVec3};
 
 use super::outer;
 
-/// Weight of the ridge beside the matrix' trace.
+/// Weight of the ridge, relative to the matrix' trace.
 const RIDGE: f64 = 1e-12;
 
 /// The gradient at a sample from offsets and differences of value of its neighbours.

@@ -1,7 +1,7 @@
 //! Sums of the kernels around samples of a structured block, found by index.
 //!
-//! Beyond the border, and in place of samples that have no kernel, the block goes on as it ends: the kernel nearest to the
-//! border, or the sample's own, again and again along its steps.
+//! Beyond the border, and in place of samples without a kernel, the block is continued by its last kernel: the
+//! kernel nearest to the border, or the sample's own, repeated along its steps.
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
@@ -61,7 +61,7 @@ impl<'a> LatticeKernels<'a> {
         places.iter().map(sum).collect()
     }
 
-    /// Gathers what is around a sample: all of it, or what continues the block.
+    /// Gathers the kernels around a sample: all of them, or only those that continue the block.
     fn gather<const ALL: bool>(&self, around: &mut Around, index: usize, masses: &[f64]) {
         let dims = self.lattice.dims;
         let at = index_of(index, dims);
@@ -91,7 +91,7 @@ impl<'a> LatticeKernels<'a> {
     }
 }
 
-/// An index within a block and how far beyond it the wanted one is.
+/// The nearest index within a block, and the distance of the wanted one beyond it.
 #[inline(always)]
 fn clamped(at: usize, offset: i32, size: usize) -> (usize, i32) {
     let wanted = at as i32 + offset;

@@ -10,12 +10,12 @@ use super::pieces::{Hexahedron, LONGEST, Node, UNCUT, count, lengths};
 use super::resample::{Cut, Regions};
 use super::structured::{Lattice, index_of};
 
-/// Both halves of a region along an axis are one piece where they are no longer than this, in spacings...
+/// Both halves of a region along an axis are one piece if they are together no longer than this, in spacings...
 const WHOLE: f64 = 1.25;
 /// ...and neither is longer than this.
 const HALF: f64 = 0.75;
 
-/// A block with its samples as they are before they are normalised.
+/// A block with its samples before normalisation.
 pub(super) struct LatticeRegions<'a> {
     pub(super) lattice: &'a Lattice,
     pub(super) samples: &'a [Sample],
@@ -136,7 +136,8 @@ impl LatticeRegions<'_> {
         })
     }
 
-    /// The sample at an offset of up to one; beyond the border and where there is none the grid goes on as it ends.
+    /// Position and value of the sample at an offset of up to one; beyond the border, or where there is none, the
+    /// grid is extrapolated.
     fn beside(&self, index: usize, offset: [i32; 3]) -> Node {
         let dims = self.lattice.dims;
         let at = index_of(index, dims);
@@ -159,7 +160,8 @@ fn offset_of(n: usize) -> [i32; 3] {
     [n % 3, n / 3 % 3, n / 9].map(|i| i as i32 - 1)
 }
 
-/// Puts the point amid both halves along an axis, with its own value on all of them: one piece lies where the point does.
+/// Moves the point to the middle of both halves along an axis, with its own value on all nodes: a single piece lies
+/// at the point.
 fn centre(block: &mut [Node; 27], axis: usize) {
     let stride = 3usize.pow(axis as u32);
     for middle in (0..27).filter(|n| n / stride % 3 == 1) {

@@ -1,17 +1,17 @@
 //! Kernels of meshes: a Gaussian per sample whose covariance follows the cells around it.
 //!
-//! On a regular grid the kernel of a voxel has covariance `sigma^2 I` in voxels. A mesh has no voxels, but cells that its
-//! samples lie amid, and those say how far neighbours are: `V = sigma^2 J J^T` with J the derivative of space by the
-//! index (zwicker2001 section 3: the kernel is warped by the local affine map). Where there are no indices, the second
-//! moments of the region that belongs to a sample take the place of J: a voxel's are `I / 12`, so `V = 12 sigma^2 M`.
-//! The mass of a kernel is the volume of that region, so that a constant field stays constant:
+//! On a regular grid the kernel of a voxel has covariance `sigma^2 I` in voxels. A mesh has cells instead of
+//! voxels; the cells around a sample define the distance to its neighbours: `V = sigma^2 J J^T` with J the
+//! derivative of space by the index (zwicker2001 section 3: the kernel is warped by the local affine map). Without
+//! indices, the second moments of the sample's region replace J: those of a voxel are `I / 12`, so
+//! `V = 12 sigma^2 M`. The mass of a kernel is the volume of that region, so that a constant field stays constant:
 //! `sum_i m_i N(x; p_i, V_i) = 1` inside.
 //!
-//! That is exact up to the regular grid's own ripple wherever the map is affine. Where cells change size the sum is off
-//! by the square of their change per kernel width, which varies slowly; sweeps of `m_i <- m_i / sum_j m_j N(p_i; p_j,
-//! V_j)` take it away (`normalise`). Where cells differ from neighbour to neighbour, as tetrahedra do, covariances are
-//! first averaged over neighbours and widened (`unstructured`). Where they jump, a sample is replaced by kernels of pieces
-//! of its region (`resample`).
+//! Wherever the map is affine, that is exact up to the regular grid's own ripple. Where cells change size, the sum
+//! has an error of the square of their change per kernel width, which varies slowly; sweeps of
+//! `m_i <- m_i / sum_j m_j N(p_i; p_j, V_j)` remove it (`normalise`). Where cells differ from neighbour to
+//! neighbour, as tetrahedra do, covariances are first averaged over neighbours and widened (`unstructured`). Where
+//! they jump, a sample is replaced by kernels of pieces of its region (`resample`).
 //!
 //! Measured (tests), largest of 400 places away from the border: 0.2 % on spacing that grows by up to 1.15 per cell, 0.7 % at
 //! 1.3, 0.01 % sheared, 0.2 % curvilinear; cells of a lattice whose points are moved by up to 0.15 and 0.25 of it: tetrahedra
@@ -21,11 +21,12 @@
 //! that double from 1:50 on 0.9 % (25; cells 1.2, 23), shear of 70 degrees that sets in at once 0.4 % (0.4), that turns over
 //! at each layer 1.2 % (3.9); tetrahedra whose spacing jumps from 1 to 8 0.6 % (6.6; cells 0.4, 35), hexahedra 0.9 % (7.3).
 //!
-//! Worst are structured points that are moved at random: by up to 0.05, 0.1 and 0.25 of their spacing 4, 8 and 6 % (22 % with
-//! one kernel per sample); unlike those of unstructured cells their covariances are not averaged over neighbours.
+//! Structured points moved at random have the largest errors: moved by up to 0.05, 0.1 and 0.25 of their spacing,
+//! 4, 8 and 6 % (22 % with one kernel per sample). Unlike those of unstructured cells, their covariances are not
+//! averaged over neighbours.
 //!
-//! Beyond the border structured grids go on as they end, so that samples there keep the mass of a whole cell, like
-//! voxels do; points on the border of unstructured cells have the part of it that is inside.
+//! Beyond the border structured grids are continued, so that samples there keep the mass of a whole cell, like
+//! voxels; points on the border of unstructured cells have only the part inside.
 
 mod adjacency;
 mod blocks;
@@ -73,8 +74,9 @@ pub struct Kernels {
     pub resampling: Resampling,
 }
 
-/// The kernels of a mesh, of standard deviation `sigma` in units of its cells (a regular grid's voxels). Samples that
-/// are missing or blanked have none, nor have those whose cells have no volume. The same on any number of threads.
+/// The kernels of a mesh, with standard deviation `sigma` in units of its cells (a regular grid's voxels). Missing
+/// or blanked samples have none, and neither have samples whose cells have no volume. The result is the same for
+/// any number of threads.
 pub fn kernels(mesh: &Mesh, sigma: f64) -> Kernels {
     let (samples, resampling) = match mesh.topology() {
         Topology::Structured(blocks) => blocks::samples(mesh, blocks, sigma),
@@ -83,7 +85,7 @@ pub fn kernels(mesh: &Mesh, sigma: f64) -> Kernels {
     Kernels::of(&samples, resampling)
 }
 
-/// A sample with its kernel, before it is known whether it is seen.
+/// A sample with its kernel, before its visibility is known.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     position: DVec3,

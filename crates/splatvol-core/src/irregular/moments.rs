@@ -7,7 +7,7 @@ use splatvol_scene::{CellKind, Cells, Mesh};
 use super::reference_cell::{Part, parts};
 use super::{outer, position};
 
-/// Volume, first and second moments about an origin of its own.
+/// Volume, first and second moments about its own origin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moments {
     pub(super) volume: f64,

@@ -1,20 +1,21 @@
-//! Masses for which a constant field stays constant.
+//! Normalisation of masses, so that a constant field stays constant.
 //!
-//! One sweep divides each mass by the sum of all kernels at its centre: Jacobi's iteration for the sums to be 1, hastened
-//! by steps of several lengths (Richardson's, with Chebyshev's steps; Varga, Matrix Iterative Analysis, chapter 5).
+//! One sweep divides each mass by the sum of all kernels at its centre. This is Jacobi's iteration for sums of 1,
+//! accelerated by steps of varying lengths (Richardson's, with Chebyshev's steps; Varga, Matrix Iterative Analysis,
+//! chapter 5).
 
 use rayon::prelude::*;
 
-/// Squared distance in standard deviations beyond which a kernel is nothing: it has 0.1 % of its mass there.
+/// Squared distance, in standard deviations, at which a kernel is cut: 0.1 % of its mass lies beyond.
 pub(super) const REACH_SQUARED: f64 = 16.0;
-/// Deviation of the sums that is left alone.
+/// Tolerated deviation of the sums.
 const TOLERANCE: f64 = 5e-4;
 
-/// Divides the masses of some samples, the places, by powers of what `sums` finds there until the sums are 1, once per step at
-/// most.
+/// Divides the masses of some samples, the places, by powers of the sums from `sums` until these are 1, at most
+/// once per step.
 ///
-/// Near the solution a step multiplies each mode of the error by `1 - step * eigenvalue`; the eigenvalues are those of the
-/// matrix of the kernels at the centres, 1 for what is smooth and near 0 for what no kernel resolves.
+/// Near the solution a step multiplies each mode of the error by `1 - step * eigenvalue`. The eigenvalues are those
+/// of the matrix of the kernels at the centres: 1 for smooth modes, and near 0 for modes that no kernel resolves.
 pub(super) fn sweep(
     masses: &mut [f64],
     places: &[u32],
@@ -38,12 +39,12 @@ pub(super) fn sweep(
 pub(super) enum Correction {
     /// It should be 1.
     Full(f64),
-    /// It should not be above 1: beside a border.
+    /// It should not exceed 1: beside a border.
     Excess(f64),
 }
 
 impl Correction {
-    /// Nothing yet, of a sample beside a border or within.
+    /// An empty sum, for a sample beside a border or inside.
     pub(super) fn beside(border: bool) -> Self {
         match border {
             true => Self::Excess(0.0),

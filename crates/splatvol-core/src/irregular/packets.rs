@@ -1,8 +1,9 @@
-//! Kernels packed sixteen at a time, as vectors take them.
+//! Packets of sixteen kernels, in vector layout.
 //!
-//! With `V = C C^T` (Cholesky) a kernel of mass m has the density `m p 2^-|F d|^2` at an offset d from its centre, where
-//! `F = C^-1 sqrt(log2(e) / 2)` is lower triangular and `p = |2 pi V|^(-1/2)`. Numbers are of 32 bits, centres and places
-//! offsets from origins nearby, so that rounding is small beside the kernels' widths however far the mesh lies from zero.
+//! With `V = C C^T` (Cholesky) a kernel of mass m has the density `m p 2^-|F d|^2` at an offset d from its centre,
+//! where `F = C^-1 sqrt(log2(e) / 2)` is lower triangular and `p = |2 pi V|^(-1/2)`. Numbers are of 32 bits.
+//! Centres and places are offsets from nearby origins, so that rounding is small beside the kernels' widths however
+//! far the mesh lies from zero.
 //!
 //! Sums are the same at every SIMD level: no operation is fused, and terms are added in the order of the kernels.
 
@@ -17,9 +18,9 @@ use crate::exponential::exp2;
 /// Kernels of a packet, and places of a block.
 pub(super) const LANES: usize = 16;
 
-/// `|F d|^2` up to which a kernel reaches.
+/// Largest `|F d|^2` within a kernel's reach.
 const REACH: f32 = (0.5 * REACH_SQUARED * std::f64::consts::LOG2_E) as f32;
-/// How much further is looked for kernels that reach a block, for rounding.
+/// Factor on the search distance for kernels that reach a block, for rounding.
 const MARGIN: f32 = 1.001;
 
 /// A kernel ready to be evaluated.
@@ -50,7 +51,7 @@ impl Evaluated {
     }
 }
 
-/// F of a sample's covariance, none where that is not positive definite.
+/// F of a sample's covariance; `None` if that is not positive definite.
 fn factor(sample: &Sample) -> Option<[f32; 6]> {
     let w = whitening(&sample.covariance)? * (0.5 * std::f64::consts::LOG2_E).sqrt();
     let rows = [
@@ -129,7 +130,7 @@ impl Packet {
     }
 }
 
-/// Places near each other, at which sums are found at once.
+/// Places near each other, whose sums are computed together.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub(super) low: DVec3,
@@ -226,8 +227,8 @@ fn sum_at_with<S: Simd>(simd: S, place: DVec3, packets: &[Packet], weights: &[[f
     sums.into_iter().map(f64::from).sum()
 }
 
-/// The kernels of a packet that may reach a box of half sizes `half` around `middle`, as bits: `|F d| <= reach + r`, with r
-/// the greatest length that F makes of an offset within the box.
+/// The kernels of a packet that may reach a box of half sizes `half` around `middle`, as bits:
+/// `|F d| <= reach + r`, with r the greatest length of `F d` for an offset d within the box.
 #[inline(always)]
 fn reaching<S: Simd>(
     simd: S,
@@ -267,7 +268,7 @@ mod tests {
 
     use super::*;
 
-    /// Places and kernels far from zero, kernels flat and tilted; what 64 bits make of the formula with the inverse.
+    /// Places and kernels far from zero, flat and tilted kernels, against the formula with the inverse in 64 bits.
     #[test]
     fn sums_are_those_of_the_inverse_covariance() {
         let mut random = Random::new(41);

@@ -1,8 +1,9 @@
 //! Regions of samples as hexahedra, and the pieces they are cut into.
 //!
-//! The part of a cell that belongs to a corner with three edges is a hexahedron: the corner, the middles of its edges, of
-//! its faces, and of the cell, mapped trilinearly (for hexahedra an octant of the cell). Values at its nodes are means of
-//! the cell's, so that places and values are interpolated by the same weights and a linear field stays linear.
+//! The part of a cell at a corner with three edges is a hexahedron: the corner, the midpoints of its edges and
+//! faces, and the centre of the cell, mapped trilinearly (for hexahedra an octant of the cell). Values at its nodes
+//! are means of the cell's, so that places and values are interpolated with the same weights and a linear field
+//! stays linear.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +13,7 @@ use splatvol_scene::CellKind;
 /// Pieces along one side of a hexahedron at most.
 pub(super) const MOST_PER_SIDE: usize = 32;
 
-/// A region no longer than this along any axis, in spacings of its kernel, is not cut.
+/// Longest side of an uncut region along any axis, in spacings of its kernel.
 pub(super) const UNCUT: f64 = 1.25;
 
 /// Sides of pieces at most, in spacings.
@@ -59,7 +60,7 @@ pub(super) fn trilinear(nodes: &Hexahedron, at: DVec3) -> (Node, DMat3) {
     )
 }
 
-/// How many pieces of a length at most are in a side.
+/// Number of pieces along a side, given the longest allowed piece.
 pub(super) fn count(side: f64, longest: f64) -> usize {
     // Lengths that are not finite are capped too.
     (side / longest - 1e-9).ceil().clamp(1.0, MOST_PER_SIDE as f64) as usize
@@ -93,8 +94,8 @@ pub(super) fn cut(nodes: &Hexahedron, counts: [usize; 3], pieces: &mut Vec<Piece
     }
 }
 
-/// One piece in place of those in each box of a lattice of spacing [`LONGEST`] around a place: their means by volume, which
-/// are on a linear field when they are.
+/// Gathers the pieces in each box of a lattice of spacing [`LONGEST`] around a place to one: their means by volume.
+/// If the pieces lie on a linear field, so do the means.
 pub(super) fn gather(pieces: &[Piece], centre: DVec3, spacings_from_local: &DMat3) -> Vec<Piece> {
     let mut boxes: BTreeMap<[i64; 3], Piece> = BTreeMap::new();
     for piece in pieces.iter().filter(|piece| piece.volume > 0.0) {

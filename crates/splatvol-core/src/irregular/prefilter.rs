@@ -1,9 +1,9 @@
-//! Values whose kernels take the samples' values at the samples: what smooth kernels wash out is put into them beforehand, as
-//! `crate::prefilter` does for grids.
+//! Prefilter for meshes: values whose kernels interpolate the samples. It compensates in advance for the smoothing
+//! by the kernels, as `crate::prefilter` does for grids.
 //!
-//! The field of coefficients a is `(A a)_i = sum_j m_j N(p_i; p_j, V_j) a_j / sum_j m_j N(p_i; p_j, V_j)`. A few steps of
-//! `a <- a + f - A a` (van Cittert 1931) bring it to the samples f where kernels overlap little; what they cannot resolve they
-//! leave alone, so that noise does not grow without bounds.
+//! The field of coefficients a is `(A a)_i = sum_j m_j N(p_i; p_j, V_j) a_j / sum_j m_j N(p_i; p_j, V_j)`. A few
+//! steps of `a <- a + f - A a` (van Cittert 1931) converge to the samples f where kernels overlap little. Modes
+//! that they cannot resolve stay unchanged, so that noise does not grow without bounds.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use super::{Kernels, Sample};
 const STEPS: usize = 3;
 
 impl Kernels {
-    /// Coefficients in place of the values, one per kernel. The same on any number of threads.
+    /// Coefficients in place of the values, one per kernel, the same for any number of threads.
     pub fn coefficients(&self) -> Vec<f32> {
         let samples: Vec<Sample> = (0..self.len()).into_par_iter().map(|i| self.sample(i)).collect();
         let tree = Tree::new(&samples);

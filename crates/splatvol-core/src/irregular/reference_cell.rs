@@ -1,4 +1,4 @@
-//! Cells in their own coordinates: 64 small parts of each kind, and which point each part is nearest to.
+//! Reference cells: 64 small parts of each kind in the cell's own coordinates, each with its nearest point.
 //!
 //! A part's place in space is `x = sum_n c_n(xi) p_n`, with the linear shape functions `phi` of the corners and, for
 //! points amid edges, bubbles `4 phi_a phi_b` that pull the edge to them (for tetrahedra these are the quadratic shape
@@ -22,7 +22,7 @@ pub(super) struct Part {
     pub(super) volume: f64,
     /// Second moments about the centre, per volume, in the cell's coordinates.
     pub(super) spread: DMat3,
-    /// Points that the part belongs to.
+    /// Points that own the part.
     pub(super) owners: Vec<usize>,
 }
 

@@ -1,16 +1,16 @@
-//! More kernels where one per sample is too few.
+//! Resampling: several kernels per sample where one is not enough.
 //!
-//! Kernels represent `f(x) = integral of f(y) N(x; y, V(y)) dy` by one point of quadrature per sample; a constant stays
-//! constant as long as V varies little within a kernel and points lie no further apart than the kernels are wide. Skewed,
-//! sheared and flat cells do that as well as cubes, cells beside others of another size or direction do not. There, as
-//! Mao (Splatting of non rectilinear volumes through stochastic resampling, 1996), the field is resampled: covariances are
-//! cut until they vary slowly (`gradation`), regions wider than their kernel are cut into pieces that are not (`pieces`),
-//! and each piece has a kernel with the value that the cell's shape functions have there, and the covariance of its
-//! surroundings. Mao strews points at random until spheres do; pieces follow the cells, so that there are few, the same
-//! ones each time, and none where the mesh is even.
+//! Kernels represent `f(x) = integral of f(y) N(x; y, V(y)) dy` by one point of quadrature per sample. A constant
+//! stays constant as long as V varies little within a kernel and points are no further apart than the kernels are
+//! wide. Skewed, sheared and flat cells satisfy this as well as cubes; cells beside others of another size or
+//! direction do not. There the field is resampled, as in Mao (Splatting of non rectilinear volumes through
+//! stochastic resampling, 1996): covariances are cut until they vary slowly (`gradation`), and regions wider than
+//! their kernel are cut into pieces that are not (`pieces`). Each piece has a kernel with the value of the cell's
+//! shape functions there, and the covariance of its surroundings. Mao scatters points at random until spheres
+//! suffice; pieces follow the cells, so they are few, reproducible, and absent where the mesh is even.
 //!
-//! Never more than [`MOST_PER_SAMPLE`] kernels per sample are made: where more are asked for, covariances may vary faster,
-//! and where that does not do, the samples stay as they are.
+//! At most [`MOST_PER_SAMPLE`] kernels per sample are made. If more are needed, covariances may vary faster; if
+//! that is not enough, the samples stay unchanged.
 
 use std::ops::Range;
 
@@ -27,24 +27,24 @@ use crate::eigen::eigen;
 
 /// Kernels, by samples, at most.
 pub const MOST_PER_SAMPLE: usize = 16;
-/// Growth to which covariances are cut; the later ones where too many kernels come of the first.
+/// Growth limits of covariances; each later one is used if the one before yields too many kernels.
 const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
 /// Steps of normalisation, Chebyshev's for eigenvalues from 0.15 to 1.
 const STEPS: [f64; 13] = [
     1.0, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65, 1.015, 6.08, 1.46, 2.15, 1.142, 3.65,
 ];
 
-/// Steps of each round; before it, samples whose sums are right are left out.
+/// Steps of each round; samples whose sums are already right are left out of a round.
 const ROUNDS: [Range<usize>; 3] = [0..1, 1..7, 7..13];
 
-/// Neighbours, one beside the other, that a kernel reaches along a diagonal: `sqrt(3)` times its four standard deviations of
-/// 0.74 spacings.
+/// Reach of a kernel along a diagonal, in neighbours: `sqrt(3)` times its four standard deviations of 0.74
+/// spacings.
 const REACH: usize = 6;
 
 /// Pieces that are gathered to one, on average, at most.
 const MOST_GATHERED: usize = 16;
 
-/// A part of a region and how many pieces it is cut into along its axes.
+/// A part of a region, and the number of its pieces along its axes.
 pub(super) struct Cut {
     pub(super) nodes: Hexahedron,
     pub(super) counts: [usize; 3],
@@ -55,8 +55,8 @@ pub(super) trait Regions: Neighbours {
     /// Whether pieces, smaller than they need be where cells are no boxes, are gathered to fewer.
     const GATHERED: bool;
 
-    /// The parts of a sample's region and how often they are cut; none where the whole is no longer than its kernel allows.
-    /// `spacings_from_local` measures offsets in spacings of the kernel.
+    /// The parts of a sample's region and their numbers of pieces; empty where the whole is no longer than its
+    /// kernel allows. `spacings_from_local` measures offsets in spacings of the kernel.
     fn cuts(&self, index: usize, spacings_from_local: &DMat3) -> Vec<Cut>;
 
     /// Corrections at places in a sample's region: the target of the sums of kernels, and the parts of the sums
@@ -64,7 +64,7 @@ pub(super) trait Regions: Neighbours {
     fn beyond(&self, index: usize, places: &[Sample]) -> Vec<Correction>;
 }
 
-/// Samples some of which are pieces of others.
+/// Samples, some of them pieces of original ones.
 pub(super) struct Resampled {
     pub(super) samples: Vec<Sample>,
     /// Index of the original sample of each.
@@ -92,7 +92,8 @@ impl Resampling {
     }
 }
 
-/// Samples with kernels for which a constant stays constant, where `samples`, not normalised yet, are not enough.
+/// Replaces `samples`, not normalised yet, by kernels for which a constant stays constant; `None` if they need no
+/// resampling.
 pub(super) fn resample(
     samples: &[Sample],
     regions: &impl Regions,
@@ -150,7 +151,7 @@ fn beside(marked: &[bool], neighbours: &impl Neighbours) -> Vec<bool> {
     (0..marked.len()).into_par_iter().map(near).collect()
 }
 
-/// Samples, and the covariances they are to have.
+/// Samples and their target covariances.
 struct Surroundings<'a, R> {
     samples: &'a [Sample],
     covariances: &'a [DMat3],
@@ -159,7 +160,7 @@ struct Surroundings<'a, R> {
 }
 
 impl<R: Regions> Surroundings<'_, R> {
-    /// How many pieces each sample is cut into, 0 where it stays; none where that would be too many.
+    /// Number of pieces of each sample, 0 for an unchanged one; `None` if there would be too many.
     fn counts(&self, is_touched: impl Fn(usize) -> bool + Sync) -> Option<Vec<usize>> {
         let limit = MOST_PER_SAMPLE * self.samples.len();
         let raw = |index: usize| {
@@ -188,7 +189,7 @@ impl<R: Regions> Surroundings<'_, R> {
         whitening(&self.covariances[index]).map(|whitening| whitening * self.sigma)
     }
 
-    /// The same along the kernel's axes.
+    /// Offsets in spacings along the kernel's axes.
     fn axes_from_local(&self, index: usize) -> Option<DMat3> {
         let (values, vectors) = eigen(self.covariances[index]);
         let rows = std::array::from_fn::<_, 3, _>(|i| vectors[i] * (self.sigma / values[i].sqrt()));
@@ -217,7 +218,7 @@ impl<R: Regions> Surroundings<'_, R> {
         }
     }
 
-    /// The kernels of a sample: one, or those of its pieces.
+    /// The kernels of a sample: its own, or those of its pieces.
     fn kernels(&self, index: usize, is_cut: bool) -> Vec<Sample> {
         let whole = Sample {
             covariance: self.covariances[index],
@@ -244,7 +245,8 @@ impl<R: Regions> Surroundings<'_, R> {
             .collect()
     }
 
-    /// A piece's kernel: covariance and gradient are means of those around, weighted by their kernels there.
+    /// A piece's kernel: covariance and gradient are means of the surrounding ones, weighted by their kernels
+    /// there.
     fn kernel(&self, whole: &Sample, piece: &Piece, near: &[(DMat3, usize)]) -> Sample {
         let (mut covariance, mut gradient, mut weights) = (DMat3::ZERO, DVec3::ZERO, 0.0);
         for (inverse, other) in near {
@@ -278,7 +280,7 @@ impl<R: Regions> Surroundings<'_, R> {
     }
 }
 
-/// All kernels in one list, normalised; `uneven` marks samples whose kernels are not those of an even grid.
+/// All kernels in one list, normalised; `uneven` marks samples whose kernels differ from an even grid's.
 fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, report: Resampling) -> Resampled {
     let owners: Vec<u32> = made
         .iter()
@@ -293,8 +295,8 @@ fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, repor
     }
 }
 
-/// The samples with masses for which a constant stays constant. Only those that an uneven one reaches are looked at, and
-/// of them, round by round, those that one reaches whose sum is still wrong.
+/// The samples with masses for which a constant stays constant. Only samples within reach of an uneven one are
+/// tested; each round continues with those within reach of a sample whose sum is still wrong.
 fn normalised(
     samples: Vec<Sample>,
     owners: &[u32],

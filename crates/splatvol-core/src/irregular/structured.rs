@@ -11,14 +11,14 @@ use super::normalise::{Correction, sweep};
 use super::resample::{Resampled, resample};
 use super::{Sample, position};
 
-/// Steps of normalisation: what is wrong varies slowly, and the first takes most of it.
+/// Steps of normalisation: the error varies slowly, and the first step removes most of it.
 const STEPS: [f64; 3] = [1.0; 3];
 /// Relative change of the Jacobian within a kernel's reach that needs no normalisation: the sum is off by about the square
 /// of a quarter of it.
 const EVEN: f64 = 0.08;
 
-/// Growth that needs more kernels: cells may be twice as long as the one before, whose centre is one and a half of its lengths
-/// away, but not twice as long again.
+/// Growth beyond which more kernels are needed. A cell may be twice as long as the one before, whose centre is one
+/// and a half of its lengths away, but not twice as long again.
 const TRIGGER: Trigger = Trigger {
     alone: 0.7,
     through: 0.6,
@@ -226,7 +226,7 @@ impl Lattice {
         }
     }
 
-    /// The neighbours before and after, the sample itself where there is none.
+    /// The neighbours before and after; the sample itself replaces a missing one.
     fn stencil(&self, index: usize, axis: usize, seen: impl Fn(usize) -> bool) -> (usize, usize) {
         let at = index_of(index, self.dims)[axis];
         let stride: usize = self.dims[..axis].iter().product();

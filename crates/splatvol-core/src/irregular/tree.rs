@@ -1,9 +1,9 @@
 //! Sums of all kernels at some of their centres: a tree of boxes around packets of kernels (Goldsmith and Salmon, Automatic
 //! creation of object hierarchies for ray tracing, 1987), and places taken sixteen at a time, neighbours together.
 //!
-//! Boxes are halved at the median of the centres along the axis that is longest in widths of their kernels, so that packets
-//! of flat kernels are as flat. Nothing is kept between sums but the packed kernels: finding terms again takes no longer
-//! than reading them would.
+//! Boxes are halved at the median of the centres, along the axis that is longest in widths of their kernels, so
+//! that packets of flat kernels are flat, too. Only the packed kernels are kept between sums: finding terms again
+//! takes no longer than reading them would.
 
 use fearless_simd::Level;
 use glam::{DVec3, Vec3};
@@ -13,10 +13,10 @@ use super::Sample;
 use super::normalise::REACH_SQUARED;
 use super::packets::{Block, Evaluated, LANES, Packet};
 
-/// Kernels from which on two threads halve.
+/// Number of kernels from which two threads share the halving.
 const WORTH_A_THREAD: usize = 1 << 13;
 
-/// Kernels as they are when boxes are halved.
+/// A kernel during the halving of boxes.
 #[derive(Debug, Clone, Copy)]
 struct Centre {
     place: Vec3,
@@ -46,7 +46,7 @@ impl Node {
     };
 }
 
-/// Kernels in packets, and where they are.
+/// Tree of packets of kernels.
 pub(super) struct Tree<'a> {
     samples: &'a [Sample],
     nodes: Vec<Node>,
@@ -58,7 +58,7 @@ pub(super) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    /// The kernels of those samples that have one.
+    /// Builds the tree from the samples that have a kernel.
     pub(super) fn new(samples: &'a [Sample]) -> Self {
         let centre = |(index, sample): (usize, &Sample)| {
             let v = &sample.covariance;
@@ -141,7 +141,7 @@ impl<'a> Tree<'a> {
         places.chunks(LANES).map(of_block).sum()
     }
 
-    /// Packets whose boxes meet that of a block.
+    /// Packets whose boxes overlap a block's.
     fn packets_near(&self, block: &Block, found: &mut Vec<u32>) {
         found.clear();
         // Median halves: no tree of 2^32 kernels is deeper.
@@ -243,7 +243,8 @@ fn halve(centres: &mut [Centre], middle: usize) {
     });
 }
 
-/// A packet with the box of what its kernels reach. Centres are sorted so that nothing depends on how halves were found.
+/// A packet, and the bounding box of its kernels' reach. Centres are sorted, so that the result does not depend on
+/// the halving.
 fn packed(centres: &mut [Centre], samples: &[Sample]) -> (Packet, DVec3, DVec3) {
     centres.sort_unstable_by_key(|centre| centre.index);
     let mut packet = Packet::around(samples[centres[0].index as usize].position);

@@ -13,17 +13,18 @@ use super::resample::{Resampling, resample};
 use super::tree::Tree;
 use super::{Sample, gradient, outer, position};
 
-/// How much wider than a voxel's the kernels of irregular cells are. Their spacing varies from cell to cell, which kernels of
-/// the regular grid's width would show: tetrahedra of a lattice whose points are moved by up to 0.25 of it ripple by 3.8 %
-/// with 1, 1.9 % with 1.15.
+/// Width of the kernels of irregular cells relative to a voxel's. Their spacing varies from cell to cell, and
+/// kernels of the regular grid's width would show it: tetrahedra of a lattice whose points are moved by up to 0.25
+/// of it ripple by 3.8 % with 1, 1.9 % with 1.15.
 const WIDENING: f64 = 1.15;
-/// How often covariances are smoothed: without it those tetrahedra ripple by 4.5 %, and by 14 % where cells have the values.
+/// Passes of smoothing the covariances: without them these tetrahedra ripple by 4.5 %, and by 14 % with values on
+/// cells.
 const PASSES_OF_POINTS: usize = 2;
 const PASSES_OF_CELLS: usize = 3;
-/// Steps of normalisation: Chebyshev's for eigenvalues from 0.2 to 1, in an order that amplifies nothing on the way. Ten of
-/// length 1 do no better.
+/// Steps of normalisation: Chebyshev's for eigenvalues from 0.2 to 1, in an order that never amplifies. Ten steps
+/// of length 1 do no better.
 const STEPS_OF_POINTS: [f64; 4] = [1.03, 4.34, 1.33, 2.24];
-/// The same from 0.15 on: cells differ more.
+/// Steps for eigenvalues from 0.15 to 1: cells differ more.
 const STEPS_OF_CELLS: [f64; 6] = [1.015, 6.08, 1.46, 2.15, 1.142, 3.65];
 
 /// Growth of a kernel per spacing that needs no more kernels.
@@ -135,8 +136,8 @@ fn add_values(samples: &mut [Sample], values: &[f32], neighbours: &Lists) {
     }
 }
 
-/// Replaces covariances by their mean over a sample and its neighbours, weighted by mass: shapes that differ from sample to
-/// sample do not tile space, those that vary slowly do.
+/// Replaces covariances by their mean over a sample and its neighbours, weighted by mass: shapes that differ from
+/// sample to sample do not tile space, but slowly varying ones do.
 fn smooth_covariances(samples: &mut [Sample], neighbours: &Lists) {
     let of = |index: usize, samples: &[Sample]| {
         let near = neighbours.of(index).iter().map(|&other| &samples[other as usize]);

@@ -2,21 +2,21 @@
 
 use super::raster::SheetShape;
 
-/// Largest footprint, blocks along an edge. Sizes between those that are compiled are rounded up.
+/// Largest footprint, blocks along an edge. Other sizes are rounded up to the next compiled one.
 pub const MAX_BLOCKS: usize = 16;
 
 /// Blocks along the edge of footprints that are compiled.
 pub const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
-/// How far a voxel's footprints reach around that of its middle sheet, raster points.
+/// Reach of a voxel's footprints around that of its middle sheet, raster points.
 pub fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32; 2] {
     shape
         .half_extent(cut)
         .map(|half| (half + spread * shape.scale) * factor)
 }
 
-/// Blocks along the edge of footprints that reach so far, raster points. What lies in the outermost twentieth of the
-/// reach, less than a hundredth of the peak, may be left out where a footprint lies unfavourably.
+/// Blocks along the edge of footprints with the given reach, raster points. The outermost twentieth of the reach,
+/// less than a hundredth of the peak, may be left out for an unfavourable position of the footprint.
 pub fn blocks_of([x, y]: [f32; 2]) -> usize {
     let points = (1.88 * x.max(y)).floor() as usize + 1;
     let blocks = (points + 1).div_ceil(2);
@@ -31,8 +31,8 @@ pub(super) fn fit_blocks([x, y]: [f32; 2]) -> bool {
     1.88 * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
 }
 
-/// How far from a footprint's centre pixels change that it touches with any of its blocks, or whose spline or gradient
-/// it touches, for footprints that reach so far, raster points.
+/// Largest distance from a footprint's centre at which pixels change. Pixels change if a block of the footprint
+/// covers them, or the support of their spline or gradient. `half_extent`: reach of the footprints, raster points.
 pub(super) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
     // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
     let blocks = blocks_of(half_extent) as f32 + 0.75;

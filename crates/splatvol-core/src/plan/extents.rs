@@ -1,23 +1,24 @@
-//! Extents: how wide the footprints of a frame are at each depth, and which rasters hold them.
+//! Extents: width of a frame's footprints at each depth, and the rasters that hold them.
 //!
-//! A raster point every 2^n pixels, splined to pixels (`upsample`), holds footprints between [`Widths::narrowest`] and
-//! [`Widths::widest`] points of standard deviation. In perspective footprints grow as 1 / z towards the camera: a frame whose
-//! nearest and farthest footprints differ by no more than that has one raster, others have zones (`zones`).
+//! A raster with a point every 2^n pixels, splined to pixels (`upsample`), holds footprints with a standard
+//! deviation between [`Widths::narrowest`] and [`Widths::widest`] points. In perspective footprints grow as 1 / z
+//! towards the camera: a frame whose nearest and farthest footprints fit these limits has one raster, others have
+//! zones (`zones`).
 
 use glam::DVec2;
 use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
 use super::raster::{Raster, SheetShape};
 
-/// Standard deviations of footprints, raster points, and those at which they are cut.
+/// Limits of the standard deviation of footprints, raster points, and their cut.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Widths {
     /// The narrowest that a spline reproduces.
     narrowest: f64,
-    /// The same where there are several zones: close to the eye raster points lie many pixels apart, and light shows it where
-    /// gradients ripple from one to the next.
+    /// The narrowest where there are several zones: close to the eye raster points lie many pixels apart, and
+    /// lighting shows the ripple of gradients between them.
     narrowest_in_zones: f64,
-    /// The nearest beyond which a coarser raster costs less.
+    /// The narrowest beyond which a coarser raster costs less.
     comfortable: f64,
     /// The widest that the largest blocks hold.
     widest: f64,
@@ -36,7 +37,8 @@ impl Widths {
         cut: 3.4,
         is_exact: false,
     };
-    /// Where gradients are analytic: to the last digits, and cut later, for what is left out on one side alone tilts them.
+    /// Analytic gradients: accurate to the last digits, with a wider cut, since a part left out on one side only
+    /// tilts gradients.
     const EXACT: Self = Self {
         narrowest: 1.2,
         narrowest_in_zones: 1.2,
@@ -46,8 +48,8 @@ impl Widths {
         is_exact: true,
     };
 
-    /// The same of classified voxels, where nothing divides what a spline and a cut leave by a sum of weights that they leave, too:
-    /// sheets converge to 1e-6 of full light, where the widths above leave 5e-6.
+    /// Classified voxels with analytic gradients. Their sums are not divided by a sum of weights with the same
+    /// errors of spline and cut: sheets converge to 1e-6 of full light, where the widths above leave 5e-6.
     const EXACT_COLORS: Self = Self {
         narrowest: 1.7,
         narrowest_in_zones: 1.7,
@@ -72,14 +74,14 @@ const ROUNDING: f64 = 1e-6;
 const MOST_OCTAVES: f64 = 6.0;
 /// Tangent of the angle between ray and axis up to which blocks hold a voxel's footprints on all its sheets.
 pub(super) const STEEP: f64 = 0.75;
-/// The same up to which larger blocks do.
+/// Tangent up to which larger blocks do so.
 const TOO_STEEP: f64 = 1.25;
 /// Reaches of a voxel within which its sheets differ much in scale.
 pub(super) const NEAR: f64 = 4.0;
 /// Width below which footprints without a low-pass fall between raster points.
 const LEAST_UNFILTERED: f64 = 0.4;
 
-/// Footprints of all depths, and how far a voxel's are apart.
+/// Footprints of all depths, and the displacement between those of one voxel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extents {
     pub screen: ScreenFromCamera,
@@ -94,7 +96,7 @@ pub(super) struct Extents {
     pub steepest: f64,
     /// Voxels are integrated along rays: a sheet is the slab before its plane.
     pub along_rays: bool,
-    /// How far a voxel reaches in depth, world length.
+    /// Reach of a voxel in depth, world length.
     pub reach: f64,
 }
 
@@ -143,8 +145,8 @@ impl Extents {
         !self.along_rays && self.steepest > TOO_STEEP
     }
 
-    /// Room for the footprints of a voxel's sheets: half the distance of those of neighbouring sheets, world length, as far
-    /// as rays are not steep, and a factor.
+    /// Room for the footprints of a voxel's sheets: half the distance between footprints on neighbouring sheets,
+    /// world length, for rays that are not steep, and a factor.
     pub(super) fn room_of_footprints(&self, spacing: f64) -> [f32; 2] {
         let steepest = if self.along_rays {
             self.steepest
@@ -154,7 +156,7 @@ impl Extents {
         [(0.5 * steepest * spacing) as f32, self.room() as f32]
     }
 
-    /// How far centres of footprints move within a voxel's sheets along a ray of a slope, world length.
+    /// Displacement of footprints' centres within a voxel's sheets along a ray of a slope, world length.
     pub(super) fn drift(&self, slope: f64) -> f32 {
         if self.along_rays {
             0.0
@@ -163,7 +165,8 @@ impl Extents {
         }
     }
 
-    /// The same of voxels whose footprints of so many blocks, on a sheet of this scale, just reach the picture from outside.
+    /// The displacement for voxels whose footprints, of so many blocks on a sheet of this scale, just reach the
+    /// picture from outside.
     pub(super) fn drift_of_footprints(&self, sheet: &SheetShape, blocks: f32) -> f32 {
         let outside = std::f64::consts::SQRT_2 * f64::from((blocks + 2.0) / sheet.scale);
         let slope = match self.screen.perspective {
@@ -191,7 +194,7 @@ impl Extents {
         self.width(self.variances[0], depth)
     }
 
-    /// Octaves of the raster that the footprints of a depth need at least, and that they had better have.
+    /// Octaves of the finest raster that holds the footprints of a depth, and of the comfortable one.
     pub(super) fn finest_and_comfortable(&self, depth: f64) -> [f64; 2] {
         let widest = self.width(self.variances[1], depth) * self.room();
         let Widths {
@@ -228,8 +231,8 @@ impl Extents {
         }
     }
 
-    /// One raster for footprints between two depths, where there is one: as coarse as the far end allows, but not coarser
-    /// than the near end wants, for then footprints are small.
+    /// One raster for footprints between two depths, if there is one: as coarse as the far end allows, but not
+    /// coarser than the near end needs, which keeps footprints small.
     pub(super) fn one_raster(&self, [near, far]: [f64; 2]) -> Option<Raster> {
         let widest = self.width(self.variances[1], near) * self.room();
         let narrowest = self.narrowest(far);
@@ -252,8 +255,8 @@ impl Extents {
 /// Exponents to base 2 that floats hold, with room for a weight.
 const LARGEST_EXPONENT: f32 = 126.0;
 
-/// Whether powers of round footprints are floats, which count from their first block. `drift`: how far centres move within a
-/// voxel's sheets, world length.
+/// Whether the powers of round footprints, counted from their first block, fit f32. `drift`: displacement of
+/// centres within a voxel's sheets, world length.
 pub(super) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
     let steepest = shape.exponent[0].max(shape.exponent[2]);
     // Centres lie up to half a point behind the middle.
@@ -261,14 +264,14 @@ pub(super) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> b
     2.0 * steepest * offset * offset.max(2.0 * blocks - 1.0) < LARGEST_EXPONENT
 }
 
-/// Whether powers of ellipses are, which count from the middle block: those of long and thin ones on a fine raster may not
-/// be.
+/// Whether the powers of ellipses, counted from the middle block, fit f32; those of long and thin ones on a fine
+/// raster may not.
 pub(super) fn powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
     let offset = largest_offset(shape.scale, drift);
     2.0 * steepest_exponent(shape) * offset * offset.max(blocks) < LARGEST_EXPONENT
 }
 
-/// The same for all ellipses between the nearest, of so many blocks, and the narrowest of a frame.
+/// Whether the powers fit for all ellipses between the nearest, of so many blocks, and the narrowest of a frame.
 pub(super) fn powers_fit_between([near, narrowest]: [&SheetShape; 2], drift: f32, blocks: f32) -> bool {
     let offset = largest_offset(near.scale, drift);
     2.0 * steepest_exponent(narrowest) * offset * blocks < LARGEST_EXPONENT

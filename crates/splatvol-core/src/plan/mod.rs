@@ -1,4 +1,4 @@
-//! Plan: a camera and a grid to plain data that an engine renders tiles from.
+//! Plan: turns a camera and a grid into plain data from which an engine renders tiles.
 //!
 //! | module | from | to |
 //! |---|---|---|
@@ -9,9 +9,10 @@
 //! | `order` | the camera | the order in which a brick's voxels come, nearest first |
 //! | `project`, `zone_plan` | bricks | rectangles of the picture and first sheets, in lists per tile |
 //!
-//! A [`FramePlan`] holds numbers only: no reference to samples, no trait object, nothing of a processor's vectors. What a pixel
-//! is made of is single precision; depths and places are computed in double precision here, and rounded once. Planes and
-//! footprints depend on the grid's box and the camera, never on the bricks that are needed, on threads, tiles or memory.
+//! A [`FramePlan`] holds numbers only: no reference to samples, no trait object, no vector type of a processor.
+//! Data per pixel is in single precision; depths and places are computed in double precision here, and rounded
+//! once. Planes and footprints depend on the grid's box and the camera, never on the needed bricks, on threads,
+//! tiles or memory.
 
 mod blocks;
 mod extents;
@@ -104,8 +105,8 @@ pub struct SplatConstants {
     pub depth_exponent: f32,
     /// Edge subtracted from the kernel's profile in depth, so that it ends without a step.
     pub depth_edge: f32,
-    /// Rays move across by this times their place on a plane over its depth, per depth: 1 in perspective, 0 where they are
-    /// parallel.
+    /// Lateral motion of rays per depth, relative to their place on a plane over its depth: 1 in perspective, 0 for
+    /// parallel rays.
     pub per_depth: f32,
 }
 
@@ -120,7 +121,7 @@ pub struct FramePlan {
     pub termination: f32,
     /// Groups of [`GROUP`] sheets that a voxel is splatted into.
     pub groups: usize,
-    /// How far a voxel reaches in depth, world length.
+    /// Reach of a voxel in depth, world length.
     pub reach: f32,
     /// Room for footprints of neighbouring sheets: a world length, and a factor.
     pub room: [f32; 2],
@@ -128,7 +129,7 @@ pub struct FramePlan {
     pub order: DepthOrder,
     /// First voxel of each brick, camera space, world length.
     pub corners: Vec<[f32; 3]>,
-    /// Tiles, those with most bricks first: taken in this order, threads end at nearly the same time.
+    /// Tiles, sorted by descending number of bricks: in this order threads finish at nearly the same time.
     pub longest_first: Vec<u32>,
     zones: Vec<ZonePlan>,
     zone_count: usize,
@@ -160,7 +161,7 @@ impl FramePlan {
         &self.zones[..self.zone_count]
     }
 
-    /// Intervals from front to back of which something is seen.
+    /// Number of visible intervals, front to back.
     pub fn sheets(&self) -> usize {
         self.zones().iter().map(|plan| plan.zone.shown.len()).sum()
     }
@@ -207,8 +208,8 @@ impl FramePlan {
         self.sort_tiles();
     }
 
-    /// Plans a frame of one zone on the pixels, whose sheets have their depth and scale only. `project`: where each of
-    /// `count` chunks of splats lies.
+    /// Plans a frame of one zone on the pixels, with only depth and scale per sheet. `project`: bounds of each of
+    /// `count` chunks of splats.
     pub fn of_pixels(
         &mut self,
         (screen, settings): (&ScreenFromCamera, &RenderSettings<SheetSettings>),

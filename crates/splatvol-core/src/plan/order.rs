@@ -1,7 +1,7 @@
-//! The voxels of a brick by camera depth.
+//! Depth order of the voxels of a brick.
 //!
-//! Camera depth is affine in the voxel index in both projections, so all bricks of a grid share one order, and the voxels
-//! that enter a sheet are a run of it: no sorting, no buckets per frame.
+//! Camera depth is affine in the voxel index in both projections. So all bricks of a grid share one order, and the
+//! voxels that enter a sheet are a run of it: a frame needs no sorting and no buckets.
 
 use glam::DMat3;
 

@@ -1,4 +1,4 @@
-//! Project: bricks to what they can touch of a zone, its tiles and sheets.
+//! Project: bricks to the tiles and sheets of a zone that they can touch.
 
 use glam::{DAffine3, DVec2, DVec3};
 use splatvol_scene::ScreenFromCamera;
@@ -17,7 +17,7 @@ pub(super) struct BrickProjection<'a> {
     /// Least depth that a footprint of the zone has, and largest that a voxel may begin at.
     pub nearest: f64,
     pub farthest: f64,
-    /// How far a voxel reaches in depth.
+    /// Reach of a voxel in depth.
     pub reach: f64,
     /// Reach of a voxel around the centre of its nearest footprint, pixels.
     pub margin: f64,

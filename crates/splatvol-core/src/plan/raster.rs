@@ -23,12 +23,12 @@ pub struct SheetShape {
     pub low_pass: f32,
 }
 
-/// Lateral shape of the kernel and how it is rasterised.
+/// Lateral shape of the kernel, and its rasterisation.
 #[derive(Debug, Clone, Copy)]
 pub struct Raster {
     /// Pixels from one raster point to the next.
     pub step: usize,
-    /// Low-pass variance that is added to footprints, pixels squared; with `matched`, what they lack to it.
+    /// Low-pass variance added to footprints, pixels squared; with `matched`, footprints are widened only up to it.
     pub low_pass: f64,
     /// Whether footprints are only widened to the low-pass.
     pub matched: bool,

@@ -1,4 +1,4 @@
-//! Footprints of voxels that are integrated along rays: by ray, by tile, and the widest of a picture (see `integral`).
+//! Footprints of voxels integrated along rays: by ray, by tile, and the widest of a picture (see `integral`).
 
 use glam::{DMat2, DVec2};
 use splatvol_scene::{ImageSize, ScreenFromCamera};

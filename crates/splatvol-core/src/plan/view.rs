@@ -1,4 +1,4 @@
-//! View: a grid's kernel as a camera sees it, and the planes and footprints that follow; independent of the samples.
+//! View: a grid's kernel in camera space, with its planes and footprints; independent of the samples.
 
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Camera, Gradient, Grid, RenderSettings, SheetSettings};
@@ -11,11 +11,11 @@ use crate::footprint::FootprintShape;
 use crate::kernel::GaussianKernel;
 use crate::normal::mass_within;
 
-/// Standard deviations in depth at which kernels are cut where gradients are analytic: there it matters that voxels come and
-/// go by rounding.
+/// Cut of kernels in depth for analytic gradients, standard deviations: there, voxels that appear and vanish by
+/// rounding matter.
 const DEPTH_CUT_EXACT: f64 = 4.7;
 
-/// How voxels are sampled.
+/// Sampling of voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
     /// On planes, coefficients of a field: weights sum to one on the lattice.
@@ -26,7 +26,7 @@ pub enum Sampling {
     Rays,
 }
 
-/// Tangent that rays within a tile differ by at most where footprints along rays are those of its middle.
+/// Largest difference of the rays' tangents within a tile whose footprints along rays are those of its middle.
 const WIDEST_TILE: f64 = 0.25;
 /// Smallest edge of such tiles, pixels.
 const LEAST_TILE: usize = 4;
@@ -39,7 +39,7 @@ pub struct View {
     kernel: GaussianKernel,
     sheets: Sheets,
     extents: Extents,
-    /// How far a voxel reaches in depth, world length.
+    /// Reach of a voxel in depth, world length.
     reach: f64,
     groups: usize,
     round: bool,
@@ -119,8 +119,8 @@ impl View {
     }
 }
 
-/// Slabs of X-rays per voxel: one tells enough of depth, but the footprints of voxels half of it before and behind its middle are
-/// too small or too large by as much as their distance from the eye differs.
+/// Slabs of X-rays per voxel. One resolves depth well enough. But the footprints of voxels half a slab in front of
+/// its middle or behind it are too small or too large, by the relative difference of their distances from the eye.
 fn slabs_per_voxel(settings: &RenderSettings<SheetSettings>) -> f64 {
     match settings.method.gradient {
         Gradient::Analytic => 8.0,
@@ -131,14 +131,15 @@ fn slabs_per_voxel(settings: &RenderSettings<SheetSettings>) -> f64 {
 /// Depth at which X-rays in perspective begin, voxels.
 const XRAY_FROM: f64 = 0.5;
 
-/// Thickness of sheets relative to what the settings ask for: rays of slope t meet planes `sqrt(1 + t^2)` times as far apart,
-/// which is made up for beyond a slope of [`THINNER_FROM`].
+/// Thickness of sheets relative to the settings: rays of slope t meet planes `sqrt(1 + t^2)` times as far apart,
+/// which is compensated beyond a slope of [`THINNER_FROM`].
 fn thinner_where_steep(steepest: f64) -> f64 {
     let along = |slope: f64| (1.0 + slope * slope).sqrt();
     (along(THINNER_FROM) / along(steepest)).min(1.0)
 }
 
-/// Tangent of the angle between ray and axis, 45 degrees, up to which sheets are as thick along the axis as the settings ask for.
+/// Tangent of the angle between ray and axis, 45 degrees, up to which sheets have the settings' thickness along the
+/// axis.
 const THINNER_FROM: f64 = 1.0;
 
 /// Whether footprints are circles, and each sheet's lie behind each other.
@@ -164,7 +165,7 @@ impl View {
         self.extents.room_of_footprints(self.sheets.planes.spacing)
     }
 
-    /// How far a voxel's sheets reach in depth, world length; 0 where it is integrated along rays.
+    /// Reach of a voxel's sheets in depth, world length; 0 where it is integrated along rays.
     pub fn reach_of_sheets(&self) -> f32 {
         if self.extents.along_rays {
             0.0
@@ -178,7 +179,7 @@ impl View {
         self.sheets.planes.spacing
     }
 
-    /// How far a voxel reaches in depth, world length.
+    /// Reach of a voxel in depth, world length.
     pub fn depth_reach(&self) -> f64 {
         self.reach
     }
@@ -188,8 +189,8 @@ impl View {
         self.ray_shapes
     }
 
-    /// Edge of tiles whose footprints along rays are those of the middle, whatever tiles are asked for, so that these change no
-    /// picture: smaller ones at wide angles, where rays differ more.
+    /// Edge of tiles whose footprints along rays are those of the middle. It does not depend on the configured tile
+    /// edge, which thus changes no picture; it is smaller at wide angles, where rays differ more.
     pub fn ray_tile_edge(&self, usual: usize) -> usize {
         if self.extents.steepest <= STEEP {
             return usual;
@@ -217,7 +218,8 @@ impl View {
         self.margin
     }
 
-    /// Camera from the lattice of a field, whose first point lies a margin before the first sample.
+    /// Transformation to camera space from the lattice of a field, whose first point lies a margin before the first
+    /// sample.
     pub fn camera_from_lattice(&self) -> DAffine3 {
         self.camera_from_lattice
     }
@@ -227,7 +229,7 @@ impl View {
         &self.kernel
     }
 
-    /// The kernel in space, as the camera sees it.
+    /// The kernel in camera space.
     pub fn shape(&self) -> &FootprintShape {
         &self.shape
     }
@@ -262,7 +264,8 @@ fn peak(kernel: &GaussianKernel, sampling: Sampling) -> f64 {
     1.0 / (lateral * lateral * along)
 }
 
-/// Corners of a grid's lattice, camera space: not those of what is needed of it, which a transfer function changes.
+/// Corners of a grid's whole lattice, camera space; unlike those of its needed part, they do not depend on the
+/// transfer function.
 fn corners(grid: &Grid, margin: [usize; 3], camera_from_lattice: DAffine3) -> [DVec3; 8] {
     let dims = grid.dims();
     std::array::from_fn(|i| {

@@ -14,7 +14,7 @@ use crate::bin::{ProjectedBrick, TileGrid, TileLists};
 /// Plan of a zone, from which its tiles are rendered.
 #[derive(Debug, Default)]
 pub struct ZonePlan {
-    /// Its planes, and of which intervals between them something is seen.
+    /// Its planes, and the visible intervals between them.
     pub zone: Zone,
     /// Its sheets' footprints.
     pub sheets: Vec<SheetShape>,

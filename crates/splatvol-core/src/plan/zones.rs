@@ -1,14 +1,14 @@
 //! Zones: runs of sheets along depth, each with a raster of its own.
 //!
-//! Where footprints of a whole frame fit one raster there is one zone. Else zones follow each other from the eye on: each
-//! takes the raster that its nearest sheet wants, and ends where that is too coarse for its farthest one. An interval between
-//! planes belongs to one zone; the planes that it needs, those at its ends and the ones before and behind for its slopes, are
-//! made in that zone's raster. So two zones share no sum, and rasters differ by what a cubic spline does to a Gaussian of 0.8
-//! points, below what is seen.
+//! Where the footprints of a whole frame fit one raster there is one zone. Else zones follow each other from the
+//! eye on: each takes the raster that suits its nearest sheet, and ends where that is too coarse for its farthest
+//! one. An interval between planes belongs to one zone. Its planes, at its ends and before and behind for the
+//! slopes, are made in that zone's raster. So two zones share no sum, and rasters differ by the error of a cubic
+//! spline for a Gaussian of 0.8 points, which is invisible.
 //!
-//! Within [`NEAR`] reaches of a voxel in front of the eye the sheets that one voxel meets differ much in scale: there weights are
-//! computed one by one (`direct`), and at wide angles. A perspective camera has no plane at depth 0, which would have no scale;
-//! the interval from there to the first plane is `eye`'s.
+//! Within [`NEAR`] reaches of a voxel in front of the eye the sheets of one voxel differ much in scale: weights are
+//! computed one by one (`direct`) there, and at wide angles. A perspective camera has no plane at depth 0, where
+//! the scale is undefined; `eye` handles the interval from there to the first plane.
 
 use std::ops::Range;
 
@@ -21,12 +21,12 @@ use super::raster::{Raster, SheetShape};
 use crate::footprint::FootprintShape;
 use crate::sheets::Planes;
 
-/// Width of a zone's farthest footprints relative to its nearest ones, where those are too narrow already.
+/// Width of a zone's farthest footprints relative to its nearest ones, where the nearest are too narrow already.
 const TOO_NARROW: f64 = 0.6;
 /// Intervals of a zone below which the voxels that two zones share cost more than large footprints.
 const SHORT: usize = 24;
 
-/// How powers of footprints are found.
+/// Evaluation of footprints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Footprints {
     /// Columns and rows of powers, counted from the first block.
@@ -40,38 +40,38 @@ pub enum Footprints {
 /// A run of sheets.
 #[derive(Debug, Clone)]
 pub struct Zone {
-    /// Planes, from the one on at which the tile loop begins.
+    /// Planes, from the first one of the tile loop on.
     pub planes: Planes,
-    /// The first plane that is made. Before it nothing is: voxels that lie before it come in their turn.
+    /// The first plane that is made. No earlier one is made; voxels before it enter in order.
     pub first_made: usize,
-    /// Intervals that are shown, counted from the first of the planes.
+    /// Visible intervals, counted from the first of the planes.
     pub shown: Range<usize>,
     /// The last sheet of the tile loop.
     pub last_sheet: usize,
-    /// Points on its sheets.
+    /// Raster of its sheets.
     pub raster: Raster,
-    /// How they are drawn there.
+    /// Evaluation of its footprints.
     pub footprints: Footprints,
-    /// Standard deviations at which footprints are cut.
+    /// Cut of footprints, standard deviations.
     pub cut: f64,
-    /// Depth of the eye, where the volume goes on before it: what lies nearer is not seen.
+    /// Depth of the eye, if the volume extends in front of it; nothing nearer is visible.
     pub eye: Option<f64>,
-    /// How far a voxel's footprints lie from it in depth, world length.
+    /// Largest distance in depth between a voxel and its footprints, world length.
     pub depth_reach: f32,
 }
 
-/// Planes of a frame, and of which intervals between them something is seen.
+/// Planes of a frame, and the visible intervals between them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheets {
     pub planes: Planes,
     /// First interval in front of the camera.
     pub first_shown: usize,
-    /// Depth before which nothing is seen, where the volume goes on there.
+    /// Depth at which visibility begins, if the volume extends in front of it.
     pub eye: Option<f64>,
 }
 
 impl Sheets {
-    /// Planes before, within and behind camera-space corners grown by `reach`. With `xray_from` slabs of what lies between the
+    /// Planes before, within and behind camera-space corners grown by `reach`. With `xray_from`, slabs between the
     /// corners, from this depth on where rays diverge.
     pub(super) fn covering(
         corners: &[DVec3],
@@ -131,7 +131,7 @@ pub(super) struct Kernels {
     pub round: bool,
     /// Sheets that a voxel meets.
     pub sheets: usize,
-    /// Standard deviations at which the kernel ends.
+    /// Cut of the kernel, standard deviations.
     pub cut: f64,
 }
 
@@ -196,7 +196,7 @@ impl Cutting<'_> {
         }
     }
 
-    /// Where intervals from one on end whose footprints a raster of so many octaves reproduces; one at least.
+    /// End of the intervals, from one on, whose footprints fit a raster of so many octaves; at least one interval.
     fn reach(&self, octaves: f64, from: usize) -> usize {
         let Self { extents, sheets, .. } = *self;
         let mut end = sheets.end(extents);
@@ -229,7 +229,7 @@ impl Cutting<'_> {
         low
     }
 
-    /// The zone of some intervals, or slabs, whose footprints are still to be chosen.
+    /// A zone of some intervals, or slabs, before its footprints are chosen.
     fn zone(&self, shown: Range<usize>, raster: Raster) -> Zone {
         let Self {
             extents,
@@ -290,8 +290,8 @@ impl Cutting<'_> {
         }
     }
 
-    /// How footprints of a frame with one raster are splatted that is seen from afar and at no wide angle; none where it is
-    /// not, or their powers are no floats.
+    /// Evaluation of footprints for a frame with one raster, seen from afar and at no wide angle; `None` otherwise,
+    /// or if their powers do not fit f32.
     fn plain_footprints(&self, raster: &Raster, ends: [f64; 2]) -> Option<Footprints> {
         let Self {
             extents,
@@ -376,7 +376,8 @@ impl Cutting<'_> {
     }
 }
 
-/// Parts of a zone whose powers are tried: with the blocks of the nearest footprints, those of the farthest ones.
+/// Number of parts of a zone for which powers are tested, with the blocks of the part's nearest footprints and the
+/// shape of its farthest ones.
 const PROBES: i32 = 24;
 
 impl Default for Zone {
