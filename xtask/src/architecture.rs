@@ -103,7 +103,7 @@ fn crate_problems(text: &str, packages: &[Package]) -> Vec<String> {
     problems
 }
 
-/// Crates and what they may use, from the table below "## Crates".
+/// Crates and their allowed dependencies, from the table below "## Crates".
 fn crate_rows(text: &str) -> BTreeMap<&str, BTreeSet<&str>> {
     text.lines()
         .skip_while(|line| *line != "## Crates")

@@ -14,7 +14,7 @@ const MACHINE_PATHS: [&str; 3] = [
     concat!("/wo", "rk/"),
 ];
 
-/// Lines of a Rust file, at most: what one can keep in mind.
+/// Largest number of lines of a Rust file, so that one person can keep it in mind.
 const MAX_LINES: usize = 600;
 
 pub(crate) fn check(root: &Path) -> Result<String> {

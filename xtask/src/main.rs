@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `licenses` | every dependency may be used under a licence that `deny.toml` allows |
 //! | `msrv` | no dependency needs a newer Rust than the workspace |
-//! | `architecture` | `ARCHITECTURE.md` names every crate, what it may use, and every stage |
+//! | `architecture` | `ARCHITECTURE.md` names every crate, its allowed dependencies, and every stage |
 //! | `files` | no committed file names a machine's paths, no Rust file is too long, links lead somewhere |
 //!
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use metadata::Platforms;
 
-/// A check of the repository below a folder. What it returns says what was checked.
+/// A check of the repository below a folder. It returns a description of the things checked.
 struct Task {
     name: &'static str,
     run: fn(&Path, Platforms) -> Result<String>,

@@ -1,4 +1,4 @@
-//! PNG: what comes back is what went in, and nothing malformed passes.
+//! PNG: round trips are exact, and malformed files are refused.
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::io::Cursor;

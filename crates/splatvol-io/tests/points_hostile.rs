@@ -1,5 +1,5 @@
-//! Every reader of points against cut and mutated files, and headers that promise what is not there: any answer will do
-//! that comes within a second, without a panic and without the memory.
+//! Every reader of points against truncated and mutated files, and headers with false claims: any result is accepted
+//! that comes within a second, without a panic and without excessive memory.
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 mod common;

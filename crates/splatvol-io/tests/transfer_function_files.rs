@@ -1,4 +1,4 @@
-//! Transfer functions of other programs: what is read, what is warned of, what is refused.
+//! Transfer functions of other programs: supported features, warnings, and refusals.
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use crate::{LabError, Outcome, Workbench};
 
-/// One experiment: its name, what it reproduces, and how it is run.
+/// An experiment: its name, the figures it reproduces, and its procedure.
 #[derive(Debug, Clone, Copy)]
 pub struct Experiment {
     /// Name on the command line, as `swan1997-checker`.

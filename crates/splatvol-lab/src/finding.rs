@@ -29,7 +29,7 @@ impl Expectation {
         }
     }
 
-    /// Whether a number satisfies it; what is not a number never does.
+    /// Whether a number satisfies it; NaN never does.
     pub fn holds(&self, measured: f64) -> bool {
         match *self {
             Self::Near { value, within } => (measured - value).abs() <= within,
@@ -176,7 +176,7 @@ impl Finding {
         self
     }
 
-    /// Sets what the paper says.
+    /// Sets the published result.
     #[must_use]
     pub fn published(mut self, published: Published) -> Self {
         self.published = published;

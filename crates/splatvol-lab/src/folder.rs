@@ -49,7 +49,7 @@ fn files(outcome: &Outcome) -> Result<Vec<(String, Vec<u8>)>, LabError> {
     Ok(files)
 }
 
-/// The findings as a table: what is compared with what, and what follows.
+/// The findings as a table: published and measured values, and verdicts.
 pub(crate) fn findings(findings: &[Finding]) -> Table {
     let columns = [
         "figure",

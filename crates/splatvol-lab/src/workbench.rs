@@ -24,7 +24,7 @@ pub struct Workbench<'a> {
     pub threads: Option<usize>,
     /// Folder of data that are not part of the program, such as `terrain/dem.csv`.
     pub data: Option<&'a Path>,
-    /// Takes the finished share, 0..1, and what is being done.
+    /// Receives the finished share, 0..1, and a description of the current step.
     pub progress: &'a (dyn Fn(f64, &str) + Sync),
 }
 

@@ -1,8 +1,8 @@
 //! Kinks of the transfer function: keeps the adaptive integral from stepping over thin features.
 //!
-//! Two samples of a ray with values a and b say nothing about what the transfer function does between a and b. Here
-//! it is probed there, at its points, just before them (steps) and in the middle of its segments, and compared with
-//! the straight line between the two samples.
+//! Two samples of a ray with values a and b do not reveal the course of the transfer function between a and b. It is
+//! therefore probed at its points, just before them (steps) and in the middle of its segments, and compared with the
+//! straight line between the two samples.
 
 use std::cmp::Ordering;
 

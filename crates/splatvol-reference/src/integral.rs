@@ -88,7 +88,7 @@ impl Segment {
     }
 }
 
-/// The medium at a position of the ray, 0..1 along what is integrated.
+/// The medium at a position of the ray, 0..1 along the interval of integration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RaySample {
     position: f64,
@@ -116,7 +116,7 @@ pub(crate) struct RayIntegral<'a, M: Fn(f64) -> MediumSample> {
     pub(crate) optics: Optics,
 }
 
-/// An interval to integrate: its samples, how often it was halved, and what lies in front.
+/// An interval to integrate: its samples, the number of halvings, and the optical depth in front.
 #[derive(Clone, Copy)]
 struct Interval {
     samples: [RaySample; 3],
@@ -175,8 +175,8 @@ impl<M: Fn(f64) -> MediumSample> RayIntegral<'_, M> {
         front.then(back, self.optics)
     }
 
-    /// Tolerance behind an optical depth: what is behind an opaque part matters to nothing but the optical depth
-    /// itself, which need not be better than 1 %.
+    /// Tolerance behind an optical depth: material behind an opaque part affects nothing but the optical depth itself,
+    /// which need not be better than 1 %.
     fn tolerance_behind(&self, tau: f64) -> f64 {
         self.tolerance / self.optics.transmittance(tau.min(4.6))
     }

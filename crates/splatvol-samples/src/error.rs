@@ -26,7 +26,7 @@ pub enum SampleError {
         /// Accepted values.
         expected: &'static str,
     },
-    /// The scene types refused what was generated.
+    /// The scene types refused the generated data.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }

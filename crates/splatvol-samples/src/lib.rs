@@ -1,7 +1,7 @@
 //! Built-in sample volumes, generated on the spot: nothing to download, the same bytes on every run and for any
 //! number of threads.
 //!
-//! | name | what it is |
+//! | name | contents |
 //! |---|---|
 //! | `head` | a CT-like head phantom in Hounsfield units, RAS+, built from implicit shapes |
 //! | `marschner-lobb` | the standard test of reconstruction filters |

@@ -115,7 +115,7 @@ impl Sample {
         }
     }
 
-    /// Samples along x, y, z unless another size is asked for.
+    /// Samples along x, y, z if no size is given.
     pub fn default_dims(self) -> [usize; 3] {
         match self {
             Self::Head | Self::Shells => [256; 3],
@@ -159,7 +159,7 @@ impl Sample {
         Ok(Volume::new(self.grid(dims)?, samples, Rescale::default(), unit)?)
     }
 
-    /// A transfer function that shows what the sample is about.
+    /// A transfer function that shows the sample's characteristic structures.
     pub fn default_transfer_function(self) -> Result<TransferFunction, SampleError> {
         Ok(transfer::transfer_function(self)?)
     }
@@ -173,7 +173,7 @@ impl Sample {
         }
     }
 
-    /// Whether light tells anything: a photograph has its light already, and its palette no slopes.
+    /// Whether lighting is meaningful: a photograph has its light already, and its palette no slopes.
     pub fn is_lit(self) -> bool {
         self != Self::Terrain
     }

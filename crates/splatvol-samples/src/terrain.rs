@@ -56,7 +56,7 @@ pub(crate) fn palette() -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
-/// Columns along x and y with what they are.
+/// Columns along x and y with their contents.
 struct Columns {
     dims: [usize; 2],
     /// Height of the ground, that of the bed where there is water, 0..1.
@@ -76,7 +76,7 @@ impl Columns {
         }
     }
 
-    /// Height of what is seen of a column, the nearest one outside.
+    /// Height of the visible surface of a column; outside, that of the nearest one.
     fn surface(&self, x: isize, y: isize) -> f32 {
         let [nx, ny] = self.dims;
         let x = x.clamp(0, nx as isize - 1) as usize;

@@ -35,7 +35,7 @@ impl Piece {
         [distance, distance - radius]
     }
 
-    /// Box of what is at most `beyond` its surface: low and high.
+    /// Bounding box of the points at most `beyond` its surface: low and high.
     fn bounds(&self, metric: Vec3, beyond: f32) -> [Vec3; 2] {
         let reach = Vec3::splat(self.radii[0].max(self.radii[1]) + beyond) / metric;
         let [a, b] = self.ends;

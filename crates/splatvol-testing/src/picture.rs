@@ -1,7 +1,7 @@
 //! Pictures as PNG files.
 //!
 //! Straight-alpha sRGB, as PNG prescribes. 16 bits keep a snapshot's premultiplied linear values to about 3e-5;
-//! [`quantised`] gives what is left of a picture after the round trip. Values outside 0..1 (straight) are clipped.
+//! [`quantised`] returns the picture after the round trip. Values outside 0..1 (straight) are clipped.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter};

@@ -25,7 +25,7 @@ struct Case {
     scene: Scene,
     camera: Camera,
     settings: RenderSettings,
-    /// Largest edge of a tile, whatever is asked for.
+    /// Largest edge of a tile, whatever size is requested.
     edge: u32,
 }
 

@@ -1,5 +1,5 @@
-//! Laws that hold whatever the data: constants stay constant, energy is kept, turned cameras turn pictures, nothing
-//! stays nothing, and what is hidden changes nothing.
+//! Laws for any data: constants stay constant, energy is kept, turned cameras turn pictures, empty scenes stay empty,
+//! and hidden material changes nothing.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -17,7 +17,7 @@ use splatvol::{Camera, Grid, Rescale, Samples, Scene, Storage, TransferFunction,
 
 const SIDE: usize = 256;
 
-/// Memory such as a map of a file: it can be read, and it says when it goes.
+/// Memory such as a map of a file: it can be read, and it reports when it is dropped.
 struct Buffer {
     samples: Vec<i16>,
     dropped: Arc<AtomicUsize>,

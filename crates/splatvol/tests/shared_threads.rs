@@ -35,7 +35,7 @@ fn settings() -> [RenderSettings; 4] {
     ]
 }
 
-/// Threads of this process, where the system says.
+/// Threads of this process, if the system reports them.
 fn threads_of_the_process() -> Option<usize> {
     Some(std::fs::read_dir("/proc/self/task").ok()?.count())
 }

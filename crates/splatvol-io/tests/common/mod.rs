@@ -42,8 +42,7 @@ pub struct Expected {
     pub sample_type: &'static str,
 }
 
-/// Holds a loaded volume against what is known of it. Spacing and values were noted with 6 digits, means with 4
-/// decimals.
+/// Compares a loaded volume with its known figures. Spacing and values were noted with 6 digits, means with 4 decimals.
 pub fn assert_expected(name: &str, loaded: &Loaded, expected: &Expected) {
     let volume = &loaded.volume;
     let statistics = volume.statistics();

@@ -97,7 +97,7 @@ fn webp(width: u32, height: u32, pixels: &[[u8; 4]]) -> Vec<u8> {
     bytes
 }
 
-/// Files of a SOG with five Gaussians of degree 1: what its bytes stand for is easy to tell.
+/// Files of a SOG with five Gaussians of degree 1, whose decoded values are easy to tell.
 pub(crate) fn sog_files(version: u32) -> Vec<(String, Vec<u8>)> {
     let low: Vec<_> = (0..5u8).map(|i| [i, 0, 255, 255]).collect();
     let high: Vec<_> = (0..5u8).map(|i| [0, i, 255, 255]).collect();

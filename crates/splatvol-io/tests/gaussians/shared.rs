@@ -1,4 +1,4 @@
-//! The real files, against what their notes say of them.
+//! The real files against their notes.
 
 use std::path::{Path, PathBuf};
 

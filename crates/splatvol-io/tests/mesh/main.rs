@@ -1,4 +1,4 @@
-//! Meshes: real files against what other readers say of them (VTK's own figures, six digits), and small files by hand.
+//! Meshes: real files against the figures of other readers (VTK's own, six digits), and small files made by hand.
 
 mod malformed;
 mod real;

@@ -106,7 +106,7 @@ const FILES: [Expected; 9] = [
     },
 ];
 
-/// Equal to five digits, which is what the figures have.
+/// Equality to five digits, the precision of the figures.
 fn close(a: f64, b: f64, scale: f64) -> bool {
     (a - b).abs() <= 1e-4 * scale.abs().max(b.abs())
 }

@@ -14,7 +14,8 @@ pub(crate) type Timed<'a> = Box<dyn FnMut() -> Result<(), LabError> + 'a>;
 pub(crate) struct Rounds {
     /// At least so many.
     pub(crate) least: usize,
-    /// More, as many as take so long: what is short is timed more often, as it is easier to disturb.
+    /// More rounds, as many as fit into this time: short measurements are repeated more often, as they are easier to
+    /// disturb.
     pub(crate) seconds: f64,
 }
 

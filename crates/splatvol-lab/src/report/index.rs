@@ -123,7 +123,8 @@ fn standing(names: &[&str], runs: &[Run], of_it: impl Fn(&Finding) -> bool) -> S
     }
 }
 
-/// Whether `Fig. 5 (b)` is of `Fig. 5`, which `Fig. 51` is not, nor is `Section 5.1` of `Section 5`.
+/// Whether a figure's label belongs to a number: `Fig. 5 (b)` to `Fig. 5`, but not `Fig. 51`, nor `Section 5.1` to
+/// `Section 5`.
 fn belongs(figure: &str, number: &str) -> bool {
     let rest = figure.strip_prefix(number);
     rest.is_some_and(|rest| !rest.starts_with(|next: char| next.is_ascii_digit() || next == '.'))

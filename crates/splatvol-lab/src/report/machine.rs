@@ -1,6 +1,6 @@
 //! The machine that times were measured on.
 
-/// Name of the processor where the system tells it, otherwise of the architecture.
+/// Name of the processor if the system reports it, otherwise of the architecture.
 pub(super) fn processor() -> String {
     let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     model(&told).unwrap_or(std::env::consts::ARCH).to_owned()

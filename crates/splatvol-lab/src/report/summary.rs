@@ -65,7 +65,7 @@ pub(super) fn took(run: &Run) -> String {
     }
 }
 
-/// The paper's figures and sections that an experiment reproduces; ours are of none.
+/// The paper's figures and sections that an experiment reproduces; none for our own.
 pub(super) fn shown_in(run: &Run) -> String {
     let about = run.experiment;
     match papers().iter().any(|paper| paper.key == about.paper) {

@@ -98,7 +98,7 @@ impl Mirror {
     }
 }
 
-/// A shape in its own frame, and how it joins what comes before it.
+/// A shape in its own frame, and its blending with the shapes before it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     shape: Shape,

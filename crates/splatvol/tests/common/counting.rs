@@ -1,4 +1,4 @@
-//! An allocator that counts what a test allocates.
+//! An allocator that counts the allocations of a test.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -18,7 +18,7 @@ use crate::support::{fast, framing, generated, name_of, noise, render, transluce
 const PIXELS: u32 = 256;
 const STRIDE: u32 = 4;
 
-/// PSNR floors in dB, one below what was measured: perspective lit, unlit, orthographic lit, unlit.
+/// PSNR floors in dB, one below the measured values: perspective lit, unlit, orthographic lit, unlit.
 type Floors = [f64; 4];
 
 fn scenes() -> Vec<(&'static str, Scene, Floors)> {

@@ -72,7 +72,7 @@ fn long_voxels_show_what_the_best_method_shows() {
     }
 }
 
-/// PSNR floors in dB by zoom, one below what was measured.
+/// PSNR floors in dB by zoom, one below the measured values.
 const FLOORS: [(f64, f64); 9] = [
     (1.0, 33.3),
     (1.5, 32.5),

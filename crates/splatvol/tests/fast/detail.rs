@@ -1,4 +1,4 @@
-//! Levels of detail: from a voxel per pixel to eight, steps are bounded, and what is small costs little.
+//! Levels of detail: from a voxel per pixel to eight, steps are bounded, and small pictures cost little.
 
 use splatvol::{Camera, Frame, Projection, Scene};
 use splatvol_samples::Sample;
@@ -55,8 +55,8 @@ fn sweep(scene: &Scene, projection: Projection) -> Vec<Shot> {
         .collect()
 }
 
-/// Limits are a tenth above what was measured. Between levels the picture changes several times faster than within them:
-/// sheets thinner than a voxel's mean, as those of the shells, fade and at last vanish.
+/// Limits are a tenth above the measured values. Between levels the picture changes several times faster than within
+/// them: sheets thinner than a voxel's mean, like those of the shells, fade and at last vanish.
 #[test]
 fn a_sweep_through_the_levels_changes_by_bounded_steps_at_ever_less_cost() {
     let shells = generated(Sample::Shells, 96);

@@ -98,7 +98,7 @@ fn tiles_do_not_change_a_bit() {
     }
 }
 
-/// Multiplications and additions are not fused, of which not all processors are capable.
+/// Multiplications and additions are not fused, because not all processors can do so.
 #[test]
 fn instructions_do_not_change_a_bit() {
     let views = views();

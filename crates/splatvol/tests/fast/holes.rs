@@ -70,7 +70,8 @@ impl Missing {
     }
 }
 
-/// PSNR in dB, one below what was measured: `fast` lit and unlit, `best` lit and unlit, `fast` and `best` unlit without the prefilter.
+/// PSNR in dB, one below the measured values: `fast` lit and unlit, `best` lit and unlit, `fast` and `best` unlit
+/// without the prefilter.
 type Floors = [f64; 6];
 
 /// Asks that a picture is so many decibels from the reference.
@@ -156,7 +157,7 @@ fn holes_and_plain_data_agree_with_the_reference() {
     }
 }
 
-/// PSNR in dB, one below what was measured: pre-classified lit and unlit, X-ray.
+/// PSNR in dB, one below the measured values: pre-classified lit and unlit, X-ray.
 type ColorFloors = [f64; 3];
 
 #[test]
@@ -200,7 +201,7 @@ fn classified_holes_agree_with_the_reference() {
     }
 }
 
-/// PSNR in dB, one below what was measured: maximum, minimum and mean of `fast`, and of `best`.
+/// PSNR in dB, one below the measured values: maximum, minimum and mean of `fast`, and of `best`.
 type ValueFloors = [f64; 6];
 
 #[test]

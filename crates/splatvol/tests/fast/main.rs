@@ -1,7 +1,7 @@
 //! The engine that splats into all sheets at once ([`RenderSettings::fast`](splatvol::RenderSettings::fast)): the same
 //! bytes whatever runs it, close to the reference and to closed forms, smooth across levels of detail.
 //!
-//! Tolerances lie a little above what was measured; `--nocapture` prints the figures.
+//! Tolerances lie a little above the measured values; `--nocapture` prints the figures.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -57,8 +57,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// The scene in a look that shows what the mode is about: small values rather than large ones where the smallest are kept,
-/// all values where their mean is taken.
+/// The scene in a look that suits the mode: small values rather than large ones for minima, all values for means.
 pub(crate) fn shown<'a>(mode: &str, scene: &'a Scene) -> Cow<'a, Scene> {
     let ends = match mode {
         "minip" => [0.95, 0.0],
@@ -106,7 +105,8 @@ fn demand(name: &str, floors: [f64; 6], compare: impl Fn(usize) -> (&'static str
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// One below what was measured; mip, xray, pre lit, pre unlit, minip, mean, in perspective and orthographic.
+/// PSNR floors, one below the measured values; mip, xray, pre lit, pre unlit, minip, mean, in perspective and
+/// orthographic.
 #[test]
 fn pictures_of_all_modes_agree_with_the_reference() {
     for (name, scene) in scenes() {

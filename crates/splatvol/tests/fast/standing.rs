@@ -1,4 +1,4 @@
-//! Planes stand still: what a transfer function or a clip hides in front moves nothing behind it.
+//! Planes stand still: hiding material by a transfer function or a clip moves nothing behind it.
 
 use glam::DVec3;
 use splatvol::{
@@ -90,8 +90,8 @@ fn pixel(frame: &Frame, index: usize) -> [u32; 6] {
     [r, g, b, a, frame.depth[index], frame.optical_depth[index]].map(f32::to_bits)
 }
 
-/// Pixels that show nothing of one frame, nor any beside them, show the same in the two others; says how many of them show
-/// anything.
+/// Checks that pixels empty in one frame, with empty neighbours, are equal in the two others; returns the number of
+/// them that show anything.
 fn same_where_empty(empty: &Frame, [a, b]: [&Frame; 2], name: &str) -> usize {
     let [width, height] = <[u32; 2]>::from(empty.image.size()).map(|side| side as usize);
     // X-rays take second differences.

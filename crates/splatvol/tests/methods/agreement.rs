@@ -142,8 +142,8 @@ fn pictures_do_not_depend_on_threads_or_tiles() {
     }
 }
 
-/// At `termination` 0 what hides lets nothing through at all, so leaving out what it hides changes no byte; the summed-area
-/// table makes the picture one tile.
+/// At `termination` 0 occluders let no light through at all, so culling the material behind them changes no byte; the
+/// summed-area table makes the picture one tile.
 #[test]
 fn what_is_hidden_changes_no_byte() {
     let scene = crate::support::opaque(&generated(Sample::Head, 64));

@@ -1,4 +1,4 @@
-//! FastSplats: rasterisers with tables, other kernels, the range of interest, and what is hidden.
+//! FastSplats: rasterisers with tables, other kernels, the range of interest, and occlusion.
 
 use glam::{DMat3, DVec3};
 use splatvol::{

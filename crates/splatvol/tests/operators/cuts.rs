@@ -1,4 +1,4 @@
-//! Clipped balls: depth and normal on the cut, and what is left of X-rays.
+//! Clipped balls: depth and normal on the cut, and the remaining X-rays.
 
 use glam::DVec3;
 use splatvol::{Bounds, Classification, Clip, Compositing, FlatSettings, Keep, Scene};

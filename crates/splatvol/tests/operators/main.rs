@@ -1,7 +1,7 @@
 //! Operators, clips and isosurfaces: the same picture where nothing is asked of them, the same bytes whatever runs them,
 //! and close to closed forms and to f64 integrals along rays.
 //!
-//! Tolerances lie a little above what was measured; `--nocapture` prints the figures.
+//! Tolerances lie a little above the measured values; `--nocapture` prints the figures.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -46,7 +46,7 @@ fn a_gaussian_is_as_opaque_as_its_peak_from_every_side() {
     }
 }
 
-/// Far-off Gaussians are faint, not large: what the low-pass adds to their width, it takes from their depth.
+/// Distant Gaussians are faint, not large: the low-pass widens them and lowers their optical depth by the same factor.
 #[test]
 fn small_gaussians_keep_their_energy() {
     let gaussians = cloud(1, [0.5, 0.5], 7);

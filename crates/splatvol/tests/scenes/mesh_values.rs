@@ -14,7 +14,7 @@ use crate::common::{orthographic, perspective, world_ray};
 use crate::meshes::{graded, structured};
 use crate::support::{picture, unlit};
 
-/// The ball, or what it leaves of one.
+/// The ball, or its complement (a bowl).
 struct Dented {
     ball: Ball,
     is_bowl: bool,

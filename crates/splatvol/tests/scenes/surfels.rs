@@ -52,7 +52,7 @@ fn a_sphere_of_points_has_no_hole_and_no_seam() {
     assert!(worst_light < 0.03, "{worst_light}");
 }
 
-/// The opacity of a surface is what was asked for, whatever the points' number, from every side.
+/// The opacity of a surface equals the requested one, for any number of points and from every side.
 #[test]
 fn surfaces_are_as_opaque_as_they_are_told() {
     for count in [2_000, 20_000] {

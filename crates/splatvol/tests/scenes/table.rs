@@ -53,7 +53,7 @@ enum Feature {
     Mean,
 }
 
-/// A picture that is asked for.
+/// A requested picture.
 struct Asked {
     scene: Scene,
     settings: RenderSettings,
@@ -146,7 +146,7 @@ fn mesh() -> Mesh {
 }
 
 impl Feature {
-    /// The picture that is asked for; or why it cannot even be written down.
+    /// The requested picture, or the reason why it cannot be expressed.
     fn of(self, kind: Kind) -> Result<Asked, &'static str> {
         let Asked { scene, settings } = kind.plain();
         let bounds = Bounds {

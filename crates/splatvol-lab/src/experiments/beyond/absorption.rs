@@ -200,7 +200,7 @@ fn splat_by_splat(kappa: f64) -> f64 {
 }
 
 impl Way {
-    /// Extinction per voxel of what a box of the greater length has more than the other.
+    /// Extinction per voxel of the part by which the longer box exceeds the other.
     fn measured(&self, renderer: &mut Renderer, kappa: f64) -> Result<f64, LabError> {
         let settings = RenderSettings::try_from(FlatSettings {
             sheet_thickness: self.thickness,

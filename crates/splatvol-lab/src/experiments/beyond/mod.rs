@@ -8,7 +8,7 @@
 //! | `popping` | what jumps when the camera passes 45 degrees |
 //! | `sheets` | how far composited footprints are from the integral, by the sheets' thickness |
 //! | `absorption` | what `1 - x` in place of `exp(-x)` changes |
-//! | `cut_off` | what is lost and what ripples where a kernel is cut |
+//! | `cut_off` | lost mass and ripple of a truncated kernel |
 //!
 //! `radial_field` reconstructs with kernels of the distance, `scenes` has what several of them render.
 

@@ -15,7 +15,7 @@ use crate::{
 const FIGURE: &str = "Popping";
 /// Degrees from one frame to the next; 45 degrees lie between two frames.
 const STEP: f64 = 0.1;
-/// Changes on either side of the jump that say what a change is like without one.
+/// Changes on either side of the jump that serve as the baseline.
 const NEIGHBOURS: usize = 10;
 /// Gain of the difference pictures.
 const GAIN: f32 = 15.0;
@@ -34,7 +34,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-/// A way to composite, its name, and what its jump must be.
+/// A way to composite, its name, and the condition on its jump.
 const METHODS: [(&str, &str, Compositing); 3] = [
     ("axis-sheets", "axis sheets", Compositing::AxisSheets),
     ("per-splat", "splats one by one", Compositing::PerSplat),

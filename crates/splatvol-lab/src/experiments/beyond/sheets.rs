@@ -1,8 +1,8 @@
 //! Deviation of composited footprints from the emission-absorption integral, by the thickness of the sheets.
 //!
-//! A sheet holds the exact integral of extinction over its depth; what is lost is the order within it, so colours that
-//! change within a sheet make an error of second order in its thickness. Whole footprints, one by one or added up on slices
-//! of the grid, are as thick as the kernel, whatever the sheets.
+//! A sheet holds the exact integral of extinction over its depth, but loses the order within it. So colours that change
+//! within a sheet make an error of second order in its thickness. Whole footprints, one by one or added up on slices of
+//! the grid, are as thick as the kernel, whatever the sheets.
 
 use glam::DVec3;
 use splatvol::{

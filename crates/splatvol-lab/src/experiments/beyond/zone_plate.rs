@@ -233,7 +233,7 @@ impl Rings {
         (ring as f64 + 0.5) / RINGS as f64
     }
 
-    /// Mean over the pixels of rings of these frequencies, of what `of` says of a ring.
+    /// Mean of `of` over the rings of these frequencies, weighted by their pixels.
     fn mean(&self, frequencies: std::ops::Range<f64>, of: impl Fn(usize) -> f64) -> f64 {
         let rings = (0..RINGS).filter(|&ring| frequencies.contains(&Self::frequency(ring)));
         let [sum, count] = rings.fold([0.0; 2], |[sum, count], ring| {

@@ -13,10 +13,10 @@
 //! | 4, practical ray-perpendicular | `s(z_v) r (z_v y_p - y_v z_k) / (z_v z_k + y_p y_v), dz` | `s(z_v)` | parallel |
 //! | 5, grid-aligned | `s(z_v) (y_p z_v / z_k - y_v), dz` | `s(z_v)` | parallel |
 //!
-//! with `r = sqrt(y_v^2 + z_v^2)`. What is corrected: row 3 is printed with `(x_v, y_v)` for `(y_v, z_v)` everywhere outside `dy`
-//! and with squares of both in the sums; row 4 with a minus in the denominator and `x_v^2 + y_v^2` for `y_v^2 + z_v^2` under the
-//! root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper does not say: in `dz` its bound of two
-//! levels off the axis near `z_k` would not hold, where row 4 would err by 40.
+//! with `r = sqrt(y_v^2 + z_v^2)`. Corrections: row 3 is printed with `(x_v, y_v)` for `(y_v, z_v)` everywhere outside
+//! `dy` and with squares of both in the sums; row 4 with a minus in the denominator and `x_v^2 + y_v^2` for `y_v^2 +
+//! z_v^2` under the root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper leaves open: in
+//! `dz` its bound of two levels off the axis near `z_k` would not hold, because row 4 would err by 40 there.
 
 /// Factor of the exponent, as the paper's 1.38 must be read.
 pub(super) const STEEPNESS: f64 = 1.38;
@@ -34,7 +34,7 @@ pub(super) fn sigma() -> f64 {
 pub(super) enum Row {
     /// Row 1: right.
     Trapezoid,
-    /// Row 2: stretched by what the centre needs.
+    /// Row 2: stretched by the factor that the centre needs.
     Box,
     /// Row 3.
     RayIdeal,
@@ -97,7 +97,7 @@ impl Kernel {
         self.y * self.z_k / self.z
     }
 
-    /// Half the width of what the footprint covers at most, pixels.
+    /// Largest half width of the footprint, pixels.
     pub(super) fn reach(&self) -> f64 {
         let slope = self.y / self.z;
         1.1 * self.radius * (1.0 + slope * slope) * (self.z_k / self.z).max(1.0)

@@ -4,7 +4,7 @@ use splatvol::{Frame, Image};
 
 use crate::measure::luminance;
 
-/// RMS difference of two pictures, both low-passed by a pixel, where a mask says.
+/// RMS difference of two pictures inside a mask, both low-passed by a pixel.
 pub(super) fn difference(one: &Image, other: &Image, mask: &[bool]) -> f64 {
     rms(&smooth(one), &smooth(other), mask)
 }
@@ -14,7 +14,7 @@ pub(super) fn smooth(image: &Image) -> Vec<f64> {
     low_passed(&luminance(image), image.size().width() as usize)
 }
 
-/// RMS difference where a mask says.
+/// RMS difference inside a mask.
 pub(super) fn rms(a: &[f64], b: &[f64], mask: &[bool]) -> f64 {
     let squares = a.iter().zip(b).zip(mask).filter(|(_, here)| **here);
     let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), ((a, b), _)| {
@@ -57,7 +57,7 @@ pub(super) fn line(image: &mut Image, depth: &[f32], z_k: f64) {
     }
 }
 
-/// Pixels nearer than `z_k`, and farther than the low-pass reaches from what is not.
+/// Pixels nearer than `z_k`, and farther from all others than the low-pass reaches.
 pub(super) fn nearer(frame: &Frame, beyond: &[bool]) -> Vec<bool> {
     const REACH: usize = 6;
     let width = frame.image.size().width() as usize;

@@ -38,7 +38,7 @@ swan1997-volcano, from the same folder of data, without which the experiment is 
 /// Turn from frame to frame, degrees.
 const STEP: f64 = 3.0;
 
-/// Pictures while the shutter is open, of what is right.
+/// Number of pictures of the reference while the shutter is open.
 const SUBFRAMES: u32 = 8;
 
 /// Columns over time: `[frame][row]`, rows from the upper edge to the centre.
@@ -47,7 +47,7 @@ struct Slice {
     pixels: Vec<Vec<[f32; 4]>>,
 }
 
-/// The paper's four, and what is right where things move: means of pictures, plain and anti-aliased.
+/// The paper's four variants, and the reference in motion: means of pictures, plain and anti-aliased.
 fn variants() -> [(&'static str, Filter, MotionBlur); 6] {
     let [plain, filtered, blurred, both] = FOUR;
     let mean = MotionBlur::Subframes { count: SUBFRAMES };

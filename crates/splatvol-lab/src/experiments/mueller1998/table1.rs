@@ -1,4 +1,4 @@
-//! Table 1: the engine's footprints against the five rows, and what its misprints give.
+//! Table 1: the engine's footprints against the five rows, and the effect of its misprints.
 
 use glam::{DAffine3, DMat3, DVec2};
 use splatvol::{Alignment, Filter, ImageSize, ScreenFromCamera, Stretch};
@@ -200,7 +200,7 @@ struct Misprint {
     words: &'static str,
     /// Why the row differs.
     wrong: &'static str,
-    /// The voxel, and the error in levels below which the paper says that the row stays there.
+    /// The voxel, and the error in levels below which the row stays there according to the paper.
     kernel: Kernel,
     place: &'static str,
     bound: f64,

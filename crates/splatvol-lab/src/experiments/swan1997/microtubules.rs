@@ -102,7 +102,7 @@ fn scene() -> Result<(Scene, f64), LabError> {
     Ok((Scene::new(volume, look), splats))
 }
 
-/// Least and greatest depth of what is seen, of which the splats are seen at sizes in inverse proportion.
+/// Least and greatest visible depth; splats appear at sizes in inverse proportion to it.
 fn depths(view: &View) -> Result<[f64; 2], LabError> {
     let camera_from_world = view.camera.camera_from_world();
     let depths = view.scene.single_volume()?.volume.grid().corners().map(|corner| {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `splat_size` | 2, 3, 4: size and energy of one splat by distance, and the grid of rays |
 //! | `spectra` | 5: spectra before and beyond k |
-//! | `sampling_rate` | 6: what the distance k neglects off the axis |
+//! | `sampling_rate` | 6: the factor that the distance k neglects off the axis |
 //! | `checker`, `terrain`, `microtubules` | 7: the pictures, by means of `view`, `window`, `animation`, `comparison`, `verdicts`, `shown` |
 
 mod animation;

@@ -1,4 +1,4 @@
-//! Fig. 6: what the distance k neglects off the axis, `1 / cos alpha`.
+//! Fig. 6: the factor that the distance k neglects off the axis, `1 / cos alpha`.
 //!
 //! Neighbouring rays at the angle alpha from the axis meet the plane of depth d in points r = d p / D apart, whatever the angle,
 //! but pass each other at the distance `r' = r cos alpha` (section 4.6). Eq. 4 takes r.

@@ -71,7 +71,7 @@ pub(super) fn plot(comparison: &Comparison, figure: &str) -> Plot {
     })
 }
 
-/// The pictures, as the paper shows them, and what they should be.
+/// The pictures, as the paper shows them, and their reference.
 pub(super) fn plate(comparison: &Comparison, figure: &str, k: f64) -> Plate {
     let samples = comparison.samples * comparison.samples;
     let caption =

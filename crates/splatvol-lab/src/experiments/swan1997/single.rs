@@ -1,4 +1,4 @@
-//! One splat by itself: how large it is on screen, and how much there is of it.
+//! A single splat: its size on screen, and its mass.
 
 use glam::{DVec2, DVec3};
 use splatvol::{

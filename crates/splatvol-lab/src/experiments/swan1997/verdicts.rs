@@ -46,7 +46,7 @@ pub(super) fn report(
     Ok(())
 }
 
-/// A finding of what the paper says, if it does.
+/// A finding with the paper's claim, if there is one.
 fn claimed(finding: Finding, words: Option<&str>) -> Finding {
     match words {
         Some(words) => finding.published(Published::Claim(words.to_owned())),

@@ -223,14 +223,14 @@ pub(super) struct PixelSpectrum {
 }
 
 impl PixelSpectrum {
-    /// The larger of a frequency's parts along rows and columns, cycles per pixel: what the raster cannot hold has more
-    /// than a half there.
+    /// The larger component of a frequency along rows and columns, cycles per pixel: above a half, the raster cannot
+    /// represent it.
     fn along_axes(&self, [x, y]: [f64; 2]) -> f64 {
         x.abs().max(y.abs()) * self.per_pixel
     }
 
-    /// Power, that of the mean apart, above a frequency in cycles per pixel. Half a cycle is the pixels' Nyquist limit: what is
-    /// above turns up on pixels as something else.
+    /// Power above a frequency in cycles per pixel, without that of the mean. Half a cycle is the pixels' Nyquist
+    /// limit: higher frequencies alias.
     pub(super) fn power_above(&self, limit: f64) -> f64 {
         self.spectrum
             .power(|frequency| self.along_axes(frequency) > limit)

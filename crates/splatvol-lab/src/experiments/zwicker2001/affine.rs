@@ -1,4 +1,4 @@
-//! Fig. 4: what the local affine approximation of the perspective errs by.
+//! Fig. 4: the error of the local affine approximation of the perspective.
 //!
 //! Exactly, a sphere of standard deviation sigma leaves on the ray d the line integral `exp(-r^2 / 2 sigma^2)` times that
 //! through its centre u, r being the distance of the ray from u: `r = |u x d| / |d|`. To first order the affine footprint

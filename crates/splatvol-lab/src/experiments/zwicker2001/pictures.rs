@@ -113,7 +113,7 @@ impl Plane {
 pub(super) struct Inside(Vec<bool>);
 
 impl Inside {
-    /// Pixels at least `margin` away from the border and from what is less than opaque.
+    /// Pixels at least `margin` away from the border and from pixels that are not opaque.
     pub(super) fn of(alpha: &Plane, margin: usize) -> Self {
         let (width, height) = (alpha.width, alpha.height());
         let covered = |x: usize, y: usize| {

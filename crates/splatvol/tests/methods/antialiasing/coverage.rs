@@ -10,7 +10,7 @@ use splatvol_testing::{checked, fields::Ball};
 
 use super::{GROUND, SAMPLES, TUNNEL, common, inner, low_passed, settings, tunnel};
 
-/// The opaque tunnel, where no filter of footprints is right: several samples of edges gain what it lacks.
+/// The opaque tunnel, where no filter of footprints is right: several samples at edges supply the missing accuracy.
 #[test]
 fn edges_of_opaque_material_are_right() {
     let (scene, camera) = tunnel();

@@ -40,7 +40,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-/// A kernel and what it is called.
+/// Kernels and their names.
 const KERNELS: [(&str, Kernel); 7] = [
     ("gaussian .602/2", gaussian(0.602, 2.0)),
     ("gaussian .64/2", gaussian(0.64, 2.0)),

@@ -79,7 +79,7 @@ fn slab(radius: f64, edge: f64) -> Result<(Scene, Camera), LabError> {
     Ok((Scene::new(volume, faint), camera))
 }
 
-/// The picture as one tile, of which nothing is ever finished.
+/// Settings with the picture as one tile, in which no pixel is ever finished.
 fn settings(size: ImageSize, rasterizer: Rasterizer, classification: Classification) -> FlatSettings {
     FlatSettings {
         classification,

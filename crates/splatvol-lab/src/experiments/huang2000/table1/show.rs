@@ -10,7 +10,7 @@ use crate::{
     Axis, Expectation, Finding, LabError, Outcome, Plate, Plot, PlotKind, Published, Table, Workbench,
 };
 
-/// Fig. 2 and 7, and what the pictures differ by.
+/// Fig. 2 and 7, and the differences between the pictures.
 pub(super) fn pictures(bench: &Workbench<'_>, outcome: &mut Outcome, cases: &[Case]) -> Result<(), LabError> {
     let size = picture_size(bench)?;
     let render = |case: &Case, rasterizer, entries| -> Result<Frame, LabError> {

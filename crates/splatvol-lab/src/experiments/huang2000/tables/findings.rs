@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{Expectation, Finding, LabError, Outcome, Published};
 
-/// The row of 256 entries, of which the paper speaks.
+/// The row of 256 entries, the size discussed in the paper.
 pub(super) fn of_256(rows: &[Row]) -> Result<&Row, LabError> {
     rows.iter()
         .find(|row| row.entries == 256)

@@ -80,7 +80,7 @@ fn sampling_bound(
     Ok(0.5 * largest)
 }
 
-/// Largest distance of an entry from what it stands for, a share of the whole footprint's centre.
+/// Largest quantisation error of an entry, a share of the whole footprint's centre.
 fn quantisation(entries: usize, precision: Precision) -> Result<f64, LabError> {
     let exact = table(KERNEL, entries, Spacing::Squared, Precision::F32)?;
     let coarse = table(KERNEL, entries, Spacing::Squared, precision)?;

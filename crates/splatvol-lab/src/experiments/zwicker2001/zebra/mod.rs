@@ -101,7 +101,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// Pictures of the texture, and what they are worth.
+/// Pictures of the texture, and their errors.
 fn textures(case: &Case, renderer: &mut Renderer, outcome: &mut Outcome) -> Result<Measured, LabError> {
     let (scene, camera) = (case.texture()?, case.camera()?);
     let mut of = |filter, samples: usize| -> Result<Image, LabError> {
