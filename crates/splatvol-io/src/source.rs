@@ -94,7 +94,7 @@ impl<'a> Source<'a> {
         Self::bounded(reader, at_most.min(declared))
     }
 
-    /// A stream that another decoder makes, of at most so many bytes.
+    /// A stream from another decoder, of at most `at_most` bytes.
     pub(crate) fn bounded(reader: impl Read + 'a, at_most: u64) -> Self {
         Self {
             reader: Box::new(BufReader::new(reader)),

@@ -9,7 +9,7 @@ pub enum SampleError {
     /// No sample has this name.
     #[error("no sample is called {name:?}{}; there are: {known}", suggestion(*.nearest))]
     UnknownName {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// The most similar known name, where one is similar.
         nearest: Option<&'static str>,
@@ -21,7 +21,7 @@ pub enum SampleError {
     InvalidSize {
         /// Name of the sample.
         name: &'static str,
-        /// The size asked for.
+        /// The requested size.
         size: String,
         /// Accepted values.
         expected: &'static str,

@@ -40,7 +40,7 @@ pub enum SceneError {
         name: String,
         /// Level of detail.
         level: usize,
-        /// First sample of the region that was asked for.
+        /// First sample of the requested region.
         first: [usize; 3],
         /// Cause of the failure.
         reason: String,

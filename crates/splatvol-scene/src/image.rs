@@ -163,7 +163,8 @@ impl Frame {
             ] == [count; 3]
     }
 
-    /// Takes the pixels of some columns and rows from another frame of the same size, such as a part that somebody else made.
+    /// Copies the pixels of some columns and rows from another frame of the same size, such as a part that another
+    /// worker rendered.
     ///
     /// # Errors
     /// A frame of another size.

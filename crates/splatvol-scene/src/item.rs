@@ -161,9 +161,9 @@ impl Item {
         })
     }
 
-    /// A label map: values are names of kinds of material, each with its colour and opacity. Between two names there is no third:
-    /// voxels get their colours before they are splatted, whatever the settings say of other volumes, and a kind's surface
-    /// is lit by the gradient of its own share, 1 in its voxels and 0 in others.
+    /// A label map: values are label numbers, each with its colour and opacity. Labels are not interpolated: voxels are
+    /// classified before they are splatted, whatever the settings for other volumes. A label's surface is lit by the
+    /// gradient of its own indicator, 1 in its voxels and 0 in others.
     pub fn labels(volume: impl Into<Arc<Volume>>, transfer_function: TransferFunction) -> Self {
         Self::new(Content::Volume {
             volume: volume.into(),

@@ -1,6 +1,6 @@
 //! Sources of samples: a grid at one or several levels of detail, read region by region.
 //!
-//! A [`Volume`] has all its samples in memory, its own or shared with somebody else ([`crate::Storage`]), and lends them as they are.
+//! A [`Volume`] has all its samples in memory, its own or shared ([`crate::Storage`]), and lends them without a copy.
 //! Other sources (chunks of a file, a store on another machine) deliver a region on request. An engine's result depends
 //! on the values of samples alone, never on the regions in which they arrive.
 

@@ -13,8 +13,8 @@ enum Place<T> {
 }
 
 impl<T> Storage<T> {
-    /// Samples in somebody else's memory, such as a map of a file or the buffer of an array. They are kept as long as the
-    /// storage, or any clone of it, lives.
+    /// Samples in shared memory, such as a map of a file or the buffer of an array. The memory is kept alive as long as
+    /// the storage, or any clone of it.
     ///
     /// The memory must not change meanwhile: the same slice of the same values. Data derived from the samples are
     /// cached.
@@ -22,7 +22,7 @@ impl<T> Storage<T> {
         Self(Place::Shared(samples))
     }
 
-    /// Whether the memory belongs to somebody else, too.
+    /// Whether the memory is shared with another owner.
     pub fn is_shared(&self) -> bool {
         matches!(self.0, Place::Shared(_))
     }

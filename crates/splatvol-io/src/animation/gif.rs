@@ -19,7 +19,8 @@ use crate::image::png;
 const FORMAT: &str = "GIF";
 /// Entries of a palette.
 const ENTRIES: usize = 256;
-/// `NeuQuant` learns from about so many pixels, and from one in 10 at least: few teach it badly, more take long.
+/// Number of pixels that `NeuQuant` learns from, approximately; it uses at least one in 10. Fewer give a poor palette,
+/// more take long.
 const LESSONS: usize = 100_000;
 
 /// Writes a GIF.

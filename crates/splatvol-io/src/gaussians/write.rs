@@ -1,4 +1,4 @@
-//! Writers of Gaussians: the attributes are brought into the frame of the format first.
+//! Writers of Gaussians: the attributes are first transformed to the frame of the format.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! A CT-like head phantom: Hounsfield units, 1 mm at 256^3, RAS+, mirror-symmetric but for texture and noise.
+//! A CT-like head phantom: Hounsfield units, 1 mm at 256^3, RAS+, mirror-symmetric except for texture and noise.
 //!
 //! Implicit solids (skin, skull, jaw, teeth, cavities) give signed distances; each tissue fills its solid with a
 //! soft edge about one voxel wide, which stands for the scanner's point spread and keeps the data band-limited.

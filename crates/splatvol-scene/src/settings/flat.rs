@@ -263,7 +263,7 @@ impl FlatSettings {
         }
     }
 
-    /// Refuses data whose samples, not sections, are asked for.
+    /// Accepts data only as sections of sheets: refuses samples, flattened kernels and moving footprints.
     fn sections_of_data(&self) -> Result<(), SceneError> {
         if self.reconstruction != Reconstruction::Volume {
             return Err(SceneError::invalid(

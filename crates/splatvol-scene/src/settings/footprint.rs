@@ -109,8 +109,8 @@ pub enum Occlusion {
     Auto,
     /// No culling, and no pixel is ever finished.
     None,
-    /// A summed-area table of finished pixels over the whole picture, asked for every brick and every splat (huang2000
-    /// section 4.1).
+    /// A summed-area table of finished pixels over the whole picture, queried for every brick and every splat
+    /// (huang2000 section 4.1).
     Sat,
 }
 

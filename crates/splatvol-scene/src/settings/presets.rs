@@ -83,9 +83,9 @@ impl RenderSettings {
         Self::of(SheetSettings::balanced(), EXACT_TERMINATION)
     }
 
-    /// The fastest method: a kernel four voxels wide that meets four sheets a voxel apart, gradients by differences, the EWA
-    /// filter only where footprints are smaller than pixels, and pixels finished when what shows through is less than a
-    /// level of eight bits.
+    /// The fastest method: a kernel four voxels wide that meets four sheets a voxel apart, and gradients by
+    /// differences. The EWA filter applies only where footprints are smaller than pixels. Pixels are finished when less
+    /// than a level of eight bits shows through.
     pub fn fast() -> Self {
         Self::of(SheetSettings::fast(), FAST_TERMINATION)
     }
@@ -119,8 +119,9 @@ impl RenderSettings {
         Self::of(swan(Alignment::Ray), EXACT_TERMINATION)
     }
 
-    /// mueller1998: the same, but each footprint takes the cheapest alignment that errs by less than a level of eight bits
-    /// (section 4.2 switches by depth instead), and motion, where a scene has any, makes capsules of them (section 5.1).
+    /// mueller1998: as swan1997, but each footprint takes the cheapest alignment that errs by less than a level of
+    /// eight bits (section 4.2 switches by depth instead), and a scene's motion turns footprints into capsules (section
+    /// 5.1).
     pub fn mueller1998() -> Self {
         Self {
             motion_blur: MotionBlur::Capsule,

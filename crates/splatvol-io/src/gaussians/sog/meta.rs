@@ -145,7 +145,7 @@ fn whole(node: &Node<'_>) -> Result<usize, IoError> {
     }
 }
 
-/// At least so many finite numbers; one number counts as an array.
+/// An array of at least `at_least` finite numbers; a single number counts as an array.
 fn numbers(node: &Node<'_>, at_least: usize) -> Result<Vec<f64>, IoError> {
     if at_least == 1
         && let Ok(number) = node.number()

@@ -63,7 +63,7 @@ pub(super) fn read(array: &Array, part: &Part, context: &Context<'_>) -> Result<
     })
 }
 
-/// Holds what the metadata promise against the files that there are.
+/// Checks the claims of the metadata against the files present.
 fn check_files(array: &Array, part: &Part, context: &Context<'_>) -> Result<(), IoError> {
     let (mut files, mut bytes) = (0, 0);
     count_files(&array.folder, array.shape.len() + 1, &mut files, &mut bytes);

@@ -53,7 +53,7 @@ pub struct AutomaticChoice {
     pub kind: DataKind,
     /// One sentence with the numbers behind the choice, in data units.
     pub reason: String,
-    /// How such data should be classified: labels must not be interpolated, so they want pre-classification.
+    /// Classification suited to such data: labels must not be interpolated, so they need pre-classification.
     pub classification: Classification,
     /// Data values between which opacity and colour vary, a good range for other maps too.
     pub range: [f64; 2],

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::volume::widen;
 use crate::{Grid, Volume};
 
-/// Which voxel axis runs along each world axis, and which way.
+/// The voxel axis along each world axis, and its sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Orientation {
     /// Voxel axis nearest to world x, y, z.
