@@ -1,9 +1,9 @@
 //! The interpolating prefilter: coefficients whose kernel sum passes through the samples.
 //!
 //! Per axis the samples at the lattice points are `H c` with the banded Toeplitz matrix `H_ij = tap(|i - j|)`, and
-//! the weights `W = H 1` fall off at the border; the 3-D operator is the product of its axes'. We solve
-//! `H c = W F` exactly, by a Cholesky factorisation `H = L D L^T` per axis, border included, where recursive
-//! filters (Unser 1999) would mirror the data.
+//! the weights `W = H 1` fall off at the border; the 3-D operator is the product of its axes'. We solve `H c = W F`
+//! exactly, by a Cholesky factorisation `H = L D L^T` per axis, border included. Recursive filters (Unser 1999)
+//! would mirror the data instead.
 
 use rayon::prelude::*;
 
@@ -57,9 +57,9 @@ impl AxisSolver {
         }
     }
 
-    /// Solves along the first index of `data`: rows of equal length, `stride` apart, all columns at once. The rows are
-    /// those of the whole axis from row `first` on; where that leaves rows out, what is solved is wrong by the share that
-    /// [`halo`](Self::halo) bounds, falling with the distance from the cut.
+    /// Solves along the first index of `data`: rows of equal length, `stride` apart, all columns at once. The rows
+    /// are those of the whole axis from row `first` on. If rows are left out, the solution has an error bounded by
+    /// [`halo`](Self::halo), which falls with the distance from the cut.
     #[inline(always)]
     pub(crate) fn solve_rows(&self, data: &mut [f32], first: usize, stride: usize, length: usize) {
         let count = data.len().div_ceil(stride).min(self.weights.len() - first);
@@ -96,7 +96,8 @@ impl AxisSolver {
         }
     }
 
-    /// Rows that a part needs beyond what it is solved for, so that the cut's share falls below `share`.
+    /// Number of further rows that a part needs on a cut side, so that the cut's share of the error falls below
+    /// `share`.
     pub(crate) fn halo(&self, share: f64) -> usize {
         let count = self.weights.len();
         // What an error of 1 in one row does to the rows behind it, at the middle of the axis or beyond.
@@ -213,7 +214,7 @@ mod tests {
     use super::*;
     use splatvol_scene::Kernel;
 
-    /// The samples that coefficients stand for, straight from the definition.
+    /// The samples reconstructed from coefficients, straight from the definition.
     fn reconstruct(c: &[f32], [nx, ny, nz]: [usize; 3], kernel: &GaussianKernel, at: [usize; 3]) -> f64 {
         let (mut sum, mut weight) = (0.0, 0.0);
         for z in 0..nz {

@@ -1,8 +1,8 @@
 //! Sheets: planes and slabs of constant camera depth that cut the volume.
 //!
-//! [`Planes`] stand still: plane i lies at `i * spacing` of camera depth, whatever is rendered. What is in the picture says
-//! only which of them exist. So a transfer function that hides half of the volume, or a worker that has a part of it, moves
-//! no plane of the other half. [`SheetStack`] begins where its content begins.
+//! [`Planes`] are fixed: plane i lies at `i * spacing` of camera depth, whatever is rendered. The contents of the
+//! picture decide only which of them exist. So a transfer function that hides half of the volume, or a worker that
+//! has a part of it, moves no plane of the other half. [`SheetStack`] begins where its content begins.
 
 use glam::DVec3;
 use splatvol_scene::ScreenFromCamera;
@@ -18,12 +18,13 @@ pub struct SheetStack {
     pub count: usize,
 }
 
-/// Most sheets: they are farther apart where one splat reaches deeper than these.
+/// Largest number of sheets; where more would be needed, as for a very deep splat, their distance grows.
 const MOST: f64 = 131_072.0;
 
 impl SheetStack {
-    /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera. A
-    /// perspective camera sees nothing nearer than half a sheet. Farther apart than `spacing` where these were too many.
+    /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera.
+    /// A perspective camera sees nothing nearer than half a sheet. The distance is larger than `spacing` if there
+    /// were too many sheets otherwise.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [first, last] = depths(corners, reach, 0.5 * spacing, screen);
         let spacing = spacing.max((last - first) / MOST);
@@ -56,21 +57,21 @@ impl SheetStack {
     }
 }
 
-/// Planes at whole multiples of their spacing. Those that exist are counted from 0.
+/// Planes at whole multiples of their spacing. Existing planes are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planes {
     /// Multiple of the spacing at which plane 0 lies.
     pub first: i64,
     /// Distance between planes, world length.
     pub spacing: f64,
-    /// Number of intervals between planes: there is one plane more.
+    /// Number of intervals between planes, one less than the number of planes.
     pub count: usize,
 }
 
 impl Planes {
-    /// Planes before, within and behind camera-space points grown by `reach` in depth, as far as they lie in front of the
-    /// camera: where rays are parallel from the one before depth 0 on, else from one spacing on. Farther apart than `spacing`
-    /// where these were too many.
+    /// Planes before, within and behind camera-space points grown by `reach` in depth, as far as they lie in front
+    /// of the camera: for parallel rays from the plane before depth 0 on, else from one spacing on. The distance is
+    /// larger than `spacing` if there were too many planes otherwise.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [low, high] = extent(corners, reach);
         let spacing = spacing.max((high - low) / MOST);
@@ -95,7 +96,7 @@ impl Planes {
     }
 }
 
-/// First and last depth of points grown by `reach`, as far as a camera sees them from `near` on.
+/// First and last depth of points grown by `reach`, as far as they are visible from `near` on.
 fn depths(corners: &[DVec3], reach: f64, near: f64, screen: &ScreenFromCamera) -> [f64; 2] {
     let [first, last] = extent(corners, reach);
     let nearest = if screen.perspective { near } else { 0.0 };

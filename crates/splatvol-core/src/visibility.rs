@@ -1,10 +1,11 @@
-//! Which voxels a reconstruction needs: those within the kernel's reach of a cell that can be seen.
+//! Visibility: the voxels that a reconstruction needs, within the kernel's reach of a visible cell.
 //!
-//! A *cell* is the cube between eight neighbouring samples. It can be seen if extinction is not zero somewhere in the
-//! range of its corners, widened by what an interpolating kernel overshoots. Voxels beyond the kernel's reach of every
-//! such cell change no pixel. With the field written as `b + sum_k (c_k - b) h(x - k)`, b an invisible value, voxels
-//! that hold b contribute nothing wherever they are: so in the outer half of the reach, where kernel weights are below
-//! a tenth, only voxels that differ from b are needed, and surfaces in air cost two layers of voxels less.
+//! A *cell* is the cube between eight neighbouring samples. It can be visible if extinction is non-zero somewhere
+//! in the range of its corners, widened by the overshoot of an interpolating kernel. Voxels beyond the kernel's
+//! reach of every such cell change no pixel. With the field written as `b + sum_k (c_k - b) h(x - k)`, b an
+//! invisible value, voxels of value b contribute nothing wherever they are. So in the outer half of the reach,
+//! where kernel weights are below a tenth, only voxels that differ from b are needed, and surfaces in air need two
+//! layers of voxels less.
 
 use splatvol_scene::Rescale;
 
@@ -17,7 +18,7 @@ pub const BRICK_VOXELS: usize = BRICK * BRICK * BRICK;
 /// Differences from the background (normalised values) that the outer half of a kernel may leave out.
 pub(crate) const TOLERANCE: f32 = 0.006;
 
-/// Values that cannot be told apart by visibility.
+/// Number of levels of values; visibility does not distinguish values within a level.
 pub(crate) const LEVELS: usize = 2048;
 const FIRST: f32 = -0.5;
 const PER_VALUE: f32 = LEVELS as f32 / 2.0;
@@ -32,7 +33,8 @@ pub(crate) fn level_of(value: f32) -> i16 {
     (level - 0.49 + WHOLE).to_bits() as i16
 }
 
-/// Number of visible levels below each level: whether a range of values holds a visible one is one difference.
+/// Number of visible levels below each level: a single difference tells whether a range of values contains a
+/// visible one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleLevels {
     below: Vec<u16>,
@@ -77,7 +79,7 @@ impl VisibleLevels {
         Some([low, high])
     }
 
-    /// These levels, and all above the lowest of them: what matters to the largest value along a ray.
+    /// These levels and all above the lowest of them, which matter to the largest value along a ray.
     pub fn and_larger(&self) -> Self {
         let mut below = vec![0u16; LEVELS + 1];
         for i in 0..LEVELS {
@@ -86,7 +88,7 @@ impl VisibleLevels {
         Self { below }
     }
 
-    /// These levels, and all below the highest of them: what matters to the smallest value along a ray.
+    /// These levels and all below the highest of them, which matter to the smallest value along a ray.
     pub fn and_smaller(&self) -> Self {
         let total = self.below[LEVELS];
         let mut below = vec![0u16; LEVELS + 1];
@@ -96,7 +98,7 @@ impl VisibleLevels {
         Self { below }
     }
 
-    /// All levels: what matters to the mean value along a ray.
+    /// All levels, which matter to the mean value along a ray.
     pub fn all() -> Self {
         Self {
             below: (0..=LEVELS as u16).collect(),
@@ -129,9 +131,9 @@ impl VisibleLevels {
         Self { below }
     }
 
-    /// Levels that a reconstruction over the background must hold on to: all but those that can be reached from the
-    /// background without meeting a visible one. Of a value beyond a visible band nothing may be left out, or the sum would
-    /// fall through the band.
+    /// Levels that a reconstruction over the background must keep: all but those reachable from the background
+    /// without passing a visible one. No value beyond a visible band may be left out, since the sum would fall
+    /// through the band.
     pub(crate) fn beyond(&self, background: f32) -> Self {
         let start = level_of(background);
         let mut held = vec![true; LEVELS];
@@ -164,7 +166,7 @@ impl VisibleLevels {
     }
 }
 
-/// How common the values of a volume are.
+/// Histogram of the values of a volume.
 #[derive(Debug, Clone)]
 pub struct Histogram {
     counts: Vec<u32>,
@@ -192,7 +194,7 @@ impl Histogram {
         (samples / Self::SAMPLES).max(1) | 1
     }
 
-    /// Counts a stored sample, unless it is missing.
+    /// Adds a stored sample, unless it is missing.
     pub fn add(&mut self, stored: f64) {
         let value = (self.rescale.apply(stored) - self.low) * self.scale;
         if value.is_finite() {

@@ -51,7 +51,7 @@ impl Debug for Control<'_> {
 
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// Progress that only grows, whichever thread reports it.
+/// Progress that only increases, whichever thread reports it.
 pub struct Progress<'a> {
     told: Option<OnProgress<'a>>,
     last: Mutex<f64>,

@@ -33,7 +33,7 @@ pub enum Footprints {
     Round,
     /// Powers counted from the block in the middle.
     Ellipses,
-    /// An exponential for each weight: their powers are no floats.
+    /// An exponential for each weight: the powers do not fit f32.
     Direct,
 }
 

@@ -1,7 +1,8 @@
 //! The nearest neighbours of each distinct place.
 //!
-//! Places are moved and scaled into a unit box, so that squared distances neither overflow nor vanish in 32 bits, and put
-//! in Morton order: neighbours in space become neighbours in memory, and places that are the same follow each other.
+//! Places are moved and scaled into a unit box, so that squared distances neither overflow nor vanish in 32 bits,
+//! and sorted in Morton order: neighbours in space become neighbours in memory, and identical places become
+//! adjacent.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 

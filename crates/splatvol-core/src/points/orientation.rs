@@ -1,16 +1,17 @@
-//! Signs of normals.
+//! Orientation: signs of normals.
 //!
-//! Planes have two sides. As Hoppe et al. (1992, section 3.3) do, sides spread over a spanning tree of the graph of
-//! neighbours, from pairs that surely agree to pairs that do not. Whether two normals agree is not asked of their product
-//! alone, which fails where a surface turns by more than a right angle, but of
+//! A plane has two sides. As in Hoppe et al. (1992, section 3.3), the choice of a side spreads over a spanning tree
+//! of the graph of neighbours, first over pairs that surely agree, last over pairs that do not. The product of two
+//! normals alone does not tell whether they agree: it fails where a surface turns by more than a right angle.
+//! Agreement is instead
 //!
 //! `c = n_i . n_j - 2 (n_i . e)(n_j . e)`, with e the direction from one to the other:
 //!
-//! the second normal mirrored as by a circle through both points (the simplest curve between them, as König and Gumhold
-//! 2009 argue). It is 1 for the outward normals of a circle at any angle, and for the two sides of a thin sheet. Edges
-//! weigh `1 - |c|`, and the tree is that of least weight ([`spanning`]).
+//! the product with the second normal mirrored as by a circle through both points (the simplest curve between them,
+//! as König and Gumhold 2009 argue). It is 1 for the outward normals of a circle at any angle, and for the two
+//! sides of a thin sheet. Edges have the weight `1 - |c|`, and the tree is that of least weight ([`spanning`]).
 //!
-//! Then each connected part is turned as a whole: outward where it encloses something, which is where the sum of
+//! Then each connected part is turned as a whole. A part that encloses a volume faces outward: there the sum of
 //! `(p - centre) . n` over its area is above zero (the divergence theorem: three times the volume).
 
 use glam::DVec3;
@@ -20,7 +21,7 @@ use super::{Neighborhoods, Orientation, spanning};
 
 /// A part bulges where the mean of `(p - centre) . n` is at least this share of the mean of `|p - centre|`.
 const BULGING: f64 = 0.1;
-/// A part is closed where its mean normal is shorter than this; over a closed surface normals add up to nothing.
+/// Length of the mean normal below which a part is closed; over a closed surface normals add up to zero.
 const CLOSED: f64 = 0.3;
 /// Bits that hold the number of an edge: 2^32 places of up to 64 neighbours.
 const EDGE_BITS: u32 = 38;
@@ -84,7 +85,7 @@ impl Neighborhoods {
         self.flat()[edge] as usize
     }
 
-    /// 1 where two normals surely show the same side, -1 where they surely do not.
+    /// Agreement of two normals: 1 where they surely show the same side, -1 where they surely do not.
     fn agreement(&self, normals: &[DVec3], i: usize, j: usize) -> f64 {
         let along = (self.place(j) - self.place(i)).normalize_or_zero();
         let (a, b) = (normals[i], normals[j]);
@@ -116,7 +117,7 @@ impl Neighborhoods {
     }
 }
 
-/// The parts by number, in the order of their first places, and how many there are.
+/// Index of each place's part, in the order of the parts' first places, and the number of parts.
 fn numbered(roots: &[(u32, bool)]) -> (Vec<u32>, usize) {
     const NONE: u32 = u32::MAX;
     let mut number_of = vec![NONE; roots.len()];
@@ -158,7 +159,7 @@ impl Part {
     }
 }
 
-/// Turns every normal to the side of a direction of its own.
+/// Turns every normal to the side of its own direction.
 fn turn(normals: &mut [DVec3], side: impl Fn(usize) -> DVec3 + Sync) {
     normals.par_iter_mut().enumerate().for_each(|(place, normal)| {
         if normal.dot(side(place)) < 0.0 {

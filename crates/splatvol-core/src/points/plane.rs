@@ -1,9 +1,9 @@
-//! Normals of planes through neighbours, their sign still open.
+//! Normals of planes through neighbours, with undetermined sign.
 //!
-//! The normal is the eigenvector of the smallest eigenvalue of the covariance of a place and its neighbours (Hoppe et al.,
-//! Surface reconstruction from unorganized points, 1992, section 3.2). Eigenvalues come from Jacobi rotations, which are
-//! exact to the last digits also where the plane is perfect and two eigenvalues are equal. Neighbours on a line, as in the
-//! rows of a scanner, say nothing; then the neighbours' neighbours are asked too.
+//! The normal is the eigenvector of the smallest eigenvalue of the covariance of a place and its neighbours (Hoppe
+//! et al., Surface reconstruction from unorganized points, 1992, section 3.2). Eigenvalues come from Jacobi
+//! rotations, which are exact to the last digits even where the plane is perfect and two eigenvalues are equal.
+//! Neighbours on a line, as in the rows of a scanner, define no plane; then the neighbours' neighbours are added.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::Neighborhoods;
 use crate::eigen::eigen;
 
-/// Neighbours count as a line where the middle eigenvalue is less than this share of the largest.
+/// Ratio of the middle to the largest eigenvalue below which neighbours count as a line.
 const LINE: f64 = 1e-4;
 
 impl Neighborhoods {

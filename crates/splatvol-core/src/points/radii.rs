@@ -1,9 +1,10 @@
 //! Radii from local density.
 //!
-//! Where `k` neighbours lie within `d_k` on a surface, there are `k / (pi d_k^2)` points per area, and the distance between
-//! them is `r = d_k sqrt(pi / k)`. That is taken as the radius: on a square grid discs reach `sqrt(2)` times as far as
-//! they must to leave no hole. Two steps against outliers: `d_k^2` is the mean of `d_j^2 k / j` over the farther half of the
-//! neighbours, each of which estimates it; and a point is at most twice as large as the median of its neighbours.
+//! Where `k` neighbours lie within `d_k` on a surface, there are `k / (pi d_k^2)` points per area, and the distance
+//! between them is `r = d_k sqrt(pi / k)`. It is used as the radius: on a square grid discs reach `sqrt(2)` times
+//! as far as they must to leave no hole. Two measures against outliers: `d_k^2` is the mean of `d_j^2 k / j` over
+//! the farther half of the neighbours, each of which estimates it; and a point is at most twice as large as the
+//! median of its neighbours.
 
 use std::f64::consts::PI;
 

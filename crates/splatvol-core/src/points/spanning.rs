@@ -1,16 +1,17 @@
-//! The spanning forest of least weight, by Borůvka's algorithm (1926): each tree takes the lightest edge that leaves it, until
-//! none is left. All trees look for theirs at once, and edges within a tree are forgotten, so that there are some ten rounds
-//! over ever fewer edges. Weights differ from edge to edge, so that there is one such forest, whatever the threads.
+//! Spanning forest of least weight, by Borůvka's algorithm (1926): each tree takes its lightest outgoing edge,
+//! until none is left. All trees search at once, and edges within a tree are dropped, so that there are some ten
+//! rounds over ever fewer edges. All weights differ, so there is only one such forest, whatever the threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-/// Where there is no edge.
+/// Key of no edge.
 const NONE: u64 = u64::MAX;
 
-/// For each of `count` places the root of its tree, and whether its sign differs from the root's. Keys of edges are their
-/// weights, all of them different; `ends` says which places an edge joins, `differs` whether their signs do.
+/// For each of `count` places the root of its tree, and whether its sign differs from the root's. Keys of edges are
+/// their weights, all of them different; `ends` returns the places that an edge joins, `differs` whether their
+/// signs differ.
 pub(super) fn spread(
     count: usize,
     mut keys: Vec<u64>,
@@ -78,7 +79,7 @@ impl Trees {
         }
     }
 
-    /// The same, and everything on the way moves under its grandparent.
+    /// As `root`, with path halving: every place on the way moves under its grandparent.
     fn shortened_root(&mut self, place: usize) -> (u32, bool) {
         let (mut at, mut differs) = (place, 0);
         loop {
@@ -96,7 +97,7 @@ impl Trees {
         }
     }
 
-    /// Joins the sets of two places whose signs differ or not; nothing where they are joined already.
+    /// Joins the sets of two places whose signs differ or not; does nothing if they are joined already.
     fn join(&mut self, i: usize, j: usize, differ: bool) {
         let ((root_i, sign_i), (root_j, sign_j)) = (self.shortened_root(i), self.shortened_root(j));
         if root_i == root_j {

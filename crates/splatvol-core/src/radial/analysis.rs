@@ -110,8 +110,8 @@ fn lattice_sum(kernel: &RadialKernel, at: [f64; 3], reach: i32) -> f64 {
         .sum()
 }
 
-/// How many samples of the whole cell an ordered triple stands for: its permutations, and twice along each axis where it
-/// is neither on the face nor in the middle.
+/// Multiplicity of an ordered triple in the whole cell: its permutations, and twice along each axis where it is
+/// neither on the face nor in the middle.
 fn multiplicity([x, y, z]: [usize; 3], steps: usize) -> f64 {
     let permutations = match (x == y, y == z) {
         (true, true) => 1.0,

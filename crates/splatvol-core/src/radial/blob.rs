@@ -4,8 +4,8 @@
 //! `h(r) = w I_2(alpha sqrt w) / I_2(alpha)`, `w = 1 - (r / a)^2`, and with `w` at `rho`
 //! `int h dz = a sqrt(2 pi / alpha) w^(5/4) I_5/2(alpha sqrt w) / I_2(alpha)`.
 //!
-//! We write `I_v(x) = (x / 2)^v sum_k (x^2 / 4)^k / (k! Gamma(k + v + 1))`, so that both are entire functions of w and
-//! alpha may be zero; the factor `(alpha / 2)^2 / I_2(alpha)` is left to the normalisation.
+//! We write `I_v(x) = (x / 2)^v sum_k (x^2 / 4)^k / (k! Gamma(k + v + 1))`, so that both are entire functions of w
+//! and alpha may be zero; the normalisation includes the factor `(alpha / 2)^2 / I_2(alpha)`.
 
 use std::f64::consts::PI;
 

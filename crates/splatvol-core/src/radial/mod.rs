@@ -1,11 +1,11 @@
-//! Kernels of the distance from a voxel, their footprints, and tables of these: what splatting with any kernel needs.
+//! Radial kernels, their footprints, and footprint tables, for splatting with any kernel.
 //!
-//! `h(r)`, r in voxels, has unit integral over space. So the mean of `sum_k h(x - k)` over the unit cell is 1 (Poisson
-//! summation), and what is left is the ripple that [`analyse`] measures. The footprint is the line integral
+//! `h(r)`, r in voxels, has unit integral over space. So the mean of `sum_k h(x - k)` over the unit cell is 1
+//! (Poisson summation); its deviation is the ripple measured by [`analyse`]. The footprint is the line integral
 //! `q(rho^2) = int h(sqrt(rho^2 + z^2)) dz` (westover1990; huang2000 section 2.1).
 //!
-//! Two of the kernels differ from what else bears their names: the Gaussian is cut at a distance, where
-//! [`crate::kernel`] cuts along each axis, and the cubic B-spline is `beta3(r)`, not the usual product
+//! Two of the kernels differ from others of the same name. The Gaussian is cut at a distance, where
+//! [`crate::kernel`] cuts along each axis. The cubic B-spline is `beta3(r)`, not the usual product
 //! `beta3(x) beta3(y) beta3(z)`, whose footprint would change with the direction of view.
 
 mod analysis;
@@ -73,8 +73,8 @@ impl RadialKernel {
         self.support
     }
 
-    /// h at a distance, per cubic voxel. Zero at the support itself: six voxels that are seen at exactly that distance, and
-    /// nowhere else, would be a ripple of the cut Gaussian that no picture shows.
+    /// h at a distance, per cubic voxel. It is zero at the support itself: otherwise six voxels at exactly that
+    /// distance, and only at such points, would add a ripple to the cut Gaussian that no picture shows.
     pub fn value(&self, r: f64) -> f64 {
         if r < self.support { self.uncut(r) } else { 0.0 }
     }

@@ -8,7 +8,7 @@ const COUNT: usize = 32;
 /// Nodes in -1..1 and their weights.
 static NODES: LazyLock<[[f64; 2]; COUNT]> = LazyLock::new(|| std::array::from_fn(node));
 
-/// `int_from^to f(x) dx` for an f that is smooth in between.
+/// `int_from^to f(x) dx` for an f that is smooth on the interval.
 pub(super) fn integral(from: f64, to: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     half * NODES

@@ -10,11 +10,11 @@ pub trait Entry: Copy + Default + PartialEq + Send + Sync + 'static {
     const FULL: f32;
     /// The row in front of the first section: zeros.
     const ZEROS: &'static [Self];
-    /// The entry that is nearest to a share of the footprint's centre, 0 to 1.
+    /// The entry nearest to a share of the footprint's centre, 0 to 1.
     fn nearest(share: f64) -> Self;
     /// The entry as a number.
     fn number(self) -> f32;
-    /// This entry less another, as a number.
+    /// This entry minus another, as a number.
     #[inline(always)]
     fn less(self, other: Self) -> f32 {
         self.number() - other.number()
@@ -73,8 +73,8 @@ impl Entry for f32 {
     }
 }
 
-/// The part of a kernel between two depths: the difference of two rows of a table. A rasteriser takes one per splat and
-/// sheet, and looks it up per pixel.
+/// The part of a kernel between two depths: the difference of two rows of a table. A rasteriser makes one per splat
+/// and sheet, and looks it up per pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Section<'a, E> {
     pub(super) front: &'a [E],
@@ -96,8 +96,8 @@ impl<E: Entry> Section<'_, E> {
         }
     }
 
-    /// The same at the table's own coordinate: the distance where entries are spaced linearly, its square where they are
-    /// spaced by squares. For loops that step this coordinate themselves.
+    /// As [`Self::at`], at the table's own coordinate: the distance for linear spacing, its square for squared
+    /// spacing. For loops that step this coordinate themselves.
     #[inline(always)]
     pub fn at_position(&self, position: f32) -> f32 {
         // Conversion saturates: what is beyond the last entry, which is zero, takes that; what is no number, the first.
@@ -108,7 +108,7 @@ impl<E: Entry> Section<'_, E> {
         }
     }
 
-    /// Entries of the row in front and of the row behind, as many of each. For loops that step an index of their own, from
+    /// Entries of the front row and of the back row, in equal number. For loops that step an index themselves, from
     /// 0 at the centre to the last entry at the support.
     #[inline(always)]
     pub fn rows(&self) -> [&[E]; 2] {
@@ -121,14 +121,14 @@ impl<E: Entry> Section<'_, E> {
         self.unit
     }
 
-    /// True where both depths fall on the same row: nothing of the kernel lies between them.
+    /// Whether both depths fall on the same row: the section is empty.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         std::ptr::eq(self.front, self.back)
     }
 }
 
-/// A section of a table whose precision was chosen at run time. Match once per splat, and look up in the arm.
+/// A section of a table whose precision was chosen at run time. Match once per splat, and look up within the arm.
 #[derive(Debug, Clone, Copy)]
 pub enum AnySection<'a> {
     /// 8 bits.

@@ -1,10 +1,10 @@
-//! Tables of footprints for FastSplats: huang2000 section 3.1 (one line of the footprint, evenly in the distance or in
-//! its square), section 2.1 (kernels cut in 128 sections), section 5 (8 or 16 bits, sizes).
+//! Footprint tables for FastSplats: huang2000 section 3.1 (one line of the footprint, with even steps of the
+//! distance or its square), section 2.1 (kernels cut in 128 sections), section 5 (8 or 16 bits, sizes).
 //!
-//! Row s holds the footprint of everything in front of the depth `-1 + 2 (s + 1) / sections` (in support radii):
-//! `C[s][i] = int_-inf^z h dz`. A sheet takes the difference of two rows, so a table serves sheets of any thickness, and
-//! what neighbouring sheets take adds up to the whole footprint exactly (in 8 and 16 bits). Entries are points, not
-//! means, and the nearest is taken, as in the paper.
+//! Row s holds the footprint of the kernel in front of the depth `-1 + 2 (s + 1) / sections` (in support radii):
+//! `C[s][i] = int_-inf^z h dz`. A sheet takes the difference of two rows, so a table serves sheets of any
+//! thickness, and the shares of neighbouring sheets add up to the whole footprint exactly (in 8 and 16 bits).
+//! Entries are points, not means, and the nearest is taken, as in the paper.
 
 use splatvol_scene::{Kernel, SceneError};
 
@@ -26,7 +26,7 @@ pub enum Precision {
     F32,
 }
 
-/// How a table's entries are spaced.
+/// Spacing of a table's entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Spacing {
     /// Evenly in the distance: a square root per look-up, smallest error.
@@ -43,7 +43,7 @@ pub struct TableSettings {
     pub entries: usize,
     /// Number format of entries.
     pub precision: Precision,
-    /// How entries are spaced.
+    /// Spacing of the entries.
     pub spacing: Spacing,
     /// Rows, 1 to 128; a single one puts a whole footprint where its centre is.
     pub sections: usize,
@@ -139,14 +139,14 @@ impl FootprintTable {
         self.between(rho2, -1.0, 1.0)
     }
 
-    /// The footprint of what lies between two depths, in support radii from the kernel's centre. Depths are rounded to
-    /// the nearest row. Rasterisers take the [`FootprintTable::section`] once and look that up.
+    /// Footprint of the part between two depths, in support radii from the kernel's centre. Depths are rounded to
+    /// the nearest row. Rasterisers make a [`FootprintTable::section`] once and look that up.
     #[inline(always)]
     pub fn between(&self, rho2: f32, front: f32, back: f32) -> f32 {
         self.section(front, back).at(rho2)
     }
 
-    /// The part of the kernel between two depths, in support radii from its centre. Nothing where `back < front`.
+    /// The part of the kernel between two depths, in support radii from its centre. Empty where `back < front`.
     #[inline(always)]
     pub fn section(&self, front: f32, back: f32) -> AnySection<'_> {
         let front = self.row(front);
@@ -158,7 +158,7 @@ impl FootprintTable {
         }
     }
 
-    /// Rows in front of a depth: 0 (nothing of the kernel) to `sections` (all of it).
+    /// Number of rows in front of a depth: 0 (nothing of the kernel) to `sections` (all of it).
     #[inline(always)]
     fn row(&self, depth: f32) -> usize {
         let sections = self.settings.sections as f32;

@@ -12,14 +12,14 @@ pub struct SplatCloud {
     /// Payload of each splat. Classified splats: extinction per world length and emission (extinction times linear
     /// rgb). Data: normalised value, one, and two zeros.
     pub payloads: Vec<[f32; 4]>,
-    /// Gradients of the normalised value per local unit; empty where nothing needs them.
+    /// Gradients of the normalised value per local unit; empty where they are not needed.
     pub gradients: Vec<[f32; 3]>,
     /// Covariances.
     pub shape: KernelShape,
     /// Covariances of ellipsoids, local: xx, xy, xz, yy, yz, zz; empty for other shapes.
     pub covariances: Vec<[f32; 6]>,
-    /// Splats from this one on carry optical depths in place of extinctions: what a ray through the centre meets, from
-    /// wherever it comes (3-D Gaussians, whose opacity is that of their peak in every view).
+    /// Index of the first splat that carries an optical depth in place of an extinction: that of a ray through the
+    /// centre in any direction (3-D Gaussians, whose opacity is that of their peak in every view).
     pub peaks_from: usize,
     /// Integral of each kernel over space, world volume: a grid's cell.
     pub mass: f64,
@@ -43,10 +43,10 @@ pub enum KernelShape {
         sigma: f64,
         /// Divisor of the standard deviation along the gradient.
         flatness: f64,
-        /// Gradient of the normalised value, per mean spacing, from which on kernels are flattened.
+        /// Least gradient of the normalised value, per mean spacing, at which kernels are flattened.
         threshold: f64,
     },
-    /// Each splat has a covariance of its own.
+    /// Ellipsoids, with a covariance for each splat.
     Ellipsoids {
         /// Largest standard deviation of any, local units.
         largest: f64,
@@ -80,7 +80,7 @@ pub struct Chunk {
 }
 
 impl Chunk {
-    /// Of splats at these places, the first of which has this index; `None` of none.
+    /// Chunk of splats at these places, the first with this index; `None` if there are none.
     pub fn of(positions: &[[f32; 3]], first: u32, sigma: f32) -> Option<Self> {
         let (&start, rest) = positions.split_first()?;
         let bound = |pick: fn(f32, f32) -> f32| {
@@ -125,13 +125,13 @@ impl SplatCloud {
         self.positions.len()
     }
 
-    /// True for a cloud of nothing.
+    /// Whether the cloud has no splats.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// Rows of the matrix that takes gradients per local unit to gradients per world length, in a space rotated from the
-    /// world by `rotation`.
+    /// Rows of the matrix that maps gradients per local unit to gradients per world length, in a space rotated from
+    /// the world by `rotation`.
     pub fn gradient_from_local(&self, rotation: DMat3) -> DMat3 {
         (rotation * self.world_from_local.matrix3).inverse().transpose()
     }

@@ -23,7 +23,7 @@ pub struct Extract<'a> {
     pub table: &'a ClassificationTable,
     /// Covariances.
     pub shape: KernelShape,
-    /// Whether splats need gradients: for light, or to be flattened along them.
+    /// Whether splats need gradients, for lighting or for flattening.
     pub gradients: bool,
     /// Which voxels have splats at all; `None` for all.
     pub interest: Option<Interest>,
@@ -34,7 +34,7 @@ pub struct Extract<'a> {
 pub struct Interest {
     /// Least and greatest normalised value.
     density: [f32; 2],
-    /// Least squared gradient of the normalised value per mean spacing; zero and less for any.
+    /// Least squared gradient of the normalised value per mean spacing; zero or less for any.
     gradient_squared: f32,
     /// From gradients per voxel to gradients per mean spacing.
     steepness_from_local: Mat3,
@@ -59,7 +59,7 @@ impl Interest {
         }
     }
 
-    /// Whether a voxel of this value belongs to it; `gradient`, per voxel, is asked for where it matters.
+    /// Whether a voxel of this value is in the range; `gradient`, per voxel, is computed only if needed.
     #[inline]
     fn holds(&self, value: f32, gradient: impl FnOnce() -> [f32; 3]) -> bool {
         let inside = (self.density[0]..=self.density[1]).contains(&value);
@@ -87,7 +87,7 @@ pub fn classified(from: &Extract<'_>) -> SplatCloud {
     from.collect(&from.bricks.visible(from.table), payload)
 }
 
-/// Voxels whose values can take part in visible ones, with their values. `reach`: how far a voxel acts, voxels per axis.
+/// Voxels that can contribute to visible values, with their values. `reach`: of a voxel, voxels per axis.
 pub fn data(from: &Extract<'_>, reach: [f64; 3]) -> SplatCloud {
     from.collect(&from.bricks.active(from.table, reach), |value| {
         Some([value, 1.0, 0.0, 0.0])
@@ -168,7 +168,7 @@ impl Part {
 }
 
 impl SplatCloud {
-    /// Gradients per local unit to gradients per mean spacing, whatever the orientation: for thresholds.
+    /// Matrix from gradients per local unit to gradients per mean spacing, in any orientation, for thresholds.
     pub(crate) fn steepness_from_local(&self) -> DMat3 {
         self.gradient_from_local(DMat3::IDENTITY) * self.spacing
     }

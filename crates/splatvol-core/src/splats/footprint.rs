@@ -1,18 +1,18 @@
-//! The footprint: from a pixel to the radius at which its ray passes the kernel.
+//! Footprint: map from a pixel to the radius at which its ray passes the kernel.
 //!
-//! A pixel gets `weight gain profile(r^2)`, world length: the line integral along the pixel's ray of a kernel whose
-//! integral over space is its cell. What the methods of alignment differ in is the map from pixels to `r^2`, the [`Warp`].
+//! A pixel receives `weight gain profile(r^2)`, world length: the line integral along its ray of a kernel whose
+//! integral over space is its cell. The alignments differ in the map from pixels to `r^2`, the [`Warp`].
 
 use super::moving::{Moving, Passage};
 use super::profile::Profile;
 use super::ray::{Ray, Trapezoid};
 
-/// A splat as the picture sees it.
+/// A splat projected to the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {
     /// Projected centre, pixels.
     pub centre: [f32; 2],
-    /// Box that holds all pixels of the footprint: x0, y0, x1, y1, pixels.
+    /// Bounding box of the footprint's pixels: x0, y0, x1, y1, pixels.
     pub bounds: [f32; 4],
     /// Line integral through the centre, world length, where the warp's gain is 1.
     pub weight: f32,
@@ -22,13 +22,13 @@ pub struct Footprint {
     pub depth: f32,
     /// Standard deviation in depth along a ray.
     pub depth_sigma: f32,
-    /// Camera depth from which on the kernel counts, where it reaches before the near plane; minus infinity otherwise.
+    /// Camera depth at which the kernel is clipped if it reaches before the near plane; minus infinity otherwise.
     pub clip: f32,
     /// From pixels to radii.
     pub warp: Warp,
 }
 
-/// How a pixel's ray meets a kernel.
+/// Passage of a pixel's ray through a kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Squared distance of the ray from the centre, standard deviations of the kernel.
@@ -55,15 +55,15 @@ pub enum Warp {
     Ray(Ray),
     /// The distance at which the pixel's ray passes the plane across the ray through the centre.
     Perpendicular(Ray),
-    /// The true distance, from a kernel that is wider the deeper it is.
+    /// The true distance from a kernel whose width grows with depth.
     Trapezoid(Trapezoid),
-    /// Past a kernel in motion: see [`Moving`].
+    /// The distance from a kernel in motion: see [`Moving`].
     Moving(Moving),
 }
 
 impl Footprint {
-    /// How the ray through a point of the picture (pixels) meets the kernel; a kernel that is not as wide at every depth, as
-    /// wide as at its centre.
+    /// Passage through the kernel of the ray through a point of the picture (pixels). A kernel whose width varies
+    /// with depth has that at its centre.
     #[inline(always)]
     pub fn at(&self, [px, py]: [f32; 2]) -> Sample {
         match self.warp {
@@ -94,15 +94,15 @@ impl Footprint {
         }
     }
 
-    /// How the ray through a point of the picture (pixels) sees this footprint's kernel pass.
+    /// Passage past this footprint's moving kernel of the ray through a point of the picture (pixels).
     #[inline(always)]
     pub fn passage(&self, moving: &Moving, [px, py]: [f32; 2]) -> Passage {
         let offset = [px - self.centre[0], py - self.centre[1]];
         moving.passage([px, py], offset, [self.depth, self.depth_sigma])
     }
 
-    /// The line integral along the ray through a point of the picture (pixels), world length; of what lies between two camera
-    /// depths where a section is asked for.
+    /// Line integral along the ray through a point of the picture (pixels), world length; between two camera depths
+    /// if a section is given.
     #[inline(always)]
     pub fn integral<P: Profile>(&self, profile: &P, section: Option<[f32; 2]>, pixel: [f32; 2]) -> f32 {
         let section = self.section(section);
@@ -118,7 +118,7 @@ impl Footprint {
         }
     }
 
-    /// A section without what lies before the near plane.
+    /// Clips a section at the near plane.
     #[inline(always)]
     pub fn section(&self, section: Option<[f32; 2]>) -> Option<[f32; 2]> {
         match section {

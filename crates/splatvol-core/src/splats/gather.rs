@@ -29,7 +29,7 @@ const SURFEL_SIGMA: f64 = 0.6;
 const OPAQUE: f64 = 5.55;
 /// Least transmittance of a Gaussian, as in the published renderer.
 const CLEAREST: f64 = 0.01;
-/// Gradient of a surface, value ranges per spacing: lit as a surface altogether.
+/// Gradient of a surface, value ranges per spacing: steep enough for full surface lighting.
 const SURFACE_GRADIENT: f64 = 1e3;
 
 /// One kernel.
@@ -60,18 +60,18 @@ pub struct Gather {
     peaks_from: Option<usize>,
 }
 
-/// A cloud, and where its splats come from.
+/// A cloud, and the origin of its splats.
 #[derive(Debug, Clone)]
 pub struct Gathered {
     /// The cloud.
     pub cloud: SplatCloud,
-    /// Of each splat its place in the order in which it was added.
+    /// For each splat, its index in the order of addition.
     pub sources: Vec<u32>,
 }
 
 impl Gather {
-    /// Nothing yet. Neighbours lie about `spacing` apart, which sheets and light refer to; all that is added lies around
-    /// `origin`.
+    /// An empty collection. Neighbours lie about `spacing` apart, the reference length of sheets and lighting; all
+    /// kernels will lie around `origin`.
     pub fn around(origin: DVec3, spacing: f64) -> Self {
         Self {
             origin,
@@ -94,7 +94,7 @@ impl Gather {
         self.spacing
     }
 
-    /// True before anything was added.
+    /// Whether nothing has been added.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -140,13 +140,13 @@ impl Gather {
         });
     }
 
-    /// Adds splats that somebody else has made.
+    /// Adds splats made by the caller.
     pub fn add_splats(&mut self, count: usize, splat: impl Fn(usize) -> Splat + Sync) {
         self.add(count, splat);
     }
 
-    /// Adds points as discs of their radii, or balls where they have no normals. `color`: of points that have none, sRGB;
-    /// `opacity`: what a surface of them has, times their own.
+    /// Adds points as discs of their radii, or as balls where they have no normals. `color`: of points without one,
+    /// sRGB; `opacity`: of a surface of the points, times their own.
     pub fn add_points(
         &mut self,
         points: &Points,
@@ -204,7 +204,8 @@ impl Gather {
         self.finish_while(|| true).expect("nobody gives it up")
     }
 
-    /// The same, unless it is given up: `go_on` is asked between steps of some milliseconds per million splats.
+    /// As [`Self::finish`], cancelled when `go_on` returns false; it is called between steps of some milliseconds
+    /// per million splats.
     pub fn finish_while(self, go_on: impl Fn() -> bool + Sync) -> Option<Gathered> {
         let peaks_from = self.peaks_from.unwrap_or(self.len());
         let order = self.order(peaks_from, &go_on)?;
@@ -233,7 +234,7 @@ impl Gather {
         Some(Gathered { cloud, sources })
     }
 
-    /// Keys by which splats are sorted, sorted: size and place, then index. Those that carry optical depths stay last.
+    /// Sorted keys of the splats: size and place, then index. Splats with optical depths stay last.
     fn order(&self, peaks_from: usize, go_on: impl Fn() -> bool) -> Option<Vec<u64>> {
         let (low, high) = extent(&self.positions);
         let width = (high - low).max_element().max(f32::MIN_POSITIVE);
@@ -296,7 +297,7 @@ impl SurfacePayloads {
         }
     }
 
-    /// Of a surfel that stands for this area, world length squared.
+    /// Payload of a surfel of this area, world length squared.
     fn of(&self, color: Option<&[u8; 4]>, area: f64) -> [f32; 4] {
         let (light, depth) = match color {
             Some(&[r, g, b, a]) => (
@@ -361,7 +362,7 @@ fn spread(bits: u64) -> u64 {
     (0..9).fold(0, |spread, bit| spread | (bits >> bit & 1) << (3 * bit))
 }
 
-/// Neighbours in the order of the keys, as long as they are of one size and kind.
+/// Chunks of neighbours in the order of the keys, each of one size and kind.
 fn chunks(positions: &[[f32; 3]], covariances: &[[f32; 6]], keys: &[u64], peaks_from: usize) -> Vec<Chunk> {
     let class = |index: usize| (keys[index] >> 59, index >= peaks_from);
     let mut chunks = Vec::with_capacity(positions.len() / CHUNK + 32);

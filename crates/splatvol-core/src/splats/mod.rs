@@ -1,8 +1,8 @@
-//! Splats: kernels in space, and what a camera makes of them.
+//! Splats: kernels in space, and their footprints in a camera's view.
 //!
-//! Whatever is rendered - voxels, and whatever else comes in kernels - becomes a [`SplatCloud`], which knows no camera. A
-//! [`Projection`] turns each splat of it into a [`Footprint`], and an engine that draws footprints knows nothing else
-//! (design: one primitive for all).
+//! Everything rendered - voxels, and anything else made of kernels - becomes a [`SplatCloud`], which is independent
+//! of the camera. A [`Projection`] turns each of its splats into a [`Footprint`], and an engine that draws
+//! footprints needs nothing else (design: one primitive for all).
 //!
 //! | module | holds |
 //! |---|---|

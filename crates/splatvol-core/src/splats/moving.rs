@@ -1,4 +1,4 @@
-//! Footprints in motion: a kernel on its way while the shutter is open, as a pixel's ray sees it.
+//! Motion blur: footprints of kernels that move while the shutter is open.
 //!
 //! Time t runs from -1/2 to 1/2. In the plane across the ray, whitened so that the kernel is a unit circle, the kernel's
 //! centre moves along a segment of the length L; the ray meets that plane u along the segment from its middle, and v beside
@@ -17,8 +17,9 @@
 //!   depths, which is the same where absorption is linear. Its energy is `1 + L l / E` of the still one's times that, l
 //!   being the profile's integral over a line and E that over the plane: more than 1, as profiles fall off.
 //!
-//! Sections need to know where along the ray the kernel is while the pixel sees it: of the times `t = (u - x) / L`, x is
-//! normal within `u -+ L/2`, so the depth has the mean and the variance of that, times the rate at which it changes.
+//! Sections need the kernel's place along the ray while the pixel sees it. Of the times `t = (u - x) / L`, x is
+//! normal within `u -+ L/2`, so the depth has the mean and the variance of that, times the rate at which it
+//! changes.
 
 use super::footprint::Sample;
 use super::ray::Ray;
@@ -28,7 +29,7 @@ use super::ray::Ray;
 pub struct Moving {
     /// Its way.
     pub path: Path,
-    /// Whether it is a capsule; else it is integrated.
+    /// Whether it is a capsule; otherwise the profile is integrated.
     pub capsule: bool,
 }
 
@@ -55,14 +56,14 @@ pub enum Path {
     },
 }
 
-/// How a pixel's ray sees a kernel pass.
+/// Passage of a moving kernel past a pixel's ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage {
-    /// Length of the way across the ray, standard deviations.
+    /// Length of the path across the ray, standard deviations.
     pub length: f32,
-    /// Where along it, from its middle, the ray is.
+    /// Position of the ray along the path, from its middle.
     pub along: f32,
-    /// Squared distance from the line that the way lies on.
+    /// Squared distance of the ray from the line of the path.
     pub across_squared: f32,
     /// Factor on the weight.
     pub gain: f32,
@@ -71,12 +72,12 @@ pub struct Passage {
     depth_sigma: f32,
 }
 
-/// Ways shorter than this share of a standard deviation change nothing that f32 shows.
+/// Length of a path, standard deviations, below which f32 shows no motion.
 const STILL: f32 = 1e-4;
 
 impl Moving {
-    /// How the ray through a point of the picture sees the kernel pass; `offset` is the point's from the centre, `depth` the
-    /// centre's, and its standard deviation along the ray.
+    /// Passage of the kernel past the ray through a point of the picture. `offset` is the point's from the centre,
+    /// `depth` the centre's, with its standard deviation along the ray.
     #[inline(always)]
     pub fn passage(&self, pixel: [f32; 2], [dx, dy]: [f32; 2], depth: [f32; 2]) -> Passage {
         match self.path {

@@ -1,9 +1,9 @@
-//! The radial profile of a footprint.
+//! Profile: the radial profile of a footprint.
 //!
-//! A kernel of unit variance leaves, on a ray that passes it at the distance r, the line integral `q(r^2)`; as a footprint
-//! knows its own height, a [`Profile`] is `q(r^2) / q(0)`, and the peak `q(0)` of the kernel of unit integral. Between two
-//! depths `t0` and `t1`, in standard deviations behind the point of the ray that is nearest to the centre, lies a
-//! part of it: huang2000's kernel sections, as a function.
+//! A ray that passes a kernel of unit variance at the distance r has the line integral `q(r^2)`. A footprint stores
+//! its own height, so a [`Profile`] consists of `q(r^2) / q(0)` and of the peak `q(0)` of the kernel of unit
+//! integral. The part of the kernel between two depths `t0` and `t1`, in standard deviations behind the point of
+//! the ray nearest to the centre, is huang2000's kernel section as a function.
 
 use crate::normal;
 
@@ -21,8 +21,8 @@ pub trait Profile: Sync {
     /// The part of it between two depths, standard deviations.
     fn between(&self, squared: f32, near: f32, far: f32) -> f32;
 
-    /// Mean of `whole(across^2 + x^2)` over x within half of `length` on either side of `along`: a footprint that passes by.
-    /// Gauss-Legendre quadrature, unless the profile knows better.
+    /// Mean of `whole(across^2 + x^2)` over x within half of `length` on either side of `along`: a footprint in
+    /// motion. By Gauss-Legendre quadrature, unless the profile has a closed form.
     #[inline(always)]
     fn mean_along(&self, across_squared: f32, along: f32, length: f32) -> f32 {
         let Some([from, to]) = chord(self.cut(), across_squared, [along, length]) else {
@@ -61,7 +61,7 @@ pub trait Profile: Sync {
         }
     }
 
-    /// Whether parts between depths have the same share at every distance.
+    /// Whether the share between two depths is the same at every distance.
     fn is_separable(&self) -> bool;
 
     /// `whole` of a row of squared distances, in place.
@@ -95,8 +95,8 @@ fn chord(cut: f32, across_squared: f32, [along, length]: [f32; 2]) -> Option<[f3
     (from <= to && half > 0.0).then_some([from, to])
 }
 
-/// A Gaussian less its value at the cut, so that it ends without a step, with all its mass. Between depths it is the normal
-/// distribution within the cut.
+/// A cut Gaussian, less its value at the cut so that it ends without a step, with its mass kept. In depth it is the
+/// normal distribution within the cut.
 #[derive(Debug, Clone)]
 pub struct GaussianProfile {
     cut: f32,
@@ -104,7 +104,7 @@ pub struct GaussianProfile {
     /// Edge subtracted from the profile, and the scale that then makes the centre 1.
     edge: f32,
     scale: f32,
-    /// Integral over a line through the centre, of what is cut of `exp(-r^2 / 2)`.
+    /// Integral of the cut part of `exp(-r^2 / 2)` over a line through the centre.
     line: f32,
     cumulative: Vec<f32>,
 }
@@ -171,7 +171,7 @@ impl Profile for GaussianProfile {
         self.below(far) - self.below(near)
     }
 
-    /// In closed form (`splats::moving`), less the edge.
+    /// Closed form (`splats::moving`), less the edge.
     #[inline(always)]
     fn mean_along(&self, across_squared: f32, along: f32, length: f32) -> f32 {
         let Some([from, to]) = chord(self.cut, across_squared, [along, length]) else {

@@ -1,9 +1,9 @@
 //! The profile of any radial kernel: [`RadialKernel`]'s line integrals in units of its standard deviation.
 //!
-//! With s the standard deviation, the kernel of unit variance is `s^3 h(s x)`, so `q(0) = s^2 int h dz`, and the cut is
-//! the support over s. Parts between depths come from the cumulative `C(u, t) = int_-inf^t h dz / int h(0) dz` on a
-//! lattice in `u = r^2` and in depth, linear between its points. Rasterisers with tables (huang2000 section 3) take
-//! nothing from here but cut and peak.
+//! With s the standard deviation, the kernel of unit variance is `s^3 h(s x)`, so `q(0) = s^2 int h dz`, and the
+//! cut is the support over s. Parts between depths come from the cumulative
+//! `C(u, t) = int_-inf^t h dz / int h(0) dz` on a lattice in `u = r^2` and in depth, with linear interpolation.
+//! Rasterisers with tables (huang2000 section 3) use only the cut and peak from here.
 
 use splatvol_scene::Kernel;
 
@@ -28,7 +28,8 @@ pub struct RadialProfile {
 }
 
 impl RadialProfile {
-    /// The profile of a kernel whose parameters are within their domain ([`Kernel::validate`]). It takes some 0.02 s.
+    /// The profile of a kernel whose parameters are within their domain ([`Kernel::validate`]). Construction takes
+    /// some 0.02 s.
     pub fn new(kernel: Kernel) -> Self {
         let radial = RadialKernel::new(kernel);
         let (sigma, support) = (radial.sigma(), radial.support());

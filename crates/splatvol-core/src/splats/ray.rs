@@ -7,12 +7,13 @@
 //! all rays pass it as the one through the centre does. In two dimensions and with spheres this is the paper's
 //! `(z_v y_p - y_v z_k) sqrt(y_v^2 + z_v^2) / (z_v z_k + y_p y_v)`; it prints a minus in the denominator.
 //!
-//! Rays are kept as their offset from the one through the centre, whose cross product with c vanishes: in 32 bits `c x w`
-//! would lose `|c|` times as much to rounding, which is the distance in standard deviations.
+//! Rays are stored as their offset from the one through the centre, whose cross product with c vanishes: in 32 bits
+//! `c x w` would lose `|c|` times as much to rounding, which is the distance in standard deviations.
 //!
-//! Under a [`Trapezoid`] (row 1) what lies at the depth z is wider by `a(z) = max(1, z / z_k)` and thinner by `1 / a^2`. Profiles
-//! are known by their sections, so the integral is the sum of sections in each of which a is that of the middle: for a
-//! constant a it is exact, and otherwise wrong by less than 1e-4 of the peak where a deviation is a tenth of the distance.
+//! Under a [`Trapezoid`] (row 1) the kernel at the depth z is wider by `a(z) = max(1, z / z_k)` and thinner by
+//! `1 / a^2`. Profiles are given by their sections, so the integral is a sum of sections, each with the a of its
+//! middle. For a constant a it is exact, and otherwise wrong by less than 1e-4 of the peak where a deviation is a
+//! tenth of the distance.
 
 use super::footprint::Sample;
 use super::profile::Profile;
@@ -30,13 +31,13 @@ pub struct Ray {
     pub along: [f32; 2],
     /// Its direction, whitened.
     pub towards: [f32; 3],
-    /// `c x towards`: what the origin's rounding is off the centre.
+    /// `c x towards`: the residual from rounding the origin.
     pub moment: [f32; 3],
     /// Rays' x and y per pixel at depth 1.
     pub per_pixel: f32,
 }
 
-/// A kernel that the swan filter has stretched at each depth by what that depth needs.
+/// A kernel that the swan filter stretches at each depth as needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trapezoid {
     /// The kernel before that.
@@ -99,7 +100,7 @@ impl Ray {
         )
     }
 
-    /// How the ray through a point of the picture (pixels) meets the kernel.
+    /// Passage of the ray through a point of the picture (pixels) through the kernel.
     #[inline(always)]
     pub fn at(&self, pixel: [f32; 2]) -> Sample {
         let ([x, y], w, moment) = self.through(pixel);
@@ -113,7 +114,8 @@ impl Ray {
         }
     }
 
-    /// How it meets the disc across the ray through the centre; from a camera depth on only, and nowhere behind the eye.
+    /// Passage through the disc across the ray through the centre, clipped at a camera depth, and empty behind the
+    /// eye.
     #[inline(always)]
     pub fn at_plane(&self, pixel: [f32; 2], clip: f32) -> Sample {
         let (_, w, moment) = self.through(pixel);
@@ -134,7 +136,7 @@ impl Ray {
         }
     }
 
-    /// The same rays in a kernel that is wider in x and y, for rays whose origin is the projected centre.
+    /// The rays relative to a kernel stretched in x and y, for rays whose origin is the projected centre.
     #[inline(always)]
     fn stretched(&self, stretch: f32, depth: f32) -> Self {
         let shrink = 1.0 / stretch;
@@ -161,7 +163,7 @@ impl Trapezoid {
         (self.per_depth * depth).max(1.0)
     }
 
-    /// How a ray meets the kernel, were it as wide everywhere as at its centre.
+    /// Passage of a ray through the kernel, with the kernel's width at its centre everywhere.
     #[inline(always)]
     pub fn at(&self, pixel: [f32; 2]) -> Sample {
         let stretch = self.stretch(self.depth);

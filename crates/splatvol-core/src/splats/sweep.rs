@@ -1,4 +1,4 @@
-//! Displacements of a cloud's splats while the shutter is open, and what they make of footprints.
+//! Displacements of a cloud's splats while the shutter is open, and their effect on footprints.
 
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 use splatvol_scene::Motion;
@@ -10,7 +10,7 @@ use super::moving::{Moving, Path, whitening};
 use super::projection::View;
 use super::ray::Trapezoid;
 
-/// How the splats of a cloud move in camera space.
+/// Motion of a cloud's splats in camera space.
 #[derive(Debug, Clone)]
 pub(super) struct Sweep {
     displacements: Displacements,
@@ -21,7 +21,7 @@ pub(super) struct Sweep {
 
 #[derive(Debug, Clone)]
 enum Displacements {
-    /// The same map for all: camera space from local space.
+    /// One map for all: camera space from local space.
     Map(Affine3A),
     /// A vector per voxel of a grid of this size, world.
     Field {
@@ -32,7 +32,7 @@ enum Displacements {
 }
 
 impl Sweep {
-    /// Of a cloud whose local space is a grid of `dims` voxels.
+    /// For a cloud whose local space is a grid of `dims` voxels.
     pub(super) fn new(
         motion: &Motion,
         (cloud, dims): (&SplatCloud, [usize; 3]),
@@ -101,8 +101,8 @@ impl Sweep {
         }
     }
 
-    /// The footprint of a splat in motion, from that in the shutter's middle. `scale`: pixels per world length; `ray`: x and
-    /// y per depth of the centre's ray. The bounds are those of affine footprints.
+    /// The footprint of a splat in motion, from its footprint in the shutter's middle. `scale`: pixels per world
+    /// length; `ray`: x and y per depth of the centre's ray. The bounds are those of affine footprints.
     #[inline(always)]
     pub(super) fn blur(&self, still: Footprint, displacement: Vec3, (scale, ray): (f32, Vec2)) -> Footprint {
         let moved = (displacement.truncate() - ray * displacement.z) * scale;

@@ -1,9 +1,9 @@
-//! The nearest neighbours so far of sixteen places, each in order.
+//! The nearest neighbours found so far for sixteen places, each list sorted.
 //!
-//! A neighbour is a key: its squared distance in the upper bits, whose order is that of the numbers, its index in the lower.
-//! Keys are held as the 64-bit numbers with these bits, none of which is negative or not a number, so that their order is
-//! that of the keys and vectors have a least and a largest of them. A new key `v` goes into a sorted list `r` by
-//! `r_i = min(r_i, max(r_(i - 1), v))`, which needs no branch and no order of its own.
+//! A neighbour is a key: its squared distance in the upper bits, which order as the numbers do, and its index in
+//! the lower bits. Keys are held as the f64 numbers with these bits. None of these is negative or NaN, so they have
+//! the order of the keys, and vector minimum and maximum apply. A new key `v` is inserted into a sorted list `r` by
+//! `r_i = min(r_i, max(r_(i - 1), v))`, without branches or sorting.
 
 use fearless_simd::{f32x16, f64x8, prelude::*, u32x16};
 
@@ -11,10 +11,10 @@ use super::tree::LANES;
 
 /// Up to `K` neighbours of each of sixteen places, nearest first.
 pub(super) struct Found<S: Simd, const K: usize> {
-    /// How many are looked for.
+    /// Number of neighbours to find.
     k: usize,
     keys: [[f64x8<S>; 2]; K],
-    /// Squared distances of the last of them; infinite while there are fewer.
+    /// Squared distances of the last neighbour; infinite while there are fewer than `k`.
     pub(super) farthest: f32x16<S>,
 }
 
@@ -29,7 +29,7 @@ impl<S: Simd, const K: usize> Found<S, K> {
         }
     }
 
-    /// Takes the place `index`, which has these squared distances, where it is among the nearest.
+    /// Inserts the place `index`, with these squared distances, where it is among the nearest.
     #[inline(always)]
     pub(super) fn take(&mut self, simd: S, squared: f32x16<S>, index: u32) {
         let distance: u32x16<S> = squared.bitcast();

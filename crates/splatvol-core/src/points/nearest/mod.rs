@@ -1,11 +1,11 @@
-//! The nearest neighbours of all places: sixteen places in Morton order are a leaf, sixteen boxes in that order a node.
+//! Nearest neighbours of all places, by a tree in Morton order: sixteen places are a leaf, sixteen boxes a node.
 //!
-//! The places of a leaf search together. They begin in their own leaf and climb from node to node, going down into what is
-//! nearer to one of them than the neighbours that it has so far (Samet, Foundations of Multidimensional and Metric Data
-//! Structures, 2006, section 4.2, from the bottom up). A node's sixteen boxes and a leaf's sixteen places are first measured
-//! from the box around all who search, then one by one from the sixteen who do. Rounding keeps the order of distances, so
-//! that what is left out is not nearer to anyone. Of neighbours at one distance the first is taken: the result depends on
-//! the places alone.
+//! The places of a leaf search together. They start in their own leaf and climb from node to node, descending into
+//! boxes that are nearer to one of them than its neighbours so far (Samet, Foundations of Multidimensional and
+//! Metric Data Structures, 2006, section 4.2, from the bottom up). Distances to a node's sixteen boxes and a leaf's
+//! sixteen places are first measured from the bounding box of the searching places, then from each of the sixteen.
+//! Rounding keeps the order of distances, so nothing nearer is left out. Of neighbours at one distance the first is
+//! taken: the result depends on the places alone.
 
 mod found;
 mod tree;
@@ -32,7 +32,7 @@ pub(super) fn nearest(places: &[[f32; 3]], k: usize) -> Vec<u32> {
     nearest_by(Level::new(), places, k)
 }
 
-/// The same, by these instructions.
+/// As `nearest`, with these instructions.
 fn nearest_by(level: Level, places: &[[f32; 3]], k: usize) -> Vec<u32> {
     let mut neighbors = vec![0u32; places.len() * k];
     if k == 0 {
@@ -71,7 +71,7 @@ fn fill_with<S: Simd, const K: usize>(
     }
 }
 
-/// Boxes yet to be looked into: distance from the box around all who search, level, index.
+/// Stack of boxes to visit: distance from the searching places' bounding box, level, index.
 type Stack = [(f32, u32, u32); LANES * DEPTH];
 
 /// The places of a leaf, looking for their neighbours.
@@ -105,7 +105,7 @@ impl<'t, S: Simd, const K: usize> Search<'t, S, K> {
         }
     }
 
-    /// Takes the others of the own leaf.
+    /// Takes the other places of the searching leaf.
     #[inline(always)]
     fn own(&mut self) {
         let leaf = &self.tree.leaves[self.leaf];
@@ -148,7 +148,7 @@ impl<'t, S: Simd, const K: usize> Search<'t, S, K> {
         }
     }
 
-    /// Puts those boxes of a node on the stack that are near enough.
+    /// Pushes the boxes of a node that are near enough.
     #[inline(always)]
     fn open(&self, (level, node): (usize, usize), which: u64, (stack, depth): (&mut Stack, &mut usize)) {
         let Node { low, high } = &self.tree.levels[level][node];
@@ -179,13 +179,13 @@ impl<'t, S: Simd, const K: usize> Search<'t, S, K> {
         }
     }
 
-    /// How far the last neighbour of any place is; what is not there, at an infinite distance, is farther.
+    /// Largest distance of a last neighbour; absent places at an infinite distance are farther.
     #[inline(always)]
     fn farthest(&self) -> f32 {
         self.found.farthest.reduce_max().min(f32::MAX)
     }
 
-    /// Squared distances of a place from those who search.
+    /// Squared distances of a place from the searching places.
     #[inline(always)]
     fn squared(&self, places: &Leaf, lane: usize) -> f32x16<S> {
         let x = self.places[0] - places[0][lane];
@@ -194,7 +194,7 @@ impl<'t, S: Simd, const K: usize> Search<'t, S, K> {
         x * x + y * y + z * z
     }
 
-    /// Squared distances of boxes from the box around those who search, and which are near enough.
+    /// Squared distances of boxes from the searching places' bounding box, and the boxes that are near enough.
     #[inline(always)]
     fn squared_outside(&self, (low, high): (&Leaf, &Leaf)) -> (f32x16<S>, u64) {
         let zero = f32x16::splat(self.simd, 0.0);

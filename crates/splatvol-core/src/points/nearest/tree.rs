@@ -5,7 +5,7 @@ use rayon::prelude::*;
 /// Places of a leaf, and boxes of a node.
 pub(super) const LANES: usize = 16;
 
-/// Three coordinates of sixteen places; infinite where there is none.
+/// Three coordinates of sixteen places; infinite for absent ones.
 pub(super) type Leaf = [[f32; LANES]; 3];
 /// Least and largest coordinate along each axis.
 pub(super) type Bounds = [[f32; 2]; 3];
@@ -53,7 +53,7 @@ impl Node {
 /// Places in leaves and nodes.
 pub(super) struct Tree {
     pub(super) leaves: Vec<Leaf>,
-    /// Nodes of leaves, nodes of those, and so on to one.
+    /// Levels of nodes, from the nodes of leaves up to the root.
     pub(super) levels: Vec<Vec<Node>>,
 }
 

@@ -14,11 +14,11 @@ pub struct Bounds {
     pub rect: [f32; 4],
     /// Least and greatest camera depth that kernels reach.
     pub depth: [f32; 2],
-    /// How far before and behind centres they do, world length.
+    /// Reach of kernels before and behind their centres, world length.
     pub reach: f32,
 }
 
-/// Share by which a standard deviation may have been rounded down.
+/// Largest relative error by which a standard deviation may have been rounded down.
 const ROUNDED: f64 = 1e-6;
 /// Pixels around a chunk that rounding may reach.
 const ROUNDING: f64 = 0.01;
@@ -75,8 +75,8 @@ impl Projection<'_> {
         [low.as_dvec3(), high.as_dvec3()]
     }
 
-    /// The pixels of affine footprints, `reach` being their kernels' largest standard deviation. As the ray is oblique, they are longer than at the axis; no Jacobian is more oblique than
-    /// the widest.
+    /// Pixels of affine footprints, `reach` being their kernels' largest standard deviation. Footprints are longer
+    /// off the axis, where rays are oblique; no Jacobian is more oblique than the widest.
     fn projected(&self, [low, high]: [DVec3; 2], reach: f64) -> Option<[DVec2; 2]> {
         let [first, last] = if self.perspective {
             per_depth([low, high], self.near)?
@@ -97,7 +97,7 @@ impl Projection<'_> {
         ])
     }
 
-    /// The pixels whose rays meet kernels behind the near plane.
+    /// Pixels whose rays meet kernels behind the near plane.
     fn met(&self, [low, high]: [DVec3; 2], reach: f64) -> Option<[DVec2; 2]> {
         let (pixels, stretch) = self.widest_filter(high.z + self.cut * reach);
         let across = stretch * reach + pixels / self.pixels_per_length(high.z);

@@ -1,4 +1,4 @@
-//! How far the alignments are from the truth: estimates, and the choice that `auto` makes by them.
+//! Errors of the alignments against exact alignment: estimates, and the choice of `auto` based on them.
 //!
 //! With `c` and `w_0` the whitened centre and the whitened ray through it, a ray with the whitened offset `e |w_0|` from that one
 //! passes the kernel at `r = |c x e| / |w|` (`splats::Ray`), `|w|^2 = |w_0|^2 ((1 + e_par)^2 + e_perp^2)`, while the affine
@@ -72,7 +72,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// Bound of the difference of two Gaussians with the same mass, over the height of this one.
+    /// Bound on the difference of two Gaussians with the same mass, relative to the height of this one.
     fn difference(&self, other: &Self) -> f64 {
         let own = determinant(self.planar);
         let theirs = determinant(other.planar);

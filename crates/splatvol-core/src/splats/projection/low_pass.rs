@@ -1,13 +1,14 @@
-//! Low-pass filters, on screen for what is projected first, in camera space for what is not.
+//! Low-pass filters: on the screen for affine footprints, in camera space for the others.
 //!
-//! `ewa` adds `pixel_sigma^2 I` to the screen covariance V2 (zwicker2001 eq. 22). `matched` adds what the narrower axis lacks to
-//! it. `swan` scales V2 by `a^2`, `a = max(1, 1 / (s spacing))`, the spacing being that of the narrowest direction of the
-//! grid, which is `d / k` of swan1997 eq. 3-4 for a cubic grid; as the weight has `sqrt|V2|` below, extinction falls by eq. 8
-//! of itself. In orthographic views, where k is not defined, a is the same comparison of voxel and pixel.
+//! `ewa` adds `pixel_sigma^2 I` to the screen covariance V2 (zwicker2001 eq. 22). `matched` adds only as much as
+//! the narrower axis lacks to it. `swan` scales V2 by `a^2`, `a = max(1, 1 / (s spacing))`, with the spacing of the
+//! narrowest direction of the grid, which is `d / k` of swan1997 eq. 3-4 for a cubic grid. As the weight has
+//! `sqrt|V2|` in the denominator, extinction falls by eq. 8 of itself. In orthographic views, where k is not
+//! defined, a is the same comparison of voxel and pixel.
 //!
-//! In camera space the filter is as wide as it is at the splat's depth, and swan's scales x and y: the box stretch of mueller1998
-//! figure 7b; or, for footprints across the ray through the centre u, both directions across that ray (figure 8d):
-//! `V' = a^2 V + (1 - a^2) u u^T / (u^T V^-1 u)`.
+//! In camera space the filter has its width at the splat's depth, and swan's scales x and y: the box stretch of
+//! mueller1998 figure 7b. For footprints across the ray through the centre u it scales both directions across that
+//! ray (figure 8d):
 
 use glam::{DVec2, DVec3};
 use splatvol_scene::Filter;
@@ -15,7 +16,7 @@ use splatvol_scene::Filter;
 use super::Projection;
 use super::matrix::{Covariance, Planar, Whitening, add_square, least_variance, seen_along};
 
-/// A covariance that is filtered, and by what its kernel was scaled.
+/// A filtered covariance, and the scale factor of its kernel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Filtered<C> {
     pub covariance: C,
@@ -34,15 +35,15 @@ impl Projection<'_> {
         }
     }
 
-    /// `1 / (s spacing)`: a standard deviation of the kernel is `sigma` spacings, so the grid's spacings are what the
-    /// covariance of a sphere of it says, however flat the splat is.
+    /// `1 / (s spacing)`. A standard deviation of the kernel is `sigma` spacings, so the grid's spacings follow
+    /// from the covariance of a sphere in it, however flat the splat is.
     #[inline(always)]
     pub(super) fn pixels_between(&self, depth: f64, along: DVec2) -> f64 {
         let variance = least_variance(seen_along(self.sphere, along)).max(1e-300);
         self.sigma / (variance.sqrt() * self.pixels_per_length(depth))
     }
 
-    /// Variance to be added on screen, pixels squared.
+    /// Variance to add on the screen, pixels squared.
     #[inline(always)]
     fn added(&self, screen: Planar) -> f64 {
         match self.filter {
@@ -123,8 +124,8 @@ impl Projection<'_> {
         }
     }
 
-    /// The most that a filter adds to the standard deviation of a footprint on screen, pixels, and the most that it scales it
-    /// by, up to a depth.
+    /// Largest increase of a footprint's standard deviation on the screen by a filter, pixels, and its largest
+    /// scale factor, up to a depth.
     pub(super) fn widest_filter(&self, depth: f64) -> (f64, f64) {
         match self.filter {
             Filter::None => (0.0, 1.0),

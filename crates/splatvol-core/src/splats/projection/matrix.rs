@@ -1,4 +1,5 @@
-//! Small symmetric matrices. In 64 bits: flat kernels differ from singular ones by less than 32 bits hold.
+//! Small symmetric matrices. In 64 bits: flat kernels differ from singular ones by less than the precision of 32
+//! bits.
 
 use glam::{DMat3, DVec2, DVec3};
 

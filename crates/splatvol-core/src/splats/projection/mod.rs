@@ -12,8 +12,8 @@
 //! depth is 1, too. The others whiten camera space (`rays`, `splats::Ray`); *auto* has affine footprints
 //! where the estimate of `errors` allows them.
 //!
-//! Of kernels that reach before the near plane, those in whitened space keep what lies behind it; affine ones, which are
-//! linear about their centre, are dropped when that is before it.
+//! Of kernels that reach before the near plane, those in whitened space keep the part behind it. Affine ones, which
+//! are linear about their centre, are dropped if the centre is before it.
 
 mod bounds;
 mod errors;
@@ -78,18 +78,18 @@ pub struct Projection<'a> {
     sensitivity: Sensitivity,
     /// Largest standard deviation of any splat in any direction, world length.
     reach: f64,
-    /// World length per local unit, where it is largest.
+    /// World length per local unit, in the direction of the largest stretch.
     stretch_from_local: f64,
     /// Largest ratio of standard deviations of a sphere of the cloud.
     anisotropy: f64,
-    /// Rays' largest x and y per depth, with some more: the Jacobian of what lies farther outside is taken there.
+    /// Rays' largest x and y per depth, with a margin: the Jacobian of splats farther outside is taken there.
     widest: DVec2,
     /// Motion while the shutter is open.
     sweep: Option<Sweep>,
 }
 
 impl<'a> Projection<'a> {
-    /// Projection of a cloud whose kernels have this profile; what the swan filter stretches, it stretches as a box.
+    /// Projection of a cloud whose kernels have this profile; the swan filter stretches them as a box.
     pub fn new(
         cloud: &'a SplatCloud,
         view: &View,
@@ -131,7 +131,7 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// The same with kernels that the swan filter stretches in another way; of exact alignment only.
+    /// Sets another stretch by the swan filter; for exact alignment only.
     #[must_use]
     pub fn with_stretch(self, stretch: Stretch) -> Self {
         Self { stretch, ..self }
@@ -142,13 +142,13 @@ impl<'a> Projection<'a> {
         &self.cloud.chunks
     }
 
-    /// How far kernels reach in depth at most, world length, while the shutter is open.
+    /// Largest reach of kernels in depth while the shutter is open, world length.
     pub fn depth_reach(&self) -> f32 {
         let change = self.sweep.as_ref().map_or(0.0, |sweep| sweep.depth_change);
         (self.cut * self.reach) as f32 + 0.5 * change
     }
 
-    /// How far a splat's kernel reaches in depth, world length, while the shutter is open.
+    /// Reach of a splat's kernel in depth while the shutter is open, world length.
     #[inline(always)]
     pub fn reach_of(&self, splat: usize) -> f32 {
         match self.cloud.covariances.get(splat) {
@@ -260,7 +260,7 @@ impl<'a> Projection<'a> {
         self.lean((u, covariance), (along, path), filtered)
     }
 
-    /// The affine footprint of a covariance that is filtered.
+    /// The affine footprint of a filtered covariance.
     #[inline(always)]
     fn linear(&self, u: DVec3, filtered: Filtered<Covariance>, along: DVec2) -> Footprint {
         let scale = self.pixels_per_length(u.z);
@@ -276,7 +276,7 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// A footprint on screen, and how its kernel leans over it.
+    /// A footprint on the screen, with the lean of its kernel in depth.
     #[inline(always)]
     fn lean(
         &self,

@@ -9,8 +9,8 @@ use crate::splats::footprint::{Footprint, Warp};
 use crate::splats::sweep::Sweep;
 
 impl Projection<'_> {
-    /// The same, with footprints blurred by what moves while the shutter is open: as capsules, or exactly. Local space is a
-    /// grid of `dims` voxels.
+    /// Adds motion blur of the footprints while the shutter is open, as capsules or exactly. Local space is a grid
+    /// of `dims` voxels.
     #[must_use]
     pub fn moving(self, motion: &Motion, dims: [usize; 3], view: &View, capsule: bool) -> Self {
         let sweep = Sweep::new(motion, (self.cloud, dims), view, capsule);

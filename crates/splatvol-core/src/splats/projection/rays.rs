@@ -19,7 +19,7 @@ struct Whitened {
 }
 
 impl Projection<'_> {
-    /// The exact footprint of a kernel of this covariance; of what lies behind the near plane.
+    /// The exact footprint of a kernel of this covariance, clipped at the near plane.
     #[inline(always)]
     pub(super) fn along_rays(&self, u: DVec3, filtered: Filtered<Covariance>) -> Option<Footprint> {
         let covariance = filtered.covariance;
@@ -50,7 +50,7 @@ impl Projection<'_> {
         Some(self.footprint((u, filtered), &whitened, area, warp))
     }
 
-    /// The exact footprint of a kernel that the filter has stretched by what each depth needs.
+    /// The exact footprint of a kernel that the filter stretches at each depth as needed.
     #[inline(always)]
     pub(super) fn stretched(&self, u: DVec3, covariance: Covariance) -> Option<Footprint> {
         let half = self.cut * covariance[5].sqrt();
@@ -132,15 +132,15 @@ impl Projection<'_> {
         }
     }
 
-    /// Least and greatest x and y per depth of the box about a kernel, as far as it lies behind the near plane; `None` where
-    /// nothing does.
+    /// Least and greatest x and y per depth of the box about a kernel, as far as it lies behind the near plane;
+    /// `None` where no part does.
     #[inline(always)]
     fn extent(&self, u: DVec3, [xx, _, _, yy, _, zz]: Covariance, stretch: f64) -> Option<[DVec2; 2]> {
         let half = DVec3::new(stretch * xx.sqrt(), stretch * yy.sqrt(), zz.sqrt()) * self.cut;
         per_depth([u - half, u + half], self.near)
     }
 
-    /// The same of an ellipsoid.
+    /// Least and greatest x and y per depth of an ellipsoid.
     #[inline(always)]
     fn silhouettes(&self, u: DVec3, [xx, _, xz, yy, yz, zz]: Covariance, cut: f64) -> [DVec2; 2] {
         let cut = cut * cut;
