@@ -112,7 +112,7 @@ pub(crate) fn check(root: &Path, program: Option<&str>) -> Result<String> {
     Ok(format!("{name}: nothing calls a vector operation{summary}"))
 }
 
-/// Builds the command; where it lies.
+/// Builds the command, and returns its path.
 fn build(root: &Path) -> Result<PathBuf> {
     let arguments = [
         "build",

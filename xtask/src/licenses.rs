@@ -1,6 +1,6 @@
 //! The licences of all dependencies against the list in `deny.toml`.
 //!
-//! `cargo deny` checks them too, and advisories besides, where it is installed. This check needs nothing but cargo.
+//! If `cargo deny` is installed, it checks them too, and advisories besides. This check needs nothing but cargo.
 
 use std::collections::BTreeSet;
 use std::path::Path;

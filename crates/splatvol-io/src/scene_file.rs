@@ -22,7 +22,8 @@
 //! ```
 //!
 //! Unknown keys are refused, so that a misspelt one is not silently left out. Relative names stay inside the file's folder;
-//! a name outside of it has to be absolute.
+//! Unknown keys are refused, so that a misspelt one is not silently ignored. Relative names stay inside the file's
+//! folder; a name outside of it has to be absolute.
 
 mod keys;
 

@@ -6,12 +6,12 @@
 //! | mueller1998, "Splatting Errors and Antialiasing" | [`experiments::mueller1998`] |
 //! | huang2000, "FastSplats: Optimized Splatting on Rectilinear Grids" | [`experiments::huang2000`] |
 //! | zwicker2001, "EWA Volume Splatting" | [`experiments::zwicker2001`] |
-//! | none: what their authors did not ask | [`experiments::beyond`] |
+//! | none: questions beyond the papers | [`experiments::beyond`] |
 //!
-//! An [`Experiment`] takes a [`Workbench`] and makes an [`Outcome`]: findings, tables, plots and pictures. A [`Finding`]
-//! sets a measured number beside the published one, with the condition under which it counts as reproduced; its
-//! [`Verdict`] is computed and never written down. Where it differs, the reasons given are [`Explanation`]s, each of
-//! which is itself a measurement and is given only if it holds.
+//! An [`Experiment`] takes a [`Workbench`] and makes an [`Outcome`]: findings, tables, plots and pictures. A
+//! [`Finding`] sets a measured number beside the published one, with the condition under which it counts as reproduced;
+//! its [`Verdict`] is computed and never written down. If the numbers differ, the reasons are given as
+//! [`Explanation`]s, each of which is itself a measurement and is given only if it holds.
 //!
 //! [`folder::write`] leaves pictures, plots and CSV in a folder, [`report::write`] makes one page of many experiments.
 //!

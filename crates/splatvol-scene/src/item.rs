@@ -1,7 +1,7 @@
 //! An item of a scene: data, their appearance, placement, operators, clips and motion.
 //!
-//! A look stands with the data that can have it, so that none can be given to others: values have a transfer function or
-//! isosurfaces, points a colour, Gaussians bring theirs along.
+//! Appearance is stored with the data that can have it, so that it cannot be given to others: values have a transfer
+//! function or isosurfaces, points a colour; Gaussians have their own.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
 //! Per-pixel operators: changes of material between classification and lighting.
 //!
-//! Image-aligned sheets of post-classified splatting hold value, gradient and place of every pixel, as a surface renderer's
-//! fragments do: whatever is done to fragments can be done to sheets (huang2000 section 4.3). An operator gets a
-//! [`SheetSample`] wherever a pixel's ray meets material between two sheets, and changes its [`Appearance`]; then it is
-//! lit and composited. Operators run in the order in which a scene lists them.
+//! Image-aligned sheets of post-classified splatting hold the value, gradient and position of every pixel, like the
+//! fragments of a surface renderer. So operations on fragments can be applied to sheets (huang2000 section 4.3). An
+//! operator gets a [`SheetSample`] wherever a pixel's ray meets material between two sheets, and changes its
+//! [`Appearance`]; then it is lit and composited. Operators run in the order in which a scene lists them.
 //!
 //! | operator | does |
 //! |---|---|

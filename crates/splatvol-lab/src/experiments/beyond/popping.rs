@@ -1,6 +1,6 @@
-//! Popping: how much a picture changes from one frame to the next while the camera turns through 45 degrees about an axis of
-//! the grid. Where the method has no say the change is as large from each frame to the next; a jump is a change larger than
-//! its neighbours.
+//! Popping: change of the picture from one frame to the next while the camera turns through 45 degrees about an axis of
+//! the grid. If the method has no influence, the change is equally large between all frames; a jump is a change larger
+//! than its neighbours.
 
 use glam::DVec3;
 use splatvol::{Compositing, FlatSettings, Image, RenderSettings, Renderer, Scene};

@@ -100,7 +100,7 @@ pub(super) fn difference(a: &Image, b: &Image, gain: f32) -> Image {
     shown
 }
 
-/// A picture over dark grey, as it is looked at.
+/// A picture over dark grey, for viewing.
 pub(super) fn shown(image: &Image) -> Image {
     image.over([0.01, 0.01, 0.01, 1.0])
 }

@@ -47,8 +47,8 @@ impl Columns {
         self.tops[..self.dims[0]].iter().copied().fold(0, usize::max)
     }
 
-    /// The splats on `grid`: each column from its top down to `below` the lowest of its eight neighbours', so that nothing
-    /// is seen through where the ground is steep.
+    /// The splats on `grid`: each column from its top down to `below` the lowest of its eight neighbours', so that
+    /// steep ground has no holes.
     pub(in crate::experiments) fn volume(&self, grid: &Grid, below: usize) -> Result<Volume, LabError> {
         let layer = self.tops.len();
         let mut samples = vec![0; grid.sample_count()];

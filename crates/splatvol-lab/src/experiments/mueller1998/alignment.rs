@@ -14,9 +14,10 @@
 //! | 5, grid-aligned | `s(z_v) (y_p z_v / z_k - y_v), dz` | `s(z_v)` | parallel |
 //!
 //! with `r = sqrt(y_v^2 + z_v^2)`. Corrections: row 3 is printed with `(x_v, y_v)` for `(y_v, z_v)` everywhere outside
-//! `dy` and with squares of both in the sums; row 4 with a minus in the denominator and `x_v^2 + y_v^2` for
-//! `y_v^2 + z_v^2` under the root. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`, which the paper leaves open: in
-//! `dz` its bound of two levels off the axis near `z_k` would not hold, because row 4 would err by 40 there.
+//! `dy` and with squares of both in the sums; row 4 with a minus in the denominator, and with `x_v^2 + y_v^2` under the
+//! root where it should have the sum of `y_v^2` and `z_v^2`. Integrals are in arc length, `sqrt(1 + (y_p / z_k)^2) dz`,
+//! which the paper leaves open: in `dz` its bound of two levels off the axis near `z_k` would not hold, because row 4
+//! would err by 40 there.
 
 /// Factor of the exponent, as the paper's 1.38 must be read.
 pub(super) const STEEPNESS: f64 = 1.38;

@@ -85,7 +85,7 @@ impl Plane {
         }
     }
 
-    /// Covariance of where the values are, pixels squared.
+    /// Covariance of the positions of the values, pixels squared.
     pub(super) fn moments(&self) -> DMat2 {
         let at = |index: usize| glam::DVec2::new((index % self.width) as f64, (index / self.width) as f64);
         let (mut mass, mut first) = (0.0, glam::DVec2::ZERO);

@@ -1,4 +1,4 @@
-//! A transfer function for any volume, without being asked anything.
+//! Automatic choice of a transfer function for any volume.
 //!
 //! Decided in this order, from a [`survey`] of at most 1 M voxels:
 //!
@@ -9,7 +9,7 @@
 //! | Hounsfield | air near -1000, tissue and bone above | translucent skin and tissue, ivory bone |
 //! | signed | a background of 0 between negative and positive values | a diverging map, opacity by magnitude |
 //! | materials | faces of the grid that differ from the rest | background transparent, three classes above it |
-//! | continuous | none of these | what lies above Otsu's threshold |
+//! | continuous | none of these | values above Otsu's threshold |
 //!
 //! Opacities come from optical depths: a class that rays cross in L voxels on average gets
 //! `1 - exp(-tau / L)` per voxel, with `tau = 8 m^2.5`, where m is the class's mean above the background relative to
