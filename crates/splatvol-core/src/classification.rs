@@ -2,10 +2,10 @@
 //!
 //! Between two sheets the value varies from a to b. If it varies linearly, its mean extinction is
 //! `(K(b) - K(a)) / (b - a)` with `K' = kappa`, and likewise for emission `kappa c`. This is pre-integrated
-//! classification from one-dimensional tables, right for any transfer function, ray length and sheet thickness (the
-//! second form of Engel, Kraus and Ertl 2001, which leaves out the attenuation inside the interval, second order in
-//! its optical depth). Two-dimensional tables include the attenuation, but for one ray length only; the shading
-//! stage takes short intervals instead.
+//! classification from one-dimensional tables, right for any transfer function, ray length and sheet thickness. It
+//! is the second form of Engel, Kraus and Ertl 2001, which leaves out the attenuation inside the interval, second
+//! order in its optical depth. Two-dimensional tables include the attenuation, but for one ray length only; the
+//! shading stage takes short intervals instead.
 
 use splatvol_scene::TransferFunction;
 

@@ -8,7 +8,7 @@ use fearless_simd::{f32x16, prelude::*, u32x16};
 
 /// Adding and subtracting it rounds.
 const ROUND: f32 = 12_582_912.0;
-/// Of `2^r`, from the highest power on; 1 for 0. Relative error 2e-7.
+/// Coefficients of a polynomial for `2^r`, highest power first; exactly 1 at 0. Relative error 2e-7.
 const PRECISE: [f32; 6] = [
     1.327_647_2e-3,
     9.675_541e-3,

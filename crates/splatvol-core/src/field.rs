@@ -427,7 +427,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// Where in its chunk the brick of a place is, in bricks.
+/// Position of a brick in its chunk, in bricks.
 fn place(place: usize) -> [usize; 3] {
     [
         place % CHUNK[0],

@@ -70,8 +70,8 @@ pub struct Planes {
 
 impl Planes {
     /// Planes before, within and behind camera-space points grown by `reach` in depth, as far as they lie in front
-    /// of the camera: for parallel rays from the plane before depth 0 on, else from one spacing on. The distance is
-    /// larger than `spacing` if there were too many planes otherwise.
+    /// of the camera. For parallel rays they begin at the plane before depth 0, else at a depth of one spacing. The
+    /// distance is larger than `spacing` if there were too many planes otherwise.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [low, high] = extent(corners, reach);
         let spacing = spacing.max((high - low) / MOST);

@@ -179,7 +179,7 @@ impl Histogram {
     const BINS: usize = 256;
     const SAMPLES: usize = 1 << 16;
 
-    /// Of samples in a range of real values, none yet.
+    /// An empty histogram for samples in a range of real values.
     pub fn new([low, high]: [f64; 2], rescale: Rescale) -> Self {
         Self {
             counts: vec![0; Self::BINS],

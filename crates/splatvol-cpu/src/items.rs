@@ -131,7 +131,7 @@ impl Kept {
         })
     }
 
-    /// Gives Gaussians their colours from this camera.
+    /// Sets the Gaussians' colours for this camera.
     fn color(&mut self, camera: &Camera) {
         if self.camera.as_ref() == Some(camera) || self.colored.is_empty() {
             return;

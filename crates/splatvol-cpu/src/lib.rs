@@ -5,7 +5,7 @@
 //! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
 //! | `sheets` | grids, meshes, and scenes of several things in layers: the default |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
-//! | `classic` | one volume by the papers' methods, which are asked for by name |
+//! | `classic` | one volume by the papers' methods, used only on request |
 //!
 //! Every pixel receives its contributions in a fixed order (sheets by depth, then bricks and voxels by index),
 //! independent of the number of threads and of its tile. So frames are the same to the bit.

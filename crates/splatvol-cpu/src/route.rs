@@ -3,7 +3,7 @@
 //! | scene | engine |
 //! |---|---|
 //! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where the method is splats |
-//! | Gaussians, alone or with points | the published renderer's way (`splats`), unless sheets are asked for |
+//! | Gaussians, alone or with points | as the published renderer does (`splats`), unless the settings select sheets |
 //! | everything else on image sheets | `sheets`: every volume and mesh a layer, the rest a cloud, another |
 //! | one mesh, of whose values each ray shows one | `sheets`, a layer |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |

@@ -59,7 +59,7 @@ pub struct MemoryUse {
 /// Times and counts of the last frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct RenderStatistics {
-    /// Where the time went.
+    /// Seconds per stage.
     pub seconds: StageSeconds,
     /// Threads of the pool.
     pub threads: usize,

@@ -142,7 +142,7 @@ fn slice_bits(slice: &[u16; BRICK * BRICK], holds: impl Fn(u16) -> bool) -> u64 
 /// Solves the lattice part by part.
 #[derive(Debug, Clone)]
 pub(super) struct ChunkSolver {
-    /// Of none where samples are their own coefficients.
+    /// Solvers along the axes; `None` where samples are their own coefficients.
     axes: Option<[AxisSolver; 3]>,
     halo: [usize; 3],
 }
@@ -179,7 +179,7 @@ impl Extent {
 }
 
 impl ChunkSolver {
-    /// Of coefficients that interpolate the samples.
+    /// Solver for coefficients that interpolate the samples.
     pub(super) fn new(kernel: &GaussianKernel, lattice: &Lattice) -> Self {
         let axes = lattice.dims.map(|count| AxisSolver::new(kernel, count));
         Self {
@@ -188,7 +188,7 @@ impl ChunkSolver {
         }
     }
 
-    /// Of coefficients that are the samples.
+    /// Solver whose coefficients are the samples themselves.
     pub(super) fn of_samples() -> Self {
         Self {
             axes: None,
@@ -274,7 +274,7 @@ fn solve_slice(
     transpose_columns(&lines[x.skip() * BLOCK..], out, x.len());
 }
 
-/// Where a chunk's coefficients lie in the scratch memory.
+/// Position of a chunk's coefficients in the scratch memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Solved {
     size: [usize; 3],

@@ -23,7 +23,7 @@ impl SourceLevel {
         (&self.source, self.level)
     }
 
-    /// Where the samples lie.
+    /// Grid of the samples.
     pub fn grid(&self) -> &Grid {
         self.source.grid(self.level)
     }

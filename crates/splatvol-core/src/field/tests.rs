@@ -253,7 +253,7 @@ fn missing_samples_stay_missing_and_do_not_spread() {
     }
 }
 
-/// Value of a field at a lattice position, and the weight of what is left of it.
+/// Value of a field at a lattice position, and the weight of the remaining samples.
 fn value_at(field: &Coefficients, sigma: f64, at: [f64; 3]) -> [f64; 2] {
     let [nx, ny, nz] = field.dims;
     let (mut sum, mut weight, mut all) = (0.0, 0.0, 0.0);

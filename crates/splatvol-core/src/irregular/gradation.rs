@@ -1,10 +1,11 @@
 //! Gradation of a field of covariances: limits the growth of kernels from sample to sample.
 //!
-//! A covariance is a metric: `V^-1` measures offsets in standard deviations. Between neighbours i and j no direction of i
-//! may be wider than `1 + g d_ij` times that of j, with `d_ij` their distance in spacings of j (Borouchaki, Hecht and Frey,
-//! Mesh gradation control, 1998, equation 4, whose metrics are these). Where it is, `V_i` is cut: in the frame in which
-//! `V_j` is the unit matrix the eigenvalues of `V_i` are brought down to `(1 + g d_ij)^2`. An affine map of the mesh
-//! changes nothing: uniform shear and flat cells are as good as cubes.
+//! A covariance is a metric: `V^-1` measures offsets in standard deviations. Between neighbours i and j no
+//! direction of i may be wider than `1 + g d_ij` times that of j, with `d_ij` their distance in spacings of j.
+//! These are the metrics of Borouchaki, Hecht and Frey, Mesh gradation control, 1998, equation 4. Where a direction
+//! is wider, `V_i` is cut: in the frame in which `V_j` is the unit matrix, the eigenvalues of `V_i` are limited to
+//! `(1 + g d_ij)^2`. The result is invariant under affine maps of the mesh: uniform shear and flat cells are as
+//! good as cubes.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -149,7 +150,7 @@ pub(super) fn graded(
     metrics.into_iter().map(|metric| metric.covariance).collect()
 }
 
-/// Brings a metric down to `limit` times that of a neighbour in every direction; whether that changed it.
+/// Limits a metric to `limit` times that of a neighbour in every direction; returns whether that changed it.
 fn narrow(own: &mut Metric, neighbour: &Metric, limit: f64) -> bool {
     let seen = neighbour.seen(&own.covariance);
     if !exceeds(&seen, limit) {

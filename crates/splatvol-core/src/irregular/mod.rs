@@ -70,7 +70,7 @@ pub struct Kernels {
     pub values: Vec<f32>,
     /// Gradients of the value per local unit.
     pub gradients: Vec<[f32; 3]>,
-    /// Where samples were too few.
+    /// Report of the resampling where samples were too few.
     pub resampling: Resampling,
 }
 

@@ -79,7 +79,7 @@ impl Packet {
         }
     }
 
-    /// Puts a kernel's shape at a place.
+    /// Stores a kernel's shape at a place.
     #[inline(always)]
     pub(super) fn set(&mut self, lane: usize, kernel: &Evaluated, centre: DVec3) {
         let offset = (centre - self.origin).as_vec3();

@@ -56,7 +56,7 @@ impl Kernels {
 mod tests {
     use super::*;
 
-    /// Of samples of a wave on a line of unit cells, the field differs a sixth as much as without coefficients.
+    /// For samples of a wave on a line of unit cells, the field's error is a sixth of that without coefficients.
     #[test]
     fn coefficients_bring_the_field_to_the_samples() {
         let (count, sigma) = (60usize, 0.7f64);

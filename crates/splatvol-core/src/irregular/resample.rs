@@ -4,10 +4,10 @@
 //! stays constant as long as V varies little within a kernel and points are no further apart than the kernels are
 //! wide. Skewed, sheared and flat cells satisfy this as well as cubes; cells beside others of another size or
 //! direction do not. There the field is resampled, as in Mao (Splatting of non rectilinear volumes through
-//! stochastic resampling, 1996): covariances are cut until they vary slowly (`gradation`), and regions wider than
-//! their kernel are cut into pieces that are not (`pieces`). Each piece has a kernel with the value of the cell's
-//! shape functions there, and the covariance of its surroundings. Mao scatters points at random until spheres
-//! suffice; pieces follow the cells, so they are few, reproducible, and absent where the mesh is even.
+//! stochastic resampling, 1996). Covariances are cut until they vary slowly (`gradation`). Regions wider than their
+//! kernel are cut into pieces that are not (`pieces`). Each piece has a kernel with the value of the cell's shape
+//! functions there, and the covariance of its surroundings. Mao scatters points at random until spheres suffice.
+//! Pieces instead follow the cells, so they are few, reproducible, and absent where the mesh is even.
 //!
 //! At most [`MOST_PER_SAMPLE`] kernels per sample are made. If more are needed, covariances may vary faster; if
 //! that is not enough, the samples stay unchanged.
@@ -337,7 +337,7 @@ fn normalised(
 struct Beyond<'a, R> {
     samples: &'a [Sample],
     regions: &'a R,
-    /// Where the kernels of each sample begin, and their number at the end.
+    /// First kernel of each sample, and the number of kernels at the end.
     first: Vec<usize>,
     is_known: Vec<bool>,
     found: Vec<Correction>,

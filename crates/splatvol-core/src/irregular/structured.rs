@@ -96,7 +96,7 @@ impl Lattice {
             .collect()
     }
 
-    /// Makes a constant constant, with other samples where that needs more.
+    /// Normalises masses, so that a constant field stays constant; returns resampled kernels where that needs more.
     pub(super) fn normalise(&self, samples: &mut [Sample], sigma: f64) -> Option<Resampled> {
         let steps: Vec<DMat3> = (0..samples.len())
             .into_par_iter()

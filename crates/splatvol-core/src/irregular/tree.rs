@@ -1,5 +1,6 @@
-//! Sums of all kernels at some of their centres: a tree of boxes around packets of kernels (Goldsmith and Salmon, Automatic
-//! creation of object hierarchies for ray tracing, 1987), and places taken sixteen at a time, neighbours together.
+//! Tree for sums of all kernels at some of their centres. Its boxes enclose packets of kernels (Goldsmith and
+//! Salmon, Automatic creation of object hierarchies for ray tracing, 1987); places are taken sixteen at a time,
+//! neighbours together.
 //!
 //! Boxes are halved at the median of the centres, along the axis that is longest in widths of their kernels, so
 //! that packets of flat kernels are flat, too. Only the packed kernels are kept between sums: finding terms again
@@ -229,7 +230,7 @@ impl Part<'_> {
     }
 }
 
-/// Puts the first `middle` centres along the longest axis in front.
+/// Partitions the centres along the longest axis, with the first `middle` in front.
 fn halve(centres: &mut [Centre], middle: usize) {
     let (mut low, mut high, mut width) = (Vec3::INFINITY, Vec3::NEG_INFINITY, Vec3::ZERO);
     for centre in &*centres {

@@ -14,8 +14,8 @@ use super::tree::Tree;
 use super::{Sample, gradient, outer, position};
 
 /// Width of the kernels of irregular cells relative to a voxel's. Their spacing varies from cell to cell, and
-/// kernels of the regular grid's width would show it: tetrahedra of a lattice whose points are moved by up to 0.25
-/// of it ripple by 3.8 % with 1, 1.9 % with 1.15.
+/// kernels of the regular grid's width would show it. Tetrahedra of a lattice whose points are moved by up to 0.25
+/// of it ripple by 3.8 % with 1, and by 1.9 % with 1.15.
 const WIDENING: f64 = 1.15;
 /// Passes of smoothing the covariances: without them these tetrahedra ripple by 4.5 %, and by 14 % with values on
 /// cells.
@@ -190,7 +190,7 @@ fn inner_samples(mesh: &Mesh, cells: &Cells, cells_of_points: &Lists, neighbours
     outer.into_iter().map(|outer| !outer).collect()
 }
 
-/// Makes a constant constant.
+/// Normalises masses, so that a constant field stays constant.
 fn normalise(samples: &mut [Sample], inner: &[bool], steps: &[f64]) {
     let mut masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
     let tree = Tree::new(samples);

@@ -22,7 +22,7 @@ pub(super) struct Widths {
     comfortable: f64,
     /// The widest that the largest blocks hold.
     widest: f64,
-    /// Where footprints are cut once a low-pass or a spline has changed their width.
+    /// Cut of footprints, once a low-pass or a spline has changed their width.
     pub cut: f64,
     /// Whether footprints are cut there in any case, and of any size rather than narrower than that.
     pub is_exact: bool,

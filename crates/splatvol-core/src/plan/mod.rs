@@ -69,7 +69,7 @@ impl Bricks for FieldStore {
     }
 }
 
-/// Where pixels look.
+/// Rays of the pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(C)]
 pub struct Rays {
@@ -82,7 +82,7 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// Of a projection.
+    /// Rays of a projection.
     pub fn new(screen: &ScreenFromCamera) -> Self {
         let per_pixel = 1.0 / screen.scale as f32;
         Self {
@@ -115,7 +115,7 @@ pub struct SplatConstants {
 pub struct FramePlan {
     /// The picture's tiles.
     pub tiles: TileGrid,
-    /// Where pixels look.
+    /// Rays of the pixels.
     pub rays: Rays,
     /// Transmittance below which a pixel is finished.
     pub termination: f32,

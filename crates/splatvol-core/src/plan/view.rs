@@ -234,7 +234,7 @@ impl View {
         &self.shape
     }
 
-    /// Where pixels look.
+    /// Rays of the pixels.
     pub fn rays(&self) -> Rays {
         Rays::new(&self.extents.screen)
     }

@@ -100,7 +100,7 @@ impl Sheets {
         }
     }
 
-    /// Where intervals, or slabs, end. Slabs before planes number one more than intervals between them.
+    /// End of the intervals, or slabs. There is one slab (before a plane) more than intervals between planes.
     fn end(&self, extents: &Extents) -> usize {
         self.planes.count + usize::from(extents.along_rays)
     }

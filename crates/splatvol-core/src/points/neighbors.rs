@@ -1,7 +1,7 @@
 //! The nearest neighbours of each distinct place.
 //!
-//! Places are moved and scaled into a unit box, so that squared distances neither overflow nor vanish in 32 bits,
-//! and sorted in Morton order: neighbours in space become neighbours in memory, and identical places become
+//! Places are moved and scaled into a unit box, so that squared distances neither overflow nor vanish in 32 bits.
+//! They are sorted in Morton order: neighbours in space become neighbours in memory, and identical places become
 //! adjacent.
 
 use std::sync::atomic::{AtomicU32, Ordering};

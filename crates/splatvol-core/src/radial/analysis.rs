@@ -5,7 +5,7 @@
 
 use super::{Profile, RadialKernel};
 
-/// Where [`KernelAnalysis::response`] is given, cycles per voxel: zero, half of the voxels' Nyquist frequency, that
+/// Frequencies of [`KernelAnalysis::response`], cycles per voxel: zero, half of the voxels' Nyquist frequency, that
 /// frequency, one and a half of it, and the sampling frequency, where the first alias of a constant lies.
 pub const RESPONSE_FREQUENCIES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
@@ -63,8 +63,8 @@ pub fn analyse(kernel: &RadialKernel) -> KernelAnalysis {
     }
 }
 
-/// Of the Gaussian: `1 - erf(u) + 2 u exp(-u^2) / sqrt(pi)`, u the radius over `sqrt(2) sigma`. The others end by
-/// themselves.
+/// Cut-off mass of the Gaussian: `1 - erf(u) + 2 u exp(-u^2) / sqrt(pi)`, u the radius over `sqrt(2) sigma`. It is
+/// zero for the other kernels, which end by themselves.
 fn cut_off_mass(kernel: &RadialKernel) -> f64 {
     match kernel.profile {
         Profile::Gaussian { sigma } => {

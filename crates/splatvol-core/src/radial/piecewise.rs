@@ -55,7 +55,7 @@ impl PiecewiseCubic {
         self.pieces[1].end
     }
 
-    /// Where the pieces meet.
+    /// Radius at which the pieces meet.
     pub(super) fn knot(&self) -> f64 {
         self.pieces[0].end
     }

@@ -18,8 +18,8 @@ pub struct SplatCloud {
     pub shape: KernelShape,
     /// Covariances of ellipsoids, local: xx, xy, xz, yy, yz, zz; empty for other shapes.
     pub covariances: Vec<[f32; 6]>,
-    /// Index of the first splat that carries an optical depth in place of an extinction: that of a ray through the
-    /// centre in any direction (3-D Gaussians, whose opacity is that of their peak in every view).
+    /// Index of the first splat that carries an optical depth in place of an extinction. It is that of a ray
+    /// through the centre in any direction: 3-D Gaussians have their peak's opacity in every view.
     pub peaks_from: usize,
     /// Integral of each kernel over space, world volume: a grid's cell.
     pub mass: f64,

@@ -13,7 +13,7 @@ use crate::coefficients::Coefficients;
 /// Inputs from which a cloud is extracted.
 #[derive(Debug, Clone, Copy)]
 pub struct Extract<'a> {
-    /// Where the samples lie.
+    /// Grid of the samples.
     pub grid: &'a Grid,
     /// The samples, normalised; no margin.
     pub samples: &'a Coefficients,

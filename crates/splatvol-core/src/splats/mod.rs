@@ -13,7 +13,7 @@
 //! | `radial` | that of any radial kernel |
 //! | `footprint` | the footprint: from pixel to radius |
 //! | `ray` | footprints of kernels that are whitened, for rays that diverge |
-//! | `moving`, `sweep` | footprints of what moves while the shutter is open |
+//! | `moving`, `sweep` | motion blur of footprints |
 //! | `projection` | alignment, low-pass, scaling: from splat to footprint |
 
 mod cloud;

@@ -1,9 +1,10 @@
 //! Motion blur: footprints of kernels that move while the shutter is open.
 //!
-//! Time t runs from -1/2 to 1/2. In the plane across the ray, whitened so that the kernel is a unit circle, the kernel's
-//! centre moves along a segment of the length L; the ray meets that plane u along the segment from its middle, and v beside
-//! it. So at the time t its distance from the centre is `r^2 = v^2 + (u - t L)^2`, whatever the conic of the footprint
-//! and its low-pass. For an affine footprint of conic Q whose centre moves by D pixels, at the offset d,
+//! Time t runs from -1/2 to 1/2. In the plane across the ray, whitened so that the kernel is a unit circle, the
+//! kernel's centre moves along a segment of the length L. The ray meets that plane u along the segment from its
+//! middle, and v beside it. So at the time t its distance from the centre is `r^2 = v^2 + (u - t L)^2`, whatever
+//! the conic of the footprint and its low-pass. For an affine footprint of conic Q whose centre moves by D pixels,
+//! at the offset d,
 //!
 //! `L^2 = D^T Q D`, `u = d^T Q D / L`, `v^2 = |Q| (d x D)^2 / L^2`;
 //!
@@ -36,7 +37,7 @@ pub struct Moving {
 /// The way of a kernel while the shutter is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Path {
-    /// Of an affine footprint.
+    /// Motion of an affine footprint.
     Affine {
         /// From pixels to standard deviations, rows of the upper triangle: 00, 01, 11.
         whitening: [f32; 3],

@@ -9,7 +9,7 @@ use crate::normal;
 
 /// Line integrals of a radial kernel with unit variance and unit integral, by the squared distance in standard deviations.
 pub trait Profile: Sync {
-    /// Where the profile ends, standard deviations.
+    /// Cut of the profile, standard deviations.
     fn cut(&self) -> f32;
 
     /// Line integral through the centre.

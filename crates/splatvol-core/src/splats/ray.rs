@@ -7,8 +7,8 @@
 //! all rays pass it as the one through the centre does. In two dimensions and with spheres this is the paper's
 //! `(z_v y_p - y_v z_k) sqrt(y_v^2 + z_v^2) / (z_v z_k + y_p y_v)`; it prints a minus in the denominator.
 //!
-//! Rays are stored as their offset from the one through the centre, whose cross product with c vanishes: in 32 bits
-//! `c x w` would lose `|c|` times as much to rounding, which is the distance in standard deviations.
+//! Rays are stored as their offset from the one through the centre, whose cross product with c vanishes. In 32 bits
+//! `c x w` would lose `|c|` times as much to rounding; `|c|` is the distance in standard deviations.
 //!
 //! Under a [`Trapezoid`] (row 1) the kernel at the depth z is wider by `a(z) = max(1, z / z_k)` and thinner by
 //! `1 / a^2`. Profiles are given by their sections, so the integral is a sum of sections, each with the a of its
@@ -25,7 +25,8 @@ pub struct Ray {
     pub whitening: [f32; 6],
     /// The kernel's centre, whitened.
     pub centre: [f32; 3],
-    /// Where rays are offset from, pixels: the projected centre, or the principal point where the centre has no projection.
+    /// Point from which rays are offset, pixels: the projected centre, or the principal point where the centre has
+    /// no projection.
     pub origin: [f32; 2],
     /// x and y per depth of the ray there.
     pub along: [f32; 2],

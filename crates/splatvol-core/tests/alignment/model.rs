@@ -83,7 +83,7 @@ pub(crate) fn profile() -> &'static GaussianProfile {
     &PROFILE
 }
 
-/// How a splat is shown.
+/// Filter, alignment and stretch of a splat.
 pub(crate) type Way = (Filter, Alignment, Stretch);
 
 /// The only splat's projection.

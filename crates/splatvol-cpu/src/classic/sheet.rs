@@ -24,7 +24,7 @@ impl<const C: usize> Sheet<C> {
         grow_with(&mut self.values, width * height, || [0.0; C], stop)
     }
 
-    /// Makes all touched pixels zero again.
+    /// Zeroes all touched pixels.
     pub(crate) fn clear(&mut self) {
         let [x0, y0, x1, y1] = self.touched;
         for y in y0..y1 {
@@ -33,7 +33,7 @@ impl<const C: usize> Sheet<C> {
         self.touched = UNTOUCHED;
     }
 
-    /// Notes that pixels from x0, y0 to x1, y1 (excluded) may be touched.
+    /// Marks pixels from x0, y0 to x1, y1 (excluded) as possibly touched.
     #[inline(always)]
     pub(crate) fn touch(&mut self, [x0, y0, x1, y1]: [usize; 4]) {
         let t = &mut self.touched;

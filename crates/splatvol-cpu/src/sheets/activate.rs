@@ -53,7 +53,8 @@ impl Default for OpenVoxels {
 }
 
 impl OpenVoxels {
-    /// Takes a brick's values, x fastest; NaN where a voxel is not needed. `sorted` is memory for them in depth order.
+    /// Fills in a brick's values, x fastest; NaN where a voxel is not needed. `sorted` is memory for them in depth
+    /// order.
     #[inline(always)]
     pub(crate) fn fill<S: Simd>(
         &mut self,

@@ -37,7 +37,7 @@ pub(crate) struct Shares<S: Simd> {
 const FADED: f32 = 0.15;
 
 impl<S: Simd> Shares<S> {
-    /// Where the share on the lattice is too small for a value.
+    /// Marks pixels whose share on the lattice is too small for a value.
     #[inline(always)]
     pub(crate) fn is_faded(&self, simd: S) -> mask32x16<S> {
         self.per_weight.simd_ge(f32x16::splat(simd, 0.999 / FADED))
@@ -48,7 +48,7 @@ impl<S: Simd> Shares<S> {
 const REACH: f32 = 3.4;
 
 impl Border {
-    /// Of a volume without end: no pixel is near it.
+    /// Border of an endless volume: no pixel is near it.
     pub(crate) fn nowhere() -> Self {
         Self {
             corner_from_camera: Affine3A {

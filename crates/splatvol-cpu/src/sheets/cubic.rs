@@ -57,7 +57,7 @@ impl<S: Simd> Cubic<S> {
         ((self.d * u + self.c) * u + self.b) * u + self.a
     }
 
-    /// Where it has a local maximum; outside of (0, 1), or NaN, where the interval has none.
+    /// Place of its local maximum; outside of (0, 1), or NaN, where the interval has none.
     #[inline(always)]
     fn summit(&self, simd: S) -> f32x16<S> {
         let zero = f32x16::splat(simd, 0.0);

@@ -40,7 +40,7 @@ pub(crate) struct Segment {
 /// Largest distance that rounding may move a face in front of its interval's start.
 const ROUNDING: f32 = 1e-3;
 
-/// Where a ray enters and leaves a body, with the planes' normals; empty where it enters after it leaves.
+/// Entry and exit of a ray through a body, with the planes' normals; empty if it enters after it leaves.
 struct Passage {
     enter: f32,
     leave: f32,

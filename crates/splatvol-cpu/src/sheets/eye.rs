@@ -135,7 +135,7 @@ impl Eye {
         jet
     }
 
-    /// Makes the planes at and before the eye, given the two in front of it.
+    /// Computes the planes at and before the eye, given the two in front of it.
     #[inline(always)]
     pub(crate) fn make_planes<S: Simd, M: Mode<N>, const N: usize>(
         &self,

@@ -42,7 +42,7 @@ pub(crate) struct FineTable {
 /// Values' classification.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Point<S: Simd> {
-    /// Where the value lies in the table, cells.
+    /// Position of the value in the table, cells.
     position: f32x16<S>,
     /// K and E.
     integrals: [f32x16<S>; 4],
@@ -113,8 +113,8 @@ impl<S: Simd> Stretch<S> {
     }
 }
 
-/// Where between two ends the middle of the material lies, for an extinction that runs linearly, from where it begins if it
-/// is zero at one end.
+/// Centroid of the material between two ends, for an extinction that varies linearly; if that is zero at one end,
+/// from the place where it begins.
 #[inline(always)]
 fn centroid<S: Simd>(simd: S, [a, b]: [f32x16<S>; 2], mean: f32x16<S>) -> f32x16<S> {
     let (zero, half, one) = (

@@ -243,7 +243,7 @@ pub(super) fn beside_of(
 }
 
 impl Records {
-    /// Makes a copy of one of another's records.
+    /// Copies one of another's records to a place.
     fn copy(&mut self, other: &Self, (from, to): (usize, usize)) {
         self.x[to] = other.x[from];
         self.y[to] = other.y[from];

@@ -1,9 +1,9 @@
 //! Open mask: the open pixels of a tile, and the footprints that reach one. Splats behind finished pixels are
 //! skipped.
 //!
-//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits. Shifting rows of bits over each
-//! other tells for all places at once whether a footprint of n x n blocks that begins there touches an open pixel,
-//! or a pixel whose derivatives an open one needs. A voxel then tests one bit.
+//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits. For every first block at once,
+//! shifts of rows of bits over each other tell whether a footprint of n x n blocks touches an open pixel, or a
+//! pixel that an open one's derivatives need. A voxel then tests one bit.
 
 use splatvol_core::plan::MAX_BLOCKS;
 

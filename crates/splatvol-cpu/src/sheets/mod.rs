@@ -2,7 +2,7 @@
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
-//! | level | `level` | the volume, or a half of it that suits the picture's scale, with what a transfer function needs of it |
+//! | level | `level` | the volume, or a half of it that suits the picture's scale, with the data that a transfer function needs |
 //! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
 //! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |

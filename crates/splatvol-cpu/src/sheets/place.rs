@@ -1,4 +1,4 @@
-//! Where a tile lies on a zone's raster.
+//! Place: position of a tile on a zone's raster.
 
 use glam::DVec2;
 use splatvol_core::bin::TileRect;
@@ -13,7 +13,7 @@ fn halo(step: usize) -> usize {
     if step == 1 { HALO } else { RASTER_HALO }
 }
 
-/// Where a tile lies.
+/// Position of a tile.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     pub rect: TileRect,

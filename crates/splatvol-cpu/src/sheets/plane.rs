@@ -49,7 +49,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Makes room for `width` x `height` pixels, all zero.
+    /// Resets to `width` x `height` pixels, all zero.
     pub(crate) fn reset(&mut self, [width, height]: [usize; 2]) {
         let pitch = width.next_multiple_of(16) + PADDING;
         if pitch == self.pitch && self.values.len() == pitch * (height + 2) {

@@ -71,7 +71,7 @@ pub(crate) struct SheetRing {
 }
 
 impl SheetRing {
-    /// Makes room for `height` rows of pixels and `groups` of four sheets, all zero.
+    /// Resets to `height` rows of pixels and `groups` of four sheets, all zero.
     pub(crate) fn reset(&mut self, height: usize, groups: usize) {
         let height = height.div_ceil(BLOCK_EDGE);
         let same = self.rows.len() == height * groups && self.height == height;

@@ -34,7 +34,7 @@ pub(crate) struct Interval<'a> {
     pub scales: [f32; 2],
     /// Gradient at the second plane if that is at the eye, where there are no differences.
     pub at_eye: Option<[f32; 3]>,
-    /// Where they leave the volume, and whether they do within the tile.
+    /// Borders of the volume on the two middle planes, and whether the tile is near one.
     pub borders: [BorderPlane; 2],
     pub is_near_border: bool,
 }
@@ -153,7 +153,7 @@ pub(crate) struct ShadeBatch {
     through: [Lanes16; BATCH],
     /// Colour times opacity.
     color: [[Lanes16; 3]; BATCH],
-    /// Where the material lies in the interval, 0 to 1.
+    /// Place of the material in the interval, 0 to 1.
     place: [Lanes16; BATCH],
     /// Gradients at the material of each half, and the second half's share of the visible material.
     gradients: [[[Lanes16; 3]; 2]; BATCH],

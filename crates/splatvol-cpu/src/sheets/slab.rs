@@ -5,7 +5,7 @@ use splatvol_core::plan::SplatConstants;
 
 use super::splat::Records;
 
-/// Where the footprints of a slab's voxels are gathered.
+/// Depth of a slab's footprints, to which its voxels are moved.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slab {
     /// Least depth of their visible part.

@@ -86,7 +86,7 @@ impl Records {
         }
     }
 
-    /// Notes the first block of one of them.
+    /// Includes the first block of one of them.
     pub(crate) fn widen(&mut self, first: [u32; 2]) {
         for (axis, first) in first.into_iter().enumerate() {
             let (low, high) = (&mut self.low[axis].0[0], &mut self.high[axis].0[0]);
@@ -188,7 +188,7 @@ const BATCH: usize = 16;
 pub(crate) struct Powers {
     /// `p, q, 2^(a u^2 + b v^2)`, profile in depth, four sheets each; of ellipses `p, p^-2, q, q^-2`.
     steps: [Lanes16; BATCH],
-    /// Of ellipses `2^(a u^2 + c u v + b v^2)` and the profile in depth, twice.
+    /// Weights of the ellipses, `2^(a u^2 + c u v + b v^2)`, and of the profile in depth, twice.
     weights: [Lanes16; BATCH],
 }
 
@@ -201,7 +201,7 @@ impl Default for Powers {
     }
 }
 
-/// Where a block of pixels lies, seen from a voxel's footprints on the four sheets of a group.
+/// Offset of a block of pixels from a voxel's footprints on the four sheets of a group.
 pub(crate) struct Offset<'a, S: Simd> {
     /// Raster points from the centre.
     pub points: [f32x16<S>; 2],
@@ -452,7 +452,7 @@ fn exponents<S: Simd>(
 /// Powers of a voxel's columns, and the factors from row to row.
 pub(crate) struct Steps<S: Simd, const SIZE: usize> {
     pub across: [f32x16<S>; SIZE],
-    /// Of the rows of the block that counting begins at.
+    /// Factors of the rows in the block from which they are counted.
     origin: f32x16<S>,
     forward: f32x16<S>,
     back: f32x16<S>,

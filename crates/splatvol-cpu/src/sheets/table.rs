@@ -169,7 +169,7 @@ impl ShadeTable {
         self.shows_background = visible.any(background, background);
     }
 
-    /// Where sixteen values lie in the table, in cells.
+    /// Positions of sixteen values in the table, in cells.
     #[inline(always)]
     fn position<S: Simd>(simd: S, value: f32x16<S>) -> f32x16<S> {
         ((value - FIRST) * PER_VALUE)

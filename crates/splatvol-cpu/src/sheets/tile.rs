@@ -49,7 +49,7 @@ pub(crate) struct SheetScratch {
     groups: Vec<GroupShape>,
     pub raster: Plane,
     pub upsampler: Upsampler,
-    /// Of the last four sheets, by channel.
+    /// Planes of the last four sheets, by channel.
     pub planes: [[Plane; MAX_CHANNELS]; 4],
     /// Contributions that the missing samples would make to them.
     pub holes: Holes,

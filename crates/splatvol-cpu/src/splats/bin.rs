@@ -41,7 +41,7 @@ pub(crate) struct Counted<'a> {
 pub(crate) struct Lists<'a> {
     pub tiles: Range<usize>,
     entries: &'a [AtomicU32],
-    /// Where each begins, and where the last ends.
+    /// Start of each list, and the end of the last.
     starts: Vec<u32>,
 }
 

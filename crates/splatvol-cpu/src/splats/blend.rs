@@ -33,7 +33,7 @@ pub(crate) trait Blend: Copy + Send + Sync {
     /// The value stored for a splat in place of its peak.
     fn kept<S: Simd>(self, simd: S, peak: f32x16<S>) -> f32x16<S>;
 
-    /// Where a splat ends, given the stored peak: `log2(e) d^T V^-1 d / 2`.
+    /// End of a splat, given the stored peak: `log2(e) d^T V^-1 d / 2`.
     fn end<S: Simd>(self, simd: S, kept: f32x16<S>) -> f32x16<S>;
 
     /// Half the edge of the square around a splat beyond which it is not drawn, pixels; covariance: xx, xy, yy.

@@ -1,8 +1,9 @@
 //! Cover: which 4 x 4-pixel blocks of a tile a splat may change, for sixteen splats at a time.
 //!
 //! In the ellipse `d^T V^-1 d <= r^2` a row at `dy` reaches from `shear dy - w` to `shear dy + w`,
-//! `w = w_0 sqrt(1 - (dy / h)^2)`. Over a band of rows the right end is farthest at the row of the ellipse's rightmost
-//! point or, if that lies outside the band, at the band's row next to it, since the right end is a concave function of `dy`.
+//! `w = w_0 sqrt(1 - (dy / h)^2)`. The right end is a concave function of `dy`. So over a band of rows it is
+//! farthest at the row of the ellipse's rightmost point or, if that lies outside the band, at the band's row next
+//! to it.
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 

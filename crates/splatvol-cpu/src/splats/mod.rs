@@ -38,8 +38,8 @@
 //! - Orthographic cameras (J constant, no limit of the angle, nothing behind the camera) do not exist there.
 //! - Harmonics are evaluated in the Gaussians' frame, for a camera brought there; colours are cut at 1e4.
 //!
-//! Pictures are the same bytes for any number of threads and for any SIMD level. A picture that is given up stops between
-//! chunks, parts and tiles, and within long lists.
+//! Pictures are identical to the byte for any number of threads and any SIMD level. Cancellation takes effect
+//! between chunks, parts and tiles, and within long lists.
 
 mod bin;
 mod blend;

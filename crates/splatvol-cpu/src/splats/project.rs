@@ -53,7 +53,7 @@ pub(crate) struct Rect {
     pub rows: [u16; 2],
 }
 
-/// Where a chunk of a source puts its splats: slices with room for all, and the index of the first.
+/// Target of a chunk's splats: slices with room for all, and the index of the first.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
     pub first: usize,

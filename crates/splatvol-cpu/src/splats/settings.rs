@@ -28,14 +28,14 @@ pub(crate) enum Manner {
     },
     /// Optical depths, in linear light: each splat a slab of `1 - exp(-tau)`, front to back.
     Light {
-        /// Where footprints end, standard deviations.
+        /// Cut of footprints, standard deviations.
         cut: f64,
         /// Pixels end where their transmittance falls to this.
         termination: f32,
     },
     /// Sums of the same optical depths, in any order: line integrals.
     Integral {
-        /// Where footprints end, standard deviations.
+        /// Cut of footprints, standard deviations.
         cut: f64,
     },
 }
@@ -43,7 +43,7 @@ pub(crate) enum Manner {
 /// Variance that footprints get, pixels squared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum LowPass {
-    /// The same for all footprints.
+    /// Variance added to every footprint.
     Added(f32),
     /// Only as much as the footprint's narrower axis lacks to this variance.
     Lacking(f32),

@@ -16,7 +16,7 @@ fn polar(dims: [usize; 3]) -> Vec<DVec3> {
     })
 }
 
-/// The same with what lies within the wall blanked, but for the axis, in the lower half.
+/// The polar grid with everything inside the wall blanked, except the axis, in the lower half.
 fn post(dims: [usize; 3]) -> Mesh {
     let points = polar(dims);
     let is_blanked = |n: usize| {

@@ -141,7 +141,7 @@ fn a_constant_stays_constant_on_skewed_unstructured_cells() {
     }
 }
 
-/// Where cells vary slowly, or are flat and sheared alike, kernels are those of the samples.
+/// Kernels are those of the samples where cells vary slowly, or are flat and sheared alike.
 #[test]
 fn even_meshes_are_not_resampled() {
     let tangent = 80f64.to_radians().tan();

@@ -1,11 +1,11 @@
 //! Nearest neighbours of all places, by a tree in Morton order: sixteen places are a leaf, sixteen boxes a node.
 //!
 //! The places of a leaf search together. They start in their own leaf and climb from node to node, descending into
-//! boxes that are nearer to one of them than its neighbours so far (Samet, Foundations of Multidimensional and
-//! Metric Data Structures, 2006, section 4.2, from the bottom up). Distances to a node's sixteen boxes and a leaf's
-//! sixteen places are first measured from the bounding box of the searching places, then from each of the sixteen.
-//! Rounding keeps the order of distances, so nothing nearer is left out. Of neighbours at one distance the first is
-//! taken: the result depends on the places alone.
+//! boxes that are nearer to one of them than its neighbours so far. This is the search of Samet, Foundations of
+//! Multidimensional and Metric Data Structures, 2006, section 4.2, from the bottom up. Distances to a node's
+//! sixteen boxes and a leaf's sixteen places are first measured from the bounding box of the searching places, then
+//! from each of the sixteen. Rounding keeps the order of distances, so nothing nearer is left out. Of neighbours at
+//! one distance the first is taken: the result depends on the places alone.
 
 mod found;
 mod tree;

@@ -1,4 +1,4 @@
-//! Where a chunk's footprints can lie.
+//! Bounds of a chunk's footprints.
 
 use glam::{DVec2, DVec3, Vec3};
 use splatvol_scene::Alignment;
@@ -7,7 +7,7 @@ use super::Projection;
 use super::rays::per_depth;
 use crate::splats::cloud::Chunk;
 
-/// Where a chunk's footprints can lie.
+/// Bounds of a chunk's footprints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// x0, y0, x1, y1, pixels.
@@ -24,7 +24,7 @@ const ROUNDED: f64 = 1e-6;
 const ROUNDING: f64 = 0.01;
 
 impl Projection<'_> {
-    /// Where a chunk's footprints can lie; `None` behind the camera.
+    /// Bounds of a chunk's footprints; `None` behind the camera.
     pub fn bounds(&self, chunk: &Chunk) -> Option<Bounds> {
         let [centres_low, centres_high] = self.corners(chunk);
         let (mut low, mut high) = (centres_low, centres_high);

@@ -27,11 +27,11 @@ use crate::splats::profile::Profile;
 /// Largest errors of a splat's footprints against exact alignment, shares of the peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AlignmentErrors {
-    /// Of the affine footprint.
+    /// Error of the affine footprint.
     pub affine: f64,
-    /// Of the footprint across the ray.
+    /// Error of the footprint across the ray.
     pub ray: f64,
-    /// Of the footprint across the axis.
+    /// Error of the footprint across the axis.
     pub grid: f64,
 }
 

@@ -78,7 +78,7 @@ pub(super) fn least_variance([xx, xy, yy]: Planar) -> f64 {
 }
 
 impl Whitening {
-    /// Of a covariance; a flat kernel keeps a thousandth of its width.
+    /// Whitening of a covariance; a flat kernel keeps a thousandth of its width.
     #[inline(always)]
     pub(super) fn new([xx, xy, xz, yy, yz, zz]: Covariance) -> Self {
         let least = 1e-6 * (xx + yy + zz);

@@ -12,8 +12,8 @@
 //! depth is 1, too. The others whiten camera space (`rays`, `splats::Ray`); *auto* has affine footprints
 //! where the estimate of `errors` allows them.
 //!
-//! Of kernels that reach before the near plane, those in whitened space keep the part behind it. Affine ones, which
-//! are linear about their centre, are dropped if the centre is before it.
+//! Kernels in whitened space that reach before the near plane keep the part behind it. Affine ones, which are
+//! linear about their centre, are dropped if the centre is before it.
 
 mod bounds;
 mod errors;

@@ -191,7 +191,7 @@ impl<'a> CloudView<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Waiting {
     splats: Vec<OpenSplat>,
-    /// Of each splat the next in its chain, plus one.
+    /// For each splat the next in its list, plus one.
     next: Vec<u32>,
     /// First splat of each plane's chain, plus one.
     heads: Vec<u32>,
@@ -256,7 +256,7 @@ impl Waiting {
         (&self.splats[place as usize], next)
     }
 
-    /// Puts a splat that was taken into another plane's chain.
+    /// Queues a taken splat again, for another plane.
     pub(crate) fn again(&mut self, place: u32, plane: usize) {
         if plane < self.heads.len() {
             self.link(place, plane);
@@ -265,7 +265,7 @@ impl Waiting {
         }
     }
 
-    /// Forgets a splat that was taken.
+    /// Drops a taken splat.
     pub(crate) fn drop(&mut self, place: u32) {
         self.free.push(place);
     }

@@ -188,7 +188,7 @@ impl ChunkBounds {
         planes
     }
 
-    /// Where a chunk's footprints can lie; `None` behind the camera, and outside the picture.
+    /// Bounds of a chunk's footprints; `None` behind the camera, and outside the picture.
     fn project(&self, chunk: &Chunk, index: usize, stack: &Planes) -> Option<ProjectedBrick> {
         let [low, high] = self.centres(chunk);
         let sigma = self.sigma(chunk);

@@ -15,7 +15,7 @@ use crate::sheets::ring::{Area, BLOCK_EDGE, LANES, Row};
 use crate::sheets::sheet::Lanes16;
 use crate::simd::math::exp2_quick;
 
-/// Where a tile's ring lies in the picture.
+/// Position of a tile's ring in the picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Footing {
     /// Image coordinates of the principal point, from the middle of the picture's first pixel.
@@ -86,7 +86,7 @@ impl Blocks {
 }
 
 impl Place {
-    /// Where the ring of this tile lies, with a raster point per pixel.
+    /// Position of this tile's ring, with a raster point per pixel.
     pub(crate) fn footing(&self, principal: [f32; 2]) -> Footing {
         let (first, blocks) = self.ring();
         Footing {

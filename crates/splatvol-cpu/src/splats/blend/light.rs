@@ -16,7 +16,7 @@ const DEEPEST: f32 = 1e9;
 pub(crate) struct Profile {
     /// Edge subtracted from a Gaussian of peak 1.
     edge: f32,
-    /// Where it ends, `log2(e) d^T V^-1 d / 2`.
+    /// End of the profile, `log2(e) d^T V^-1 d / 2`.
     end: f32,
     /// Factor by which the cut raises the peak of a splat of unit mass.
     pub peak_of_mass: f32,

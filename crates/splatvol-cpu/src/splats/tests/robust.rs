@@ -1,4 +1,4 @@
-//! The same bytes everywhere, no panic whatever comes, memory within its bound.
+//! Robustness: identical bytes everywhere, no panic for any input, bounded memory.
 
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
