@@ -21,7 +21,6 @@
 //! sheet-thickness = 0.5
 //! ```
 //!
-//! Unknown keys are refused, so that a misspelt one is not silently left out. Relative names stay inside the file's folder;
 //! Unknown keys are refused, so that a misspelt one is not silently ignored. Relative names stay inside the file's
 //! folder; a name outside of it has to be absolute.
 
