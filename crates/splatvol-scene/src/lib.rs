@@ -78,13 +78,13 @@ pub use points::{PointAttributes, Points};
 pub use scene::{Scene, SingleVolume};
 pub use settings::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings,
-    FootprintTable, GaussianMode, Gradient, Kernel, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer,
-    Reconstruction, RenderSettings, SheetContent, SheetKernel, SheetSettings, Shows, SplatCompositing,
-    SplatSettings, Stretch, TablePrecision,
+    GaussianMode, Gradient, Kernel, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction,
+    RenderSettings, SheetContent, SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings,
+    Stretch, TableLayout, TablePrecision,
 };
 pub use source::{Block, SampleSource, VoxelBox};
 pub use storage::Storage;
 pub use transfer_function::{
-    AutomaticChoice, ColorMap, ColorPoint, DataKind, OpacityCurve, OpacityPoint, TransferFunction,
+    AutomaticChoice, ColorMap, ColorPoint, OpacityCurve, OpacityPoint, TransferFunction, ValueKind,
 };
 pub use volume::{Rescale, Samples, Statistics, Volume};

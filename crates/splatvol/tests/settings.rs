@@ -1,10 +1,9 @@
 //! Flat settings and the methods that they stand for.
 
 use splatvol::{
-    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings,
-    FootprintTable, Kernel, Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction,
-    RenderSettings, SheetContent, SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings,
-    Stretch,
+    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings, Kernel,
+    Method, MotionBlur, Occlusion, PixelFilter, Rasterizer, Reconstruction, RenderSettings, SheetContent,
+    SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings, Stretch, TableLayout,
 };
 use splatvol_testing::Random;
 
@@ -216,7 +215,7 @@ fn refused(flat: FlatSettings, start: &str) {
 fn rasterizers_tables_and_ranges_outside_their_domain_are_refused() {
     let base = FlatSettings::from(RenderSettings::fastsplats2000());
     let table = |entries, sections| FlatSettings {
-        table: FootprintTable {
+        table: TableLayout {
             entries,
             sections,
             ..base.table

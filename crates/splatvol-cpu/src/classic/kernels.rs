@@ -2,7 +2,7 @@
 
 use splatvol_core::splats::{GaussianProfile, KernelShape, RadialProfile};
 use splatvol_scene::{
-    FootprintTable, Kernel, Rasterizer, Reconstruction, RenderSettings, SceneError, SplatSettings,
+    Kernel, Rasterizer, Reconstruction, RenderSettings, SceneError, SplatSettings, TableLayout,
 };
 
 use super::raster::Tables;
@@ -22,7 +22,7 @@ enum Prepared {
     Radial(RadialProfile, Option<Tables>),
 }
 
-type Key = (Kernel, Rasterizer, FootprintTable);
+type Key = (Kernel, Rasterizer, TableLayout);
 
 /// The last frame's kernel.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ impl Default for KernelStore {
         let kernel = Kernel::default();
         let (sigma, radius) = kernel.gaussian().unwrap_or((1.0, 4.0));
         Self {
-            key: (kernel, Rasterizer::Auto, FootprintTable::default()),
+            key: (kernel, Rasterizer::Auto, TableLayout::default()),
             prepared: Prepared::Gaussian(GaussianProfile::new(radius / sigma)),
         }
     }

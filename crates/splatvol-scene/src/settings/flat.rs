@@ -9,10 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::splats::ONLY_SWAN;
 use super::validate::DATA_IN_MOTION;
 use super::{
-    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FootprintTable,
-    GaussianMode, Gradient, Kernel, Method, MotionBlur, Occlusion, Rasterizer, Reconstruction,
-    RenderSettings, SheetContent, SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings,
-    Stretch,
+    Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, GaussianMode, Gradient,
+    Kernel, Method, MotionBlur, Occlusion, Rasterizer, Reconstruction, RenderSettings, SheetContent,
+    SheetKernel, SheetSettings, Shows, SplatCompositing, SplatSettings, Stretch, TableLayout,
 };
 use crate::{ImageSize, Lighting, SceneError};
 
@@ -44,7 +43,7 @@ pub struct FlatSettings {
     /// Rasterisation of footprints.
     pub rasterizer: Rasterizer,
     /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
-    pub table: FootprintTable,
+    pub table: TableLayout,
     /// Culling of hidden footprints.
     pub occlusion: Occlusion,
     /// Voxels that have splats; `None` for all that the transfer function shows.

@@ -81,7 +81,7 @@ impl Rasterizer {
         }
     }
 
-    /// Whether footprints come from a [`crate::FootprintTable`].
+    /// Whether footprints come from a [`crate::TableLayout`].
     pub fn has_table(self) -> bool {
         self != Self::Auto
     }

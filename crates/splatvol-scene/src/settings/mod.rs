@@ -28,7 +28,7 @@ pub use method::{Method, SheetKernel, SheetSettings, Shows};
 pub use motion_blur::MotionBlur;
 pub use splats::{SplatCompositing, SplatSettings};
 pub use stretch::Stretch;
-pub use table::{FootprintTable, TablePrecision};
+pub use table::{TableLayout, TablePrecision};
 
 use crate::{ImageSize, Lighting};
 

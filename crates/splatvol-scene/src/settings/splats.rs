@@ -1,8 +1,8 @@
 //! The methods of the papers: whole footprints, or sections of them, drawn and composited one by one.
 
 use super::{
-    Absorption, Alignment, Classification, Compositing, Extraction, Filter, FootprintTable, Kernel,
-    Occlusion, Rasterizer, Reconstruction, Stretch,
+    Absorption, Alignment, Classification, Compositing, Extraction, Filter, Kernel, Occlusion, Rasterizer,
+    Reconstruction, Stretch, TableLayout,
 };
 use crate::SceneError;
 
@@ -24,7 +24,7 @@ pub struct SplatSettings {
     /// Rasterisation of footprints.
     pub rasterizer: Rasterizer,
     /// The table that rasterisers look footprints up in; [`Rasterizer::Auto`] needs none.
-    pub table: FootprintTable,
+    pub table: TableLayout,
     /// Culling of hidden footprints.
     pub occlusion: Occlusion,
     /// Voxels that have splats; `None` for all that the transfer function shows.
@@ -84,7 +84,7 @@ impl Default for SplatSettings {
             alignment: Alignment::default(),
             stretch: Stretch::default(),
             rasterizer: Rasterizer::default(),
-            table: FootprintTable::default(),
+            table: TableLayout::default(),
             occlusion: Occlusion::default(),
             extraction: None,
             reconstruction: Reconstruction::default(),

@@ -8,7 +8,7 @@ use crate::SceneError;
 /// sections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-pub struct FootprintTable {
+pub struct TableLayout {
     /// Entries from the footprint's centre to its edge, 32 to 1024.
     pub entries: u32,
     /// Number format of an entry.
@@ -30,7 +30,7 @@ pub enum TablePrecision {
     F32,
 }
 
-impl Default for FootprintTable {
+impl Default for TableLayout {
     fn default() -> Self {
         Self {
             entries: 128,
@@ -40,7 +40,7 @@ impl Default for FootprintTable {
     }
 }
 
-impl FootprintTable {
+impl TableLayout {
     /// Checks every field's domain.
     ///
     /// # Errors

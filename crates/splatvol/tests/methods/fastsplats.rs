@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use splatvol::{
     Absorption, Alignment, Classification, Compositing, EngineConfig, Extraction, Filter, FlatSettings,
-    FootprintTable, Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings,
-    Renderer, Samples, Scene, SheetContent, TablePrecision, Volume,
+    Frame, Grid, ImageSize, Kernel, Occlusion, Projection, Rasterizer, RenderSettings, Renderer, Samples,
+    Scene, SheetContent, TableLayout, TablePrecision, Volume,
 };
 use splatvol_samples::Sample;
 use splatvol_testing::{Comparison, checked};
@@ -24,7 +24,7 @@ const ALL: [Rasterizer; 5] = [
 fn fine(pixels: u32) -> RenderSettings {
     checked(FlatSettings {
         size: ImageSize::new(pixels, pixels).unwrap(),
-        table: FootprintTable {
+        table: TableLayout {
             entries: 1024,
             precision: TablePrecision::F32,
             sections: 128,

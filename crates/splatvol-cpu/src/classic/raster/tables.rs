@@ -11,7 +11,7 @@
 use splatvol_core::bin::TileRect;
 use splatvol_core::radial::{self, AnySection, Entry, Precision, Spacing, TableSettings};
 use splatvol_core::splats::{Footprint, Sample, Warp};
-use splatvol_scene::{FootprintTable, Kernel, Rasterizer, SceneError, TablePrecision};
+use splatvol_scene::{Kernel, Rasterizer, SceneError, TableLayout, TablePrecision};
 
 use super::blit::Blits;
 use super::rlut::RadiusTables;
@@ -94,7 +94,7 @@ impl Tables {
     /// # Errors
     /// Kernel or table outside their domain.
     pub(crate) fn new(
-        (rasterizer, layout): (Rasterizer, FootprintTable),
+        (rasterizer, layout): (Rasterizer, TableLayout),
         kernel: Kernel,
     ) -> Result<Option<Self>, SceneError> {
         let method = match rasterizer {

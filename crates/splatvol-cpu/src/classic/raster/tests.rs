@@ -3,7 +3,7 @@
 use splatvol_core::bin::TileRect;
 use splatvol_core::radial::RadialKernel;
 use splatvol_core::splats::{Footprint, Warp};
-use splatvol_scene::{FootprintTable, Kernel, Rasterizer, TablePrecision};
+use splatvol_scene::{Kernel, Rasterizer, TableLayout, TablePrecision};
 
 use super::Tables;
 
@@ -40,7 +40,7 @@ impl Random {
 }
 
 fn tables(rasterizer: Rasterizer, kernel: Kernel, entries: u32, precision: TablePrecision) -> Tables {
-    let layout = FootprintTable {
+    let layout = TableLayout {
         entries,
         precision,
         sections: 128,

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use splatvol::radial::{Precision, Spacing, TableSettings};
 use splatvol::{
-    Camera, ColorPoint, FlatSettings, FootprintTable, Grid, Image, ImageSize, OpacityPoint, Rasterizer,
-    RenderSettings, Samples, Scene, TablePrecision, TransferFunction, View, Volume,
+    Camera, ColorPoint, FlatSettings, Grid, Image, ImageSize, OpacityPoint, Rasterizer, RenderSettings,
+    Samples, Scene, TableLayout, TablePrecision, TransferFunction, View, Volume,
 };
 
 use super::data;
@@ -86,10 +86,10 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     let edge = bench.choose(512, 256);
     let base = fastsplats(ImageSize::new(edge, edge)?, Rasterizer::Linear1d);
     let reference = RenderSettings::try_from(FlatSettings {
-        table: FootprintTable {
+        table: TableLayout {
             entries: 256,
             precision: TablePrecision::U16,
-            ..FootprintTable::default()
+            ..TableLayout::default()
         },
         ..base
     })?;

@@ -1,7 +1,7 @@
 //! Label volumes: whole numbers that name things, to be shown in one colour each.
 
 use super::survey::Survey;
-use super::{DataKind, Proposal};
+use super::{Proposal, ValueKind};
 use crate::{ColorPoint, OpacityPoint, Volume};
 
 /// Most labels that are told apart.
@@ -83,7 +83,7 @@ pub(super) fn proposal(labels: &Labels, survey: &Survey) -> Proposal {
         }
     }
     Proposal {
-        kind: DataKind::Labels,
+        kind: ValueKind::Labels,
         reason: format!(
             "{} whole numbers with mostly equal neighbours: a label volume, a colour per label, {} transparent",
             values.len(),

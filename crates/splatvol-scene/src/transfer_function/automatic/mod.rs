@@ -30,7 +30,7 @@ use survey::Survey;
 /// Kind of data, as the automatic choice recognised it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum DataKind {
+pub enum ValueKind {
     /// One value everywhere.
     Constant,
     /// Whole numbers that name things.
@@ -50,7 +50,7 @@ pub enum DataKind {
 #[non_exhaustive]
 pub struct AutomaticChoice {
     /// Recognised kind of the data.
-    pub kind: DataKind,
+    pub kind: ValueKind,
     /// One sentence with the numbers behind the choice, in data units.
     pub reason: String,
     /// Classification suited to such data: labels must not be interpolated, so they need pre-classification.
@@ -61,7 +61,7 @@ pub struct AutomaticChoice {
 
 /// Curves before validation, and their explanation.
 struct Proposal {
-    kind: DataKind,
+    kind: ValueKind,
     reason: String,
     colors: Vec<ColorPoint>,
     opacities: Vec<OpacityPoint>,
@@ -78,7 +78,7 @@ impl TransferFunction {
             kind: proposal.kind,
             reason: proposal.reason,
             classification: match proposal.kind {
-                DataKind::Labels => Classification::Pre,
+                ValueKind::Labels => Classification::Pre,
                 _ => Classification::Post,
             },
             range,
@@ -132,8 +132,8 @@ fn span(opacities: &[OpacityPoint], volume: &Volume) -> [f64; 2] {
     ]
 }
 
-fn recolor(map: ColorMap, range: [f64; 2], kind: DataKind) -> Vec<ColorPoint> {
-    let range = if kind == DataKind::Signed {
+fn recolor(map: ColorMap, range: [f64; 2], kind: ValueKind) -> Vec<ColorPoint> {
+    let range = if kind == ValueKind::Signed {
         let reach = range[0].abs().max(range[1].abs());
         [-reach, reach]
     } else {

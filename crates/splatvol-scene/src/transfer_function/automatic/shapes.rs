@@ -2,7 +2,7 @@
 
 use super::materials::{Background, thresholds};
 use super::survey::{Survey, quantile};
-use super::{DataKind, Proposal};
+use super::{Proposal, ValueKind};
 use crate::{ColorMap, ColorPoint, OpacityPoint};
 
 /// Soft to dense: terracotta, amber, ivory.
@@ -39,7 +39,7 @@ fn opacity(tau: f64, path: Option<f64>) -> f64 {
 /// One value everywhere: a translucent box.
 pub(super) fn constant(value: f64) -> Proposal {
     Proposal {
-        kind: DataKind::Constant,
+        kind: ValueKind::Constant,
         reason: format!("every sample is {value}: shown as a translucent box"),
         colors: vec![ColorPoint::new(value, PALETTE[2])],
         opacities: vec![OpacityPoint::new(value, 0.02)],
@@ -60,7 +60,7 @@ pub(super) fn hounsfield(survey: &Survey) -> Proposal {
         .clamp(0.3f64.max(medium), 0.95);
     let points = |list: &[(f64, f64)]| list.iter().map(|&(v, o)| OpacityPoint::new(v, o)).collect();
     Proposal {
-        kind: DataKind::Hounsfield,
+        kind: ValueKind::Hounsfield,
         reason: String::from(
             "values look like CT in Hounsfield units: air transparent, soft tissue translucent, bone (above 350) ivory",
         ),
@@ -110,7 +110,7 @@ pub(super) fn signed(mut survey: Survey, largest: f64) -> Proposal {
     let [_, _, strong] = classes.thresholds;
     let map = ColorMap::from_name("coolwarm").expect("coolwarm is a table of this crate");
     Proposal {
-        kind: DataKind::Signed,
+        kind: ValueKind::Signed,
         reason: format!(
             "values lie on both sides of a background of 0: transparent below a magnitude of {:.4}, strongest above {strong:.4}",
             positive[0].value
@@ -128,7 +128,7 @@ pub(super) fn materials(survey: &Survey, background: Background, max: f64) -> Op
     let classes = Classes::new(survey, background, max);
     let [soft, middle, dense] = classes.thresholds;
     Some(Proposal {
-        kind: DataKind::Materials,
+        kind: ValueKind::Materials,
         reason: format!(
             "background {:.4} with noise {:.3} at the faces of the grid: three classes from {soft:.4}, {middle:.4} and {dense:.4}",
             background.level, background.noise
@@ -148,7 +148,7 @@ pub(super) fn continuous(survey: &Survey, [min, max]: [f64; 2]) -> Proposal {
     let top = survey.quantile(0.99).max(threshold + width);
     let at = |t: f64| threshold + t * (top - threshold);
     Proposal {
-        kind: DataKind::Continuous,
+        kind: ValueKind::Continuous,
         reason: format!(
             "no background at the faces of the grid: solid above Otsu's threshold {threshold:.4}"
         ),

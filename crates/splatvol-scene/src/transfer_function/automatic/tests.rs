@@ -48,7 +48,7 @@ fn materials_show_and_noisy_air_does_not() {
     for (make, noise) in [(u8s as fn(Vec<f64>) -> Samples, 8.0), (f32s, 12.0)] {
         let volume = volume(make, |p, u| ball(p, 10.0, 80.0, 200.0) + noise * u);
         let (tf, choice) = TransferFunction::automatic(&volume, None);
-        assert_eq!(choice.kind, DataKind::Materials, "{}", choice.reason);
+        assert_eq!(choice.kind, ValueKind::Materials, "{}", choice.reason);
         assert_eq!(tf.opacity(10.0 + noise), 0.0, "{:?}", tf.opacities());
         let (soft, dense) = (tf.opacity(80.0 + 0.5 * noise), tf.opacity(200.0 + 0.5 * noise));
         assert!(
@@ -63,7 +63,7 @@ fn materials_show_and_noisy_air_does_not() {
 fn a_bright_background_is_transparent_too() {
     let volume = volume(f32s, |p, u| ball(p, 250.0, 150.0, 20.0) - 5.0 * u);
     let (tf, choice) = TransferFunction::automatic(&volume, None);
-    assert_eq!(choice.kind, DataKind::Materials);
+    assert_eq!(choice.kind, ValueKind::Materials);
     assert!(choice.reason.contains("negated"), "{}", choice.reason);
     assert_eq!(tf.opacity(245.0), 0.0);
     assert!(tf.opacity(18.0) > tf.opacity(148.0) && tf.opacity(148.0) > 0.0);
@@ -73,7 +73,7 @@ fn a_bright_background_is_transparent_too() {
 fn hounsfield_units_give_tissue_and_bone() {
     let volume = volume(i16s, |p, u| ball(p, -1000.0, 40.0, 900.0) + 30.0 * u);
     let (tf, choice) = TransferFunction::automatic(&volume, None);
-    assert_eq!(choice.kind, DataKind::Hounsfield);
+    assert_eq!(choice.kind, ValueKind::Hounsfield);
     assert_eq!(tf.opacity(-900.0), 0.0);
     assert!(tf.opacity(40.0) > 0.001 && tf.opacity(40.0) < 0.2);
     assert!(tf.opacity(900.0) >= 0.3);
@@ -90,7 +90,7 @@ fn labels_keep_their_values_apart() {
     let (tf, choice) = TransferFunction::automatic(&volume, None);
     assert_eq!(
         (choice.kind, choice.classification),
-        (DataKind::Labels, Classification::Pre)
+        (ValueKind::Labels, Classification::Pre)
     );
     assert!(choice.reason.starts_with("4 whole numbers"), "{}", choice.reason);
     assert_eq!(tf.opacity(0.0), 0.0);
@@ -109,7 +109,7 @@ fn signed_data_diverge_around_zero() {
         9.0 * lobe(-0.4) - 6.0 * lobe(0.4) + 0.1 * (u - 0.5)
     });
     let (tf, choice) = TransferFunction::automatic(&volume, None);
-    assert_eq!(choice.kind, DataKind::Signed);
+    assert_eq!(choice.kind, ValueKind::Signed);
     assert_eq!(tf.opacity(0.06), 0.0);
     assert!(tf.opacity(8.0) > 0.3 && tf.opacity(-5.0) > 0.0);
     let (positive, negative) = (tf.color(8.0), tf.color(-8.0));
@@ -128,7 +128,7 @@ fn a_masked_map_of_noise_shows_its_peak_alone() {
         if p.length() < 0.9 { 1.7 * noise + peak } else { 0.0 }
     });
     let (tf, choice) = TransferFunction::automatic(&volume, None);
-    assert_eq!(choice.kind, DataKind::Signed, "{}", choice.reason);
+    assert_eq!(choice.kind, ValueKind::Signed, "{}", choice.reason);
     assert_eq!([tf.opacity(1.9), tf.opacity(-1.9)], [0.0, 0.0]);
     assert!(tf.opacity(8.0) > 0.2, "{:?}", tf.opacities());
 }
@@ -146,7 +146,7 @@ fn soft_material_that_hides_nothing_is_denser() {
             }
         });
         let (tf, choice) = TransferFunction::automatic(&volume, None);
-        assert_eq!(choice.kind, DataKind::Materials, "{}", choice.reason);
+        assert_eq!(choice.kind, ValueKind::Materials, "{}", choice.reason);
         tf.opacity(45.0)
     };
     let (around, beside) = (opacity(0.5), opacity(-0.45));
@@ -209,7 +209,7 @@ fn a_field_that_fills_the_grid_is_cut_in_the_middle() {
         (1.0 - (0.5 * std::f64::consts::PI * p.z).sin() + 0.25 * (1.0 + rho)) / 2.5
     });
     let (tf, choice) = TransferFunction::automatic(&volume, None);
-    assert_eq!(choice.kind, DataKind::Continuous, "{}", choice.reason);
+    assert_eq!(choice.kind, ValueKind::Continuous, "{}", choice.reason);
     assert_eq!(tf.opacity(0.4), 0.0);
     assert!(tf.opacity(0.6) >= 0.5);
 }
@@ -225,7 +225,7 @@ fn thin_bright_structures_are_found() {
         }
     });
     let (tf, choice) = TransferFunction::automatic(&volume, None);
-    assert_eq!(choice.kind, DataKind::Materials, "{}", choice.reason);
+    assert_eq!(choice.kind, ValueKind::Materials, "{}", choice.reason);
     assert_eq!(tf.opacity(12.0), 0.0);
     assert!(tf.opacity(200.0) > 0.5);
 }
@@ -239,7 +239,7 @@ fn odd_volumes_give_valid_functions() {
             ColorMap::from_name("turbo").ok(),
         )
     };
-    assert_eq!(one(Samples::F32(vec![3.0].into())).1.kind, DataKind::Constant);
+    assert_eq!(one(Samples::F32(vec![3.0].into())).1.kind, ValueKind::Constant);
     one(Samples::U8(vec![0, 255].into()));
     one(Samples::F64(vec![-1e300, 0.0, 7e299].into()));
     one(Samples::F32(
@@ -289,7 +289,7 @@ fn classic_scans_show_their_known_structures() {
         let grid = Grid::centred(dims, DVec3::ONE).unwrap();
         let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
         let (tf, choice) = TransferFunction::automatic(&volume, None);
-        assert_eq!(choice.kind, DataKind::Materials, "{name}: {}", choice.reason);
+        assert_eq!(choice.kind, ValueKind::Materials, "{name}: {}", choice.reason);
         tf
     };
     // Air is 75 to 80, dentine about 160, enamel about 230.

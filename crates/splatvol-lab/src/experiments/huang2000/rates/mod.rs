@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use splatvol::{
-    Camera, Classification, ColorPoint, FlatSettings, FootprintTable, Grid, ImageSize, OpacityPoint,
-    Projection, Rasterizer, RenderSettings, Samples, Scene, TablePrecision, TransferFunction, Volume,
+    Camera, Classification, ColorPoint, FlatSettings, Grid, ImageSize, OpacityPoint, Projection, Rasterizer,
+    RenderSettings, Samples, Scene, TableLayout, TablePrecision, TransferFunction, Volume,
 };
 
 use super::method::{FASTSPLATS, RLUT, Subject, fastsplats};
@@ -233,7 +233,7 @@ fn variants(bench: &Workbench<'_>, outcome: &mut Outcome) -> Result<(), LabError
     let (scene, camera) = slab(radius, f64::from(edge))?;
     let square = settings(size, Rasterizer::Square1d, Classification::Pre);
     let wide = FlatSettings {
-        table: FootprintTable {
+        table: TableLayout {
             precision: TablePrecision::U16,
             ..square.table
         },

@@ -1,6 +1,6 @@
 //! Pictures of Fig. 2 and 7, rows and bars of Table 1.
 
-use splatvol::{FlatSettings, FootprintTable, Frame, Rasterizer, RenderSettings, TablePrecision};
+use splatvol::{FlatSettings, Frame, Rasterizer, RenderSettings, TableLayout, TablePrecision};
 
 use super::Case;
 use crate::experiments::huang2000::lookups::Lookups;
@@ -15,9 +15,9 @@ pub(super) fn pictures(bench: &Workbench<'_>, outcome: &mut Outcome, cases: &[Ca
     let size = picture_size(bench)?;
     let render = |case: &Case, rasterizer, entries| -> Result<Frame, LabError> {
         let settings = RenderSettings::try_from(FlatSettings {
-            table: FootprintTable {
+            table: TableLayout {
                 entries,
-                ..FootprintTable::default()
+                ..TableLayout::default()
             },
             ..fastsplats(size, rasterizer)
         })?;
@@ -27,10 +27,10 @@ pub(super) fn pictures(bench: &Workbench<'_>, outcome: &mut Outcome, cases: &[Ca
         return Err(LabError::Measurement("not four volumes".to_owned()));
     };
     let fine = RenderSettings::try_from(FlatSettings {
-        table: FootprintTable {
+        table: TableLayout {
             entries: 256,
             precision: TablePrecision::U16,
-            ..FootprintTable::default()
+            ..TableLayout::default()
         },
         ..fastsplats(size, Rasterizer::Linear1d)
     })?;
