@@ -24,6 +24,13 @@ pub enum Projection {
     },
 }
 
+impl Default for Projection {
+    /// Perspective with a field of view of 30 degrees.
+    fn default() -> Self {
+        Self::Perspective { fov_degrees: 30.0 }
+    }
+}
+
 /// Named directions to look from. In RAS+ data `Front` faces the patient, whose right is then on the left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -77,12 +84,21 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Camera at `position` looking at `target`, with `up` upwards in the picture (all world).
+    /// Camera at `position` looking at `target`, with `up` upwards in the picture (all world, vectors or arrays).
     ///
     /// # Errors
     /// Values that are not finite, a target at the position, an up along the view, a field of view outside
     /// (0, 180) degrees, or a height that is not positive.
     pub fn new(
+        position: impl Into<DVec3>,
+        target: impl Into<DVec3>,
+        up: impl Into<DVec3>,
+        projection: Projection,
+    ) -> Result<Self, SceneError> {
+        Self::looking(position.into(), target.into(), up.into(), projection)
+    }
+
+    fn looking(
         position: DVec3,
         target: DVec3,
         up: DVec3,

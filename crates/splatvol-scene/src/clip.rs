@@ -36,7 +36,8 @@ impl ClipPlane {
     ///
     /// # Errors
     /// A point that is not finite, or a normal that is zero or not finite.
-    pub fn new(point: DVec3, normal: DVec3) -> Result<Self, SceneError> {
+    pub fn new(point: impl Into<DVec3>, normal: impl Into<DVec3>) -> Result<Self, SceneError> {
+        let (point, normal) = (point.into(), normal.into());
         if !point.is_finite() {
             return Err(SceneError::invalid(
                 "clip plane's point",
@@ -99,7 +100,7 @@ impl Clip {
     ///
     /// # Errors
     /// Same as [`ClipPlane::new`].
-    pub fn plane(point: DVec3, normal: DVec3) -> Result<Self, SceneError> {
+    pub fn plane(point: impl Into<DVec3>, normal: impl Into<DVec3>) -> Result<Self, SceneError> {
         Ok(Self {
             planes: vec![ClipPlane::new(point, normal)?],
             keep: Keep::Inside,

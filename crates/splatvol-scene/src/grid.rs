@@ -91,10 +91,11 @@ impl Grid {
     /// that is singular or not finite.
     pub fn new(
         dims: [usize; 3],
-        origin: DVec3,
-        spacing: DVec3,
+        origin: impl Into<DVec3>,
+        spacing: impl Into<DVec3>,
         direction: DMat3,
     ) -> Result<Self, SceneError> {
+        let spacing = spacing.into();
         if !(spacing.is_finite() && spacing.min_element() > 0.0) {
             return Err(SceneError::invalid(
                 "spacing",
@@ -104,15 +105,16 @@ impl Grid {
         }
         Self::from_affine(
             dims,
-            DAffine3::from_mat3_translation(direction * DMat3::from_diagonal(spacing), origin),
+            DAffine3::from_mat3_translation(direction * DMat3::from_diagonal(spacing), origin.into()),
         )
     }
 
-    /// Grid with unit spacing, its centre at the world's origin.
+    /// Grid along the world's axes, its centre at the world's origin.
     ///
     /// # Errors
     /// Same as [`Grid::new`].
-    pub fn centred(dims: [usize; 3], spacing: DVec3) -> Result<Self, SceneError> {
+    pub fn centred(dims: [usize; 3], spacing: impl Into<DVec3>) -> Result<Self, SceneError> {
+        let spacing = spacing.into();
         let last = DVec3::from_array(dims.map(|n| n as f64 - 1.0));
         Self::new(dims, -0.5 * last * spacing, spacing, DMat3::IDENTITY)
     }
