@@ -3,6 +3,8 @@
 //! Appearance is stored with the data that can have it, so that it cannot be given to others: values have a transfer
 //! function or isosurfaces, points a colour; Gaussians have their own.
 
+mod automatic;
+
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};

@@ -1,0 +1,105 @@
+//! Items whose look is chosen from their values.
+
+use std::sync::Arc;
+
+use crate::{
+    Content, Grid, Item, LengthUnit, Mesh, Rescale, Samples, SceneError, TransferFunction, ValueKind, Volume,
+};
+
+/// Values in a row of the grid that a mesh is surveyed on.
+const ROW: usize = 32_768;
+
+impl Item {
+    /// A volume with the transfer function of [`TransferFunction::automatic`]; label maps are taken as
+    /// [`Item::labels`].
+    pub fn automatic(volume: impl Into<Arc<Volume>>) -> Self {
+        let volume = volume.into();
+        let (transfer_function, choice) = TransferFunction::automatic(&volume, None);
+        match choice.kind {
+            ValueKind::Labels => Self::labels(volume, transfer_function),
+            _ => Self::volume(volume, transfer_function),
+        }
+    }
+
+    /// A mesh with a transfer function that is chosen from its values in the same way.
+    ///
+    /// # Errors
+    /// More values than a [`Grid`] can have rows for: a thousand million.
+    pub fn automatic_mesh(mesh: impl Into<Arc<Mesh>>) -> Result<Self, SceneError> {
+        let mesh = mesh.into();
+        let (transfer_function, _) = TransferFunction::automatic(&rows_of(&mesh.field().values)?, None);
+        Ok(Self::new(Content::Mesh {
+            mesh,
+            transfer_function,
+            isosurfaces: Vec::new(),
+        }))
+    }
+}
+
+/// Values as the rows of a flat volume; what is missing in the last row does not count.
+fn rows_of(values: &[f32]) -> Result<Volume, SceneError> {
+    let width = values.len().clamp(1, ROW);
+    let rows = values.len().div_ceil(width);
+    let mut samples = values.to_vec();
+    samples.resize(rows * width, f32::NAN);
+    Volume::new(
+        Grid::centred([width, rows, 1], [1.0; 3])?,
+        Samples::F32(samples.into()),
+        Rescale::default(),
+        LengthUnit::Unknown,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::{Association, MeshField, Topology};
+
+    fn volume(value: impl Fn([usize; 3]) -> u8) -> Volume {
+        let dims = [16; 3];
+        let at = |i: usize| [i % 16, i / 16 % 16, i / 256];
+        Volume::new(
+            Grid::centred(dims, [1.0; 3]).unwrap(),
+            Samples::U8((0..4096).map(|i| value(at(i))).collect()),
+            Rescale::default(),
+            LengthUnit::Unknown,
+        )
+        .unwrap()
+    }
+
+    fn is_labels(item: &Item) -> bool {
+        matches!(item.content, Content::Volume { labels: true, .. })
+    }
+
+    #[test]
+    fn names_become_labels_and_numbers_do_not() {
+        let names = volume(|[x, y, _]| 3 * u8::from(x > 7) + u8::from(y > 7));
+        assert!(is_labels(&Item::automatic(names)));
+        let numbers = volume(|[x, y, z]| (x * 7 + y * 5 + z * 3) as u8);
+        assert!(!is_labels(&Item::automatic(numbers)));
+    }
+
+    #[test]
+    fn a_mesh_is_surveyed_by_its_values() {
+        let positions = (0..27).map(|i| [i % 3, i / 3 % 3, i / 9].map(|at| at as f32));
+        let field = MeshField {
+            name: "height".to_owned(),
+            association: Association::Point,
+            values: (0..27).map(|i| 0.37 * i as f32).collect(),
+        };
+        let blocks = Topology::Structured(vec![[3; 3]]);
+        let mesh = Mesh::new(positions.collect(), blocks, Vec::new(), field, DAffine3::IDENTITY);
+        let item = Item::automatic_mesh(mesh.unwrap()).unwrap();
+        item.validate().unwrap();
+        let Content::Mesh {
+            transfer_function, ..
+        } = item.content
+        else {
+            panic!("no mesh");
+        };
+        let opacities = transfer_function.opacities();
+        assert!(opacities.iter().any(|point| point.opacity > 0.0));
+    }
+}
