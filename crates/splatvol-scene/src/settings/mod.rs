@@ -1,4 +1,18 @@
 //! Plain settings of a frame. The methods of the papers are values here, never separate renderers.
+//!
+//! Start from a preset and change what differs, by `with_*` or by `..`: such code goes on compiling when a new version has
+//! more fields, which is no breaking change of this crate. Code that lists every field may break.
+//!
+//! ```
+//! use splatvol_scene::{RenderSettings, Shows};
+//!
+//! let xray = RenderSettings::best().with_shows(Shows::Xray).with_lighting(None);
+//! let same = RenderSettings {
+//!     lighting: None,
+//!     ..RenderSettings::best().with_shows(Shows::Xray)
+//! };
+//! assert_eq!(xray, same);
+//! ```
 
 mod compositing;
 mod coverage;
@@ -15,6 +29,7 @@ mod splats;
 mod stretch;
 mod table;
 mod validate;
+mod with;
 
 pub use compositing::{Absorption, Classification, Compositing, Gradient, SheetContent};
 pub use coverage::Coverage;
