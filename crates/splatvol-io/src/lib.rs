@@ -3,6 +3,7 @@
 //! | module | formats |
 //! |---|---|
 //! | [`data`] | all of the following: which reader a file is for |
+//! | [`item`] | the same, with a look that suits it |
 //! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
 //! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
 //! | [`volume`] | NRRD, MetaImage, NIfTI-1/2, VTK XML image data, legacy VTK, `.npy`/`.npz`, DICOM, TIFF, OME-Zarr, MGH/MGZ, SLC, folders of slices, headerless raw |
@@ -25,6 +26,7 @@ pub mod data;
 mod error;
 pub mod gaussians;
 pub mod image;
+pub mod item;
 mod json;
 pub mod mesh;
 mod ply;
@@ -41,7 +43,8 @@ pub use data::{Data, DataKind, DataOptions, LoadedData, data_kind, read_data};
 pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
-pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_image};
+pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_frame, write_image};
+pub use item::read_item;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};

@@ -13,7 +13,7 @@ mod srgb;
 
 use std::path::Path;
 
-use splatvol_scene::Image;
+use splatvol_scene::{Frame, Image};
 
 use crate::IoError;
 use crate::error::Context;
@@ -92,6 +92,26 @@ pub fn write_image(
     })
 }
 
+/// Writes a frame to a file whose extension chooses the format: `.png` (8 bits per channel), or `.exr` with the frame's depth.
+/// `metadata` are keywords and texts that travel with the picture ([`metadata`]).
+///
+/// # Errors
+/// [`IoError::Unsupported`] for other extensions; otherwise as [`write_image`].
+pub fn write_frame(
+    path: impl AsRef<Path>,
+    frame: &Frame,
+    metadata: &[(String, String)],
+) -> Result<(), IoError> {
+    let path = path.as_ref();
+    let Some(format) = ImageFormat::from_path(path) else {
+        let extension = path.extension().unwrap_or_default().display();
+        return Err(Context::new("picture", path).unsupported(format!(
+            "no writer for the extension \"{extension}\" (.png and .exr have one)"
+        )));
+    };
+    write_image(path, &frame.image, Some(&frame.depth), format, metadata)
+}
+
 /// Reads a PNG or EXR; the first bytes decide which.
 ///
 /// # Errors
@@ -126,4 +146,37 @@ fn check_size(pixels: u64, bytes: &[u8], ratio: u64, context: &Context<'_>) -> R
         return Err(context.too_small("pixels", pixels, at_most));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use splatvol_scene::ImageSize;
+
+    use super::*;
+
+    #[test]
+    fn the_extension_of_a_frame_chooses_the_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let frame = Frame::empty(ImageSize::new(3, 2).unwrap());
+        let texts = [("Title".to_owned(), "nothing".to_owned())];
+        for (name, has_depth) in [("a.png", false), ("a.EXR", true)] {
+            let path = folder.path().join(name);
+            write_frame(&path, &frame, &texts).unwrap();
+            let loaded = read_image(&path).unwrap();
+            assert_eq!(loaded.image, frame.image, "{name}");
+            assert_eq!(loaded.depth.is_some(), has_depth, "{name}");
+            assert_eq!(
+                metadata::find(&loaded.metadata, "Title"),
+                Some("nothing"),
+                "{name}"
+            );
+        }
+        let error = write_frame(folder.path().join("a.jpg"), &frame, &[]).unwrap_err();
+        let text = error.to_string();
+        assert!(
+            text.starts_with("picture: no writer for the extension \"jpg\""),
+            "{text}"
+        );
+        assert!(text.ends_with("a.jpg"), "{text}");
+    }
 }
