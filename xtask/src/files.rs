@@ -68,7 +68,7 @@ fn links(text: &str) -> impl Iterator<Item = &str> {
     text.split("](")
         .skip(1)
         .filter_map(|rest| rest.split(')').next())
-        .filter(|link| !link.contains("://") && !link.contains(' '))
+        .filter(|link| !link.contains("://") && !link.starts_with("data:") && !link.contains(' '))
         .filter_map(|link| link.split('#').next())
         .filter(|link| !link.is_empty())
 }
