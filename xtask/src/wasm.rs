@@ -31,6 +31,17 @@ pub(crate) fn check(root: &Path) -> Result<String> {
         "{} do not build for {TARGET}",
         CRATES.join(", ")
     );
+    // Who draws only what it is given can leave readers and samples out.
+    let status = Command::new(env!("CARGO"))
+        .current_dir(root)
+        .args(["check", "--locked", "--target", TARGET])
+        .args(["--package", "splatvol", "--no-default-features"])
+        .status()
+        .context("cannot start cargo")?;
+    ensure!(
+        status.success(),
+        "splatvol without its features does not build for {TARGET}"
+    );
     Ok(format!(
         "{} build for {TARGET}, by the std in {}",
         CRATES.join(", "),
