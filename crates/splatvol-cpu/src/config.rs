@@ -11,8 +11,8 @@ pub struct EngineConfig {
     pub tile_edge: Option<usize>,
     /// Instructions to use; `None` takes the best available. Does not change the picture.
     pub simd: Option<SimdLevel>,
-    /// Bytes for volumes of earlier scenes, prepared and with their samples, the last used first: who switches between a few finds
-    /// them ready. `None` for 1 GiB.
+    /// Memory budget, bytes, for volumes of earlier scenes, prepared and with their samples, the last used first:
+    /// switching between a few volumes finds them ready. `None` for 1 GiB.
     pub spare_bytes: Option<usize>,
 }
 

@@ -23,7 +23,7 @@ use splatvol_scene::{
 use crate::prepare::Patience;
 use crate::run::Run;
 
-/// Neighbours that radii and normals are estimated from.
+/// Number of neighbours for the estimation of radii and normals.
 const NEIGHBORS: usize = 8;
 /// Most spacings along a scene's box, however fine one of its items is.
 const MOST_SPACINGS: f64 = 8192.0;

@@ -1,4 +1,4 @@
-//! The engine's splatting kernel on its own, for micro-benchmarks. No part of the public interface.
+//! The engine's splatting kernel in isolation, for micro-benchmarks. Not part of the public interface.
 
 use fearless_simd::{Level, Simd, dispatch};
 use splatvol_core::plan::{SplatConstants, blocks_of};
@@ -7,8 +7,8 @@ use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
 use crate::sheets::splat::{self, Coefficient, Powers, Records, Stencil};
 
-/// Every SIMD level of this machine, the best first, with its name. Scalar code exists in builds with the feature
-/// `scalar` only, or where the processor has no SIMD.
+/// Every SIMD level of this machine, the best first, with its name. Scalar code exists only in builds with the
+/// feature `scalar`, or where the processor has no SIMD.
 pub fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();
@@ -29,7 +29,7 @@ pub fn levels() -> Vec<(&'static str, Level)> {
     levels
 }
 
-/// The engine's splatting of voxels into four interleaved sheets (`sheets::splat`), on its own.
+/// The engine's splatting of voxels into four interleaved sheets (`sheets::splat`), in isolation.
 #[derive(Debug)]
 pub struct FourSheets {
     records: Box<Records>,

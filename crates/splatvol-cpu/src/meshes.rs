@@ -76,7 +76,7 @@ impl MeshStore {
         self.clouds().map(SplatCloud::bytes).sum()
     }
 
-    /// The clouds that were got ready.
+    /// The prepared clouds.
     pub(crate) fn clouds(&self) -> impl ExactSizeIterator<Item = &SplatCloud> {
         self.kept.iter().map(|kept| &kept.cloud)
     }

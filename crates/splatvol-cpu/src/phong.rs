@@ -106,7 +106,7 @@ impl Phong {
         squared / (squared + self.floor_squared).max(1e-12)
     }
 
-    /// Light on as much of a surface, with this normal (camera space, length 1).
+    /// Lighting of a surface of this surfaceness, with this normal (camera space, length 1).
     pub(crate) fn on_surface(&self, normal: [f32; 3], surfaceness: f32) -> Lit {
         let dot = |b: [f32; 3]| {
             (normal[0] * b[0] + normal[1] * b[1] + normal[2] * b[2])
@@ -121,7 +121,7 @@ impl Phong {
         }
     }
 
-    /// Light on material with this gradient (camera space, per world length).
+    /// Lighting of material with this gradient (camera space, per world length).
     #[inline(always)]
     pub(crate) fn at(&self, gradient: [f32; 3]) -> Lit {
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Values that memory is got for in one step.
+/// Number of values allocated in one step.
 const STEP: usize = 1 << 16;
 
-/// Room for `count` values, new ones by default; `None` once `stop` is set.
+/// Allocates `count` values, new ones by default; `None` once `stop` is set.
 pub(crate) fn grow<T: Default>(values: &mut Vec<T>, count: usize, stop: &AtomicBool) -> Option<()> {
     grow_with(values, count, T::default, stop)
 }

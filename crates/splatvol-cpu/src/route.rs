@@ -245,7 +245,7 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
     }
 }
 
-/// Whether the samples of a mesh are a layer of data, classified behind their kernels.
+/// Whether the samples of a mesh are a post-classified layer.
 pub(crate) fn is_data(item: &Item, sheets: &SheetSettings) -> bool {
     matches!(item.content, Content::Mesh { .. }) && !sheets.splats_colors()
 }

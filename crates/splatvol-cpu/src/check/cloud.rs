@@ -129,7 +129,7 @@ fn no_sections(scene: &Scene, settings: &RenderSettings) -> SceneError {
     })
 }
 
-/// Why rays through a scene have no largest, smallest or mean value.
+/// Error for a scene whose rays have no largest, smallest or mean value.
 fn no_values(scene: &Scene) -> SceneError {
     let has_values = |item: &Item| matches!(item.content, Content::Volume { .. } | Content::Mesh { .. });
     let has_gaussians = |item: &Item| matches!(item.content, Content::Gaussians(_));

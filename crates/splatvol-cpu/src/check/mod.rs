@@ -18,7 +18,7 @@ use splatvol_scene::{Clip, Item, Method, Scene, SceneError};
 
 use crate::route::Way;
 
-/// Why pictures of one value of each ray have no operators, clips and isosurfaces.
+/// Error message for operators, clips or isosurfaces in a picture with one value per ray.
 const ONE_VALUE: &str = "maximum, minimum and mean show one value of a ray alone, use image sheets";
 
 /// Checks that a scene can be rendered from a camera with these settings, apart from motion and sampled edges.

@@ -42,7 +42,7 @@ impl DataSheets {
     }
 }
 
-/// Path lengths below this share of a sheet's thickness hold no value.
+/// Share of a sheet's thickness; shorter paths hold no value.
 const FADED: f32 = 0.02;
 
 struct Sum<'a> {
@@ -76,7 +76,7 @@ impl<P: Profile> Tile<'_, P> {
         });
     }
 
-    /// Shades the sheet before the newest one, which is between its neighbours now.
+    /// Shades the sheet before the newest one, now that both its neighbours are complete.
     pub(crate) fn shade_data(&mut self, turn: usize) {
         if let (Some(middle), Order::Sheets { sheets, .. }) = (turn.checked_sub(1), self.plan.order) {
             let [near, far] = sheets.slab(middle).map(|depth| depth as f32);

@@ -87,7 +87,7 @@ impl ClassicEngine {
     }
 }
 
-/// Plans and renders a frame. `start`: when work on it began.
+/// Plans and renders a frame. `start`: start time of the frame.
 fn draw(
     run: Run<'_>,
     (drawn, footprints): (Drawn<'_>, Footprints<'_>),

@@ -16,10 +16,10 @@ use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::splat_light::SplatLight;
 
-/// Edge of a tile, pixels, where the whole picture is not one.
+/// Edge of a tile, pixels, unless the whole picture is one tile.
 const TILE_EDGE: usize = 64;
 
-/// A cloud on its way into a picture.
+/// A cloud to render.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn<'a> {
     pub cloud: &'a SplatCloud,
@@ -147,7 +147,7 @@ impl<'a, P: Profile> Plan<'a, P> {
         }
     }
 
-    /// A pixel's movement in camera x and y per depth.
+    /// Motion of a pixel's ray in camera x and y per depth.
     #[inline(always)]
     pub(crate) fn ray(&self, [px, py]: [usize; 2]) -> [f32; 2] {
         let screen = &self.view.screen;

@@ -39,7 +39,7 @@ pub(crate) struct TileScratch {
     pub row: Vec<f32>,
 }
 
-/// A splat that later sheets may cut.
+/// A splat that later sheets may section.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Open {
     pub footprint: Footprint,
@@ -187,7 +187,7 @@ impl<P: Profile> Tile<'_, P> {
         splats.is_multiple_of(PATIENCE) && self.is_stopped()
     }
 
-    /// True where no sheet that was begun is left.
+    /// Whether no started sheet is left.
     fn is_idle(&self, turn: usize) -> bool {
         let Self { scratch, plan, .. } = self;
         scratch.open.is_empty()
@@ -262,7 +262,7 @@ impl<P: Profile> Tile<'_, P> {
         }
     }
 
-    /// Projects the splats of a turn that may touch a pixel which is not finished.
+    /// Projects the splats of a turn that may touch an open pixel.
     fn project(&mut self, splat: u32) -> Option<Open> {
         let mut footprint = self.plan.projection.project(splat as usize)?;
         if let Some(tables) = self.plan.tables {

@@ -1,13 +1,13 @@
-//! Opening chunks: their splats into lists per turn.
+//! Turns: opened chunks, with their splats in lists per turn.
 
 use splatvol_core::splats::{Profile, SplatCloud};
 
 use super::plan::Plan;
 
-/// Lists of splats per turn, as chains through one memory.
+/// Lists of splats per turn, as linked lists in one memory.
 #[derive(Debug, Default)]
 pub(crate) struct Turns {
-    /// First entry of each turn's chain, plus one.
+    /// First entry of each turn's list, plus one.
     heads: Vec<u32>,
     /// Splat, and the next entry plus one.
     entries: Vec<[u32; 2]>,
@@ -56,7 +56,7 @@ impl Turns {
         &self.sorted
     }
 
-    /// Splats of the turns that were not taken.
+    /// Splats of the turns that are still to come.
     pub(crate) fn waiting(&self) -> usize {
         let mut count = 0;
         for &head in &self.heads {

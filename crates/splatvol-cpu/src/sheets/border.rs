@@ -44,7 +44,7 @@ impl<S: Simd> Shares<S> {
     }
 }
 
-/// Standard deviations from a face beyond which it does not matter.
+/// Distance from a face, standard deviations, beyond which the face has no effect.
 const REACH: f32 = 3.4;
 
 impl Border {
@@ -99,7 +99,7 @@ impl Border {
         !self.holds(from, from + plane.step_x * 15.0, REACH)
     }
 
-    /// Whether any sixteen of a tile's pixels may.
+    /// Whether any sixteen of a tile's pixels may be near the border.
     pub(crate) fn is_near_any(&self, plane: &BorderPlane, tile: &TileRect) -> bool {
         let (top, bottom) = (plane.at(tile.x0, tile.y0), plane.at(tile.x0, tile.y1));
         let across = plane.step_x * (tile.x1 - tile.x0).next_multiple_of(16) as f32;

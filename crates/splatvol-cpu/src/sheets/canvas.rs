@@ -105,7 +105,7 @@ impl Canvas {
         self.touched.clear();
     }
 
-    /// Gathers material from now on, until [`Canvas::settle`].
+    /// Starts to gather material, until [`Canvas::settle`].
     pub(crate) fn gather(&mut self) {
         let vectors = self.transmittance.len() / 16;
         self.gathered.resize(vectors, Stored::NONE);

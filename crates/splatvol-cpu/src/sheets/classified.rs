@@ -65,7 +65,7 @@ pub(crate) struct ClassifiedBricks<'a> {
     /// Values outside are invisible.
     hull: [f32; 2],
     light: Option<VoxelLight>,
-    /// Voxels that are left out; lattice space.
+    /// Dropped voxels; lattice space.
     cut: Option<&'a Cut>,
 }
 

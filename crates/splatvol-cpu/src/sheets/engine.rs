@@ -57,7 +57,7 @@ pub(crate) struct SheetEngine {
     pub(super) coarser: Option<Frame>,
 }
 
-/// Memory that tiles are rendered in, kept between frames.
+/// Memory of the tiles, kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct TileMemory {
     /// One per thread, and of these one per layer.
@@ -112,7 +112,7 @@ impl TileMemory {
 }
 
 impl SheetEngine {
-    /// An engine that keeps volumes of earlier scenes in so many bytes.
+    /// An engine with a memory budget, bytes, for volumes of earlier scenes.
     pub(crate) fn with_spare(spare: usize) -> Self {
         Self {
             prepared: Prepared::with_spare(spare),

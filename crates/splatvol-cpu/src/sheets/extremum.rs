@@ -7,7 +7,7 @@ use super::cubic::Cubic;
 /// Extremum along a ray: the largest or smallest value. Ranks of normalised values are above 0, so that a pixel
 /// starts at rank 0.
 pub(crate) trait Extremum: Sync {
-    /// Ranks of sixteen normalised values, or values of ranks: the map is its own inverse.
+    /// Ranks of sixteen normalised values, or values from ranks: the map is its own inverse.
     fn rank_lanes<S: Simd>(value: f32x16<S>) -> f32x16<S>;
 
     /// Ranks along a ray, from the values along it.

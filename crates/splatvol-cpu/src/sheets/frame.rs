@@ -18,7 +18,7 @@ use super::shade::PlaneShader;
 use super::table::ShadeTable;
 use crate::phong::Phong;
 
-/// A frame's plan in memory that the next one uses again.
+/// A frame's plan; the next frame reuses its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
     pub plan: FramePlan,
@@ -105,7 +105,7 @@ pub(crate) struct SheetFrame<'a> {
     pub cut: f32,
     /// Room for footprints of neighbouring sheets: a world length, and a factor.
     pub room: [f32; 2],
-    /// Powers count from the block in the middle.
+    /// Whether powers count from the middle block.
     pub ellipses: bool,
     pub groups: usize,
 }

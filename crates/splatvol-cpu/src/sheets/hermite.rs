@@ -32,7 +32,7 @@ pub(crate) struct End<S: Simd> {
 /// The rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rays<S: Simd> {
-    /// Movement in camera x and y per depth.
+    /// Motion of the rays in camera x and y per depth.
     pub slope: [f32x16<S>; 2],
     /// Path length per depth, squared.
     pub squared: f32x16<S>,
@@ -160,7 +160,8 @@ impl<S: Simd> Hermite<S> {
     }
 }
 
-/// Value and slope per interval at one end, given the other: where that end has hardly any weight, the other's value.
+/// Value and slope per interval at one end, given the other end's, which replace them where the end has hardly any
+/// weight.
 #[inline(always)]
 fn value_and_slope<S: Simd>(
     simd: S,

@@ -101,7 +101,7 @@ impl<'a> Interval<'a> {
         }
     }
 
-    /// Whether the weights of all its samples add up to one, but at a volume's border.
+    /// Whether the weights of all its samples add up to one, except at a volume's border.
     pub(super) fn is_whole(&self) -> bool {
         self.holes.is_none() && self.weights.is_none()
     }
@@ -132,7 +132,7 @@ impl<'a> Interval<'a> {
     }
 }
 
-/// Whether a weight of sixteen is any.
+/// Whether any of sixteen weights is above zero.
 #[inline(always)]
 pub(super) fn any<S: Simd>(simd: S, missing: f32x16<S>) -> bool {
     missing.simd_gt(f32x16::splat(simd, 0.0)).any_true()
@@ -205,7 +205,7 @@ impl<S: Simd> Beside<S> {
         [near, self.covered_by(simd, middle, share), far]
     }
 
-    /// Coverage of a share of the weight, given that of all of it.
+    /// Coverage for a share of the weight, given that for the whole weight.
     #[inline(always)]
     fn covered_by(&self, simd: S, border: f32x16<S>, left: f32x16<S>) -> f32x16<S> {
         (border * left - (1.0 - left) * self.below).max(f32x16::splat(simd, 0.0))

@@ -1,5 +1,5 @@
-//! One value of each pixel's ray: coefficients are splatted, and of the cubics between planes the largest or smallest value is
-//! kept, or the mean taken (docs/numerics.md, modes mip, minip and mean).
+//! Intensity: one value of each pixel's ray. Coefficients are splatted; of the cubics between planes the largest or
+//! smallest value is kept, or the mean taken (docs/numerics.md, modes mip, minip and mean).
 
 use std::marker::PhantomData;
 

@@ -14,7 +14,7 @@ use splatvol_core::bin::TileRect;
 
 use crate::simd::math::exp2_quick;
 
-/// Standard deviations from a face beyond which it does not matter.
+/// Distance from a face, standard deviations, beyond which the face has no effect.
 const REACH: f32 = 4.2;
 /// Cut of sums over the lattice, standard deviations.
 const CUT: f32 = 4.5;
@@ -152,7 +152,7 @@ impl LatticeWeights {
         !(0..3).all(|axis| self.is_inside(axis, plane, ends))
     }
 
-    /// Whether any sixteen of a tile's pixels may.
+    /// Whether any sixteen of a tile's pixels may be near a face.
     pub(crate) fn is_near_any(&self, plane: &WeightPlane, tile: &TileRect) -> bool {
         let (x1, margin) = (tile.x0 + (tile.x1 - tile.x0).next_multiple_of(16), 0.01);
         let corners = [tile.y0, tile.y1].map(|y| [plane.at([tile.x0, y]), plane.at([x1, y])]);

@@ -144,7 +144,7 @@ pub(crate) struct Pyramid {
     kernel: SheetKernel,
     /// Whether coefficients interpolate the samples.
     prefilter: bool,
-    /// The source's own, and halves of its last.
+    /// Levels: the source's own, and further halves of its last.
     sources: Vec<SourceLevel>,
     levels: Vec<Option<Level>>,
 }

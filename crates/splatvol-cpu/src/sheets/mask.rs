@@ -224,7 +224,7 @@ fn doublings(size: usize) -> impl Iterator<Item = usize> {
         .map(move |span| span.min(size - span))
 }
 
-/// Every other bit, beginning with the first, moved together.
+/// Every other bit, beginning with the first, packed together.
 fn every_other(bits: u128) -> u64 {
     let half = |bits: u64| {
         let mut b = bits & 0x5555_5555_5555_5555;

@@ -43,7 +43,7 @@ pub(crate) struct Pixel {
     across: [[f32; 2]; 2],
     sharpness: f32,
     spacing: f32,
-    /// Movement in camera x and y per depth.
+    /// Motion of the ray in camera x and y per depth.
     ray: [f32; 2],
     /// Camera space.
     pub segment: Segment,

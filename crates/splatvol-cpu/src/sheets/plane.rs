@@ -6,7 +6,7 @@ use super::ring::{Area, BLOCK_EDGE, Block, LANES, SheetRing};
 
 /// Width of the border of pixels that derivatives need around a tile; even, to hold whole blocks.
 pub(crate) const HALO: usize = 2;
-/// Vectors may read and write this far behind a row.
+/// Number of values behind a row that vectors may read and write.
 const PADDING: usize = 64;
 
 /// A rectangle of pixels; empty where x0 >= x1.
@@ -173,7 +173,7 @@ fn take_four<S: Simd, const LANE: usize>(simd: S, blocks: [&Block; 4]) -> f32x16
     }
 }
 
-/// Which numbers of a block do not belong to a sheet.
+/// Masks, one for each sheet, of the numbers of a block that belong to other sheets.
 const OTHERS: [[f32; 16]; LANES] = {
     let mut masks = [[1.0; 16]; LANES];
     let mut lane = 0;

@@ -69,7 +69,7 @@ impl Prepared {
         &mut self.pyramids[..self.own]
     }
 
-    /// Bytes of the volumes of the scene at hand, and of others.
+    /// Bytes of the volumes of the current scene, and of others.
     pub(crate) fn bytes(&self) -> [usize; 2] {
         let (own, others) = self.pyramids.split_at(self.own);
         [own, others].map(|pyramids| pyramids.iter().map(Pyramid::bytes).sum())

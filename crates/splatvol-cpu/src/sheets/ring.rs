@@ -19,7 +19,7 @@ impl Block {
     pub(crate) const ZERO: Self = Self([0.0; 16]);
 }
 
-/// Blocks x0..x1, y0..y1 that were written to.
+/// Written blocks x0..x1, y0..y1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Area {
     pub x0: usize,

@@ -94,7 +94,7 @@ impl Records {
         }
     }
 
-    /// Blocks that the footprints cover, and forgets them.
+    /// Blocks covered by the footprints; resets them.
     pub(crate) fn take_area(&mut self, size: usize) -> Area {
         let low = std::mem::replace(&mut self.low, [NONE_LOW; 2])
             .map(|l| l.0.into_iter().fold(f32::INFINITY, f32::min));

@@ -14,7 +14,7 @@ use splatvol_core::splats::{Footprint, Warp};
 use super::snap::SubpixelGrid;
 use super::tables::{Block, Lookup};
 
-/// Largest radius that has maps, pixels; larger footprints find their entries pixel by pixel.
+/// Largest radius with maps, pixels; larger footprints look up their entries pixel by pixel.
 const MOST: usize = 64;
 
 /// Maps of all radii.
@@ -28,7 +28,7 @@ pub(super) struct Blits {
 }
 
 impl Blits {
-    /// No maps yet, of so many cells per pixel, into tables of so many entries.
+    /// Empty maps, with so many cells per pixel and table entries.
     pub(super) fn new(count: usize, entries: usize) -> Self {
         Self {
             grid: SubpixelGrid { count },

@@ -63,7 +63,7 @@ impl CloudView<'_> {
     }
 }
 
-/// All that matters of the window of a cloud is that the mask is up to date.
+/// Window of a cloud, needed only to update the mask.
 pub(super) fn window(frame: &SheetFrame<'_>, sheet: usize) -> Window {
     Window {
         blocks: 2,

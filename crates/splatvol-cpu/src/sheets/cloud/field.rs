@@ -19,7 +19,7 @@ use crate::sheets::shaded::{interval, show};
 use crate::sheets::splat::Payload;
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
 
-/// Least weight that sums are divided by.
+/// Least weight used as a divisor.
 const LEAST: f32 = 1e-6;
 
 /// The field of a mesh's samples, post-classified.

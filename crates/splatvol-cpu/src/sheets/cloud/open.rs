@@ -7,7 +7,7 @@ use splatvol_scene::{Clip, ScreenFromCamera};
 use crate::sheets::cut::Cut;
 use crate::splat_light::SplatLight;
 
-/// Standard deviation that splats are widened by in depth, distances of planes: that of a kernel of radius two.
+/// Standard deviation by which splats are widened in depth, in distances of planes: that of a kernel of radius two.
 const DEPTH_SIGMA: f64 = 0.64;
 /// Standard deviations at which splats are cut in depth: four planes hold a flat one.
 pub(super) const DEPTH_CUT: f64 = 2.0 / DEPTH_SIGMA;
@@ -49,9 +49,9 @@ pub(crate) struct CloudView<'a> {
     /// Low-pass variance, pixels squared; with `matched`, footprints are widened only up to it.
     low_pass: f64,
     matched: bool,
-    /// Variance that planes widen splats by in depth.
+    /// Variance by which planes widen splats in depth.
     widening: f64,
-    /// Splats that are left out; local space.
+    /// Dropped splats; local space.
     cut: Cut,
     /// Depth of the nearest plane, for the low-pass of splats in front of it.
     nearest: f64,
@@ -193,7 +193,7 @@ pub(crate) struct Waiting {
     splats: Vec<OpenSplat>,
     /// For each splat the next in its list, plus one.
     next: Vec<u32>,
-    /// First splat of each plane's chain, plus one.
+    /// First splat of each plane's list, plus one.
     heads: Vec<u32>,
     /// Places that are free again.
     free: Vec<u32>,
@@ -208,7 +208,7 @@ impl Waiting {
         self.splats.capacity() * size_of::<OpenSplat>() + numbers * size_of::<u32>()
     }
 
-    /// Empty chains for so many planes.
+    /// Empty lists for so many planes.
     pub(crate) fn reset(&mut self, planes: usize) {
         self.splats.clear();
         self.next.clear();
@@ -249,7 +249,7 @@ impl Waiting {
         head.checked_sub(1)
     }
 
-    /// A splat of a chain that was taken, and the next one.
+    /// A taken splat, and the next one of its list.
     pub(crate) fn splat(&mut self, place: u32) -> (&OpenSplat, Option<u32>) {
         self.count -= 1;
         let next = self.next[place as usize].checked_sub(1);

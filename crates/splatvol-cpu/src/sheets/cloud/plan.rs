@@ -16,7 +16,7 @@ use crate::splat_light::SplatLight;
 /// Pixels added to a footprint on either side: by rounding to whole blocks, and as the border that it reads.
 const ROUNDING: f64 = 2.0 + HALO as f64;
 
-/// A cloud's planes and lists, in memory that the next frame uses again.
+/// Planes and lists of a cloud; the next frame reuses their memory.
 #[derive(Debug, Default)]
 pub(crate) struct CloudPlan {
     plan: FramePlan,
