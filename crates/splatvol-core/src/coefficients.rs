@@ -53,8 +53,8 @@ impl Coefficients {
 }
 
 impl Coefficients {
-    /// Central differences at a lattice point, per voxel: one-sided at the border, missing neighbours count as the point
-    /// itself.
+    /// Central differences at a lattice point, per voxel: one-sided at the border, missing neighbours count as the
+    /// point itself.
     #[inline(always)]
     pub fn difference(&self, index: usize, position: [usize; 3]) -> [f32; 3] {
         let strides = [1, self.dims[0], self.dims[0] * self.dims[1]];

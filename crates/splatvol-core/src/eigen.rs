@@ -1,5 +1,5 @@
-//! Eigenvalues of symmetric matrices by Jacobi rotations (Golub and Van Loan, Matrix Computations, section 8.5), which are
-//! exact to the last digits also where two eigenvalues are equal.
+//! Eigenvalues of symmetric matrices by Jacobi rotations (Golub and Van Loan, Matrix Computations, section 8.5),
+//! which are exact to the last digits also where two eigenvalues are equal.
 
 use glam::{DMat3, DVec3};
 

@@ -225,8 +225,8 @@ impl FieldStore {
         std::array::from_fn(|a| ((first[a] + offset[a]) * BRICK) as u32)
     }
 
-    /// Reads a little of every cache line of a brick: where several are touched one after the other, their memory is waited
-    /// for once, and [`FieldStore::decode`] soon after finds them near.
+    /// Reads a little of every cache line of a brick: where several are touched one after the other, their memory
+    /// is waited for once, and [`FieldStore::decode`] soon after finds them near.
     #[inline(always)]
     pub fn touch(&self, index: usize) {
         let [chunk, i] = self.needed[index].map(|n| n as usize);

@@ -7,7 +7,8 @@ use fearless_simd::Level;
 pub struct EngineConfig {
     /// Worker threads; `None` takes one per logical processor.
     pub threads: Option<usize>,
-    /// Edge of a tile in pixels, a multiple of 16 from 16 to 128; `None` takes the fastest. Does not change the picture.
+    /// Edge of a tile in pixels, a multiple of 16 from 16 to 128; `None` takes the fastest. Does not change the
+    /// picture.
     pub tile_edge: Option<usize>,
     /// Instructions to use; `None` takes the best available. Does not change the picture.
     pub simd: Option<SimdLevel>,

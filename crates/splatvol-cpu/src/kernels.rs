@@ -43,8 +43,8 @@ pub struct FourSheets {
 }
 
 impl FourSheets {
-    /// Voxels at `x`, `y` pixels of a tile, as many as the engine collects; round footprints of `sigma` pixels that reach
-    /// `radius` pixels far; `ellipses`: by the kernel for any conic.
+    /// Voxels at `x`, `y` pixels of a tile, as many as the engine collects; round footprints of `sigma` pixels that
+    /// reach `radius` pixels far; `ellipses`: by the kernel for any conic.
     pub fn new([x, y]: [&[f32]; 2], sigma: f32, radius: f32, ellipses: bool) -> Self {
         let blocks = blocks_of([radius; 2]);
         let exponent = -0.5 * std::f32::consts::LOG2_E / (sigma * sigma);

@@ -1,7 +1,8 @@
 //! Phong: light on a gradient, one at a time or sixteen at once.
 //!
-//! The model of `splatvol_scene::lighting` in f32: `c (ambient + diffuse (1 - s + s |n . l|)) + specular s |n . h|^power`, where
-//! the surfaceness `s = g^2 / (g^2 + floor^2)` fades from homogeneous material, lit from all sides, to a surface.
+//! The model of `splatvol_scene::lighting` in f32:
+//! `c (ambient + diffuse (1 - s + s |n . l|)) + specular s |n . h|^power`, where the surfaceness
+//! `s = g^2 / (g^2 + floor^2)` fades from homogeneous material, lit from all sides, to a surface.
 
 use std::ops::Mul;
 

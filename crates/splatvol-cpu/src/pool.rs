@@ -17,8 +17,8 @@ enum Threads {
 }
 
 impl Pool {
-    /// So many threads, or one per logical processor. Where the platform cannot start any (WebAssembly without threads), the
-    /// calling thread does the work.
+    /// So many threads, or one per logical processor. Where the platform cannot start any (WebAssembly without
+    /// threads), the calling thread does the work.
     ///
     /// # Errors
     /// Threads that the system refuses; more than one where there cannot be any.

@@ -90,7 +90,8 @@ pub struct RenderStatistics {
     pub hidden_voxels: u64,
     /// Share of them among the voxels that could be seen, hidden and drawn (the papers' methods).
     pub hidden_share: f64,
-    /// Pixels that are means of several samples ([`splatvol_scene::Coverage`]). Times include theirs, other counts do not.
+    /// Pixels that are means of several samples ([`splatvol_scene::Coverage`]). Times include theirs, other counts
+    /// do not.
     pub sampled_pixels: u64,
     /// Memory held by the renderer after the frame.
     pub memory: MemoryUse,

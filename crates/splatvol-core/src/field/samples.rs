@@ -15,7 +15,8 @@ const ROW: usize = 16;
 /// Normalised samples of a brick and of one voxel around it.
 #[derive(Debug, Clone)]
 pub struct Neighbourhood {
-    /// By z, y and x, from one voxel before the brick on. Beyond the volume the nearest sample; NaN where one is missing.
+    /// By z, y and x, from one voxel before the brick on. Beyond the volume the nearest sample; NaN where one is
+    /// missing.
     pub values: [[[f32; ROW]; AROUND]; AROUND],
     /// Whether samples of the volume are missing.
     pub any_missing: bool,

@@ -161,7 +161,8 @@ mod tests {
         }
     }
 
-    /// Two hexahedra that have a face in common, the second collapsed to a wedge, and a tetrahedron on one of its triangles.
+    /// Two hexahedra that have a face in common, the second collapsed to a wedge, and a tetrahedron on one of its
+    /// triangles.
     #[test]
     fn collapsed_cells_have_the_faces_of_what_they_are_collapsed_to() {
         let mut cells = Cells::default();

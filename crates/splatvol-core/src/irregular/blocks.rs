@@ -62,7 +62,8 @@ fn replaced(
     (joined, report)
 }
 
-/// Points that lie in one place - where blocks meet, where a block closes upon itself - share one mass; the share of each.
+/// Points that lie in one place - where blocks meet, where a block closes upon itself - share one mass; the share
+/// of each.
 fn share_coincident(samples: &mut [Sample]) -> Vec<f64> {
     let key = |sample: &Sample| sample.position.as_vec3().to_array().map(|c| (c + 0.0).to_bits());
     let mut counts: HashMap<[u32; 3], u32> = HashMap::with_capacity(samples.len());

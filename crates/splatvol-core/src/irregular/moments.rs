@@ -56,7 +56,8 @@ impl Tables {
     }
 }
 
-/// Calls `visit(part, place, volume, spread)` for the parts of a cell. Flat and inside-out cells have positive volumes too.
+/// Calls `visit(part, place, volume, spread)` for the parts of a cell. Flat and inside-out cells have positive
+/// volumes too.
 fn each_part(corners: &[DVec3], parts: &[Part], mut visit: impl FnMut(&Part, DVec3, f64, DMat3)) {
     for part in parts {
         let place = part.place.iter().zip(corners).map(|(&c, &p)| c * p).sum();

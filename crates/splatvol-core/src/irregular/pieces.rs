@@ -122,7 +122,8 @@ pub(super) fn gather(pieces: &[Piece], centre: DVec3, spacings_from_local: &DMat
 /// The hexahedron of a corner of a cell, as the lists of points whose means its nodes are.
 pub(super) type Region = [Vec<usize>; 8];
 
-/// The regions of a cell's points: point, and hexahedron. Of the quadratic kinds tetrahedra alone, as eight linear ones.
+/// The regions of a cell's points: point, and hexahedron. Of the quadratic kinds tetrahedra alone, as eight linear
+/// ones.
 pub(super) fn regions(kind: CellKind) -> Vec<(usize, Region)> {
     match kind {
         CellKind::Tetra => of_tetra([0, 1, 2, 3]),

@@ -126,8 +126,8 @@ pub(super) fn edges(kind: CellKind) -> Vec<[usize; 2]> {
     }
 }
 
-/// Shape functions of the corners and their derivatives. Cubes and wedges have coordinates 0 to 1; a pyramid is a cube whose
-/// top is one point; a tetrahedron is `1 >= x >= y >= z >= 0`.
+/// Shape functions of the corners and their derivatives. Cubes and wedges have coordinates 0 to 1; a pyramid is a
+/// cube whose top is one point; a tetrahedron is `1 >= x >= y >= z >= 0`.
 fn shape(linear: CellKind, at: DVec3) -> (Vec<f64>, Vec<DVec3>) {
     let DVec3 { x, y, z } = at;
     let product = |corner: [bool; 3]| {

@@ -13,8 +13,8 @@ use super::{Sample, position};
 
 /// Steps of normalisation: the error varies slowly, and the first step removes most of it.
 const STEPS: [f64; 3] = [1.0; 3];
-/// Relative change of the Jacobian within a kernel's reach that needs no normalisation: the sum is off by about the square
-/// of a quarter of it.
+/// Relative change of the Jacobian within a kernel's reach that needs no normalisation: the sum is off by about the
+/// square of a quarter of it.
 const EVEN: f64 = 0.08;
 
 /// Growth beyond which more kernels are needed. A cell may be twice as long as the one before, whose centre is one

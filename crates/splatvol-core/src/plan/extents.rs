@@ -130,7 +130,8 @@ pub(super) fn steepest(screen: &ScreenFromCamera, size: ImageSize) -> f64 {
 }
 
 impl Extents {
-    /// Room for footprints, relative to their own: along a ray of slope t a round kernel is `sqrt(1 + t^2)` times as wide.
+    /// Room for footprints, relative to their own: along a ray of slope t a round kernel is `sqrt(1 + t^2)` times
+    /// as wide.
     fn room(&self) -> f64 {
         let steep = (1.0 + STEEP * STEEP).sqrt();
         if self.along_rays || self.steepest <= STEEP || self.is_too_steep() {

@@ -1,7 +1,8 @@
 //! Footprint on each sheet of a frame.
 //!
-//! On a sheet the kernel is `peak exp(-d^T Q d / 2) g(dz)`, d the pixel's offset from the footprint's centre there, which
-//! is where the sheet cuts the line through the voxel along the kernel's conjugate axis: exact in perspective.
+//! On a sheet the kernel is `peak exp(-d^T Q d / 2) g(dz)`, d the pixel's offset from the footprint's centre there,
+//! which is where the sheet cuts the line through the voxel along the kernel's conjugate axis: exact in
+//! perspective.
 
 use splatvol_scene::ScreenFromCamera;
 
@@ -48,8 +49,8 @@ impl Raster {
 
 /// Variance that a cubic spline adds, raster points squared.
 const SPLINE_VARIANCE: f64 = 1.0 / 3.0;
-/// Least variance that footprints of a coarse raster have with the spline; narrower ones, the thin sides of long voxels, are
-/// widened to it.
+/// Least variance that footprints of a coarse raster have with the spline; narrower ones, the thin sides of long
+/// voxels, are widened to it.
 const LEAST_VARIANCE: f64 = 0.5;
 
 impl SheetShape {
@@ -88,7 +89,8 @@ impl SheetShape {
     }
 }
 
-/// Half widths of the box around an ellipse with these exponents, given as [`SheetShape::exponent`], at `cut` standard deviations.
+/// Half widths of the box around an ellipse with these exponents, given as [`SheetShape::exponent`], at `cut`
+/// standard deviations.
 pub fn half_extent(exponent: [f32; 3], cut: f32) -> [f32; 2] {
     let [xx, xy, yy] = exponent.map(|e| e * 2.0 * std::f32::consts::LN_2);
     let xy = 0.5 * xy;

@@ -1,5 +1,6 @@
 //! Generalised Kaiser-Bessel window of order m = 2, a "blob": Lewitt 1990 (Multidimensional digital image
-//! representations using generalized Kaiser-Bessel window functions, J. Opt. Soc. Am. A 7(10)), window and line integral.
+//! representations using generalized Kaiser-Bessel window functions, J. Opt. Soc. Am. A 7(10)), window and line
+//! integral.
 //!
 //! `h(r) = w I_2(alpha sqrt w) / I_2(alpha)`, `w = 1 - (r / a)^2`, and with `w` at `rho`
 //! `int h dz = a sqrt(2 pi / alpha) w^(5/4) I_5/2(alpha sqrt w) / I_2(alpha)`.

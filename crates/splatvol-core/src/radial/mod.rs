@@ -89,7 +89,8 @@ impl RadialKernel {
             }
     }
 
-    /// The footprint `q(rho^2)`, per square voxel: h integrated along a line that passes the centre at the distance rho.
+    /// The footprint `q(rho^2)`, per square voxel: h integrated along a line that passes the centre at the distance
+    /// rho.
     pub fn line_integral(&self, rho2: f64) -> f64 {
         2.0 * self.half_line(rho2, self.support)
     }

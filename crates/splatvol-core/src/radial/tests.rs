@@ -1,4 +1,5 @@
-//! Kernels against their definitions, written again and integrated by Simpson's rule in f64, and tables against kernels.
+//! Kernels against their definitions, written again and integrated by Simpson's rule in f64, and tables against
+//! kernels.
 
 use std::f64::consts::PI;
 

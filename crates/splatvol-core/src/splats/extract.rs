@@ -1,5 +1,5 @@
-//! The cloud of a volume: only voxels that can be seen are kept, as the papers' sparse splat lists do (mueller1998 section
-//! 3.5, huang2000 section 1).
+//! The cloud of a volume: only voxels that can be seen are kept, as the papers' sparse splat lists do (mueller1998
+//! section 3.5, huang2000 section 1).
 
 use glam::{DMat3, Mat3, Vec3};
 use rayon::prelude::*;

@@ -9,10 +9,11 @@
 //! | surfel: radius r, normal n | `(a r)^2 (I - n n^T)`; `(a r)^2 I` without a normal | optical depth of the surface times `r^2`, the area that it stands for |
 //! | Gaussian | `R S^2 R^T` | `-ln(1 - opacity)`, the optical depth through its centre, in every view |
 //!
-//! so that surfels, however they overlap, make a surface of one optical depth (zwicker2001 section 5; huang2000 section 4.2
-//! clips them to their sheets, which the section of a flat kernel does by itself).
+//! so that surfels, however they overlap, make a surface of one optical depth (zwicker2001 section 5; huang2000
+//! section 4.2 clips them to their sheets, which the section of a flat kernel does by itself).
 //!
-//! Splats are sorted along a space-filling curve (Morton 1966), those of a size together: the boxes of chunks are small.
+//! Splats are sorted along a space-filling curve (Morton 1966), those of a size together: the boxes of chunks are
+//! small.
 
 use glam::{DAffine3, DMat3, DVec3, Mat3, Quat, Vec3};
 use rayon::prelude::*;
@@ -23,7 +24,8 @@ use super::cloud::{Chunk, KernelShape, SplatCloud};
 
 /// Splats of a chunk at most.
 const CHUNK: usize = 256;
-/// Standard deviation of a surfel, radii: sums of Gaussians this wide on a square lattice of the radius ripple by 0.2 %.
+/// Standard deviation of a surfel, radii: sums of Gaussians this wide on a square lattice of the radius ripple by
+/// 0.2 %.
 const SURFEL_SIGMA: f64 = 0.6;
 /// Optical depth of an opaque surface: a 255th shows through.
 const OPAQUE: f64 = 5.55;

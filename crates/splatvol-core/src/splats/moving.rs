@@ -8,8 +8,8 @@
 //!
 //! `L^2 = D^T Q D`, `u = d^T Q D / L`, `v^2 = |Q| (d x D)^2 / L^2`;
 //!
-//! for a true ray w (unit, whitened) past a centre c that moves by m, `L = |m - (m w) w|`, `u = -(c m - (c w)(m w)) / L`,
-//! `v = (c x m) w / L`.
+//! for a true ray w (unit, whitened) past a centre c that moves by m, `L = |m - (m w) w|`,
+//! `u = -(c m - (c w)(m w)) / L`, `v = (c x m) w / L`.
 //!
 //! * *exact*: the mean of the profile over the shutter, [`super::Profile::mean_along`]; of a Gaussian it is
 //!   `sqrt(2 pi) / 2L exp(-v^2 / 2) [erf((u + L/2) / sqrt 2) - erf((u - L/2) / sqrt 2)]`;

@@ -7,7 +7,8 @@
 
 use crate::normal;
 
-/// Line integrals of a radial kernel with unit variance and unit integral, by the squared distance in standard deviations.
+/// Line integrals of a radial kernel with unit variance and unit integral, by the squared distance in standard
+/// deviations.
 pub trait Profile: Sync {
     /// Cut of the profile, standard deviations.
     fn cut(&self) -> f32;
@@ -197,7 +198,8 @@ impl Profile for GaussianProfile {
         true
     }
 
-    /// By a polynomial for the fraction of the exponent to base 2, relative error 3e-6, in operations that vectors have.
+    /// By a polynomial for the fraction of the exponent to base 2, relative error 3e-6, in operations that vectors
+    /// have.
     #[inline(always)]
     fn whole_row(&self, row: &mut [f32]) {
         /// Added, it leaves the nearest integer in the lowest bits.

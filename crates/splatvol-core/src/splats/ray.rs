@@ -1,10 +1,11 @@
 //! A kernel in perspective: whitened camera space, where it is a unit sphere.
 //!
-//! W being the inverse of the covariance's Cholesky factor, a pixel's ray `d = (x, y, 1)` has the direction `w = W d` and the
-//! kernel the centre `c = W u`. The ray passes it at `r = |c x w| / |w|`, and a piece of it of length `|d|` is `|w|` standard
-//! deviations long (design section 5, `exact`; mueller1998 table 1, rows 2 and 3). The practical ray-perpendicular footprint
-//! (row 4) is a disc across c, which the ray meets at `p = w |c|^2 / (w . c) - c`, so `r = |p| = |c x w| |c| / (w . c)`, and
-//! all rays pass it as the one through the centre does. In two dimensions and with spheres this is the paper's
+//! W being the inverse of the covariance's Cholesky factor, a pixel's ray `d = (x, y, 1)` has the direction
+//! `w = W d` and the kernel the centre `c = W u`. The ray passes it at `r = |c x w| / |w|`, and a piece of it of
+//! length `|d|` is `|w|` standard deviations long (design section 5, `exact`; mueller1998 table 1, rows 2 and 3).
+//! The practical ray-perpendicular footprint (row 4) is a disc across c, which the ray meets at
+//! `p = w |c|^2 / (w . c) - c`, so `r = |p| = |c x w| |c| / (w . c)`, and all rays pass it as the one through the
+//! centre does. In two dimensions and with spheres this is the paper's
 //! `(z_v y_p - y_v z_k) sqrt(y_v^2 + z_v^2) / (z_v z_k + y_p y_v)`; it prints a minus in the denominator.
 //!
 //! Rays are stored as their offset from the one through the centre, whose cross product with c vanishes. In 32 bits

@@ -1,8 +1,9 @@
 //! Sheets of data: classified and lit pixel by pixel (huang2000 section 4, "post-rendering classification").
 //!
-//! A sheet holds, per pixel, the sums `S = sum v_k w_k` and `W = sum w_k` of its sections, w being line integrals: W is the length
-//! of the ray's path through the volume within the sheet, so a pixel's value is `S / W` and its optical depth `kappa(S / W) W`.
-//! The gradient comes from central differences between neighbouring pixels and between the sheets before and behind.
+//! A sheet holds, per pixel, the sums `S = sum v_k w_k` and `W = sum w_k` of its sections, w being line integrals:
+//! W is the length of the ray's path through the volume within the sheet, so a pixel's value is `S / W` and its
+//! optical depth `kappa(S / W) W`. The gradient comes from central differences between neighbouring pixels and
+//! between the sheets before and behind.
 
 use std::sync::atomic::AtomicBool;
 

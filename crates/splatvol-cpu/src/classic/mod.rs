@@ -18,9 +18,9 @@
 //! | splat | `raster`, `sheet` | footprints, whole or a sheet's section of them, become pixels |
 //! | composite | `tile`, `data` | sheets, or splats one by one, go behind what a pixel has |
 //!
-//! A *turn* is a sheet, a slice of the grid, or a range of depths whose splats are sorted, front to back (`order`). Pixels
-//! receive their contributions turn by turn, then by depth and index, so pictures are the same for any number of
-//! threads and any tile.
+//! A *turn* is a sheet, a slice of the grid, or a range of depths whose splats are sorted, front to back (`order`).
+//! Pixels receive their contributions turn by turn, then by depth and index, so pictures are the same for any
+//! number of threads and any tile.
 
 mod cloud;
 mod data;

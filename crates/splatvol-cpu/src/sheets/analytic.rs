@@ -1,5 +1,5 @@
-//! Analytic gradients: coefficients are splatted with their kernels' derivatives, and intervals between planes classified, lit
-//! and composited in up to eight pieces.
+//! Analytic gradients: coefficients are splatted with their kernels' derivatives, and intervals between planes
+//! classified, lit and composited in up to eight pieces.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use splatvol_core::classification::ClassificationTable;
@@ -129,7 +129,8 @@ impl Interval<'_> {
         }
     }
 
-    /// Weights of missing samples at sixteen pixels of one of the planes, and their gradient; `None` where there are none.
+    /// Weights of missing samples at sixteen pixels of one of the planes, and their gradient; `None` where there
+    /// are none.
     #[inline(always)]
     fn missing<S: Simd>(
         &self,

@@ -74,8 +74,8 @@ impl Border {
         }
     }
 
-    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space; x and y count from the picture's
-    /// corner, so that rounding does not depend on the tile.
+    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space; x and y count from the
+    /// picture's corner, so that rounding does not depend on the tile.
     pub(crate) fn on_plane(&self, first: Vec3A, step_x: Vec3A, step_y: Vec3A) -> BorderPlane {
         let step = |v| self.corner_from_camera.transform_vector3a(v);
         BorderPlane {

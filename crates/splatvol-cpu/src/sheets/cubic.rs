@@ -106,7 +106,8 @@ impl<S: Simd> Cubic<S> {
         best
     }
 
-    /// Integrals over the interval of the coverage, of the value times the coverage and of the position times the coverage.
+    /// Integrals over the interval of the coverage, of the value times the coverage and of the position times the
+    /// coverage.
     #[inline(always)]
     pub(crate) fn covered_integrals(&self, coverage: &Parabola<S>) -> [f32x16<S>; 3] {
         let Self { a, b, c, d, .. } = *self;

@@ -47,7 +47,8 @@ impl<'a> DirectGroup<'a> {
         }
     }
 
-    /// A record's offset in depth from a sheet, and its footprint's centre there, raster points from the picture's corner.
+    /// A record's offset in depth from a sheet, and its footprint's centre there, raster points from the picture's
+    /// corner.
     fn centre(&self, records: &Records, n: usize, lane: usize) -> (f32, [f32; 2]) {
         let from = self.shape.depth.0[lane] - records.z[n];
         let [slope_x, slope_y] = self.constants.slope;

@@ -1,4 +1,5 @@
-//! One value of each pixel's ray, of cubics with exact slopes: coefficients are splatted with their kernels' derivatives along the rays.
+//! One value of each pixel's ray, of cubics with exact slopes: coefficients are splatted with their kernels'
+//! derivatives along the rays.
 
 use std::marker::PhantomData;
 

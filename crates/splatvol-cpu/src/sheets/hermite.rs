@@ -180,7 +180,8 @@ fn value_and_slope<S: Simd>(
     (value + background, is_faded.select(zero, slope))
 }
 
-/// Number of pieces of each ray: enough that in each the value is linear to half a table cell and the optical depth is small.
+/// Number of pieces of each ray: enough that in each the value is linear to half a table cell and the optical depth
+/// is small.
 #[inline(always)]
 pub(crate) fn pieces<S: Simd>(simd: S, bend: f32x16<S>, optical_depth: f32x16<S>) -> f32x16<S> {
     // Linear interpolation over 1/n of the interval errs by (16 bend) / (8 n^2): n^2 is asked of both.

@@ -124,8 +124,8 @@ impl LatticeWeights {
         }
     }
 
-    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space, with a low-pass of this variance,
-    /// world length squared.
+    /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space, with a low-pass of this
+    /// variance, world length squared.
     pub(crate) fn on_plane(&self, [first, step_x, step_y]: [Vec3A; 3], low_pass: f32) -> WeightPlane {
         let [own, shared] = self.low_pass;
         WeightPlane {

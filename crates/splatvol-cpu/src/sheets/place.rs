@@ -53,7 +53,8 @@ impl Place {
         DVec2::new((rect.x0 + rect.x1) as f64, (rect.y0 + rect.y1) as f64) * 0.5
     }
 
-    /// First raster point of the tile's ring, and the ring's blocks that its pixels need: first and one behind the last, by axis.
+    /// First raster point of the tile's ring, and the ring's blocks that its pixels need: first and one behind the
+    /// last, by axis.
     pub(crate) fn ring(&self) -> ([i32; 2], [[usize; 2]; 2]) {
         let apron = (BLOCK_EDGE * MAX_BLOCKS + self.halo) as i32;
         let blocks = self

@@ -50,7 +50,8 @@ impl Area {
     }
 }
 
-/// Blocks from one row to the next: the widest tile with footprints on both sides; odd, so that rows do not share cache sets.
+/// Blocks from one row to the next: the widest tile with footprints on both sides; odd, so that rows do not share
+/// cache sets.
 pub(crate) const PITCH: usize = 101;
 
 /// A row of blocks.

@@ -22,8 +22,8 @@ use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slopes;
 
-/// A voxel's slope at an offset of (x, y) raster points: `x (linear_x + xx x) + y (linear_y + yy y) + xy x y`, and `depth` times
-/// the moment in depth.
+/// A voxel's slope at an offset of (x, y) raster points: `x (linear_x + xx x) + y (linear_y + yy y) + xy x y`, and
+/// `depth` times the moment in depth.
 struct Slope<S: Simd> {
     linear: [f32x16<S>; 2],
     xx: f32x16<S>,

@@ -5,8 +5,8 @@
 //! det (V - h I) = |a_0 x a_1|^2                                (Cauchy-Binet)
 //! ```
 //!
-//! Splats that were trained "antialiased" have `o sqrt(max(det (A A^T) / det V, 2.5e-5))` (Yu et al. 2024, "Mip-Splatting",
-//! eq. 11, with the published renderer's bound).
+//! Splats that were trained "antialiased" have `o sqrt(max(det (A A^T) / det V, 2.5e-5))` (Yu et al. 2024,
+//! "Mip-Splatting", eq. 11, with the published renderer's bound).
 
 use std::ops::Range;
 

@@ -22,11 +22,11 @@
 //!
 //! # Colours
 //!
-//! Gaussians are trained so that *display* (sRGB-encoded) colours are composited; linear compositing would change the
-//! picture. So it is done here as there, and the finished picture is converted: un-premultiplied, decoded, premultiplied.
-//! A PNG written from it has the codes of the published renderer. Composited over something in linear light, which is
-//! what [`splatvol_scene::Image::over`] does, half-transparent pixels come out otherwise than there; a background of the
-//! settings is composited in display space.
+//! Gaussians are trained so that *display* (sRGB-encoded) colours are composited; linear compositing would change
+//! the picture. So it is done here as there, and the finished picture is converted: un-premultiplied, decoded,
+//! premultiplied. A PNG written from it has the codes of the published renderer. Composited over something in
+//! linear light, which is what [`splatvol_scene::Image::over`] does, half-transparent pixels come out otherwise
+//! than there; a background of the settings is composited in display space.
 //!
 //! # Departures
 //!

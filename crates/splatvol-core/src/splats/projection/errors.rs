@@ -1,11 +1,12 @@
 //! Errors of the alignments against exact alignment: estimates, and the choice of `auto` based on them.
 //!
-//! With `c` and `w_0` the whitened centre and the whitened ray through it, a ray with the whitened offset `e |w_0|` from that one
-//! passes the kernel at `r = |c x e| / |w|` (`splats::Ray`), `|w|^2 = |w_0|^2 ((1 + e_par)^2 + e_perp^2)`, while the affine
-//! footprint has `rho = |c| e_perp`: the alignments differ by their denominators only. Within a footprint
-//! `|e_par| <= tau rho` and `e_perp = epsilon rho`, where `epsilon = 1 / |c|` is the standard deviation per distance,
-//! `tau^2 = t^T V2 t`, `t = (V^-1 d)_xy / (d^T V^-1 d)`, and V2 is the footprint's covariance per depth; the path's length
-//! changes by at most `gamma rho`, `gamma^2 = k^T V2 k`, `k = d_xy / |d|^2 - t`. For a sphere `gamma = 0`,
+//! With `c` and `w_0` the whitened centre and the whitened ray through it, a ray with the whitened offset `e |w_0|`
+//! from that one passes the kernel at `r = |c x e| / |w|` (`splats::Ray`),
+//! `|w|^2 = |w_0|^2 ((1 + e_par)^2 + e_perp^2)`, while the affine footprint has `rho = |c| e_perp`: the alignments
+//! differ by their denominators only. Within a footprint `|e_par| <= tau rho` and `e_perp = epsilon rho`, where
+//! `epsilon = 1 / |c|` is the standard deviation per distance, `tau^2 = t^T V2 t`,
+//! `t = (V^-1 d)_xy / (d^T V^-1 d)`, and V2 is the footprint's covariance per depth; the path's length changes by
+//! at most `gamma rho`, `gamma^2 = k^T V2 k`, `k = d_xy / |d|^2 - t`. For a sphere `gamma = 0`,
 //! `tau = epsilon tan(angle to the axis)`. To first order, with q the profile,
 //!
 //! | alignment | error, share of the peak |
@@ -13,10 +14,11 @@
 //! | affine | `tau max 2 rho^3 abs(q') + gamma max rho q + epsilon^2 max rho^4 abs(q')` |
 //! | ray | the same without tau |
 //!
-//! so 1.159 tau for a Gaussian: a sphere 60 degrees off axis has `1.00 sigma / z`, which is mueller1998's 1 % at .01. To this the
-//! square of the first order is added, four times, which bounds what is left out up to errors of a fifth (tested). What lies
-//! along another axis, or is stretched in another direction, errs by the difference of two Gaussians as well: with `kappa < 1` the
-//! ratio of their variances, `(1 - kappa) kappa^(kappa / (1 - kappa))`, plus the difference of their heights.
+//! so 1.159 tau for a Gaussian: a sphere 60 degrees off axis has `1.00 sigma / z`, which is mueller1998's 1 % at
+//! .01. To this the square of the first order is added, four times, which bounds what is left out up to errors of a
+//! fifth (tested). What lies along another axis, or is stretched in another direction, errs by the difference of
+//! two Gaussians as well: with `kappa < 1` the ratio of their variances, `(1 - kappa) kappa^(kappa / (1 - kappa))`,
+//! plus the difference of their heights.
 
 use glam::{DVec2, DVec3};
 
@@ -99,8 +101,8 @@ fn width_difference(kappa: f64) -> f64 {
 }
 
 impl Projection<'_> {
-    /// Estimates of the errors of a splat's footprints; `None` where it has none, where it reaches before the near plane and is cut
-    /// there, and in orthographic views, which are exact.
+    /// Estimates of the errors of a splat's footprints; `None` where it has none, where it reaches before the near
+    /// plane and is cut there, and in orthographic views, which are exact.
     pub fn errors(&self, splat: usize) -> Option<AlignmentErrors> {
         let u = self.centre(splat).as_dvec3();
         let covariance = self.covariance(splat);

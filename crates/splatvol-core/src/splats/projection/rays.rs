@@ -172,8 +172,8 @@ pub(super) fn per_depth([low, high]: [DVec3; 2], near: f64) -> Option<[DVec2; 2]
     Some([(low * first).min(low * last), (high * first).max(high * last)])
 }
 
-/// Least and greatest `x / z` of an ellipsoid: the roots of `C_zz t^2 - 2 C_xz t + C_xx` of the dual `C = u u^T - cut^2 V'`;
-/// everything where it reaches behind the eye.
+/// Least and greatest `x / z` of an ellipsoid: the roots of `C_zz t^2 - 2 C_xz t + C_xx` of the dual
+/// `C = u u^T - cut^2 V'`; everything where it reaches behind the eye.
 #[inline(always)]
 fn silhouette([xx, xz, zz]: [f64; 3]) -> [f64; 2] {
     if zz <= 0.0 {

@@ -91,7 +91,8 @@ const TILE: TileRect = TileRect {
     y1: 264,
 };
 
-/// Largest difference from the line integral through the same pixel of the footprint `truth`, in 256ths of the centre's.
+/// Largest difference from the line integral through the same pixel of the footprint `truth`, in 256ths of the
+/// centre's.
 fn largest_error(
     tables: &Tables,
     kernel: Kernel,

@@ -98,7 +98,8 @@ impl Place {
 }
 
 impl Footing {
-    /// The blocks of the tile that a splat reaches on planes between two depths, given with pixels per world length there.
+    /// The blocks of the tile that a splat reaches on planes between two depths, given with pixels per world length
+    /// there.
     #[inline(always)]
     pub(crate) fn blocks_of(&self, splat: &OpenSplat, ends: [[f32; 2]; 2]) -> Option<Blocks> {
         Some(Blocks {

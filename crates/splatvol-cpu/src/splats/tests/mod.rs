@@ -1,5 +1,5 @@
-//! Seeded clouds, and the published algorithm in f64, pixel by pixel, from its equations (Kerbl et al. 2023, Zwicker et al.
-//! 2002). Shares no code with the engine.
+//! Seeded clouds, and the published algorithm in f64, pixel by pixel, from its equations (Kerbl et al. 2023,
+//! Zwicker et al. 2002). Shares no code with the engine.
 
 mod depths;
 mod kernels;
@@ -364,8 +364,8 @@ impl Projected {
     }
 }
 
-/// Harmonics from associated Legendre functions, `N_lm P_l^|m|(cos theta)` times `sqrt(2) cos(m phi)` or `sqrt(2) sin(|m| phi)`,
-/// with the Condon-Shortley phase: nothing but the definition.
+/// Harmonics from associated Legendre functions, `N_lm P_l^|m|(cos theta)` times `sqrt(2) cos(m phi)` or
+/// `sqrt(2) sin(|m| phi)`, with the Condon-Shortley phase: nothing but the definition.
 fn harmonic(l: i32, m: i32, d: DVec3) -> f64 {
     let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
     let k = m.abs();

@@ -8,7 +8,8 @@ use super::{
     CloudSettings, LowPass, Manner, Pixel, Published, Renderer, attributes, cloud, perspective, settings,
 };
 
-/// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32 swaps them.
+/// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32
+/// swaps them.
 const LEAST_PSNR: f64 = 58.0;
 
 fn renderer() -> Renderer {
