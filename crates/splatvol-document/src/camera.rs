@@ -56,7 +56,7 @@ impl CameraPose {
 pub struct CameraKeys {
     /// Side to look from. Excludes `position`.
     pub view: Option<View>,
-    /// What an automatic camera shows.
+    /// Subject of an automatic camera.
     pub fit: Option<Fit>,
     /// Position of the eye, world.
     pub position: Option<[f64; 3]>,
@@ -83,7 +83,7 @@ pub enum Lens {
     Parallel(Option<f64>),
 }
 
-/// What an automatic camera shows.
+/// Subject of an automatic camera.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Fit {
     /// The voxels with some opacity, but for specks.

@@ -1,7 +1,7 @@
-//! What a picture is made of, and the decisions that it leaves open.
+//! Decisions that the description of a picture leaves open: the camera, and which way is up.
 //!
-//! Whoever makes pictures - the command, a notebook, a viewer, machines of a cluster - decides by these, so that all of
-//! them make the same picture of the same data.
+//! The command, a notebook, a viewer and the machines of a cluster all decide by this crate, so they make the same picture
+//! of the same data.
 //!
 //! | module | decides |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! What an automatic camera shows of the items of a scene.
+//! Outlines of items: the world positions that an automatic camera brings into the picture.
 //!
 //! Scans and captures have strays far from everything else, which would shrink the picture: what lies further from the
 //! innermost 99 % than a share of its size is left out of the outline (not out of the picture).

@@ -1,4 +1,4 @@
-//! What a camera on a turntable shows: the outline on all sides of the axis that it turns around.
+//! Turntables: the outline of a thing on all sides of the axis that the camera turns around.
 //!
 //! The axis goes through the middle of the outline. A picture that shows all the turned outlines shows every side, if
 //! the target, around which the camera turns, lies on the axis.

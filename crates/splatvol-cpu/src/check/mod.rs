@@ -2,7 +2,7 @@
 //!
 //! | of | module |
 //! |---|---|
-//! | settings by themselves | [`RenderSettings::validate`] |
+//! | settings by themselves | [`splatvol_scene::RenderSettings::validate`] |
 //! | a volume alone, with the settings | `volume` |
 //! | a rasteriser, with the footprints of a view | `raster` |
 //! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |

@@ -352,7 +352,7 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
     }
 }
 
-/// [`splat`] for footprints of `size` blocks, one of [`SIZES`]. Compiled once per payload, whoever calls it.
+/// [`splat`] for footprints of `size` blocks, one of `SIZES`. Compiled once per payload, whoever calls it.
 #[inline(always)]
 pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
     simd: S,
