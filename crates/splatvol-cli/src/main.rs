@@ -12,13 +12,11 @@ mod terminal;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use args::{Cli, Command};
+use args::{Command, help};
 use terminal::Terminal;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = help::parse();
     let terminal = Terminal::new(cli.verbosity);
     let done = match &cli.command {
         Command::Render(args) => commands::render::run(args, &terminal),

@@ -4,24 +4,28 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::help::{MOTION, OUTPUT};
 use super::{RenderArgs, values};
-
-const MOTION: &str = "Motion";
 
 /// Raw arguments of `animate`: those of `render`, which say what every frame shows, and those of the motion.
 #[derive(Debug, Clone, Args)]
 #[command(
     mut_arg("output", |arg| arg.required(true).help(
-        "Animation: .gif, .apng, .mp4 .webm .mov .mkv (by ffmpeg), or frames: name-####.png, name-####.exr"
+        "Animation: .gif .apng .mp4 .webm .mov .mkv, or frames: NAME-####.png"
+    ).long_help(
+        "Animation: .gif, .apng, with ffmpeg .mp4 .webm .mov .mkv, or one file per frame: NAME-####.png, NAME-####.exr"
     )),
     mut_arg("stats", |arg| arg.help("Write times of all frames as JSON to this file, or to stdout (-)")),
-    after_help = "All flags of render say what a frame shows. The animation goes round seamlessly where its path is closed: a
-turntable by whole turns, or key frames of which the last is the first. On a turntable an automatic camera
-keeps all sides in the picture.
+    after_help = "Examples:
+  splatvol animate sample:head --view front -o spin.gif --size 400 --frames 60 --fps 20
+  splatvol animate scan.nii.gz --frames 180 --shutter 0.5 -o spin.mp4",
+    after_long_help = "All flags of render are taken too, and say what a frame shows. The animation repeats without a jump
+where its path is closed: a turntable by whole turns, or key frames of which the last is the first.
+On a turntable, a camera that is placed automatically keeps all sides in the picture.
 
---path FILE names key frames, as TOML or JSON; what a key leaves out is taken from the camera flags:
+--path FILE names key frames, as TOML or JSON; the camera flags say what a key leaves out:
   [[key]]
-  time = 0.0                 # seconds; all keys have it, or none. Without --frames it says how long all takes
+  time = 0.0                 # seconds, in all keys or none; gives the duration without --frames
   position = [0, 400, 0]     # world; the path between keys is a Catmull-Rom spline
   target = [0, 0, 0]
   up = [0, 0, 1]
@@ -40,7 +44,9 @@ Examples:
 pub(crate) struct AnimateArgs {
     #[command(flatten)]
     pub(crate) render: RenderArgs,
-    /// Turn the camera by this angle in all, around the target and the up axis, to its right [default: 360]
+    /// Turn the camera around the target by this angle in all [default: 360]
+    ///
+    /// To its right, about the axis that is up.
     #[arg(long, value_name = "DEGREES", value_parser = values::finite, help_heading = MOTION,
           allow_negative_numbers = true, conflicts_with = "path")]
     pub(crate) turntable: Option<f64>,
@@ -53,14 +59,16 @@ pub(crate) struct AnimateArgs {
     /// Frames per second
     #[arg(long, value_name = "RATE", help_heading = MOTION, default_value_t = 30.0, value_parser = frame_rate)]
     pub(crate) fps: f64,
-    /// Start and stop gently: at time t of 0..1 the camera is at 3t² - 2t³ of its way
+    /// Start and stop gently
+    ///
+    /// At time t, from 0 to 1, the camera has gone 3t² - 2t³ of its way.
     #[arg(long, help_heading = MOTION)]
     pub(crate) ease: bool,
-    /// Motion blur: share of a frame's time that the shutter is open, around the middle of the frame
+    /// Motion blur: share of a frame's time that the shutter is open
     #[arg(long, value_name = "SHARE", help_heading = MOTION, default_value_t = 0.0, value_parser = share)]
     pub(crate) shutter: f64,
-    /// Keep frames that are there already and as they would be made; make the others (also over existing files)
-    #[arg(long, help_heading = "Output", conflicts_with = "overwrite")]
+    /// Continue an interrupted animation: keep the frames that are there and up to date, make the others
+    #[arg(long, help_heading = OUTPUT, conflicts_with = "overwrite")]
     pub(crate) resume: bool,
 }
 

@@ -7,32 +7,33 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use splatvol::{ImageSize, Projection};
 
+use super::help::{CASES, MEASUREMENT, OUTPUT};
 use super::{CameraArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
 use crate::commands::bench::scenes::FIXED_SCENES;
-
-const CASES: &str = "Cases";
-const MEASUREMENT: &str = "Measurement";
-const OUTPUT: &str = "Output";
 
 /// Raw arguments of `bench`.
 #[derive(Debug, Clone, Args)]
 #[command(
-    after_help = "Without INPUT, fixed scenes are rendered in all combinations of look, classification, projection and
-threads, and their pictures are compared with those recorded of them. Of a given INPUT, or under flags that
-change the picture, nothing is expected. Unless camera flags say otherwise the camera sees the whole grid, from
-0.90,0.25,0.35 with 0,1,0 up. One renderer makes all frames of a case: what it can keep between frames, it keeps.
+    after_help = "Examples:
+  splatvol bench --quick
+  splatvol bench scan.nii.gz --preset fast --threads 1,4",
+    after_long_help = "Without INPUT, fixed scenes are rendered in all combinations of look, classification, projection
+and threads, and the pictures are compared with recorded ones. Pictures of a given INPUT, and those
+that other flags change, are not compared. Unless camera flags say otherwise, the camera sees the
+whole grid from 0.90,0.25,0.35, with 0,1,0 up. One renderer makes all frames of a case, and keeps
+between frames what it can.
 
-Exit codes: as splatvol; 4 also where a picture is not as recorded.
+Exit codes: those of splatvol; 4 also where a picture differs from the recorded one.
 
 Examples:
   splatvol bench
   splatvol bench --quick
-  splatvol bench --scenes shells:256 --looks opaque --projection perspective --threads 2 --json times.json
+  splatvol bench --scenes shells:256 --looks opaque --projection perspective --threads 2
   splatvol bench scan.nii.gz --preset fast --threads 1,4
   splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -"
 )]
 pub(crate) struct BenchArgs {
-    /// Volumes: files, or sample:NAME[:SIZE] [default: the fixed scenes]
+    /// Volumes: files, folders, or sample:NAME[:SIZE] [default: the fixed scenes]
     #[arg(value_name = "INPUT")]
     pub(crate) inputs: Vec<String>,
     /// Fixed scenes to run [default: shells:256,head:256,head:512]
@@ -42,32 +43,34 @@ pub(crate) struct BenchArgs {
     /// Run the small fixed scenes only, in small pictures
     #[arg(long, help_heading = CASES, conflicts_with_all = ["inputs", "scenes"])]
     pub(crate) quick: bool,
-    /// Transfer functions [default: all for fixed scenes, for INPUT that of splatvol render]
+    /// Transfer functions [default: all for fixed scenes; for INPUT as render]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES,
           conflicts_with_all = ["tf", "cmap", "opacity", "iso"])]
     pub(crate) looks: Vec<LookName>,
-    /// Projections [default: all for fixed scenes, perspective for INPUT]
+    /// Projections [default: both for fixed scenes, perspective for INPUT]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES,
           conflicts_with_all = ["camera_fov", "orthographic"])]
     pub(crate) projection: Vec<ProjectionName>,
     /// Numbers of threads; 0 takes one per processor [default: 1,0]
     #[arg(long, value_name = "N", value_delimiter = ',', help_heading = CASES)]
     pub(crate) threads: Vec<usize>,
-    /// Frames that are measured
+    /// Number of frames that are measured
     #[arg(long, value_name = "N", default_value_t = 9, help_heading = MEASUREMENT,
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) frames: u32,
-    /// Frames before them, which are not
+    /// Number of frames before them that are not measured
     #[arg(long, value_name = "N", default_value_t = 2, help_heading = MEASUREMENT)]
     pub(crate) warm_up: u32,
-    /// Turn of the camera about the picture's up axis per frame
+    /// Angle by which the camera turns from frame to frame
     #[arg(long, value_name = "DEGREES", default_value_t = 1.0, help_heading = MEASUREMENT,
           allow_negative_numbers = true, value_parser = values::finite)]
     pub(crate) orbit: f64,
     /// Picture size, pixels: WxH, W,H or N [default: 512x512; 128x128 for the small scenes]
     #[arg(long, value_name = "WxH", value_parser = values::image_size, help_heading = OUTPUT)]
     pub(crate) size: Option<ImageSize>,
-    /// Write settings, times, counts and checksums as JSON to this file, or to stdout (-) instead of the table
+    /// Write settings, times and checksums as JSON to this file, or to stdout (-)
+    ///
+    /// Settings, times, counts and checksums of all cases. On stdout, JSON takes the place of the table.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) json: Option<PathBuf>,
     /// Write the first measured frame of the first case: .png or .exr

@@ -4,45 +4,44 @@ use clap::{Args, ValueEnum};
 use splatvol::View;
 use splatvol_document::{CameraKeys, Fit, Lens};
 
+use super::help::CAMERA;
 use super::values::{self, Triple};
-
-const HEADING: &str = "Camera";
 
 /// Where the picture is taken from.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct CameraArgs {
-    /// Look from this side; the data's +y is front, +z is top [default: iso]
-    #[arg(long, help_heading = HEADING)]
+    /// Side to look from; front is the data's +y, top its +z [default: iso]
+    #[arg(long, value_name = "SIDE", help_heading = CAMERA)]
     pub(crate) view: Option<ViewName>,
-    /// What fills the picture: the voxels that can be seen, or the whole grid [default: visible]
-    #[arg(long, value_name = "WHAT", help_heading = HEADING)]
+    /// What fills the picture [default: visible]
+    #[arg(long, value_name = "WHAT", help_heading = CAMERA)]
     pub(crate) fit: Option<FitName>,
-    /// Camera position, world
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = HEADING,
+    /// Position of the camera, in world coordinates
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = CAMERA,
           allow_hyphen_values = true, conflicts_with = "view")]
     pub(crate) camera_pos: Option<Triple>,
-    /// Point looked at, world [default: the middle of what is shown]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = HEADING,
+    /// Point to look at, in world coordinates [default: the middle of what is shown]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = CAMERA,
           allow_hyphen_values = true)]
     pub(crate) camera_target: Option<Triple>,
-    /// Direction that is up in the picture, world [default: 0,0,1]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = HEADING,
+    /// Direction that is up in the picture, in world coordinates [default: 0,0,1]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = CAMERA,
           allow_hyphen_values = true)]
     pub(crate) camera_up: Option<Triple>,
-    /// Vertical field of view, degrees [default: 30]
-    #[arg(long, value_name = "DEGREES", help_heading = HEADING, conflicts_with = "orthographic")]
+    /// Vertical field of view [default: 30]
+    #[arg(long, value_name = "DEGREES", help_heading = CAMERA, conflicts_with = "orthographic")]
     pub(crate) camera_fov: Option<f64>,
-    /// Parallel projection, showing HEIGHT world units from top to bottom [default: fits]
-    #[arg(long, value_name = "HEIGHT", num_args = 0..=1, require_equals = true, help_heading = HEADING)]
+    /// Parallel projection, with HEIGHT world units from top to bottom [default: what fits]
+    #[arg(long, value_name = "HEIGHT", num_args = 0..=1, require_equals = true, help_heading = CAMERA)]
     pub(crate) orthographic: Option<Option<f64>>,
-    /// Turn the camera around the target, to its right, degrees
-    #[arg(long, value_name = "DEGREES", help_heading = HEADING, allow_negative_numbers = true)]
+    /// Move the camera around the target, to its right
+    #[arg(long, value_name = "DEGREES", help_heading = CAMERA, allow_negative_numbers = true)]
     pub(crate) azimuth: Option<f64>,
-    /// Turn the camera over the target, upwards, degrees
-    #[arg(long, value_name = "DEGREES", help_heading = HEADING, allow_negative_numbers = true)]
+    /// Move the camera around the target, upwards
+    #[arg(long, value_name = "DEGREES", help_heading = CAMERA, allow_negative_numbers = true)]
     pub(crate) elevation: Option<f64>,
-    /// Enlarge the picture's middle by this factor
-    #[arg(long, value_name = "FACTOR", help_heading = HEADING)]
+    /// Enlarge the picture about its middle
+    #[arg(long, value_name = "FACTOR", help_heading = CAMERA)]
     pub(crate) zoom: Option<f64>,
 }
 
@@ -83,7 +82,7 @@ pub(crate) enum ViewName {
 /// What an automatic camera shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FitName {
-    /// The voxels with some opacity, but for specks
+    /// The voxels that are not transparent, without stray specks
     #[default]
     Visible,
     /// The whole grid

@@ -2,54 +2,55 @@
 
 use clap::{Args, ValueEnum};
 
+use super::help::PAPERS;
 use super::values;
-
-const FASTSPLATS: &str = "FastSplats";
 
 /// How footprints are drawn, and which voxels have any.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
 pub(crate) struct FastSplatsArgs {
-    /// How footprints become pixels [default: auto]
-    #[arg(long, help_heading = FASTSPLATS, hide_short_help = true)]
+    /// How footprints are drawn (FastSplats) [default: auto]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) rasterizer: Option<RasterizerName>,
-    /// Entries of the footprint table, 32 to 1024 [default: 128]
-    #[arg(long, value_name = "COUNT", help_heading = FASTSPLATS, hide_short_help = true)]
+    /// Number of entries of a footprint table, 32 to 1024 [default: 128]
+    #[arg(long, value_name = "COUNT", help_heading = PAPERS)]
     pub(crate) table_entries: Option<u32>,
-    /// What an entry of the table is [default: u8]
-    #[arg(long, help_heading = FASTSPLATS, hide_short_help = true)]
+    /// Number format of a table's entries [default: u8]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) table_precision: Option<PrecisionName>,
-    /// Parts that the table cuts a kernel into along depth, 1 to 128 [default: 128]
-    #[arg(long, value_name = "COUNT", help_heading = FASTSPLATS, hide_short_help = true)]
+    /// Number of parts into which a table cuts the kernel along depth, 1 to 128 [default: 128]
+    #[arg(long, value_name = "COUNT", help_heading = PAPERS)]
     pub(crate) table_sections: Option<u32>,
-    /// Cells per pixel and axis that centres are snapped to, with --rasterizer rlut (1 to 128) or blit-2d (1 to 8) [default: 10 for rlut, 2 for blit-2d]
-    #[arg(long, value_name = "COUNT", help_heading = FASTSPLATS, hide_short_help = true)]
+    /// Places per pixel and axis that centres are rounded to [default: rlut 10, blit-2d 2]
+    ///
+    /// With --rasterizer rlut 1 to 128, with blit-2d 1 to 8.
+    #[arg(long, value_name = "COUNT", help_heading = PAPERS)]
     pub(crate) subpixels: Option<u32>,
-    /// Values that have splats, as the transfer function counts them
-    #[arg(long, value_name = "LO,HI", value_parser = values::range, help_heading = FASTSPLATS, hide_short_help = true,
+    /// Splat only voxels of these values, as the transfer function counts them
+    #[arg(long, value_name = "LO,HI", value_parser = values::range, help_heading = PAPERS,
           allow_hyphen_values = true)]
     pub(crate) extract_density: Option<[f64; 2]>,
-    /// Least gradient of voxels that have splats, value ranges per voxel [default: 0]
-    #[arg(long, value_name = "GRADIENT", help_heading = FASTSPLATS, hide_short_help = true)]
+    /// Splat only voxels of at least this gradient, value ranges per voxel [default: 0]
+    #[arg(long, value_name = "GRADIENT", help_heading = PAPERS)]
     pub(crate) extract_gradient: Option<f64>,
 }
 
 /// How footprints become pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum RasterizerName {
-    /// The fastest for the footprint, without tables
+    /// The fastest for each footprint, without tables
     Auto,
-    /// A square root per pixel into a table that is even in the distance
+    /// A table over the distance from the centre: a square root per pixel
     #[value(name = "linear-1d")]
     Linear1d,
-    /// Two additions per pixel into a table that is even in the squared distance; circles
+    /// A table over the squared distance: two additions per pixel; circles only
     #[value(name = "square-1d")]
     Square1d,
-    /// The same for ellipses
+    /// As square-1d, for ellipses
     #[value(name = "ellipse-1d")]
     Ellipse1d,
-    /// Squared distances from tables, centres snapped
+    /// Squared distances from a table too; centres are rounded
     Rlut,
-    /// Footprints drawn beforehand, centres and radii snapped; circles
+    /// Whole footprints drawn beforehand; centres and radii are rounded; circles only
     #[value(name = "blit-2d")]
     Blit2d,
 }

@@ -2,37 +2,41 @@
 
 use clap::{Args, ValueEnum};
 
-const FOOTPRINTS: &str = "Footprints";
+use super::help::PAPERS;
 
 /// What the papers' methods differ in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
 pub(crate) struct FootprintArgs {
-    /// What footprints leave on sheets of data [default: sample; section where the method needs it]
-    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// What a kernel adds to a sheet [default: sample, or section where the method needs it]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) sheet: Option<SheetName>,
-    /// How light is lost in material [default: exp]
-    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// How light is lost on its way through a length x of material [default: exp]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) absorption: Option<AbsorptionName>,
-    /// Which integrals of a kernel make up its footprint [default: sheet]
-    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// Along which lines a kernel is integrated to its footprint [default: sheet]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) alignment: Option<AlignmentName>,
-    /// Largest error of a footprint, share of its peak, with --alignment auto [default: 0.00390625]
-    #[arg(long, value_name = "SHARE", help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// Largest error of a footprint with --alignment auto, share of its peak [default: 0.00390625]
+    #[arg(long, value_name = "SHARE", help_heading = PAPERS)]
     pub(crate) alignment_budget: Option<f64>,
     /// How --filter swan stretches kernels [default: box]
-    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) stretch: Option<StretchName>,
-    /// How what is hidden is left out [default: auto]
-    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// How hidden voxels are found and left out [default: auto]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) occlusion: Option<OcclusionName>,
     /// What the kernels stand for [default: volume]
-    #[arg(long, help_heading = FOOTPRINTS, hide_short_help = true)]
+    #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) reconstruction: Option<ReconstructionName>,
-    /// What kernels are divided by along the gradient, with --reconstruction surface or mixed [default: 10]
-    #[arg(long, value_name = "FACTOR", help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// How much thinner kernels get along the gradient [default: 10]
+    ///
+    /// With --reconstruction surface or mixed.
+    #[arg(long, value_name = "FACTOR", help_heading = PAPERS)]
     pub(crate) flatness: Option<f64>,
-    /// Gradient from which on a voxel is part of a surface, value ranges per voxel, with --reconstruction mixed [default: 0.05]
-    #[arg(long, value_name = "GRADIENT", help_heading = FOOTPRINTS, hide_short_help = true)]
+    /// Least gradient of a surface, value ranges per voxel [default: 0.05]
+    ///
+    /// With --reconstruction mixed: voxels of a smaller gradient are volume.
+    #[arg(long, value_name = "GRADIENT", help_heading = PAPERS)]
     pub(crate) surface_gradient: Option<f64>,
 }
 
@@ -48,28 +52,28 @@ pub(crate) enum SheetName {
 /// Which integrals of a kernel make up its footprint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum AlignmentName {
-    /// On sheets of constant depth; whole footprints affine
+    /// Sheets: at constant depth. Whole footprints: as affine
     Sheet,
-    /// Along rays parallel to the one through the centre
+    /// Along rays parallel to the one through the kernel's centre
     Affine,
     /// Along each pixel's own ray
     Exact,
     /// Along the viewing axis
     Grid,
-    /// Discs across the ray through the centre, in perspective
+    /// As discs across the ray through the centre, in perspective
     Ray,
-    /// Along each pixel's own ray, stretched across the one through the centre
+    /// As exact, with kernels stretched across the ray through the centre
     RayIdeal,
-    /// Affine where that is within --alignment-budget, exact elsewhere
+    /// As affine where that is within --alignment-budget, as exact elsewhere
     Auto,
 }
 
 /// How the swan filter stretches kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StretchName {
-    /// As a whole, by what the centre needs
+    /// The whole kernel by what its centre needs
     Box,
-    /// By what each depth needs; with --alignment exact
+    /// Each depth by what it needs; needs --alignment exact
     Trapezoid,
 }
 
@@ -85,7 +89,7 @@ pub(crate) enum AbsorptionName {
 /// How what is hidden is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OcclusionName {
-    /// By counts of unfinished pixels
+    /// By counting unfinished pixels
     Auto,
     /// Nothing is left out
     None,

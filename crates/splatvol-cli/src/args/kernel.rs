@@ -3,9 +3,8 @@
 use clap::{Args, ValueEnum};
 use splatvol::RenderSettings;
 
+use super::help::KERNEL;
 use super::method::with_default;
-
-const KERNEL: &str = "Kernel";
 
 /// The reconstruction kernel and its shape.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
@@ -19,7 +18,7 @@ pub(crate) struct KernelArgs {
     /// Cut-off of the gaussian or kaiser-bessel kernel, voxels
     #[arg(long, value_name = "VOXELS", help_heading = KERNEL, help = with_default("Cut-off of the gaussian or kaiser-bessel kernel, voxels", |s| gaussian(s).1))]
     pub(crate) kernel_radius: Option<f64>,
-    /// Shape of the kaiser-bessel kernel: 0 is broad [default: that of the least ripple, 10.4443 for radius 2]
+    /// Shape of the kaiser-bessel kernel, broad at 0 [default: the most even, 10.4443 for radius 2]
     #[arg(long, value_name = "NUMBER", help_heading = KERNEL)]
     pub(crate) kernel_alpha: Option<f64>,
 }
@@ -27,13 +26,13 @@ pub(crate) struct KernelArgs {
 /// Reconstruction kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum KernelName {
-    /// Smooth, and the only one that can interpolate the data
+    /// Smooth; the only one that can interpolate the data
     Gaussian,
-    /// Piecewise cubic, the smallest
+    /// Piecewise cubic; the smallest
     CrawfisMax,
     /// Cubic B-spline of the distance, radius 2
     CubicBspline,
-    /// Kaiser-Bessel window ("blob"): the most even
+    /// Kaiser-Bessel window, or blob; the most even
     KaiserBessel,
 }
 

@@ -3,32 +3,33 @@
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use super::help::LOOK;
 use super::values;
-
-const HEADING: &str = "Colour and opacity";
 
 /// How data values look. Without any of these a transfer function is chosen from the data.
 #[derive(Debug, Clone, Default, PartialEq, Args, Serialize, Deserialize)]
 #[serde(default, rename_all = "kebab-case")]
 pub(crate) struct LookArgs {
-    /// Transfer function: 3D Slicer .vp.json, ParaView .json, Inviwo .itf, ImageJ .lut
-    #[arg(long, value_name = "FILE", help_heading = HEADING, conflicts_with_all = ["cmap", "opacity", "iso"])]
+    /// Transfer function: a file of 3D Slicer (.vp.json), ParaView (.json), Inviwo (.itf) or ImageJ (.lut)
+    #[arg(long, value_name = "FILE", help_heading = LOOK, conflicts_with_all = ["cmap", "opacity", "iso"])]
     pub(crate) tf: Option<std::path::PathBuf>,
-    /// Colour map, by matplotlib's name (viridis, gray, coolwarm_r...)
-    #[arg(long, value_name = "NAME", help_heading = HEADING)]
+    /// Colour map, by matplotlib's name: viridis, gray, coolwarm_r (reversed)...
+    #[arg(long, value_name = "NAME", help_heading = LOOK, value_parser = values::color_map)]
     pub(crate) cmap: Option<String>,
-    /// Opacity curve: linear, geom, sigmoid, sigmoid_1..20, foreground; _r reverses
-    #[arg(long, value_name = "NAME", help_heading = HEADING, conflicts_with = "iso")]
+    /// Opacity curve: linear, geom, sigmoid, foreground; linear_r is reversed
+    ///
+    /// linear, geom, foreground, sigmoid, or sigmoid_N of steepness N, 1 to 10, 15 or 20; each reversed with _r behind it.
+    #[arg(long, value_name = "NAME", help_heading = LOOK, value_parser = values::opacity_curve, conflicts_with = "iso")]
     pub(crate) opacity: Option<String>,
-    /// Data values at the ends of colour map and opacity curve [default: chosen from the data]
-    #[arg(long, value_name = "LO,HI", value_parser = values::range, help_heading = HEADING,
+    /// Data values at the ends of colour map and opacity curve
+    #[arg(long, value_name = "LO,HI", value_parser = values::range, help_heading = LOOK,
           allow_hyphen_values = true)]
     pub(crate) clim: Option<[f64; 2]>,
-    /// World length to which opacities refer [default: one mean voxel spacing]
-    #[arg(long, value_name = "LENGTH", help_heading = HEADING)]
+    /// World length over which opacities act [default: the mean voxel spacing]
+    #[arg(long, value_name = "LENGTH", help_heading = LOOK)]
     pub(crate) unit_distance: Option<f64>,
     /// Show the surface of this data value
-    #[arg(long, value_name = "VALUE", help_heading = HEADING, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", help_heading = LOOK, allow_negative_numbers = true)]
     pub(crate) iso: Option<f64>,
 }
 

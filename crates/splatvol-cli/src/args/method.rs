@@ -4,63 +4,64 @@ use clap::{Args, ValueEnum};
 
 use splatvol::{Lighting, RenderSettings};
 
-use super::KernelArgs;
+use super::help::{LIGHT, METHOD, QUALITY};
 use super::values::{self, Triple};
-use super::{FastSplatsArgs, FootprintArgs};
-
-const METHOD: &str = "Method";
-const LIGHT: &str = "Lighting";
+use super::{FastSplatsArgs, FootprintArgs, KernelArgs};
 
 /// How the picture is made.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct MethodArgs {
-    /// Quality or speed: what sheets, filter and kernel are unless their own flags say so [default: balanced]
+    /// Quality or speed [default: balanced]
+    ///
+    /// Sets sheets, filter and kernel, for quality, for speed or as a paper has them; their own flags go over it.
     #[arg(long, value_name = "NAME", help_heading = METHOD)]
     pub(crate) preset: Option<PresetName>,
-    /// How sheets become a picture [default: image-sheets]
-    #[arg(long, help_heading = METHOD)]
+    /// Kind of picture [default: image-sheets]
+    ///
+    /// How what lies behind each other in the volume becomes one colour of a pixel.
+    #[arg(long, value_name = "NAME", help_heading = METHOD)]
     pub(crate) compositing: Option<CompositingName>,
-    /// Splat classified colours (pre), or data that each sheet classifies (post) [default: post; pre for labels]
-    #[arg(long, help_heading = METHOD)]
+    /// Whether colours are splatted, or data that get colours on each sheet [default: post; pre for labels]
+    #[arg(long, value_name = "NAME", help_heading = METHOD)]
     pub(crate) classification: Option<ClassificationName>,
     /// Thickness of a sheet, voxels
-    #[arg(long, value_name = "VOXELS", help_heading = METHOD, help = with_default("Thickness of a sheet, voxels", |s| s.method.sheet_thickness()))]
+    #[arg(long, value_name = "VOXELS", help_heading = QUALITY, help = with_default("Thickness of a sheet, voxels", |s| s.method.sheet_thickness()))]
     pub(crate) sheet_thickness: Option<f64>,
-    /// Gradients that light the sheets [default: differences]
-    #[arg(long, help_heading = METHOD)]
+    /// Gradients by which sheets are lit [default: differences]
+    #[arg(long, value_name = "NAME", help_heading = LIGHT)]
     pub(crate) gradient: Option<GradientName>,
-    /// Low-pass filter in the picture [default: matched]
-    #[arg(long, help_heading = METHOD)]
+    /// Low-pass filter against aliasing in the picture [default: matched]
+    #[arg(long, value_name = "NAME", help_heading = QUALITY)]
     pub(crate) filter: Option<FilterName>,
     /// Standard deviation of the EWA filter, pixels
-    #[arg(long, value_name = "PIXELS", help_heading = METHOD, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.method.filter().pixel_sigma()))]
+    #[arg(long, value_name = "PIXELS", help_heading = QUALITY, help = with_default("Standard deviation of the EWA filter, pixels", |s| s.method.filter().pixel_sigma()))]
     pub(crate) pixel_sigma: Option<f64>,
-    /// Anti-aliasing of edges, where a low-pass of footprints is not one of the picture [default: off]
-    #[arg(long, help_heading = METHOD)]
+    /// Anti-aliasing of edges, which no filter of footprints smooths [default: off]
+    #[arg(long, value_name = "NAME", help_heading = QUALITY)]
     pub(crate) coverage: Option<CoverageName>,
-    /// Samples per pixel and axis of an edge, with --coverage adaptive, 2 to 8 [default: 4]
-    #[arg(long, value_name = "COUNT", help_heading = METHOD, hide_short_help = true)]
+    /// Samples per pixel and axis with --coverage adaptive, 2 to 8 [default: 4]
+    #[arg(long, value_name = "COUNT", help_heading = QUALITY)]
     pub(crate) coverage_samples: Option<u32>,
     #[command(flatten)]
     pub(crate) kernel: KernelArgs,
     /// Let the kernel smooth the data instead of interpolating them
-    #[arg(long, help_heading = METHOD)]
+    #[arg(long, help_heading = QUALITY)]
     pub(crate) no_prefilter: bool,
     /// Interpolate the data (undoes --no-prefilter of a picture given with --like)
-    #[arg(long, hide_short_help = true, help_heading = METHOD, conflicts_with = "no_prefilter")]
+    #[arg(long, help_heading = QUALITY, conflicts_with = "no_prefilter")]
     pub(crate) prefilter: bool,
-    /// Transmittance at which a pixel is finished
-    #[arg(long, value_name = "SHARE", help_heading = METHOD, help = with_default("Transmittance at which a pixel is finished", |s| s.termination))]
+    /// Transmittance below which a pixel is finished
+    #[arg(long, value_name = "SHARE", help_heading = QUALITY, help = with_default("Transmittance below which a pixel is finished", |s| s.termination))]
     pub(crate) termination: Option<f64>,
     #[command(flatten)]
     pub(crate) footprint: FootprintArgs,
     #[command(flatten)]
     pub(crate) fastsplats: FastSplatsArgs,
-    /// Show the transfer function's colours as they are
+    /// No light: show the transfer function's colours as they are
     #[arg(long, help_heading = LIGHT)]
     pub(crate) no_shade: bool,
     /// Light the volume (undoes --no-shade of a picture given with --like)
-    #[arg(long, hide_short_help = true, help_heading = LIGHT, conflicts_with = "no_shade")]
+    #[arg(long, help_heading = LIGHT, conflicts_with = "no_shade")]
     pub(crate) shade: bool,
     /// Share of the colour that needs no light
     #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Share of the colour that needs no light", |s| light(s).ambient))]
@@ -68,16 +69,16 @@ pub(crate) struct MethodArgs {
     /// Share of the colour under full light
     #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Share of the colour under full light", |s| light(s).diffuse))]
     pub(crate) diffuse: Option<f64>,
-    /// White highlight
-    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("White highlight", |s| light(s).specular))]
+    /// Strength of the white highlight
+    #[arg(long, value_name = "SHARE", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Strength of the white highlight", |s| light(s).specular))]
     pub(crate) specular: Option<f64>,
     /// Exponent of the highlight
     #[arg(long, value_name = "POWER", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Exponent of the highlight", |s| light(s).specular_power))]
     pub(crate) specular_power: Option<f64>,
-    /// Gradient (value ranges per voxel) that is half a surface
-    #[arg(long, value_name = "GRADIENT", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Gradient (value ranges per voxel) that is half a surface; what has less is lit from all sides", |s| light(s).gradient_floor))]
+    /// Gradient at which light from a direction has half its effect
+    #[arg(long, value_name = "GRADIENT", help_heading = LIGHT, conflicts_with = "no_shade", help = with_default("Gradient, value ranges per voxel, at which light from a direction has half its effect; flatter regions are lit evenly", |s| light(s).gradient_floor))]
     pub(crate) gradient_floor: Option<f64>,
-    /// Towards the light: x right, y down, z forward [default: 0,0,-1, at the camera]
+    /// Direction to the light, as the camera sees it: x right, y down, z forward [default: 0,0,-1]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
           allow_hyphen_values = true, conflicts_with = "no_shade")]
     pub(crate) light: Option<Triple>,
@@ -103,22 +104,22 @@ impl MethodArgs {
 /// Whole settings by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetName {
-    /// Nearest to the exact integral; meshes are lit by differences
+    /// Closest to the exact integral, and slowest
     Best,
-    /// In a hundredth of the time, hardly to be told apart
+    /// Far faster than best; the difference is hard to see
     Balanced,
-    /// In half of that time; steep edges show where sheets lie
+    /// Twice as fast as balanced; steep edges can show bands
     Fast,
-    /// Anti-aliased splats one by one, across their rays
+    /// Whole splats one by one, anti-aliased (Swan et al. 1997)
     #[value(name = "swan1997")]
     Swan1997,
-    /// The same with alignment by error budget and capsules of motion
+    /// As swan1997, with footprints within an error budget and motion blur (Mueller et al. 1998)
     #[value(name = "mueller1998")]
     Mueller1998,
-    /// Elliptical Gaussians on slices of the grid, low-passed by a pixel
+    /// Elliptical Gaussians on slices of the grid (Zwicker et al. 2001)
     #[value(name = "ewa2001")]
     Ewa2001,
-    /// FastSplats as published in 2000: colours, tables, a summed-area table
+    /// FastSplats: footprints from tables, culling by a summed-area table (Huang et al. 2000)
     #[value(name = "fastsplats2000")]
     FastSplats2000,
 }
@@ -126,11 +127,11 @@ pub(crate) enum PresetName {
 /// How sheets become a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CompositingName {
-    /// Front to back, through sheets parallel to the picture
+    /// Thin sheets parallel to the picture, front to back
     ImageSheets,
-    /// Sum of the extinction, as in a radiograph
+    /// Sum along the ray, as in a radiograph
     Xray,
-    /// Largest value along the ray
+    /// Largest value along the ray (maximum intensity projection)
     Mip,
     /// Smallest value along the ray
     Minip,
@@ -147,7 +148,9 @@ pub(crate) enum CompositingName {
 /// What is splatted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ClassificationName {
+    /// Colours are splatted
     Pre,
+    /// Data are splatted; each sheet looks colours up
     Post,
 }
 
@@ -156,13 +159,13 @@ pub(crate) enum ClassificationName {
 pub(crate) enum FilterName {
     /// Footprints as they are
     None,
-    /// Every footprint is widened
+    /// Every footprint is widened by the filter
     Ewa,
     /// Footprints narrower than the filter are widened to it
     Matched,
-    /// Footprints of voxels less than a pixel apart are scaled up, and get thinner (Swan 1997)
+    /// Where voxels are less than a pixel apart, footprints are scaled up and thinned (Swan 1997)
     Swan,
-    /// The same, but their opacity falls, as the paper has it
+    /// As swan, but the opacity is lowered, as in the paper
     SwanAlpha,
 }
 
@@ -171,7 +174,7 @@ pub(crate) enum FilterName {
 pub(crate) enum CoverageName {
     /// One sample per pixel
     Off,
-    /// Pixels that differ from their neighbours are the mean of several samples
+    /// Several samples for pixels that differ from their neighbours
     Adaptive,
 }
 

@@ -15,6 +15,7 @@ mod camera;
 mod effects;
 mod fastsplats;
 mod footprint;
+pub(crate) mod help;
 mod input;
 mod item;
 mod kernel;
@@ -28,6 +29,7 @@ pub(crate) mod values;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use help::{GENERAL, INPUT, LOOK, OUTPUT};
 
 pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
@@ -54,8 +56,7 @@ pub(crate) use render::{Background, RenderArgs};
     name = "splatvol",
     version,
     arg_required_else_help = true,
-    propagate_version = true,
-    max_term_width = 110
+    propagate_version = true
 )]
 #[command(after_help = "Examples:
   splatvol render scan.nii.gz                     makes scan.png
@@ -76,21 +77,21 @@ pub(crate) struct Cli {
 /// How much is said on stderr.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct Verbosity {
-    /// Say nothing but errors
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    /// Print errors only
+    #[arg(short, long, global = true, hide_short_help = true, conflicts_with = "verbose", help_heading = GENERAL)]
     pub(crate) quiet: bool,
     /// Say what was chosen, and how long it took
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, hide_short_help = true, help_heading = GENERAL)]
     pub(crate) verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Render a volume, points, Gaussians, a mesh or a scene to a picture (PNG or EXR)
+    /// Make a picture (PNG, EXR) of a volume, points, Gaussians, a mesh or a scene
     Render(Box<RenderArgs>),
-    /// Render a volume, points, Gaussians, a mesh or a scene from a camera that moves (GIF, animated PNG, films, frames)
+    /// Make an animation (GIF, animated PNG, film, frames): a turntable or a path of the camera
     Animate(Box<AnimateArgs>),
-    /// Say what a volume, points, Gaussians, a mesh or a scene are, or what a kernel does
+    /// Say what a file contains and how it would be shown, or what a kernel does
     Info(InfoArgs),
     /// Write a built-in volume to a file, or list them
     Sample(SampleArgs),
@@ -98,9 +99,9 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Measure how two pictures or volumes differ
     Compare(CompareArgs),
-    /// Measure how long pictures take, and check that they are as expected
+    /// Measure how long pictures take, and check that they are as recorded
     Bench(Box<BenchArgs>),
-    /// Run the experiments of the papers, and our own: numbers, plots and pictures
+    /// Repeat the experiments of the papers: numbers, plots and pictures
     Lab(LabArgs),
 }
 
@@ -108,7 +109,7 @@ pub(crate) enum Command {
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct WriteArgs {
     /// Overwrite an existing output
-    #[arg(short = 'w', long)]
+    #[arg(short = 'w', long, help_heading = OUTPUT)]
     pub(crate) overwrite: bool,
 }
 
@@ -116,15 +117,21 @@ pub(crate) struct WriteArgs {
 const KERNEL_FLAGS: [&str; 4] = ["kernel", "kernel_sigma", "kernel_radius", "kernel_alpha"];
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:
+#[command(
+    after_help = "Examples:
+  splatvol info scan.nii.gz
+  splatvol info sample:head --json
+  splatvol info --kernel kaiser-bessel --kernel-radius 2.5",
+    after_long_help = "Examples:
   splatvol info scan.nii.gz
   splatvol info scan.raw --dims 256x256x109 --type u16 --endian big
   splatvol info sample:head --json
   splatvol info lidar.laz
   splatvol info scene.toml
-  splatvol info --kernel kaiser-bessel --kernel-radius 2.5")]
+  splatvol info --kernel kaiser-bessel --kernel-radius 2.5"
+)]
 pub(crate) struct InfoArgs {
-    /// Volume, points, Gaussians, mesh or scene: a file, a folder, or sample:NAME[:SIZE]
+    /// File or folder (volume, points, Gaussians, mesh, scene.toml), or sample:NAME[:SIZE]
     #[arg(required_unless_present_any = KERNEL_FLAGS, conflicts_with_all = KERNEL_FLAGS)]
     pub(crate) input: Option<String>,
     /// Describe a kernel instead of a volume
@@ -132,14 +139,14 @@ pub(crate) struct InfoArgs {
     pub(crate) kernel: KernelArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
-    /// What the input is: volume, points, terrain, depth-images, gaussians, mesh [default: what its contents say]
-    #[arg(long, value_name = "KIND", value_parser = values::kind)]
+    /// What the input is: volume, points, terrain, depth-images, gaussians or mesh [default: decided by its contents]
+    #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = INPUT)]
     pub(crate) kind: Option<splatvol_io::DataKind>,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
-    /// Bins of the histogram, or rows of the kernel's profile
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    /// Number of bins of the histogram, or of rows of a kernel's profile
+    #[arg(long, value_name = "N", help_heading = OUTPUT, default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) bins: u16,
 }
 
@@ -153,10 +160,10 @@ pub(crate) struct SampleArgs {
     #[arg(requires = "output")]
     pub(crate) name: Option<String>,
     /// Volume file to write: .nrrd or .npy
-    #[arg(short, long, requires = "name")]
+    #[arg(short, long, value_name = "FILE", requires = "name", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
     /// Samples along the longest axis (N), or along each (XxYxZ)
-    #[arg(long, value_parser = values::sample_size, requires = "name")]
+    #[arg(long, value_parser = values::sample_size, requires = "name", help_heading = OUTPUT)]
     pub(crate) size: Option<splatvol_samples::SampleSize>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
@@ -177,11 +184,11 @@ pub(crate) struct ConvertArgs {
     pub(crate) input: String,
     /// File to write
     pub(crate) output: PathBuf,
-    /// Data values that 0..1 of a transfer function stand for, where its file has none [default: 0,1]
-    #[arg(long, value_name = "LO,HI", value_parser = values::range, allow_hyphen_values = true)]
+    /// Data values that 0..1 of a transfer function stand for [default: its file's, or 0,1]
+    #[arg(long, value_name = "LO,HI", help_heading = LOOK, value_parser = values::range, allow_hyphen_values = true)]
     pub(crate) clim: Option<[f64; 2]>,
-    /// World length to which a transfer function's opacities refer, where its file does not say
-    #[arg(long, value_name = "LENGTH")]
+    /// World length over which a transfer function's opacities act [default: its file's]
+    #[arg(long, value_name = "LENGTH", help_heading = LOOK)]
     pub(crate) unit_distance: Option<f64>,
     #[command(flatten)]
     pub(crate) read: InputArgs,
@@ -191,8 +198,8 @@ pub(crate) struct ConvertArgs {
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Pictures (.png, .exr) are compared as 8-bit sRGB over black by PSNR and SSIM, and as linear light by the
-largest difference; everything else is compared as volumes.
+    after_help = "Pictures (.png, .exr) are compared as 8-bit sRGB over black by PSNR and SSIM, and as linear light by
+the largest difference; everything else is compared as volumes.
 
 Examples:
   splatvol compare before.png after.png -o difference.png
@@ -204,10 +211,10 @@ pub(crate) struct CompareArgs {
     /// Second picture or volume
     pub(crate) b: String,
     /// Picture of the absolute differences (pictures only)
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) write: WriteArgs,

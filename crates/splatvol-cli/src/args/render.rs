@@ -5,19 +5,24 @@ use std::path::PathBuf;
 use clap::Args;
 use splatvol::ImageSize;
 
+use super::help::{GENERAL, METHOD, OUTPUT};
 use super::{
     CameraArgs, EffectArgs, InputArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, WriteArgs, values,
 };
 
-const OUTPUT: &str = "Output";
-
 /// Raw arguments of `render`.
 #[derive(Debug, Clone, Args)]
 #[command(
-    after_help = "Colours of --background and transfer functions are sRGB. PNG is straight alpha in sRGB; EXR is linear,
-premultiplied, without the background. A PNG carries the settings that made it: --like takes them all as defaults.
+    after_help = "Examples:
+  splatvol render scan.nii.gz                                   makes scan.png
+  splatvol render sample:head --view front --size 800x1000 -o head.png
+  splatvol render --like head.png --azimuth 30 -o head-30.png   head.png from another side",
+    after_long_help = "Colours of --background and of transfer functions are sRGB. A PNG is sRGB with straight alpha; an
+EXR is linear and premultiplied, without the background. A PNG carries the settings that made it,
+and --like takes them all as defaults. Effects, --tf2d and --gradient-opacity need pictures that are
+classified after splatting, as is the default (--classification post).
 
-A scene is a TOML file of several things; flags go over what it says (docs/scenes.md):
+A scene is a TOML file of several things (docs/scenes.md); flags go over what it says:
   background = \"black\"
   [[item]]
   file = \"scan.nii.gz\"
@@ -52,27 +57,31 @@ Examples:
   splatvol render sample:head:128 --background none -o - > head.png"
 )]
 pub(crate) struct RenderArgs {
-    /// Volume, points, Gaussians, mesh or scene: a file, a folder, or sample:NAME[:SIZE] (see splatvol sample)
+    /// File or folder (volume, points, Gaussians, mesh, scene.toml), or sample:NAME[:SIZE]
     #[arg(required_unless_present_any = ["like", "list_methods"])]
     pub(crate) input: Option<String>,
-    /// Picture: .png, .exr, or - for a PNG on stdout [default: INPUT's name with .png]
+    /// PNG or EXR to write, - for stdout [default: INPUT's name with .png]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
-    /// Picture size, pixels: WxH, W,H or N [default: 1024x1024]
+    /// Size of the picture in pixels: WxH, or N for both [default: 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = values::image_size, help_heading = OUTPUT)]
     pub(crate) size: Option<ImageSize>,
-    /// Behind the volume: r,g,b[,a] in 0..1, #rrggbb, black, white, gray, charcoal, or none [default: charcoal]
+    /// Colour: white, gray, none, #rrggbb, r,g,b[,a]... [default: charcoal]
+    ///
+    /// black, white, gray, charcoal, none (the picture keeps its alpha), #rrggbb, or r,g,b or r,g,b,a from 0 to 1.
     #[arg(long, value_name = "COLOUR", value_parser = values::background, help_heading = OUTPUT)]
     pub(crate) background: Option<Background>,
     /// Bits per channel of a PNG: 8 or 16 [default: 8]
-    #[arg(long, value_parser = values::bits, help_heading = OUTPUT)]
+    #[arg(long, value_name = "BITS", value_parser = values::bits, help_heading = OUTPUT)]
     pub(crate) bits: Option<u8>,
-    /// Camera depths in world lengths too: .exr or .npy (floats), or .png (16 bits, its range in its text)
+    /// Write depths too, in world lengths: .exr, .npy or .png
+    ///
+    /// Along the camera's axis. A PNG has 16 bits, and says in its text which range they stand for.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) depth: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
-    /// Take everything that is not given from the PNG that splatvol wrote here
+    /// Make the picture as this PNG of splatvol, but for the flags given here
     #[arg(long, value_name = "PICTURE", help_heading = OUTPUT)]
     pub(crate) like: Option<PathBuf>,
     #[command(flatten)]
@@ -89,14 +98,16 @@ pub(crate) struct RenderArgs {
     pub(crate) read: InputArgs,
     #[command(flatten)]
     pub(crate) item: ItemArgs,
-    /// List every method that a picture can be made by, with the flag that selects it
-    #[arg(long)]
+    /// List all methods, and the flags that select them
+    #[arg(long, help_heading = METHOD)]
     pub(crate) list_methods: bool,
-    /// Threads; 0 takes one per processor. The picture does not depend on it [default: 0]
-    #[arg(long, value_name = "N")]
+    /// Number of threads; 0 is one per processor [default: 0]
+    ///
+    /// The picture does not depend on it.
+    #[arg(long, value_name = "N", help_heading = GENERAL)]
     pub(crate) threads: Option<usize>,
     /// Write times and counts as JSON to this file, or to stdout (-)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) stats: Option<PathBuf>,
 }
 

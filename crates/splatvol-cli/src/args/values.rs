@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use glam::DVec3;
-use splatvol::{ClipPlane, GradientOpacity, GradientOpacityPoint, ImageSize};
+use splatvol::{ClipPlane, ColorMap, GradientOpacity, GradientOpacityPoint, ImageSize, OpacityCurve};
 use splatvol_io::{DataKind, Endian, SampleType};
 use splatvol_samples::SampleSize;
 
@@ -13,6 +13,9 @@ use super::{Background, BoxSides, GradientCurve};
 pub(crate) type Triple = [f64; 3];
 /// Samples along x, y, z.
 pub(crate) type Dims = [usize; 3];
+
+/// How alike two names must be for one to be suggested for the other, 0..1, as clap has it.
+const ALIKE: f64 = 0.7;
 
 /// Named backgrounds, sRGB and alpha.
 const COLORS: [(&str, [f64; 4]); 4] = [
@@ -24,6 +27,35 @@ const COLORS: [(&str, [f64; 4]); 4] = [
 
 /// The default background: dark enough for translucent shells to glow, light enough for dark material to stand out.
 pub(crate) const CHARCOAL: [f64; 4] = [0.094, 0.098, 0.110, 1.0];
+
+/// What is expected, and which of the `known` names was probably meant by `name`.
+fn expected<Name: AsRef<str>>(what: &str, name: &str, known: impl IntoIterator<Item = Name>) -> String {
+    let likeness = |known: &Name| strsim::jaro(known.as_ref(), name);
+    let nearest = known
+        .into_iter()
+        .filter(|known| likeness(known) > ALIKE)
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    match nearest {
+        Some(nearest) => format!("expected {what}; did you mean '{}'?", nearest.as_ref()),
+        None => format!("expected {what}"),
+    }
+}
+
+/// A colour map's name.
+pub(crate) fn color_map(text: &str) -> Result<String, String> {
+    let known = || ColorMap::names().flat_map(|name| [name.to_owned(), format!("{name}_r")]);
+    let what = "a name of matplotlib's, such as viridis, turbo or gray_r";
+    let found = ColorMap::from_name(text).map(|_| text.to_owned());
+    found.map_err(|_| expected(what, text, known()))
+}
+
+/// An opacity curve's name.
+pub(crate) fn opacity_curve(text: &str) -> Result<String, String> {
+    let known = || OpacityCurve::names().flat_map(|name| [format!("{name}_r"), name]);
+    let what = "linear, geom, foreground, sigmoid or sigmoid_N (N: 1 to 10, 15, 20), with _r to reverse";
+    let found = OpacityCurve::from_name(text).map(|_| text.to_owned());
+    found.map_err(|_| expected(what, text, known()))
+}
 
 fn numbers<T: FromStr>(text: &str, separators: &[char]) -> Option<Vec<T>> {
     text.split(separators)
@@ -118,19 +150,22 @@ pub(crate) fn sample_type(text: &str) -> Result<SampleType, String> {
     let found = SampleType::ALL.iter().find(|kind| kind.name() == name);
     found.copied().ok_or_else(|| {
         let names: Vec<_> = SampleType::ALL.iter().map(|kind| kind.name()).collect();
-        format!("expected one of {}", names.join(", "))
+        expected(&format!("one of {}", names.join(", ")), &name, &names)
     })
 }
 
 pub(crate) fn kind(text: &str) -> Result<DataKind, String> {
-    text.parse()
+    text.parse().map_err(|_| {
+        let names = DataKind::ALL.map(DataKind::name);
+        expected(&format!("one of {}", names.join(", ")), text, names)
+    })
 }
 
 pub(crate) fn endian(text: &str) -> Result<Endian, String> {
     match text.to_ascii_lowercase().as_str() {
         "little" | "le" => Ok(Endian::Little),
         "big" | "be" => Ok(Endian::Big),
-        _ => Err("expected little or big".to_owned()),
+        name => Err(expected("little or big", name, ["little", "big"])),
     }
 }
 
@@ -162,8 +197,12 @@ pub(crate) fn background(text: &str) -> Result<Background, String> {
         .filter(|color| color.iter().all(|c| (0.0..=1.0).contains(c)))
         .map(Background::Color)
         .ok_or_else(|| {
-            let names = COLORS.map(|(name, _)| name).join(", ");
-            format!("expected r,g,b or r,g,b,a in 0..1, #rrggbb, none, or one of {names}")
+            let names = COLORS.map(|(name, _)| name);
+            let what = format!(
+                "r,g,b or r,g,b,a in 0..1, #rrggbb, none, or one of {}",
+                names.join(", ")
+            );
+            expected(&what, &name, names.into_iter().chain(["none"]))
         })
 }
 
@@ -206,6 +245,23 @@ mod tests {
         for bad in ["mauve", "#ff00", "#\u{e9}12345", "1,2,3", "0,0", "nan,0,0"] {
             assert!(background(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn misspelt_names_get_the_nearest_one() {
+        let near = |error: String, name: &str| {
+            assert!(error.ends_with(&format!("did you mean '{name}'?")), "{error}");
+        };
+        near(background("whte").unwrap_err(), "white");
+        near(color_map("virids").unwrap_err(), "viridis");
+        near(color_map("coolwarn_r").unwrap_err(), "coolwarm_r");
+        near(opacity_curve("sigmiod").unwrap_err(), "sigmoid");
+        near(opacity_curve("sigmoid_21").unwrap_err(), "sigmoid_2");
+        near(kind("gausians").unwrap_err(), "gaussians");
+        near(sample_type("uu16").unwrap_err(), "u16");
+        near(endian("bg").unwrap_err(), "big");
+        assert!(!background("qqqqq").unwrap_err().contains("did you mean"));
+        assert_eq!(color_map("Viridis"), Ok("Viridis".to_owned()));
     }
 
     #[test]

@@ -9,7 +9,9 @@ fn json(text: &str) -> serde_json::Value {
 #[test]
 fn help_has_examples_for_every_command() {
     let sandbox = Sandbox::new();
-    for command in ["render", "info", "sample", "convert", "compare", "bench"] {
+    for command in [
+        "render", "animate", "info", "sample", "convert", "compare", "bench", "lab",
+    ] {
         let text = sandbox.run(&format!("{command} --help")).succeeds().stdout();
         assert!(
             text.contains("Examples:") && text.contains(&format!("splatvol {command}")),

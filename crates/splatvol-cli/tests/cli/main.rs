@@ -5,6 +5,7 @@ mod bench;
 mod commands;
 mod data;
 mod effects;
+mod help;
 mod kernels;
 mod lab;
 mod motion;
