@@ -18,11 +18,14 @@ pub struct TileGrid {
 
 /// A tile's pixels: x0 to x1 and y0 to y1, ends excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "four borders")]
 pub struct TileRect {
+    /// First column.
     pub x0: usize,
+    /// First row.
     pub y0: usize,
+    /// Column after the last.
     pub x1: usize,
+    /// Row after the last.
     pub y1: usize,
 }
 

@@ -20,9 +20,10 @@ const EXACT: i64 = 1 << 53;
 
 /// Byte order of multi-byte samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the variants say it")]
 pub enum Endian {
+    /// Least significant byte first.
     Little,
+    /// Most significant byte first.
     Big,
 }
 
@@ -40,8 +41,12 @@ macro_rules! sample_types {
     ($($variant:ident $type:ty, $name:literal;)*) => {
         /// Type of a sample in a file.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(missing_docs, reason = "the variants are their element types")]
-        pub enum SampleType { $($variant,)* }
+        pub enum SampleType {
+            $(
+                #[doc = concat!("`", $name, "`.")]
+                $variant,
+            )*
+        }
 
         impl SampleType {
             /// Every type.

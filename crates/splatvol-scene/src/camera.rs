@@ -34,13 +34,18 @@ impl Default for Projection {
 /// Named directions to look from. In RAS+ data `Front` faces the patient, whose right is then on the left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[expect(missing_docs, reason = "named sides need no words")]
 pub enum View {
+    /// From +y: anterior.
     Front,
+    /// From -y: posterior.
     Back,
+    /// From -x: left in RAS+ data.
     Left,
+    /// From +x: right in RAS+ data.
     Right,
+    /// From +z: superior, with +y upwards.
     Top,
+    /// From -z: inferior, with +y upwards.
     Bottom,
     /// Three quarters from the front, from above.
     #[default]

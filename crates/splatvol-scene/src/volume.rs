@@ -10,15 +10,22 @@ use crate::{Grid, LengthUnit, SceneError, Storage};
 
 /// Stored samples, x fastest.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(missing_docs, reason = "the variants are their element types")]
 pub enum Samples {
+    /// Unsigned, 8 bits.
     U8(Storage<u8>),
+    /// Signed, 8 bits.
     I8(Storage<i8>),
+    /// Unsigned, 16 bits.
     U16(Storage<u16>),
+    /// Signed, 16 bits.
     I16(Storage<i16>),
+    /// Unsigned, 32 bits.
     U32(Storage<u32>),
+    /// Signed, 32 bits.
     I32(Storage<i32>),
+    /// Floating point, 32 bits.
     F32(Storage<f32>),
+    /// Floating point, 64 bits.
     F64(Storage<f64>),
 }
 
