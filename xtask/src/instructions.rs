@@ -117,7 +117,8 @@ fn build(root: &Path) -> Result<PathBuf> {
     let arguments = [
         "build",
         "--locked",
-        "--release",
+        // As the release profile, with the names of functions.
+        "--profile=profiling",
         "--package",
         "splatvol-cli",
         "--message-format=json",
