@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Context;
-use splatvol::transfer_function::DataKind;
+use splatvol::transfer_function::ValueKind;
 use splatvol::{
     Classification, ColorMap, ColorPoint, Compositing, Item, OpacityCurve, OpacityPoint, TransferFunction,
     Volume,
@@ -181,7 +181,7 @@ fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Resul
         transfer_function,
         wishes: Wishes {
             classification: Some(choice.classification),
-            labels: choice.kind == DataKind::Labels,
+            labels: choice.kind == ValueKind::Labels,
             ..Wishes::default()
         },
         gradient_opacity: None,

@@ -14,9 +14,6 @@ mod presets;
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
-/// The former name of [`ValueKind`].
-#[doc(hidden)]
-pub use automatic::ValueKind as DataKind;
 pub use automatic::{AutomaticChoice, ValueKind};
 pub use colormap::ColorMap;
 pub use named_opacity::OpacityCurve;
