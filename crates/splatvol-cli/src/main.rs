@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         Command::Convert(args) => commands::convert::run(args, &terminal),
         Command::Compare(args) => commands::compare::run(args, &terminal),
         Command::Bench(args) => commands::bench::run(args, &terminal),
+        #[cfg(feature = "lab")]
         Command::Lab(args) => commands::lab::run(args, &terminal),
     };
     match done {

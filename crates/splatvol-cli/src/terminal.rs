@@ -87,6 +87,7 @@ impl Progress {
     }
 
     /// Shows the finished share, 0..1, and what is being done.
+    #[cfg(feature = "lab")]
     pub(crate) fn show(&self, share: f64, label: impl Into<Cow<'static, str>>) {
         self.set(share);
         self.0.set_message(label);

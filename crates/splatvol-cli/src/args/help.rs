@@ -56,21 +56,25 @@ const WIDTH: usize = 100;
 
 /// The arguments as typed. Prints help or what is wrong, and exits, where there is nothing to run.
 pub(crate) fn parse() -> Cli {
-    let matches = command().try_get_matches().map_err(naming_render);
+    let matches = command().try_get_matches().map_err(with_tip);
     let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
     cli.unwrap_or_else(|error| error.exit())
 }
 
-/// Who names a file where a command is due wants to see it.
-fn naming_render(mut error: Error) -> Error {
+/// Who names a file where a command is due wants to see it; who names `lab` wants a program that has it.
+fn with_tip(mut error: Error) -> Error {
     let given = match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(given)) if error.kind() == ErrorKind::InvalidSubcommand => given,
         _ => return error,
     };
-    if given.starts_with("sample:") || Path::new(given).exists() {
-        let tip = format!("to make a picture of it: splatvol render {given}");
-        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
-    }
+    let tip = if given == "lab" {
+        "this program is built without it; with it: cargo run --release --features lab -- lab".to_owned()
+    } else if given.starts_with("sample:") || Path::new(given).exists() {
+        format!("to make a picture of it: splatvol render {given}")
+    } else {
+        return error;
+    };
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
 }
 

@@ -19,6 +19,7 @@ pub(crate) mod help;
 mod input;
 mod item;
 mod kernel;
+#[cfg(feature = "lab")]
 mod lab;
 mod look;
 mod method;
@@ -42,6 +43,7 @@ pub(crate) use footprint::{
 pub(crate) use input::InputArgs;
 pub(crate) use item::{ItemArgs, UpAxis};
 pub(crate) use kernel::{KernelArgs, KernelName};
+#[cfg(feature = "lab")]
 pub(crate) use lab::LabArgs;
 pub(crate) use look::LookArgs;
 pub(crate) use method::{
@@ -102,6 +104,7 @@ pub(crate) enum Command {
     /// Measure how long pictures take, and check that they are as recorded
     Bench(Box<BenchArgs>),
     /// Repeat the experiments of the papers: numbers, plots and pictures
+    #[cfg(feature = "lab")]
     Lab(LabArgs),
 }
 

@@ -6,6 +6,7 @@ pub(crate) mod compare;
 mod composed;
 pub(crate) mod convert;
 pub(crate) mod info;
+#[cfg(feature = "lab")]
 pub(crate) mod lab;
 mod methods;
 mod metrics;
@@ -13,4 +14,5 @@ mod outputs;
 pub(crate) mod render;
 pub(crate) mod sample;
 mod shown;
+mod ssim;
 mod studio;

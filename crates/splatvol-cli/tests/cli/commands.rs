@@ -10,7 +10,7 @@ fn json(text: &str) -> serde_json::Value {
 fn help_has_examples_for_every_command() {
     let sandbox = Sandbox::new();
     for command in [
-        "render", "animate", "info", "sample", "convert", "compare", "bench", "lab",
+        "render", "animate", "info", "sample", "convert", "compare", "bench",
     ] {
         let text = sandbox.run(&format!("{command} --help")).succeeds().stdout();
         assert!(

@@ -7,6 +7,7 @@ mod data;
 mod effects;
 mod help;
 mod kernels;
+#[cfg(feature = "lab")]
 mod lab;
 mod motion;
 mod orientation;

@@ -40,7 +40,7 @@ impl Checksum {
     /// The checksum of a picture without background.
     pub(super) fn new(image: &Image) -> Self {
         let codes = metrics::codes(&output::over(image, CHARCOAL));
-        let [width, height] = [codes.width(), codes.height()];
+        let [width, height] = [image.size().width(), image.size().height()];
         // Cells of pictures with fewer pixels than cells overlap.
         let range = |cell: u32, side: u32| {
             let edge = |i: u32| (u64::from(i) * u64::from(side) / u64::from(CELLS)) as u32;
@@ -54,7 +54,7 @@ impl Checksum {
                 let pixels = u64::from(xs.end - xs.start) * u64::from(ys.end - ys.start);
                 for y in ys {
                     for x in xs.clone() {
-                        let code = codes.get_pixel(x, y).0;
+                        let code = codes[(y * width + x) as usize];
                         sums = std::array::from_fn(|c| sums[c] + u64::from(code[c]));
                     }
                 }
@@ -62,7 +62,7 @@ impl Checksum {
                 fingerprint.extend(sums.map(|sum| (mean(sum) * DIGITS).round() / DIGITS));
             }
         }
-        let hash = Sha256::digest(codes.as_raw());
+        let hash = Sha256::digest(codes.as_flattened());
         Self {
             sha256: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
             fingerprint,
