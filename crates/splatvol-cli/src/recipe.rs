@@ -1,4 +1,4 @@
-//! What a PNG remembers of its making: everything that `render --like` needs to make it again.
+//! Recipe of a picture, kept in its PNG: everything that `render --like` needs to make it again.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub(crate) struct Recipe {
     pub(crate) version: String,
     /// The command line, quoted for a shell.
     pub(crate) command: String,
-    /// What it shows.
+    /// Subject of the picture.
     #[serde(flatten)]
     pub(crate) subject: Subject,
     /// Camera, world.
@@ -30,7 +30,7 @@ pub(crate) struct Recipe {
     /// Cameras of the pictures of which this is the mean, where it is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) sub_frames: Vec<CameraPose>,
-    /// What moves while the shutter is open.
+    /// Motion while the shutter is open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) motion: Option<MotionRecipe>,
     /// Operators and clips.
@@ -44,7 +44,7 @@ pub(crate) struct Recipe {
     pub(crate) bits: u8,
 }
 
-/// What a picture shows.
+/// Subject of a picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, rename_all_fields = "kebab-case")]
 pub(crate) enum Subject {
@@ -52,7 +52,7 @@ pub(crate) enum Subject {
     Scene {
         /// The input as typed, after which pictures are named.
         reference: String,
-        /// What is in it; camera, settings and background are the picture's.
+        /// Its items; camera, settings and background are the picture's.
         scene: SceneFile,
     },
     /// One volume by its flags.
@@ -65,9 +65,9 @@ pub(crate) enum Subject {
 pub(crate) struct VolumeRecipe {
     /// The volume and how it was read.
     pub(crate) input: InputRecipe,
-    /// What was asked about colour and opacity.
+    /// Flags of colour and opacity.
     pub(crate) look: LookArgs,
-    /// What came of it.
+    /// The resulting transfer function.
     pub(crate) transfer_function: TransferFunction,
     /// Whether values are names of kinds.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

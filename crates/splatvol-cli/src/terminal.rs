@@ -1,4 +1,4 @@
-//! What is said on stderr: warnings, notes, and progress bars where a person is watching.
+//! Messages on stderr: warnings, notes, and progress bars where a person is watching.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -26,14 +26,14 @@ impl Terminal {
         }
     }
 
-    /// What was done.
+    /// Reports a result.
     pub(crate) fn note(&self, message: impl Display) {
         if !self.verbosity.quiet {
             eprintln!("splatvol: {message}");
         }
     }
 
-    /// What was chosen on the way, for those who ask.
+    /// Reports a choice, with `--verbose`.
     pub(crate) fn detail(&self, message: impl Display) {
         if self.verbosity.verbose {
             eprintln!("splatvol: {message}");

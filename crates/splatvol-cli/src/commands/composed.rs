@@ -1,4 +1,4 @@
-//! What is shown besides one volume by its flags: points, Gaussians, meshes, scenes.
+//! Subjects other than one volume by its flags: points, Gaussians, meshes, scenes.
 
 mod refuse;
 mod scene_camera;
@@ -247,7 +247,7 @@ impl Composed {
         })
     }
 
-    /// What the flags do to the scene.
+    /// The effects that the flags ask for.
     fn effects(&self, args: &EffectArgs, scene: &Scene) -> Result<Effects, Failure> {
         let mut visible = self.scene.items.iter().filter(|item| item.visible != Some(false));
         let look = LookArgs {
@@ -315,7 +315,7 @@ struct Loaded {
     files: Vec<PathBuf>,
 }
 
-/// What an automatic camera goes by, besides the scene.
+/// Hints for an automatic camera, besides the scene.
 #[derive(Clone, Copy)]
 struct Framing {
     moves: CameraMotion,

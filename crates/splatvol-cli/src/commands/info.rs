@@ -74,7 +74,7 @@ struct Report {
     warnings: Vec<String>,
 }
 
-/// What would be chosen, and why.
+/// Automatic choices, and their reasons.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 struct TransferFunctionReport {

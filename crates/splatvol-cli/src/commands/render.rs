@@ -158,7 +158,7 @@ struct Resolved {
     look: Look,
     settings: RenderSettings,
     camera: Camera,
-    /// What the picture remembers of its effects.
+    /// Effects in the picture's recipe.
     effects: EffectArgs,
     applied: Effects,
     motion: Option<MotionRecipe>,
@@ -224,7 +224,7 @@ impl Resolved {
         })
     }
 
-    /// What the picture remembers. A picture made by `--like` alone is the same picture, and says the same.
+    /// Recipe of the picture. A picture made by `--like` alone is the same picture, and says the same.
     fn recipe(&self, args: &RenderArgs, like: Option<&Like>, input: InputRecipe) -> Recipe {
         let earlier = like.map(|like| &like.recipe);
         let recipe = Recipe {
@@ -255,7 +255,7 @@ pub(super) fn kept_sub_frames(args: &RenderArgs, like: Option<&Recipe>) -> Vec<C
         .map_or_else(Vec::new, |like| like.sub_frames.clone())
 }
 
-/// What is behind a picture: as asked, as in the earlier picture, or charcoal.
+/// Background of a picture: as asked, as in the earlier picture, or charcoal.
 pub(super) fn background(asked: Option<Background>, like: Option<&Recipe>) -> Option<[f64; 4]> {
     match (asked, like) {
         (Some(Background::None), _) => None,

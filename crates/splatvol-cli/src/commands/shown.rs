@@ -1,4 +1,4 @@
-//! What the arguments of `render` and `animate` ask to be shown: one volume by its flags, or anything else as a scene.
+//! Subject that the arguments of `render` and `animate` ask for: one volume by its flags, or anything else as a scene.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::recipe::{Recipe, Subject};
 use crate::resolve::motion::CameraMotion;
 use crate::terminal::Terminal;
 
-/// What is shown.
+/// Subject of the pictures.
 pub(super) enum Shown {
     /// One volume.
     Volume(Box<VolumeShown>),
@@ -24,7 +24,7 @@ pub(super) enum Shown {
 pub(super) struct Prepared {
     pub(super) scene: Scene,
     pub(super) camera: Camera,
-    /// What a picture of it remembers.
+    /// Recipe of a picture of it.
     pub(super) recipe: Recipe,
     /// Files that it was read from.
     pub(super) files: Vec<PathBuf>,
@@ -35,7 +35,7 @@ pub(super) struct Prepared {
 #[derive(Clone, Copy)]
 pub(super) struct Preparing<'a> {
     pub(super) args: &'a RenderArgs,
-    /// What the camera does from frame to frame.
+    /// Motion of the camera from frame to frame.
     pub(super) moves: CameraMotion,
     /// Whether the output keeps its alpha, whatever the background.
     pub(super) keeps_alpha: bool,
@@ -44,7 +44,7 @@ pub(super) struct Preparing<'a> {
 }
 
 impl Shown {
-    /// What the arguments ask for.
+    /// The subject that the arguments ask for.
     pub(super) fn of(args: &RenderArgs) -> Result<Self, Failure> {
         let like = args.like.as_deref().map(Recipe::of_picture).transpose()?;
         if let (Some(picture), Some(like)) = (&args.like, &like)

@@ -37,7 +37,7 @@ impl Studio {
         })
     }
 
-    /// What moves from now on while the shutter is open.
+    /// Sets the motion while the shutter is open.
     pub(crate) fn set_motion(&mut self, motion: &Motion) {
         for item in &mut self.scene.items {
             item.motion = Some(motion.clone());

@@ -20,7 +20,7 @@ const BUMP_HEIGHT: f64 = 0.01;
 /// Share of mirrored light.
 const ENVIRONMENT_SHARE: f64 = 0.5;
 
-/// What is done to a scene.
+/// Operators, clips and isosurfaces of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Effects {
     operators: Vec<Arc<dyn PixelOperator>>,

@@ -9,9 +9,9 @@ use crate::args::{
 };
 use crate::failure::Failure;
 
-/// What is flattened unless asked otherwise.
+/// Default flatness.
 const FLATNESS: f64 = 10.0;
-/// What counts as a surface unless asked otherwise, value ranges per voxel.
+/// Default gradient of a surface, value ranges per voxel.
 const SURFACE_GRADIENT: f64 = 0.05;
 
 /// Sets what is asked for.
@@ -84,7 +84,7 @@ fn reconstruction(args: &FootprintArgs, old: Reconstruction) -> Result<Reconstru
     }
 }
 
-/// What the other settings need and no flag says: colours where whole footprints are composited or flattened, sections where
+/// Completes the settings that no flag gives: colours where whole footprints are composited or flattened, sections where
 /// data are splatted as footprints. `is_free`: whether the classification may be chosen.
 pub(crate) fn complete(args: &FootprintArgs, settings: &mut FlatSettings, is_free: bool) {
     let colors = settings.compositing.needs_colors() || settings.reconstruction != Reconstruction::Volume;

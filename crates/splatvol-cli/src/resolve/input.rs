@@ -143,7 +143,7 @@ pub(crate) fn locate(path: &Path, beside: Option<&Path>) -> PathBuf {
     }
 }
 
-/// What the readers need.
+/// Options for the readers.
 pub(crate) fn options(recipe: &InputRecipe, strict: bool) -> Result<ReadOptions, Failure> {
     let raw = match &recipe.raw {
         None => None,

@@ -1,4 +1,4 @@
-//! What can be said of an item, by flags or by a scene, and of which data.
+//! Keys of an item, from flags or from a scene, and the kinds of data that they apply to.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub(crate) enum Source {
     Scene(usize),
 }
 
-/// What flags say of a single file, as a scene would.
+/// The flags of a single file as keys of a scene.
 pub(crate) fn of_flags(args: &RenderArgs, reference: &str) -> SceneItem {
     let (look, item) = (&args.look, &args.item);
     let text = |path: &PathBuf| path.to_string_lossy().into_owned();
@@ -42,7 +42,7 @@ pub(crate) fn of_flags(args: &RenderArgs, reference: &str) -> SceneItem {
     }
 }
 
-/// What flags say of how a file is read.
+/// The flags of reading as keys of a scene.
 pub(crate) fn of_input(read: &InputArgs, reference: &str) -> SceneItem {
     SceneItem {
         file: reference.to_owned(),
@@ -69,7 +69,7 @@ pub(crate) fn check_reading(item: &SceneItem, kind: DataKind) -> Result<(), Fail
     check(item, Source::Flags, kind.name(), known_keys(kind))
 }
 
-/// What can be said of data.
+/// Keys that data have.
 pub(super) fn known_keys(kind: DataKind) -> &'static [&'static str] {
     match kind {
         DataKind::Volume => &VOLUMES,

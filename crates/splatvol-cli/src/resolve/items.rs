@@ -46,7 +46,7 @@ pub(crate) struct Reading<'a> {
     pub(crate) terminal: &'a Terminal,
 }
 
-/// What the file of an item is, and its path.
+/// Kind of an item's file, and its path.
 pub(crate) fn kind(item: &SceneItem, beside: Option<&Path>) -> Result<(DataKind, PathBuf), Failure> {
     let path = locate(Path::new(&item.file), beside);
     if item.file.starts_with("sample:") {
@@ -121,7 +121,7 @@ fn is_y_up(content: &Content) -> bool {
     }
 }
 
-/// What an item of other data than a volume holds; and what takes its world to the frame of its file.
+/// Content of an item that is no volume, and the map from its world to the frame of its file.
 fn content(
     item: &SceneItem,
     source: Source,

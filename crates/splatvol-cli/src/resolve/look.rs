@@ -23,11 +23,11 @@ const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
 pub(crate) struct Look {
     pub(crate) transfer_function: TransferFunction,
     pub(crate) wishes: Wishes,
-    /// What the file says beyond value and colour.
+    /// Gradient opacity of the transfer function's file.
     pub(crate) gradient_opacity: Option<GradientCurve>,
 }
 
-/// What the data want otherwise than the defaults.
+/// Preferences of the data that differ from the defaults.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Wishes {
     pub(crate) classification: Option<Classification>,
@@ -161,7 +161,7 @@ fn from_file(
     }
 }
 
-/// What the sample brings along, or what the data suggest.
+/// The look of a sample, or one that suits the data.
 fn automatic(input: &Input, map: Option<ColorMap>, terminal: &Terminal) -> Result<Look, Failure> {
     if let (Some(sample), None) = (input.sample, map) {
         let transfer_function = sample.default_transfer_function().during(Step::Render)?;

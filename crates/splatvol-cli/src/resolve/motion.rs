@@ -1,4 +1,4 @@
-//! What moves while the shutter is open, and how it is blurred.
+//! Motion while the shutter is open, and its blur.
 
 use glam::DVec3;
 use splatvol::{Camera, FlatSettings, MotionBlur, RenderSettings, SceneError};
@@ -10,7 +10,7 @@ use crate::recipe::{MotionRecipe, Recipe};
 /// Pictures averaged unless asked otherwise.
 const SUB_FRAMES: u32 = 16;
 
-/// What the camera does from frame to frame.
+/// Motion of the camera from frame to frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct CameraMotion {
     /// It turns: an automatic one shows all sides.
@@ -21,7 +21,7 @@ pub(crate) struct CameraMotion {
     pub(crate) animated: bool,
 }
 
-/// What the picture shows otherwise.
+/// Camera and subject of a picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shot<'a> {
     pub(crate) camera: &'a Camera,
@@ -33,7 +33,7 @@ pub(crate) struct Shot<'a> {
     pub(crate) shutter: bool,
 }
 
-/// What an earlier picture says, as far as it is still to be kept.
+/// Settings of an earlier picture that are kept.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Earlier<'a> {
     motion: Option<&'a MotionRecipe>,
@@ -45,7 +45,7 @@ pub(crate) struct Earlier<'a> {
 }
 
 impl<'a> Earlier<'a> {
-    /// What the flags and the camera leave of it.
+    /// The earlier picture's settings that neither flags nor camera replace.
     pub(crate) fn new(like: &'a Recipe, args: &RenderArgs, moves: CameraMotion) -> Self {
         let input = args.input.as_ref();
         Self {
@@ -134,7 +134,7 @@ pub(crate) fn of_shutter(args: &MotionArgs, method: MotionBlur) -> Result<Motion
     }
 }
 
-/// What moves by the flags.
+/// The motion that the flags ask for.
 fn asked(args: &MotionArgs, shot: &Shot<'_>) -> Option<MotionRecipe> {
     let velocity = args.velocity.map(|velocity| MotionRecipe::Linear { velocity });
     velocity.or_else(|| args.spin.map(|degrees| spin(degrees, shot)))

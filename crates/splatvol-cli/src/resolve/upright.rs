@@ -1,6 +1,6 @@
 //! Which way a volume is up: as it is said, as its file says, or as its data suggest; turned so that z is.
 //!
-//! What is said beats the file, as it does for other data: many programs write axes that they do not know. Axes are those
+//! An explicit axis overrides the file, as it does for other data: many programs write axes that they do not know. Axes are those
 //! of the world as the file has it, in which `info` gives origin and directions.
 
 use std::sync::Arc;

@@ -9,7 +9,7 @@ use crate::args::AnimateArgs;
 use crate::failure::Failure;
 use crate::output::Target;
 
-/// What is written.
+/// Kind of output.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Destination {
     /// A picture per frame.
@@ -58,7 +58,7 @@ impl FrameNames {
 }
 
 impl Destination {
-    /// What the output's name asks for; a file that is there, or a program that is not, is found now.
+    /// The destination that the output's name asks for. Files that exist and programs that do not are found now.
     pub(crate) fn new(args: &AnimateArgs) -> Result<Self, Failure> {
         let path = args.render.output.as_deref().unwrap_or(Path::new(""));
         let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -82,7 +82,7 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
 #[derive(Debug, Default)]
 struct Times(Vec<Option<f64>>);
 
-/// What `--stats` writes.
+/// Statistics that `--stats` writes.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 struct Report {
@@ -199,7 +199,7 @@ impl Job<'_> {
     }
 }
 
-/// What a frame remembers of its making.
+/// Recipe of a frame.
 fn frame_recipe(prepared: &Prepared, plan: &Plan, frame: u32) -> Result<Recipe, Failure> {
     let sub_frames = plan.sub_frames(frame)?;
     Ok(Recipe {

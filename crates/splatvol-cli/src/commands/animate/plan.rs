@@ -33,7 +33,7 @@ pub(crate) struct Plan {
     blur: MotionBlur,
 }
 
-/// What the flags ask for, before a volume says where it lies.
+/// The flags' plan, before the position of the volume is known.
 pub(crate) fn stored_keys(args: &AnimateArgs) -> Result<Option<Vec<StoredCameraKey>>, Failure> {
     args.path
         .as_deref()

@@ -11,7 +11,7 @@ use splatvol_io::image::png::srgb8;
 
 use crate::failure::{During, Failure, Step};
 
-/// What the pictures are compressed by.
+/// Codec of the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Codec {
     /// In .mp4, .mov and .mkv.

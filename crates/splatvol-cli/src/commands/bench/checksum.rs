@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 1e-3;
 /// Recorded digits, as a factor: a tenth of the tolerance.
 const DIGITS: f64 = 1e4;
 
-/// What is recorded of the fixed scenes; see [`Expected::write`].
+/// Record of the fixed scenes; see [`Expected::write`].
 const EXPECTED: &str = include_str!("expected.json");
 
 /// A picture in short.
@@ -97,7 +97,7 @@ pub(super) enum Check {
 pub(super) struct Expected(BTreeMap<String, Vec<f64>>);
 
 impl Expected {
-    /// What is recorded in a file, or was when this program was built.
+    /// The record in a file, or the one that this program was built with.
     pub(super) fn recorded(file: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = file else {
             let cases = serde_json::from_str(EXPECTED).context("the recorded pictures of the fixed scenes");

@@ -26,7 +26,7 @@ const COLORS: [(f64, [f64; 3]); 4] = [
 /// Bins for the choice of a surface.
 const BINS: usize = 256;
 
-/// What the looks of a volume refer to, data values.
+/// Reference values of a volume's looks, data units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Window {
     range: [f64; 2],

@@ -21,7 +21,7 @@ pub(super) struct Course {
     pub(super) orbit: f64,
 }
 
-/// What is rendered.
+/// Subject of a case.
 pub(super) struct Subject {
     pub(super) scene: Scene,
     /// Of the first measured frame.
@@ -30,7 +30,7 @@ pub(super) struct Subject {
     pub(super) threads: usize,
 }
 
-/// What a case took.
+/// Times of a case.
 pub(super) struct Measured {
     /// Wall clock per frame, milliseconds.
     pub(super) wall_ms: Vec<f64>,
@@ -81,7 +81,7 @@ pub(super) fn measure(
     })
 }
 
-/// What a frame took.
+/// Times of a frame.
 struct Times {
     wall_ms: f64,
     cpu_ms: Option<f64>,

@@ -1,4 +1,4 @@
-//! What the operating system knows of this process.
+//! Processor time and memory of this process, from the operating system.
 
 use std::time::Duration;
 

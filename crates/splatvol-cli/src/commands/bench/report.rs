@@ -1,4 +1,4 @@
-//! What is said of the measurements: a table for people, JSON for programs.
+//! Report of the measurements: a table for people, JSON for programs.
 
 use serde::Serialize;
 use splatvol::{RenderSettings, RenderStatistics, StageSeconds, TransferFunction};
@@ -59,7 +59,7 @@ pub(super) struct CaseReport {
 }
 
 impl Report {
-    /// What is wrong with the pictures.
+    /// Errors of the pictures.
     pub(super) fn complaints(&self) -> Vec<String> {
         let unexpected = self.cases.iter().filter_map(CaseReport::complaint);
         // Cases of one name differ in their threads only.

@@ -1,4 +1,4 @@
-//! What is measured: the fixed scenes or given volumes, in all asked combinations.
+//! Measured cases: the fixed scenes or given volumes, in all asked combinations.
 
 use std::num::NonZero;
 
@@ -9,7 +9,7 @@ use crate::args::{BenchArgs, ClassificationName, LookName, ProjectionName};
 /// A scene that is always the same, so that its pictures and times can be compared.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FixedScene {
-    /// What follows `sample:`.
+    /// Name and size of the sample, after `sample:`.
     pub(crate) name: &'static str,
     /// Side of its picture, pixels.
     side: u32,
@@ -43,7 +43,7 @@ pub(super) struct SceneChoice {
     pub(super) side: u32,
 }
 
-/// What varies between the cases of one volume. `None` leaves it to the other flags and the data.
+/// Variation between the cases of one volume. `None` leaves it to the other flags and the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Variant {
     pub(super) look: LookName,

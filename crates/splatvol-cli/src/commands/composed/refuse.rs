@@ -1,4 +1,4 @@
-//! What has no meaning for what is rendered is refused, and named.
+//! Refuses flags that have no meaning for the data, by name.
 
 use splatvol::{Content, Item, RenderSettings, Scene};
 

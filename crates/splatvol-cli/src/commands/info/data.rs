@@ -1,4 +1,4 @@
-//! What points, Gaussians, meshes and scenes are.
+//! Descriptions of points, Gaussians, meshes and scenes.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -32,7 +32,7 @@ struct Report {
     warnings: Vec<String>,
 }
 
-/// What only some kinds have.
+/// Properties of some kinds.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case", rename_all_fields = "kebab-case", untagged)]
 enum Details {
@@ -59,7 +59,7 @@ enum Details {
     },
 }
 
-/// What a scene holds.
+/// Description of a scene.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 struct SceneReport {
