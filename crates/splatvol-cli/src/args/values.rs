@@ -259,7 +259,7 @@ mod tests {
         near(opacity_curve("sigmoid_21").unwrap_err(), "sigmoid_2");
         near(kind("gausians").unwrap_err(), "gaussians");
         near(sample_type("uu16").unwrap_err(), "u16");
-        near(endian("bg").unwrap_err(), "big");
+        near(endian("litle").unwrap_err(), "little");
         assert!(!background("qqqqq").unwrap_err().contains("did you mean"));
         assert_eq!(color_map("Viridis"), Ok("Viridis".to_owned()));
     }
