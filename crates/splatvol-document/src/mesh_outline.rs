@@ -8,9 +8,9 @@ use splatvol_scene::{Association, Mesh, Topology, TransferFunction};
 const MOST_CELLS: usize = 100_000;
 /// Opacity per unit distance from which on a value can be seen.
 const SEEN: f64 = 0.01;
-/// Distance of a cell's visible border from its middle, relative to that of its points: kernels reach about half a cell beyond
+/// Distance of a cell's visible border from its middle, relative to that of its points: kernels fade over about a cell beyond
 /// the faces.
-const BORDER: f64 = 2.0;
+const BORDER: f64 = 3.0;
 
 /// World positions around the visible cells; none where nothing can be seen.
 pub(crate) fn visible_cells(mesh: &Mesh, transfer_function: &TransferFunction) -> Vec<DVec3> {
@@ -143,8 +143,8 @@ mod tests {
             )
             .unwrap()
         };
-        assert_eq!(extent(&visible_cells(&mesh(values), &step())), [0.5, 2.5]);
-        assert_eq!(extent(&visible_cells(&mesh(vec![1.0; 3]), &step())), [-0.5, 3.5]);
+        assert_eq!(extent(&visible_cells(&mesh(values), &step())), [0.0, 3.0]);
+        assert_eq!(extent(&visible_cells(&mesh(vec![1.0; 3]), &step())), [-1.0, 4.0]);
         assert!(visible_cells(&mesh(vec![0.0; 3]), &step()).is_empty());
     }
 
@@ -168,6 +168,6 @@ mod tests {
             DAffine3::IDENTITY,
         )
         .unwrap();
-        assert_eq!(extent(&visible_cells(&mesh, &step())), [-1.0, 7.0]);
+        assert_eq!(extent(&visible_cells(&mesh, &step())), [-2.0, 10.0]);
     }
 }
