@@ -1,4 +1,4 @@
-//! Binning: bricks into lists per tile, front to back.
+//! Tiles of a picture, and lists of the bricks (or chunks of a cloud) that each may show, front to back.
 
 use splatvol_scene::ImageSize;
 

@@ -1,4 +1,5 @@
-//! Bricks of 8^3 voxels, the unit of activation, and their 4^3 blocks, the unit of culling.
+//! Bricks of 8^3 voxels, in which all engines handle volumes; and which bricks of a volume can be seen as a cloud, by the
+//! ranges of their 4^3 blocks. Sheets cull by cells instead ([`crate::visibility`]).
 //!
 //! A block can hold visible points only if extinction is non-zero somewhere in the range of the reconstruction
 //! there: the range of the samples within the kernel's reach, widened by [`OVERSHOOT`] where the kernel

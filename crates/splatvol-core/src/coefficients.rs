@@ -1,4 +1,5 @@
-//! Samples to kernel coefficients: normalised to the value range, optionally prefiltered.
+//! Samples of a whole volume to kernel coefficients: normalised to the value range, optionally prefiltered. Clouds are
+//! extracted from these; sheets solve the voxels that they need, region by region ([`crate::field`]).
 
 use rayon::prelude::*;
 use splatvol_scene::volume::widen;

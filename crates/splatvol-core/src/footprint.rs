@@ -1,15 +1,15 @@
-//! The one footprint type: a Gaussian in camera space, factorised by depth.
+//! Footprints of a grid: a Gaussian in camera space, factorised by depth.
 //!
-//! Every splatted primitive is a Gaussian kernel with centre u and covariance V' in camera space. It is stored as
+//! A voxel's kernel is a Gaussian with centre u and covariance V' in camera space. It is stored as
 //!
 //! `N3(x; u, V') = N1(z; u_z, s_z^2) N2((x, y); (u_x, u_y) + slope (z - u_z), L)`
 //!
 //! with `s_z^2 = V'_zz`, `slope = V'_xyz / V'_zz` and `L = V'_xy - slope slope^T V'_zz`. Sheets have constant
 //! depth, and on a plane of constant depth a perspective camera is a similarity of scale `s = f / z`. So a sheet
-//! cuts the footprint in a **2-D Gaussian that is exact in both projections** (the sheet engine's `SheetShape`).
-//! zwicker2001 section 4.4 and design section 5 instead linearise the perspective map at the splat's centre. There
-//! is no Jacobian here and no error that grows with the field angle, and all voxels of a grid share one conic per
-//! sheet. The low-pass of `pixel_sigma` pixels adds to the screen covariance, as in zwicker2001 eq. 22.
+//! cuts the footprint in a **2-D Gaussian that is exact in both projections** ([`crate::plan::SheetShape`]).
+//! zwicker2001 section 4.4 instead linearises the perspective map at the splat's centre, as [`crate::splats`] does on
+//! request. There is no Jacobian here and no error that grows with the field angle, and all voxels of a grid share one
+//! conic per sheet. The low-pass of `pixel_sigma` pixels adds to the screen covariance, as in zwicker2001 eq. 22.
 
 use glam::{DMat3, DVec2};
 

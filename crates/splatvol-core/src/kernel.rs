@@ -1,8 +1,9 @@
 //! Reconstruction kernels in voxel space (docs/numerics.md, "The field").
 //!
 //! `h(x) = g(x) g(y) g(z) / (sum_j g(j))^3`, a Gaussian cut at `radius` along each axis and normalised to unit sum
-//! over the lattice. The papers' kernel `exp(-1.38 r^2)` is sigma = 0.602. We cut at four sigma and more, where
-//! zwicker2001 section 6 cuts at two and loses 13.5 % of the mass.
+//! over the lattice. The papers' kernel `exp(-1.38 r^2)` is sigma = 0.602. zwicker2001 section 6 cuts at two sigma and
+//! loses 13.5 % of the mass; our presets cut at four, or at three and subtract what is left there
+//! ([`GaussianKernel::windowed`]).
 
 use splatvol_scene::Kernel;
 

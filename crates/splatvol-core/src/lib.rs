@@ -1,18 +1,31 @@
-//! Stages shared by the engines: from samples, kernel, transfer function and camera to footprints in tile lists.
+//! Stages shared by the engines: from samples, kernels, transfer function and camera to what is splatted, in tile lists.
 //!
 //! | stage | module | from | to |
 //! |---|---|---|---|
-//! | prefilter | [`coefficients`] | samples | kernel coefficients |
-//! | classify | [`classification`] | transfer function | tables of extinction and emission integrals |
-//! | cull | [`brick`] | coefficients, tables | bricks that can be seen |
-//! | project | [`footprint`], [`sheets`] | grid, kernel, camera | the one footprint type, sliced by sheets |
-//! | bin | [`bin`] | bricks, sheets | tile lists, front to back |
-//! | plan | [`plan`] | grid, kernel, camera, bricks | a frame's plan: plain data that engines render tiles from |
-//! | extract | [`irregular`] | meshes | kernels with covariances, masses and gradients |
-//! | all of them | [`splats`] | kernels anywhere | footprints of any method |
+//! | classify | [`classification`] | transfer function | tables of extinction and emission, and their integrals |
 //!
-//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics. An engine takes footprints and
-//! sheets from this crate and does not know their origin; [`engine`] is the interface of an engine to its callers.
+//! Grids on sheets, of which only the needed voxels are solved:
+//!
+//! | stage | module | from | to |
+//! |---|---|---|---|
+//! | halve | [`mip`] | samples | samples of half the resolution |
+//! | select | [`visibility`] | tables | ranges of values that can be seen |
+//! | solve | [`field`] | samples, region by region | needed voxels and their coefficients |
+//! | plan | [`plan`], with [`footprint`] and [`sheets`] | grid, kernel, camera, bricks | a frame's plan: plain data that engines render tiles from |
+//! | bin | [`bin`] | projected bricks, or chunks of a cloud | tile lists, front to back |
+//!
+//! Clouds of kernels with covariances of their own:
+//!
+//! | stage | module | from | to |
+//! |---|---|---|---|
+//! | normalise | [`coefficients`] | samples of a volume | values from 0 to 1 |
+//! | cull | [`brick`] | these, tables | bricks that can be seen |
+//! | complete | [`points`] | bare points | radii and normals |
+//! | surround | [`irregular`] | meshes | kernels with covariances, masses and gradients |
+//! | gather, project | [`splats`] | kernels anywhere | a cloud of splats, and their footprints by any of the papers' methods |
+//!
+//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics. [`engine`] is the interface of an engine
+//! to its callers.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

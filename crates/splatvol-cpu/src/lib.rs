@@ -1,14 +1,22 @@
-//! CPU engine: the selection of an engine for a scene, and the engines.
+//! CPU engine: the selection of a render loop for a scene, and the three render loops.
 //!
 //! | module | what it renders |
 //! |---|---|
-//! | `check`, `route` | nothing: they say whether a scene can be rendered, and by which of these |
 //! | `sheets` | grids, meshes, and scenes of several things in layers: the default |
 //! | `splats` | everything but one volume splat by splat: 3-D Gaussians as published, points, meshes |
 //! | `classic` | one volume by the papers' methods, used only on request |
 //!
-//! Every pixel receives its contributions in a fixed order (sheets by depth, then bricks and voxels by index),
-//! independent of the number of threads and of its tile. So frames are the same to the bit.
+//! | module | what it does for these |
+//! |---|---|
+//! | `engine` | [`CpuEngine`], which hands a scene to one of them |
+//! | `check`, `route` | say whether a scene can be rendered, and by which |
+//! | `items`, `meshes`, `clouds` | turn items into clouds, and keep these between frames |
+//! | `phong`, `splat_light`, `simd` | light, and functions of vectors |
+//! | `config`, `run`, `pool`, `prepare`, `room`, `clock` | options, threads, cancellation, memory and time |
+//!
+//! Every pixel receives its contributions in a fixed order (sheets by depth, then layers, bricks and voxels by index;
+//! whole splats by depth, then by index), independent of the number of threads and of its tile. So frames are the same
+//! to the bit.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

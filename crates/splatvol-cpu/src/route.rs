@@ -2,10 +2,10 @@
 //!
 //! | scene | engine |
 //! |---|---|
-//! | one volume, wherever it lies | that for grids (`sheets`), or `classic` where the method is splats |
-//! | Gaussians, alone or with points | as the published renderer does (`splats`), unless the settings select sheets |
-//! | everything else on image sheets | `sheets`: every volume and mesh a layer, the rest a cloud, another |
-//! | one mesh, of whose values each ray shows one | `sheets`, a layer |
+//! | Gaussians, alone or with points | `splats`, as the published renderer does, unless the settings say otherwise |
+//! | one volume, wherever it lies | `sheets`; or `classic`, where the method is splats |
+//! | everything else on sheets | `sheets`: every volume and mesh a layer, and all the rest one more, a cloud |
+//! | one mesh, each ray showing one of its values | `sheets`, as a layer |
 //! | everything else splat by splat, and its X-rays | `splats`: one cloud of classified splats |
 //!
 //! A volume is brought to its place by its grid: `world_from_voxel = world_from_item * item_from_voxel`.

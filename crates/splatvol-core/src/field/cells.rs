@@ -1,6 +1,6 @@
 //! Visible cells of a brick: one bit per cell, from the ranges of their corners.
 //!
-//! Ranges are levels of [`VisibleLevels`](crate::visibility::VisibleLevels), which keep the order of values, in 16
+//! Ranges are levels of [`VisibleLevels`], which keep the order of values, in 16
 //! bits: eight cells fit the smallest vector register. A brick's own range decides most bricks; cells are tested
 //! one by one only where some of its levels are visible and some are not. [`super::around`] handles cells whose
 //! corners do not bound the values inside.

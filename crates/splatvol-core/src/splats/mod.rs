@@ -1,8 +1,8 @@
-//! Splats: kernels in space, and their footprints in a camera's view.
+//! Splats: kernels in space with covariances of their own, and their footprints in a camera's view.
 //!
-//! Everything rendered - voxels, and anything else made of kernels - becomes a [`SplatCloud`], which is independent
-//! of the camera. A [`Projection`] turns each of its splats into a [`Footprint`], and an engine that draws
-//! footprints needs nothing else (design: one primitive for all).
+//! A [`SplatCloud`] holds voxels, samples of meshes, points and Gaussians alike, and is independent of the camera. The
+//! papers' methods turn each of its splats into a [`Footprint`] by a [`Projection`], and need nothing else; sheets and
+//! whole splats project clouds themselves.
 //!
 //! | module | holds |
 //! |---|---|

@@ -2,7 +2,7 @@
 //!
 //! W being the inverse of the covariance's Cholesky factor, a pixel's ray `d = (x, y, 1)` has the direction
 //! `w = W d` and the kernel the centre `c = W u`. The ray passes it at `r = |c x w| / |w|`, and a piece of it of
-//! length `|d|` is `|w|` standard deviations long (design section 5, `exact`; mueller1998 table 1, rows 2 and 3).
+//! length `|d|` is `|w|` standard deviations long (the alignment `exact`; mueller1998 table 1, rows 2 and 3).
 //! The practical ray-perpendicular footprint (row 4) is a disc across c, which the ray meets at
 //! `p = w |c|^2 / (w . c) - c`, so `r = |p| = |c x w| |c| / (w . c)`, and all rays pass it as the one through the
 //! centre does. In two dimensions and with spheres this is the paper's

@@ -1,4 +1,4 @@
-//! The figures that mueller1998 and the design give.
+//! The figures that mueller1998 gives, and our own.
 
 use glam::{DMat3, DVec3};
 use splatvol_core::splats::{Footprint, GaussianProfile, Profile, Projection, View};

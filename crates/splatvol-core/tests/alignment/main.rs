@@ -1,4 +1,4 @@
-//! Alignments: footprints against the line integrals they stand for (mueller1998 section 4, design sections 5 and 6), all computed
+//! Alignments: footprints against the line integrals they stand for (mueller1998 section 4), all computed
 //! again here in 64 bits by quadrature.
 
 mod bounds;

@@ -1,4 +1,4 @@
-//! One value of each pixel's ray, of cubics with exact slopes: coefficients are splatted with their kernels'
+//! Exact intensity: one value of each pixel's ray, of cubics with exact slopes. Coefficients are splatted with their kernels'
 //! derivatives along the rays.
 
 use std::marker::PhantomData;

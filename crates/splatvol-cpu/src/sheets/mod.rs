@@ -6,20 +6,21 @@
 //! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
 //! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
+//! | | `cloud` | or kernels of their own shapes: points, Gaussians, samples of meshes |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
 //! | | `holes` | the same of missing samples, whose weight sums lack |
-//! | shade | `shaded`, `shade`, `border` | two planes: classified, lit, composited |
+//! | shade | `shaded`, `shade`, `table`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
-//! | | `analytic`, `gradients`, `slopes`, `hermite`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
-//! | | `intensity`, `exact_intensity`, `cubic` | or the largest, smallest or mean value between them kept |
+//! | | `analytic`, `gradients`, `hermite`, `fine_table`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
+//! | | `intensity`, `exact_intensity`, `slopes`, `cubic`, `extremum` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral`, `slab` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame, two levels into one |
 //!
-//! `engine` keeps state from frame to frame. `layer` runs the layers of a tile through these stages (several in a
-//! `scene`, as `layers`), `canvas` composites their material, and `cloud` splats kernels of their own shapes. A
-//! `mode` holds the differences between post-classification and the others.
+//! `engine` keeps state from frame to frame, `prepared` the volumes. `layer` runs the layers of a `tile` through these
+//! stages (several in a `scene`, as `layers`), and `canvas` composites their material. A `mode` holds what differs
+//! between post-classification and the others.
 #![allow(
     clippy::needless_range_loop,
     reason = "iterators over several arrays need closures, which do not inline into code for vectors"

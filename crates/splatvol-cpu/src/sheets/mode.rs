@@ -3,10 +3,12 @@
 //! | mode | splats | a finished sheet |
 //! |---|---|---|
 //! | `shaded` | coefficients | with the one before it: classified, lit, composited |
-//! | `intensity` | coefficients | with the one before it: the largest or smallest value is kept, or the mean taken |
+//! | `analytic` | the same, and the kernels' derivatives | the same, by exact slopes and gradients |
+//! | `intensity`, `exact_intensity` | coefficients, and derivatives along the rays | with the one before it: the largest or smallest value is kept, or the mean taken |
 //! | `compose` | extinction and lit emission of classified voxels | with the one before it: composited |
-//! | `cloud::field`, `cloud::values` | weights of a mesh's samples, and their values times those | divided, then as `shaded`, or as `intensity` |
 //! | `integral` | the same, unlit, integrated along the ray | - |
+//! | `cloud::emission` | extinction and lit emission of a cloud | as `compose` |
+//! | `cloud::field`, `cloud::values` | weights of a mesh's samples, and their values times those | divided, then as `shaded`, or as `intensity` |
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileRect};

@@ -7,7 +7,7 @@
 //! the *affine* footprint has the screen covariance `V2 = (J V' J^T)_2x2`, plus the low-pass (`low_pass`), and the
 //! centre weight `m s^2 l q(0) / sqrt|V2|`: m the kernel's integral, `l = |(x, y, z)| / z` the path per depth. A
 //! ray's nearest point to the centre moves by `Q b` in depth per pixel, `b = V_depth,screen`, and the standard
-//! deviation in depth left on it is `V_zz - b^T Q b` (design section 5). The *grid-aligned* footprint leaves the
+//! deviation in depth left on it is `V_zz - b^T Q b`. The *grid-aligned* footprint leaves the
 //! third column of J out, as if all rays were parallel to the axis (mueller1998 table 1, row 5): the integrals that
 //! it holds run along the axis, so their path per depth is 1, too. The others whiten camera space (`rays`,
 //! `splats::Ray`); *auto* has affine footprints where the estimate of `errors` allows them.
