@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::process::ExitCode;
 
+use splatvol_document::DocumentError;
+
 /// The step that failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
@@ -75,6 +77,72 @@ impl Failure {
         }
         text
     }
+}
+
+impl From<DocumentError> for Failure {
+    /// Speaks of keys as of the flags of the same names.
+    fn from(error: DocumentError) -> Self {
+        let step = match error {
+            DocumentError::Refused { .. } | DocumentError::Scene(_) => Step::Usage,
+            DocumentError::Malformed { .. } | DocumentError::Input { .. } | DocumentError::Sample(_) => {
+                Step::Input
+            }
+        };
+        match error {
+            DocumentError::Refused {
+                message,
+                context,
+                hint,
+            } => {
+                let context = context.map_or_else(String::new, |of| format!(" ({of})"));
+                Self {
+                    hint,
+                    ..Self::usage(format!("{}{context}", as_flags(&message)))
+                }
+            }
+            DocumentError::Input { error, hint } => Self {
+                hint,
+                ..Self::of(step, (*error).into())
+            },
+            other => Self::of(step, other.into()),
+        }
+    }
+}
+
+impl Failure {
+    /// Speaks of keys as a scene file has them.
+    pub(crate) fn of_scene(error: DocumentError) -> Self {
+        match error {
+            DocumentError::Refused { .. } => Self::usage(error),
+            other => other.into(),
+        }
+    }
+}
+
+/// A message about keys of a document, which it has between backquotes, as one about flags. Items that have a number are of
+/// several, which have no flags.
+fn as_flags(message: &str) -> String {
+    let spoken = |(i, part): (usize, &str)| match i % 2 {
+        0 => part.to_owned(),
+        _ => flag(part),
+    };
+    message.split('`').enumerate().map(spoken).collect()
+}
+
+/// The flag of a key.
+pub(crate) fn flag(key: &str) -> String {
+    if key.starts_with("item[") {
+        return key.to_owned();
+    }
+    let name = match key {
+        "item.color" => "point-color",
+        "camera.position" => "camera-pos",
+        "camera.target" => "camera-target",
+        "camera.up" => "camera-up",
+        "camera.fov" => "camera-fov",
+        key => key.rsplit_once('.').map_or(key, |(_, name)| name),
+    };
+    format!("--{name}")
 }
 
 /// Names the step in which an error arose.

@@ -1,4 +1,4 @@
-//! The command `splatvol`: raw arguments ([`args`]) become resolved ones ([`resolve`]), which the [`commands`] carry
+//! The command `splatvol`: flags ([`args`]) become a document, which `splatvol-document` resolves and the [`commands`] carry
 //! out. Messages go to stderr, results to files or stdout.
 #![forbid(unsafe_code)]
 
@@ -6,8 +6,7 @@ mod args;
 mod commands;
 mod failure;
 mod output;
-mod recipe;
-mod resolve;
+mod record;
 mod terminal;
 
 use std::process::ExitCode;
@@ -26,6 +25,7 @@ fn main() -> ExitCode {
         Command::Convert(args) => commands::convert::run(args, &terminal),
         Command::Compare(args) => commands::compare::run(args, &terminal),
         Command::Bench(args) => commands::bench::run(args, &terminal),
+        Command::Schema => commands::schema::run(),
         #[cfg(feature = "lab")]
         Command::Lab(args) => commands::lab::run(args, &terminal),
     };

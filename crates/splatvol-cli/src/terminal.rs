@@ -1,11 +1,13 @@
 //! Messages on stderr: warnings, notes, and progress bars where a person is watching.
 
+use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use splatvol_document::{Listener, Reading};
 
 use crate::args::Verbosity;
 
@@ -37,6 +39,15 @@ impl Terminal {
     pub(crate) fn detail(&self, message: impl Display) {
         if self.verbosity.verbose {
             eprintln!("splatvol: {message}");
+        }
+    }
+
+    /// Reads files where they are said to be, and hears of it. `strict`: whether warnings are errors.
+    pub(crate) fn reads(&self, strict: bool) -> Reading<'_> {
+        Reading {
+            strict,
+            folder: None,
+            listener: self,
         }
     }
 
@@ -72,6 +83,20 @@ impl Terminal {
         let bar = ProgressBar::new_spinner().with_message(label);
         bar.enable_steady_tick(Duration::from_millis(120));
         Progress(bar)
+    }
+}
+
+impl Listener for Terminal {
+    fn warn(&self, message: &str) {
+        Self::warn(self, message);
+    }
+
+    fn detail(&self, message: &str) {
+        Self::detail(self, message);
+    }
+
+    fn reading(&self, file: &str) -> Box<dyn Any> {
+        Box::new(self.spinner(format!("Reading {file}")))
     }
 }
 

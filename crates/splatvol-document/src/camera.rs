@@ -1,19 +1,22 @@
 //! The camera: explicit, framed automatically, or moved from an earlier one.
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use splatvol_scene::rotation::about;
 use splatvol_scene::{Camera, Projection, SceneError, View};
 
+use crate::DocumentError;
 use crate::framing::framing;
+use crate::keys::{CameraKeys, Parallel};
 use crate::turning::{aimed_at, middle, turned_outline};
 
 /// Vertical field of view unless asked otherwise, degrees: about that of a portrait lens.
 const FOV_DEGREES: f64 = 30.0;
 
 /// A camera as it was, world: position, target, up and projection.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct CameraPose {
     /// Position of the eye, world.
     pub position: [f64; 3],
@@ -22,6 +25,7 @@ pub struct CameraPose {
     /// Direction that is up in the picture, world.
     pub up: [f64; 3],
     /// Perspective or parallel.
+    #[schemars(schema_with = "crate::schema::projection")]
     pub projection: Projection,
 }
 
@@ -51,46 +55,13 @@ impl CameraPose {
     }
 }
 
-/// A camera as it is asked for. Whatever is absent is chosen so that all is in view.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct CameraKeys {
-    /// Side to look from. Excludes `position`.
-    pub view: Option<View>,
-    /// Subject of an automatic camera.
-    pub fit: Option<Fit>,
-    /// Position of the eye, world.
-    pub position: Option<[f64; 3]>,
-    /// Point looked at, world; the middle of what is shown by default.
-    pub target: Option<[f64; 3]>,
-    /// Direction that is up in the picture, world.
-    pub up: Option<[f64; 3]>,
-    /// Perspective or parallel.
-    pub lens: Option<Lens>,
-    /// Turn around the target, to the camera's right, degrees.
-    pub azimuth: Option<f64>,
-    /// Turn over the target, upwards, degrees.
-    pub elevation: Option<f64>,
-    /// Enlargement of the picture's middle.
-    pub zoom: Option<f64>,
-}
-
 /// A projection as it is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Lens {
+enum Lens {
     /// Perspective, with a vertical field of view in degrees.
     FieldOfView(f64),
     /// Parallel, showing this world height; one that fits by default.
     Parallel(Option<f64>),
-}
-
-/// Subject of an automatic camera.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Fit {
-    /// The voxels with some opacity, but for specks.
-    #[default]
-    Visible,
-    /// The whole grid.
-    Volume,
 }
 
 /// Surroundings of an automatic camera.
@@ -133,81 +104,88 @@ impl<'a> Surroundings<'a> {
 }
 
 impl CameraKeys {
-    /// These keys, and where they are silent those of `other`. Keys that exclude each other do not mix.
-    #[must_use]
-    pub fn or(&self, other: &Self) -> Self {
-        let placed = self.view.is_some() || self.position.is_some();
-        Self {
-            view: self.view.or(other.view.filter(|_| !placed)),
-            fit: self.fit.or(other.fit),
-            position: self.position.or(other.position.filter(|_| !placed)),
-            target: self.target.or(other.target),
-            up: self.up.or(other.up),
-            lens: self.lens.or(other.lens),
-            azimuth: self.azimuth.or(other.azimuth),
-            elevation: self.elevation.or(other.elevation),
-            zoom: self.zoom.or(other.zoom),
-        }
-    }
-
-    /// The camera. Offsets (azimuth, elevation, zoom) and lens apply to an earlier camera; a view, a position or a fit
-    /// replaces it.
+    /// The camera: where it is placed, or where everything is in view; then turned and zoomed.
     ///
     /// # Errors
-    /// Keys outside their domain, by name; cameras that see nothing.
-    pub fn resolve(
-        &self,
-        surroundings: &Surroundings<'_>,
-        earlier: Option<&CameraPose>,
-    ) -> Result<Camera, SceneError> {
-        let replaced = self.view.is_some() || self.position.is_some() || self.fit.is_some();
-        let base = match earlier.filter(|_| !replaced) {
-            Some(earlier) => self.moved(earlier)?,
-            None => self.framed(surroundings, earlier.map(|earlier| earlier.projection))?,
+    /// Keys that exclude each other or are outside their domain, by name; cameras that see nothing.
+    pub fn resolve(&self, surroundings: &Surroundings<'_>) -> Result<Camera, DocumentError> {
+        self.check()?;
+        let base = match self.placed()? {
+            Some(placed) => placed,
+            None => self.framed(surroundings)?,
         };
         let turned = orbited(base, self.azimuth.unwrap_or(0.0), self.elevation.unwrap_or(0.0))?;
-        self.zoomed(turned)
+        Ok(self.zoomed(turned)?)
     }
 
-    /// An earlier camera with what is asked otherwise.
-    fn moved(&self, earlier: &CameraPose) -> Result<Camera, SceneError> {
-        let target = self.target.unwrap_or(earlier.target);
-        let projection = match (self.lens, earlier.projection) {
-            (Some(Lens::FieldOfView(fov_degrees)), _) => Projection::Perspective { fov_degrees },
-            (Some(Lens::Parallel(Some(height))), _) => Projection::Orthographic { height },
-            // What the perspective picture showed at the target's distance.
-            (Some(Lens::Parallel(None)), Projection::Perspective { fov_degrees }) => {
-                let distance = DVec3::from_array(earlier.position).distance(DVec3::from_array(target));
-                let height = 2.0 * distance * libm::tan((0.5 * fov_degrees).to_radians());
-                Projection::Orthographic { height }
-            }
-            (Some(Lens::Parallel(None)) | None, projection) => projection,
-        };
-        CameraPose {
-            target,
-            up: self.up.unwrap_or(earlier.up),
-            projection,
-            ..*earlier
+    fn check(&self) -> Result<(), DocumentError> {
+        let both = [
+            (
+                self.view.is_some() && self.position.is_some(),
+                "`camera.view` and `camera.position`",
+            ),
+            (
+                self.fov.is_some() && self.orthographic.is_some(),
+                "`camera.fov` and `camera.orthographic`",
+            ),
+        ];
+        if let Some((_, keys)) = both.into_iter().find(|(both, _)| *both) {
+            return Err(DocumentError::usage(format!("{keys} exclude each other")));
         }
-        .camera()
+        let triples = [self.position, self.target, self.up];
+        let height = match self.orthographic {
+            Some(Parallel::Height(height)) => Some(height),
+            _ => None,
+        };
+        let numbers = [self.fov, height, self.azimuth, self.elevation, self.zoom];
+        let mut all = triples.iter().flatten().flatten().chain(numbers.iter().flatten());
+        match all.all(|number| number.is_finite()) {
+            true => Ok(()),
+            false => Err(DocumentError::usage("`camera`: numbers have to be finite")),
+        }
     }
 
-    fn framed(
-        &self,
-        surroundings: &Surroundings<'_>,
-        earlier: Option<Projection>,
-    ) -> Result<Camera, SceneError> {
-        let projection = match self.lens {
+    /// The projection that is asked for; a height of `None` is what fits.
+    fn lens(&self) -> Option<Lens> {
+        match (self.fov, self.orthographic) {
+            (Some(degrees), _) => Some(Lens::FieldOfView(degrees)),
+            (None, Some(Parallel::Height(height))) => Some(Lens::Parallel(Some(height))),
+            (None, Some(Parallel::Fits(true))) => Some(Lens::Parallel(None)),
+            (None, Some(Parallel::Fits(false)) | None) => None,
+        }
+    }
+
+    /// The camera of which everything is said.
+    fn placed(&self) -> Result<Option<Camera>, SceneError> {
+        let (Some(position), Some(target), Some(up)) = (self.position, self.target, self.up) else {
+            return Ok(None);
+        };
+        let projection = match self.lens() {
+            Some(Lens::FieldOfView(fov_degrees)) => Projection::Perspective { fov_degrees },
+            Some(Lens::Parallel(Some(height))) => Projection::Orthographic { height },
+            _ => return Ok(None),
+        };
+        let pose = CameraPose {
+            position,
+            target,
+            up,
+            projection,
+        };
+        pose.camera().map(Some)
+    }
+
+    fn framed(&self, surroundings: &Surroundings<'_>) -> Result<Camera, SceneError> {
+        let projection = match self.lens() {
             Some(Lens::FieldOfView(fov_degrees)) => Projection::Perspective { fov_degrees },
             Some(Lens::Parallel(height)) => Projection::Orthographic {
                 height: height.unwrap_or(1.0),
             },
-            None => earlier.unwrap_or(Projection::Perspective {
+            None => Projection::Perspective {
                 fov_degrees: FOV_DEGREES,
-            }),
+            },
         };
         let outline = (surroundings.outline)();
-        let view = self.view.unwrap_or(surroundings.preferred);
+        let view = self.view.map_or(surroundings.preferred, View::from);
         let framed = |outline: &[DVec3]| framing(outline, view, projection, surroundings.aspect);
         let still = framed(&outline)?;
         let automatic = if surroundings.turns {
@@ -231,7 +209,7 @@ impl CameraKeys {
             None if self.position.is_some() => upright(target - position),
             None => automatic.up(),
         };
-        let projection = match self.lens {
+        let projection = match self.lens() {
             Some(Lens::Parallel(Some(height))) => Projection::Orthographic { height },
             _ => automatic.projection(),
         };
@@ -292,7 +270,9 @@ mod tests {
     use super::*;
     use splatvol_scene::Bounds;
 
-    fn camera(args: &CameraKeys, like: Option<&CameraPose>) -> Camera {
+    use crate::keys::names::ViewName;
+
+    fn camera(keys: &CameraKeys) -> Camera {
         let surroundings = Surroundings {
             outline: Box::new(|| {
                 Bounds {
@@ -306,34 +286,28 @@ mod tests {
             preferred: View::Front,
             turns: false,
         };
-        args.resolve(&surroundings, like).unwrap()
+        keys.resolve(&surroundings).unwrap()
     }
 
     #[test]
     fn azimuth_goes_to_the_cameras_right_and_elevation_up() {
-        let front = camera(&CameraKeys::default(), None);
+        let front = camera(&CameraKeys::default());
         let distance = front.position().length();
         assert!((front.position() - DVec3::Y * distance).length() < 1e-9);
         // Facing the data from +y, the camera's right is -x.
-        let turned = camera(
-            &CameraKeys {
-                azimuth: Some(90.0),
-                ..CameraKeys::default()
-            },
-            None,
-        );
+        let turned = camera(&CameraKeys {
+            azimuth: Some(90.0),
+            ..CameraKeys::default()
+        });
         assert!(
             (turned.position() + DVec3::X * distance).length() < 1e-9,
             "{}",
             turned.position()
         );
-        let raised = camera(
-            &CameraKeys {
-                elevation: Some(90.0),
-                ..CameraKeys::default()
-            },
-            None,
-        );
+        let raised = camera(&CameraKeys {
+            elevation: Some(90.0),
+            ..CameraKeys::default()
+        });
         assert!(
             (raised.position() - DVec3::Z * distance).length() < 1e-9,
             "{}",
@@ -344,32 +318,29 @@ mod tests {
 
     #[test]
     fn an_earlier_camera_is_kept_until_a_view_is_asked_for() {
-        let old = camera(
-            &CameraKeys {
-                azimuth: Some(20.0),
-                zoom: Some(2.0),
-                ..CameraKeys::default()
-            },
-            None,
-        );
-        let recipe = CameraPose::from(&old);
-        assert_eq!(camera(&CameraKeys::default(), Some(&recipe)), old);
+        let old = camera(&CameraKeys {
+            azimuth: Some(20.0),
+            zoom: Some(2.0),
+            ..CameraKeys::default()
+        });
+        let known = CameraKeys::from(&CameraPose::from(&old));
+        assert_eq!(camera(&CameraKeys::default().over(&known)), old);
         let view = CameraKeys {
-            view: Some(View::Top),
+            view: Some(ViewName::Top),
             ..CameraKeys::default()
         };
-        assert!((camera(&view, Some(&recipe)).position().normalize() - DVec3::Z).length() < 1e-9);
+        assert!((camera(&view.over(&known)).position().normalize() - DVec3::Z).length() < 1e-9);
     }
 
     #[test]
     fn zoom_doubles_the_scale_and_orthographic_height_is_kept() {
         let args = CameraKeys {
-            lens: Some(Lens::Parallel(Some(10.0))),
+            orthographic: Some(Parallel::Height(10.0)),
             zoom: Some(2.0),
             ..CameraKeys::default()
         };
         assert_eq!(
-            camera(&args, None).projection(),
+            camera(&args).projection(),
             Projection::Orthographic { height: 5.0 }
         );
         let size = splatvol_scene::ImageSize::new(100, 100).unwrap();
@@ -378,7 +349,7 @@ mod tests {
                 zoom,
                 ..CameraKeys::default()
             };
-            camera(&args, None).screen_from_camera(size).scale
+            camera(&args).screen_from_camera(size).scale
         };
         assert!((scale(Some(2.0)) / scale(None) - 2.0).abs() < 1e-9);
     }
@@ -391,14 +362,14 @@ mod tests {
             max: DVec3::new(11.0, 9.0, 2.0),
         };
         let size = splatvol_scene::ImageSize::new(200, 100).unwrap();
-        let lenses = [Some(Lens::Parallel(None)), None];
-        for (view, lens) in [View::Front, View::Iso]
+        let lenses = [Some(Parallel::Fits(true)), None];
+        for (view, orthographic) in [ViewName::Front, ViewName::Iso]
             .into_iter()
             .flat_map(|view| lenses.map(|lens| (view, lens)))
         {
             let args = CameraKeys {
                 view: Some(view),
-                lens,
+                orthographic,
                 ..CameraKeys::default()
             };
             let surroundings = Surroundings {
@@ -407,7 +378,7 @@ mod tests {
                 preferred: View::Front,
                 turns: true,
             };
-            let start = args.resolve(&surroundings, None).unwrap();
+            let start = args.resolve(&surroundings).unwrap();
             let path = splatvol_scene::CameraPath::turntable(start, 360.0).unwrap();
             let mut reach: f64 = 0.0;
             for i in 0..100 {
@@ -430,6 +401,6 @@ mod tests {
             position: Some([0.0, 0.0, 9.0]),
             ..CameraKeys::default()
         };
-        assert_eq!(camera(&args, None).up(), DVec3::Y);
+        assert_eq!(camera(&args).up(), DVec3::Y);
     }
 }

@@ -1,26 +1,75 @@
-//! Decisions that the description of a picture leaves open: the camera, and which way is up.
+//! The description of a picture as one [`Document`], and the decisions that it leaves open.
 //!
-//! The command, a notebook, a viewer and the machines of a cluster all decide by this crate, so they make the same picture
-//! of the same data.
+//! What the command's flags, a scene file, the text in a PNG, a notebook or a viewer say of a picture is a document: a few
+//! keys of a user, or all of them. [`Document::resolve`] reads the data and decides the rest: which way is up, how values
+//! look, where the camera stands, which method suits. Everybody decides by this crate, so everybody makes the same picture of
+//! the same data.
 //!
-//! | module | decides |
+//! ```
+//! use splatvol_document::{Document, Reading, Resolving, Silent};
+//!
+//! let text = "[[item]]\nfile = \"sample:head:16\"\n[camera]\nview = \"front\"\n";
+//! let asked = Document::from_toml(text, "scene.toml".as_ref())?;
+//! let reading = Reading { strict: false, folder: None, listener: &Silent };
+//! let resolving = Resolving { reading, moves: Default::default(), keeps_alpha: false };
+//! let picture = asked.resolve(resolving)?;
+//! assert!(picture.document.camera.position.is_some() && picture.scene.items.len() == 1);
+//! # Ok::<(), splatvol_document::DocumentError>(())
+//! ```
+//!
+//! | module | holds |
 //! |---|---|
-//! | [`camera`] | the camera: asked for, framed automatically, or moved from an earlier one |
-//! | [`mod@outline`] | what an automatic camera shows of an item |
-//! | `mesh_outline` | the cells of a mesh that can be seen |
-//! | [`visible`] | which voxels can be seen, but for specks |
-//! | [`standing`] | which way is up where no file says so |
-//! | `framing`, `turning` | where a camera has to be for an outline to fill the picture, still or on a turntable |
+//! | `document`, [`keys`], [`spelling`] | the document, its tables, and how names are written |
+//! | [`mod@format`], `version1` | TOML, JSON and PNG text; what earlier versions wrote |
+//! | [`edit`] | edits, undo and redo |
+//! | `schema` | the JSON schema |
+//! | `resolve` | from a document to a picture that can be rendered |
+//! | [`items`], [`input`], [`meaning`] | reading an item; which keys it can have |
+//! | [`look`], [`settings`], `effects`, [`motion`] | transfer function, method, operators and clips, motion blur |
+//! | [`upright`], [`standing`] | which way is up, as said, or where no file says so |
+//! | [`camera`], `framing`, `turning` | the camera: asked for, or where an outline fills the picture, still or turning |
+//! | [`mod@outline`], `mesh_outline`, [`visible`] | what an automatic camera shows of an item: voxels and cells that can be seen |
+//! | [`animation`] | which cameras see which frame |
+//! | [`listener`], `error` | who hears of choices; what goes wrong |
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod animation;
 pub mod camera;
+mod document;
+pub mod edit;
+mod effects;
+mod error;
+pub mod format;
 mod framing;
+pub mod input;
+pub mod items;
+pub mod keys;
+pub mod listener;
+pub mod look;
+pub mod meaning;
 mod mesh_outline;
+pub mod motion;
 pub mod outline;
+mod resolve;
+mod schema;
+pub mod settings;
+pub mod spelling;
 pub mod standing;
 mod turning;
+pub mod upright;
+mod version1;
 pub mod visible;
 
-pub use camera::{CameraKeys, CameraPose, Fit, Lens, Surroundings, orbited};
+pub use animation::Plan;
+pub use camera::{CameraPose, Surroundings, orbited};
+pub use document::{Document, VERSION};
+pub use edit::{Edit, History};
+pub use error::DocumentError;
+pub use format::Record;
+pub use input::Reading;
+pub use listener::{Listener, Silent};
+pub use motion::CameraMotion;
 pub use outline::outline;
+pub use resolve::{Picture, Resolving};
+pub use schema::schema;

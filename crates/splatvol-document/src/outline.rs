@@ -6,7 +6,7 @@
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{Content, Gaussians, Item};
 
-use crate::Fit;
+use crate::keys::names::Fit;
 use crate::mesh_outline::visible_cells;
 use crate::visible::visible_outline;
 

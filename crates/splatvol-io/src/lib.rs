@@ -11,7 +11,6 @@
 //! | [`transfer_function`] | 3D Slicer, ParaView, Inviwo, ImageJ |
 //! | [`image`] | PNG, OpenEXR; depth also as `.npy` |
 //! | [`animation`] | GIF, animated PNG (written only) |
-//! | [`scene_file`] | `scene.toml`: several things in one picture |
 //! | [`camera_keys`] | key frames of a camera path, TOML or JSON |
 //!
 //! Guarantees of every reader: no panic and no endless loop on any bytes; no allocation that the bytes present do not
@@ -32,7 +31,6 @@ pub mod mesh;
 mod ply;
 pub mod points;
 mod samples;
-pub mod scene_file;
 mod source;
 pub mod transfer_function;
 pub mod volume;
@@ -50,7 +48,7 @@ pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
 pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
-pub use scene_file::{SceneCamera, SceneFile, SceneItem, is_scene, read_scene};
+pub use source::read_text;
 pub use transfer_function::{
     read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,
 };

@@ -300,6 +300,17 @@ pub(crate) fn read_file(path: &Path, context: &Context<'_>) -> Result<Vec<u8>, I
     Source::open(path)?.all_bytes(context)
 }
 
+/// Reads a whole regular file as text; memory is bounded by its own length. `format` is named in errors.
+///
+/// # Errors
+/// Files that cannot be read, or are not UTF-8.
+pub fn read_text(format: &'static str, path: impl AsRef<Path>) -> Result<String, IoError> {
+    let path = path.as_ref();
+    let context = Context::new(format, path);
+    String::from_utf8(read_file(path, &context)?)
+        .map_err(|error| context.field("contents", error, None, "text in UTF-8"))
+}
+
 /// The path of a data file that the header at `context.path` names in `field`.
 ///
 /// Only names inside the header's folder are followed: no absolute path, no `..`, no link that leads out, not the

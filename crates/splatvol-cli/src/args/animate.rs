@@ -56,17 +56,17 @@ pub(crate) struct AnimateArgs {
     /// Number of frames [default: 90, or what the times of --path ask for]
     #[arg(long, value_name = "N", help_heading = MOTION, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) frames: Option<u32>,
-    /// Frames per second
-    #[arg(long, value_name = "RATE", help_heading = MOTION, default_value_t = 30.0, value_parser = frame_rate)]
-    pub(crate) fps: f64,
+    /// Frames per second [default: 30]
+    #[arg(long, value_name = "RATE", help_heading = MOTION, value_parser = frame_rate)]
+    pub(crate) fps: Option<f64>,
     /// Start and stop gently
     ///
     /// At time t, from 0 to 1, the camera has gone 3t² - 2t³ of its way.
     #[arg(long, help_heading = MOTION)]
     pub(crate) ease: bool,
-    /// Motion blur: share of a frame's time that the shutter is open
-    #[arg(long, value_name = "SHARE", help_heading = MOTION, default_value_t = 0.0, value_parser = share)]
-    pub(crate) shutter: f64,
+    /// Motion blur: share of a frame's time that the shutter is open [default: 0]
+    #[arg(long, value_name = "SHARE", help_heading = MOTION, value_parser = share)]
+    pub(crate) shutter: Option<f64>,
     /// Continue an interrupted animation: keep the frames that are there and up to date, make the others
     #[arg(long, help_heading = OUTPUT, conflicts_with = "overwrite")]
     pub(crate) resume: bool,

@@ -1,8 +1,7 @@
 //! Flags about the camera.
 
-use clap::{Args, ValueEnum};
-use splatvol::View;
-use splatvol_document::{CameraKeys, Fit, Lens};
+use clap::Args;
+use splatvol_document::keys::names::{Fit, ViewName};
 
 use super::help::CAMERA;
 use super::values::{self, Triple};
@@ -15,7 +14,7 @@ pub(crate) struct CameraArgs {
     pub(crate) view: Option<ViewName>,
     /// What fills the picture [default: visible]
     #[arg(long, value_name = "WHAT", help_heading = CAMERA)]
-    pub(crate) fit: Option<FitName>,
+    pub(crate) fit: Option<Fit>,
     /// Position of the camera, in world coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = CAMERA,
           allow_hyphen_values = true, conflicts_with = "view")]
@@ -43,62 +42,4 @@ pub(crate) struct CameraArgs {
     /// Enlarge the picture about its middle
     #[arg(long, value_name = "FACTOR", help_heading = CAMERA)]
     pub(crate) zoom: Option<f64>,
-}
-
-impl From<&CameraArgs> for CameraKeys {
-    fn from(args: &CameraArgs) -> Self {
-        Self {
-            view: args.view.map(View::from),
-            fit: args.fit.map(|fit| match fit {
-                FitName::Visible => Fit::Visible,
-                FitName::Volume => Fit::Volume,
-            }),
-            position: args.camera_pos,
-            target: args.camera_target,
-            up: args.camera_up,
-            lens: match (args.camera_fov, args.orthographic) {
-                (Some(degrees), _) => Some(Lens::FieldOfView(degrees)),
-                (None, height) => height.map(Lens::Parallel),
-            },
-            azimuth: args.azimuth,
-            elevation: args.elevation,
-            zoom: args.zoom,
-        }
-    }
-}
-
-/// Sides to look from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ViewName {
-    Front,
-    Back,
-    Left,
-    Right,
-    Top,
-    Bottom,
-    Iso,
-}
-
-/// What an automatic camera shows.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FitName {
-    /// The voxels that are not transparent, without stray specks
-    #[default]
-    Visible,
-    /// The whole grid
-    Volume,
-}
-
-impl From<ViewName> for View {
-    fn from(name: ViewName) -> Self {
-        match name {
-            ViewName::Front => Self::Front,
-            ViewName::Back => Self::Back,
-            ViewName::Left => Self::Left,
-            ViewName::Right => Self::Right,
-            ViewName::Top => Self::Top,
-            ViewName::Bottom => Self::Bottom,
-            ViewName::Iso => Self::Iso,
-        }
-    }
 }

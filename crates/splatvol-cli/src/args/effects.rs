@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use serde::{Deserialize, Serialize};
+use clap::Args;
 use splatvol::{ClipPlane, GradientOpacityPoint};
+use splatvol_document::keys::names::TextureName;
 
 use super::help::{CAMERA, EFFECTS, LOOK};
 use super::values;
@@ -13,13 +13,11 @@ use super::values;
 pub(crate) type BoxSides = [f64; 6];
 
 /// A curve over gradient magnitudes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GradientCurve(pub(crate) Vec<GradientOpacityPoint>);
 
 /// Operators, clips and exact isosurfaces.
-#[derive(Debug, Clone, Default, PartialEq, Args, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct EffectArgs {
     /// Colour the material as if it were cut from a block of this
     #[arg(long, value_name = "NAME", help_heading = EFFECTS)]
@@ -70,52 +68,8 @@ pub(crate) struct EffectArgs {
     pub(crate) clip_inside: bool,
     /// Keep the inside of the box (undoes --clip-inside of a picture given with --like)
     #[arg(long, help_heading = CAMERA, conflicts_with = "clip_inside")]
-    #[serde(skip)]
     pub(crate) clip_outside: bool,
     /// Take no effects and no clipping from the picture given with --like
     #[arg(long, help_heading = EFFECTS)]
-    #[serde(skip)]
     pub(crate) no_effects: bool,
-}
-
-/// Solid textures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum TextureName {
-    /// White stone with dark veins
-    Marble,
-    /// Growth rings of a leaning trunk
-    Wood,
-}
-
-impl EffectArgs {
-    /// These flags, and where they are silent those of `other`.
-    pub(crate) fn or(&self, other: &Self) -> Self {
-        let nothing = Self::default();
-        let other = if self.no_effects { &nothing } else { other };
-        let box_of = if self.clip_box.is_some() { &nothing } else { other };
-        Self {
-            texture: self.texture.or(other.texture),
-            texture_scale: self.texture_scale.or(other.texture_scale),
-            bump: self.bump.clone().or_else(|| other.bump.clone()),
-            bump_height: self.bump_height.or(other.bump_height),
-            environment: self.environment.clone().or_else(|| other.environment.clone()),
-            environment_share: self.environment_share.or(other.environment_share),
-            gradient_opacity: self
-                .gradient_opacity
-                .clone()
-                .or_else(|| other.gradient_opacity.clone()),
-            tf2d: self.tf2d.clone().or_else(|| other.tf2d.clone()),
-            iso_exact: self.iso_exact || other.iso_exact,
-            clip_plane: if self.clip_plane.is_empty() {
-                other.clip_plane.clone()
-            } else {
-                self.clip_plane.clone()
-            },
-            clip_box: self.clip_box.or(other.clip_box),
-            clip_inside: self.clip_inside || (box_of.clip_inside && !self.clip_outside),
-            clip_outside: false,
-            no_effects: false,
-        }
-    }
 }

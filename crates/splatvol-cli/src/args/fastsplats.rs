@@ -1,6 +1,7 @@
 //! Flags about tables of footprints and about the range of interest.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use splatvol_document::keys::names::{PrecisionName, RasterizerName};
 
 use super::help::PAPERS;
 use super::values;
@@ -32,36 +33,4 @@ pub(crate) struct FastSplatsArgs {
     /// Splat only voxels of at least this gradient, value ranges per voxel [default: 0]
     #[arg(long, value_name = "GRADIENT", help_heading = PAPERS)]
     pub(crate) extract_gradient: Option<f64>,
-}
-
-/// How footprints become pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum RasterizerName {
-    /// The fastest for each footprint, without tables
-    Auto,
-    /// A table over the distance from the centre: a square root per pixel
-    #[value(name = "linear-1d")]
-    Linear1d,
-    /// A table over the squared distance: two additions per pixel; circles only
-    #[value(name = "square-1d")]
-    Square1d,
-    /// As square-1d, for ellipses
-    #[value(name = "ellipse-1d")]
-    Ellipse1d,
-    /// Squared distances from a table too; centres are rounded
-    Rlut,
-    /// Whole footprints drawn beforehand; centres and radii are rounded; circles only
-    #[value(name = "blit-2d")]
-    Blit2d,
-}
-
-/// What entries of a table are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PrecisionName {
-    /// 8 bits
-    U8,
-    /// 16 bits
-    U16,
-    /// Single precision
-    F32,
 }

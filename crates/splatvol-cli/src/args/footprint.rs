@@ -1,6 +1,9 @@
 //! Flags about footprints: how they are shaped, drawn and hidden.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use splatvol_document::keys::names::{
+    AbsorptionName, AlignmentName, OcclusionName, ReconstructionName, SheetName, StretchName,
+};
 
 use super::help::PAPERS;
 
@@ -38,72 +41,4 @@ pub(crate) struct FootprintArgs {
     /// With --reconstruction mixed: voxels of a smaller gradient are volume.
     #[arg(long, value_name = "GRADIENT", help_heading = PAPERS)]
     pub(crate) surface_gradient: Option<f64>,
-}
-
-/// What a footprint leaves on a sheet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SheetName {
-    /// The kernel integrated over the sheet's depth
-    Section,
-    /// The kernel's value on the sheet's plane
-    Sample,
-}
-
-/// Which integrals of a kernel make up its footprint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AlignmentName {
-    /// Sheets: at constant depth. Whole footprints: as affine
-    Sheet,
-    /// Along rays parallel to the one through the kernel's centre
-    Affine,
-    /// Along each pixel's own ray
-    Exact,
-    /// Along the viewing axis
-    Grid,
-    /// As discs across the ray through the centre, in perspective
-    Ray,
-    /// As exact, with kernels stretched across the ray through the centre
-    RayIdeal,
-    /// As affine where that is within --alignment-budget, as exact elsewhere
-    Auto,
-}
-
-/// How the swan filter stretches kernels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum StretchName {
-    /// The whole kernel by what its centre needs
-    Box,
-    /// Each depth by what it needs; needs --alignment exact
-    Trapezoid,
-}
-
-/// How light is lost in material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AbsorptionName {
-    /// exp(-x)
-    Exp,
-    /// 1 - x, as in the papers
-    Linear,
-}
-
-/// How what is hidden is left out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum OcclusionName {
-    /// By counting unfinished pixels
-    Auto,
-    /// Nothing is left out
-    None,
-    /// By a summed-area table of the picture (FastSplats)
-    Sat,
-}
-
-/// What the kernels stand for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ReconstructionName {
-    /// A volume
-    Volume,
-    /// Surfaces: kernels are flattened along the gradient
-    Surface,
-    /// Surfaces inside a volume: flattened where the gradient is steep
-    Mixed,
 }

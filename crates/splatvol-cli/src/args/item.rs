@@ -1,9 +1,9 @@
 //! Flags about what data are and which way they are up; and about data other than volumes: points, Gaussians, meshes,
 //! terrain.
 
-use clap::{Args, ValueEnum};
-use serde::{Deserialize, Serialize};
-use splatvol::GaussianMode;
+use clap::Args;
+use splatvol_document::keys::names::{GaussianModeName, UpAxis};
+use splatvol_document::keys::{Rotate, Scale};
 use splatvol_io::DataKind;
 
 use super::help::{DATA, INPUT};
@@ -22,6 +22,17 @@ pub(crate) struct ItemArgs {
     /// points of a PLY file, and for volumes whose file gives no orientation, if they look as if they stood on it.
     #[arg(long, value_name = "AXIS", help_heading = INPUT, allow_hyphen_values = true)]
     pub(crate) up: Option<UpAxis>,
+    /// Factor on lengths: S, or X,Y,Z
+    #[arg(long, value_name = "FACTOR", value_parser = values::scale, help_heading = INPUT, allow_hyphen_values = true)]
+    pub(crate) scale: Option<Scale>,
+    /// Turn after scaling: AXIS:DEGREES, where AXIS is x, y, z or X,Y,Z
+    ///
+    /// Counter-clockwise as seen from the axis' end, about the world's origin.
+    #[arg(long, value_name = "TURN", value_parser = values::rotation, help_heading = INPUT, allow_hyphen_values = true)]
+    pub(crate) rotate: Option<Rotate>,
+    /// Shift after turning, in world lengths
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = INPUT, allow_hyphen_values = true)]
+    pub(crate) translate: Option<Triple>,
     /// How Gaussians are composited [default: auto]
     #[arg(long, value_name = "NAME", help_heading = DATA)]
     pub(crate) gaussians: Option<GaussianModeName>,
@@ -42,44 +53,4 @@ pub(crate) struct ItemArgs {
     /// Heights are interpolated to these posts, so that a picture that is finer than the heights keeps its detail.
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::posts, help_heading = DATA)]
     pub(crate) posts: Option<[usize; 2]>,
-}
-
-/// Axes of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum UpAxis {
-    X,
-    Y,
-    Z,
-    #[value(name = "-x")]
-    #[serde(rename = "-x")]
-    MinusX,
-    #[value(name = "-y")]
-    #[serde(rename = "-y")]
-    MinusY,
-    #[value(name = "-z")]
-    #[serde(rename = "-z")]
-    MinusZ,
-}
-
-/// How Gaussians are composited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum GaussianModeName {
-    /// 3dgs for Gaussians alone or with points; volumetric with anything else
-    Auto,
-    /// As published: whole Gaussians, with points and meshes, sorted by their centres
-    #[value(name = "3dgs")]
-    Published,
-    /// In sheets, together with everything else: no popping, linear light
-    Volumetric,
-}
-
-impl From<GaussianModeName> for GaussianMode {
-    fn from(name: GaussianModeName) -> Self {
-        match name {
-            GaussianModeName::Auto => Self::Auto,
-            GaussianModeName::Published => Self::Published,
-            GaussianModeName::Volumetric => Self::Volumetric,
-        }
-    }
 }

@@ -1,7 +1,8 @@
 //! Flags about the reconstruction kernel.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use splatvol::RenderSettings;
+use splatvol_document::keys::names::KernelName;
 
 use super::help::KERNEL;
 use super::method::with_default;
@@ -21,19 +22,6 @@ pub(crate) struct KernelArgs {
     /// Shape of the kaiser-bessel kernel, broad at 0 [default: the most even, 10.4443 for radius 2]
     #[arg(long, value_name = "NUMBER", help_heading = KERNEL)]
     pub(crate) kernel_alpha: Option<f64>,
-}
-
-/// Reconstruction kernels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum KernelName {
-    /// Smooth; the only one that can interpolate the data
-    Gaussian,
-    /// Piecewise cubic; the smallest
-    CrawfisMax,
-    /// Cubic B-spline of the distance, radius 2
-    CubicBspline,
-    /// Kaiser-Bessel window, or blob; the most even
-    KaiserBessel,
 }
 
 /// Sigma and radius of the default kernel.

@@ -1,14 +1,12 @@
 //! Flags about colour and opacity.
 
 use clap::Args;
-use serde::{Deserialize, Serialize};
 
 use super::help::LOOK;
 use super::values;
 
 /// How data values look. Without any of these a transfer function is chosen from the data.
-#[derive(Debug, Clone, Default, PartialEq, Args, Serialize, Deserialize)]
-#[serde(default, rename_all = "kebab-case")]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct LookArgs {
     /// Transfer function: a file of 3D Slicer (.vp.json), ParaView (.json), Inviwo (.itf) or ImageJ (.lut)
     #[arg(long, value_name = "FILE", help_heading = LOOK, conflicts_with_all = ["cmap", "opacity", "iso"])]
@@ -28,27 +26,15 @@ pub(crate) struct LookArgs {
     /// World length over which opacities act [default: the mean voxel spacing]
     #[arg(long, value_name = "LENGTH", help_heading = LOOK)]
     pub(crate) unit_distance: Option<f64>,
+    /// Values are names of kinds, never interpolated; =false: they are not [default: decided by the data]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true", help_heading = LOOK)]
+    pub(crate) labels: Option<bool>,
     /// Show the surface of this data value
     #[arg(long, value_name = "VALUE", help_heading = LOOK, allow_negative_numbers = true)]
     pub(crate) iso: Option<f64>,
 }
 
 impl LookArgs {
-    /// These flags, and where they are silent those of `other`. Flags that exclude each other do not mix.
-    pub(crate) fn or(&self, other: &Self) -> Self {
-        let own_source = self.tf.is_some() || self.iso.is_some();
-        let other = if own_source { &Self::default() } else { other };
-        let curves = self.cmap.is_some() || self.opacity.is_some();
-        Self {
-            tf: self.tf.clone().or_else(|| other.tf.clone().filter(|_| !curves)),
-            cmap: self.cmap.clone().or_else(|| other.cmap.clone()),
-            opacity: self.opacity.clone().or_else(|| other.opacity.clone()),
-            clim: self.clim.or(other.clim),
-            unit_distance: self.unit_distance.or(other.unit_distance),
-            iso: self.iso.or(other.iso.filter(|_| self.opacity.is_none())),
-        }
-    }
-
     /// Whether no flag was given.
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()

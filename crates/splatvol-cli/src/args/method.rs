@@ -1,8 +1,10 @@
 //! Flags about the method: compositing, filtering, lighting.
 
-use clap::{Args, ValueEnum};
-
+use clap::Args;
 use splatvol::{Lighting, RenderSettings};
+use splatvol_document::keys::names::{
+    ClassificationName, CompositingName, CoverageName, FilterName, GradientName, PresetName,
+};
 
 use super::help::{LIGHT, METHOD, QUALITY};
 use super::values::{self, Triple};
@@ -42,6 +44,11 @@ pub(crate) struct MethodArgs {
     /// Samples per pixel and axis with --coverage adaptive, 2 to 8 [default: 4]
     #[arg(long, value_name = "COUNT", help_heading = QUALITY)]
     pub(crate) coverage_samples: Option<u32>,
+    /// Difference of neighbouring pixels above which they get several samples [default: 2/255]
+    ///
+    /// With --coverage adaptive, share of white.
+    #[arg(long, value_name = "SHARE", help_heading = QUALITY)]
+    pub(crate) coverage_contrast: Option<f64>,
     #[command(flatten)]
     pub(crate) kernel: KernelArgs,
     /// Let the kernel smooth the data instead of interpolating them
@@ -82,109 +89,6 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = LIGHT,
           allow_hyphen_values = true, conflicts_with = "no_shade")]
     pub(crate) light: Option<Triple>,
-}
-
-impl MethodArgs {
-    /// All but how things are lit.
-    pub(crate) fn without_light(&self) -> Self {
-        Self {
-            no_shade: false,
-            shade: false,
-            ambient: None,
-            diffuse: None,
-            specular: None,
-            specular_power: None,
-            gradient_floor: None,
-            light: None,
-            ..self.clone()
-        }
-    }
-}
-
-/// Whole settings by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PresetName {
-    /// Closest to the exact integral, and slowest
-    Best,
-    /// Far faster than best; the difference is hard to see
-    Balanced,
-    /// Twice as fast as balanced; steep edges can show bands
-    Fast,
-    /// Whole splats one by one, anti-aliased (Swan et al. 1997)
-    #[value(name = "swan1997")]
-    Swan1997,
-    /// As swan1997, with footprints within an error budget and motion blur (Mueller et al. 1998)
-    #[value(name = "mueller1998")]
-    Mueller1998,
-    /// Elliptical Gaussians on slices of the grid (Zwicker et al. 2001)
-    #[value(name = "ewa2001")]
-    Ewa2001,
-    /// FastSplats: footprints from tables, culling by a summed-area table (Huang et al. 2000)
-    #[value(name = "fastsplats2000")]
-    FastSplats2000,
-}
-
-/// How sheets become a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CompositingName {
-    /// Thin sheets parallel to the picture, front to back
-    ImageSheets,
-    /// Sum along the ray, as in a radiograph
-    Xray,
-    /// Largest value along the ray (maximum intensity projection)
-    Mip,
-    /// Smallest value along the ray
-    Minip,
-    /// Mean value along the ray
-    Mean,
-    /// Whole footprints one by one, front to back (Westover 1989)
-    PerSplat,
-    /// Whole footprints one by one, back to front
-    PerSplatBackToFront,
-    /// Whole footprints on slices of the grid (Westover 1990)
-    AxisSheets,
-}
-
-/// What is splatted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ClassificationName {
-    /// Colours are splatted
-    Pre,
-    /// Data are splatted; each sheet looks colours up
-    Post,
-}
-
-/// Low-pass filter in the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FilterName {
-    /// Footprints as they are
-    None,
-    /// Every footprint is widened by the filter
-    Ewa,
-    /// Footprints narrower than the filter are widened to it
-    Matched,
-    /// Where voxels are less than a pixel apart, footprints are scaled up and thinned (Swan 1997)
-    Swan,
-    /// As swan, but the opacity is lowered, as in the paper
-    SwanAlpha,
-}
-
-/// Anti-aliasing of edges.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CoverageName {
-    /// One sample per pixel
-    Off,
-    /// Several samples for pixels that differ from their neighbours
-    Adaptive,
-}
-
-/// Where the gradient that lights a sheet comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum GradientName {
-    /// Derivatives of the footprints, splatted along with them
-    Analytic,
-    /// Differences between the pixels of neighbouring sheets
-    Differences,
 }
 
 /// A help text that names the settings' own default.

@@ -12,6 +12,7 @@
 mod animate;
 mod bench;
 mod camera;
+mod document;
 mod effects;
 mod fastsplats;
 mod footprint;
@@ -34,23 +35,20 @@ use help::{GENERAL, INPUT, LOOK, OUTPUT};
 
 pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
-pub(crate) use camera::{CameraArgs, ViewName};
-pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve, TextureName};
-pub(crate) use fastsplats::{FastSplatsArgs, PrecisionName, RasterizerName};
-pub(crate) use footprint::{
-    AbsorptionName, AlignmentName, FootprintArgs, OcclusionName, ReconstructionName, SheetName, StretchName,
-};
+pub(crate) use camera::CameraArgs;
+pub(crate) use document::of_input;
+pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve};
+pub(crate) use fastsplats::FastSplatsArgs;
+pub(crate) use footprint::FootprintArgs;
 pub(crate) use input::InputArgs;
-pub(crate) use item::{ItemArgs, UpAxis};
-pub(crate) use kernel::{KernelArgs, KernelName};
+pub(crate) use item::ItemArgs;
+pub(crate) use kernel::KernelArgs;
 #[cfg(feature = "lab")]
 pub(crate) use lab::LabArgs;
 pub(crate) use look::LookArgs;
-pub(crate) use method::{
-    ClassificationName, CompositingName, CoverageName, FilterName, GradientName, MethodArgs, PresetName,
-};
-pub(crate) use motion::{MotionArgs, MotionBlurName};
-pub(crate) use render::{Background, RenderArgs};
+pub(crate) use method::MethodArgs;
+pub(crate) use motion::MotionArgs;
+pub(crate) use render::RenderArgs;
 
 /// Volume rendering by splatting.
 #[derive(Debug, Parser)]
@@ -103,6 +101,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Measure how long pictures take, and check that they are as recorded
     Bench(Box<BenchArgs>),
+    /// Print the JSON schema of scene files, for editors that check and complete them
+    Schema,
     /// Repeat the experiments of the papers: numbers, plots and pictures
     #[cfg(feature = "lab")]
     Lab(LabArgs),

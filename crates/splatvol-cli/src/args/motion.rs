@@ -1,6 +1,7 @@
 //! Flags about motion while the shutter is open, and how it is blurred.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use splatvol_document::keys::names::MotionBlurName;
 
 use super::help::BLUR;
 use super::values::{self, Triple};
@@ -14,6 +15,14 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "DEGREES", value_parser = values::finite, help_heading = BLUR,
           allow_negative_numbers = true)]
     pub(crate) spin: Option<f64>,
+    /// Axis of --spin, in world coordinates [default: the camera's up]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = BLUR,
+          allow_hyphen_values = true, requires = "spin")]
+    pub(crate) spin_axis: Option<Triple>,
+    /// Centre of --spin, in world coordinates [default: that of what is shown]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = BLUR,
+          allow_hyphen_values = true, requires = "spin")]
+    pub(crate) spin_centre: Option<Triple>,
     /// Move the volume by this while the shutter is open, in world lengths
     #[arg(long, value_name = "X,Y,Z", value_parser = values::triple, help_heading = BLUR,
           allow_hyphen_values = true, conflicts_with = "spin")]
@@ -26,17 +35,4 @@ pub(crate) struct MotionArgs {
     /// Number of pictures averaged by --motion-blur subframes [default: 16]
     #[arg(long, value_name = "N", help_heading = BLUR, value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) subframes: Option<u32>,
-}
-
-/// How motion is blurred.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MotionBlurName {
-    /// Not: the picture is of the middle of the shutter's time
-    None,
-    /// Footprints halved and drawn apart along their motion (Mueller 1998); too bright
-    Capsule,
-    /// Footprints integrated along their motion; hides as in the middle of the shutter's time
-    Exact,
-    /// The mean of several pictures: right for all scenes, and takes as long as all of them
-    Subframes,
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use splatvol::ImageSize;
+use splatvol_document::keys::{Background, PictureSize};
 
 use super::help::{GENERAL, METHOD, OUTPUT};
 use super::{
@@ -64,8 +64,8 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
     /// Size of the picture in pixels: WxH, or N for both [default: 1024x1024]
-    #[arg(long, value_name = "WxH", value_parser = values::image_size, help_heading = OUTPUT)]
-    pub(crate) size: Option<ImageSize>,
+    #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
+    pub(crate) size: Option<PictureSize>,
     /// Colour: white, gray, none, #rrggbb, r,g,b[,a]... [default: charcoal]
     ///
     /// black, white, gray, charcoal, none (the picture keeps its alpha), #rrggbb, or r,g,b or r,g,b,a from 0 to 1.
@@ -109,13 +109,4 @@ pub(crate) struct RenderArgs {
     /// Write times and counts as JSON to this file, or to stdout (-)
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) stats: Option<PathBuf>,
-}
-
-/// What is behind the volume.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Background {
-    /// Nothing: the picture keeps its alpha.
-    None,
-    /// sRGB and straight alpha.
-    Color([f64; 4]),
 }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use splatvol::{Image, Volume};
+use splatvol_document::input;
+use splatvol_document::keys::ItemKeys;
 use splatvol_io::{ImageFormat, encode_image, read_image};
 
-use crate::args::{CompareArgs, InputArgs};
+use crate::args::CompareArgs;
 use crate::commands::metrics::{PictureDifference, VolumeDifference, difference_picture};
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::resolve::input;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &CompareArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -59,8 +60,7 @@ fn volumes(args: &CompareArgs, terminal: &Terminal) -> Result<(), Failure> {
         ));
     }
     let read = |name: &str| -> Result<Arc<Volume>, Failure> {
-        let recipe = input::recipe(Some(name), &InputArgs::default(), None)?;
-        Ok(input::load(&recipe, false, None, terminal)?.volume)
+        Ok(input::load(&ItemKeys::of_file(name), terminal.reads(false))?.volume)
     };
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     if a.grid().dims() != b.grid().dims() {

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use splatvol::TransferFunction;
+use splatvol_document::input;
 use splatvol_io::{ImageFormat, WriteOptions, encode_image, read_image, write_volume};
 
-use crate::args::ConvertArgs;
+use crate::args::{ConvertArgs, of_input};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, replace};
-use crate::resolve::input;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -42,8 +42,10 @@ fn extension(path: &Path) -> String {
 
 fn volume(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure> {
     check_volume_extension(&args.output)?;
-    let recipe = input::recipe(Some(&args.input), &args.read, None)?;
-    let input = input::load(&recipe, args.read.strict, None, terminal)?;
+    let input = input::load(
+        &of_input(&args.read, &args.input),
+        terminal.reads(args.read.strict),
+    )?;
     if extension(&args.output) == "npy" {
         terminal.warn("NumPy files hold samples only: spacing, origin, direction and unit are lost");
     }

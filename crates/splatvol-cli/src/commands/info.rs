@@ -8,12 +8,12 @@ use std::fmt::Write;
 use glam::DVec3;
 use serde::Serialize;
 use splatvol::{Grid, TransferFunction};
+use splatvol_document::input::{self, Input};
+use splatvol_document::upright::Up;
 
-use crate::args::InfoArgs;
+use crate::args::{InfoArgs, of_input};
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::resolve::input::{self, Input};
-use crate::resolve::upright::Up;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -23,8 +23,7 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
     if let Some(text) = data::text(name, args, terminal)? {
         return Target::Stdout.write(text.as_bytes(), false);
     }
-    let recipe = input::recipe(Some(name), &args.read, None)?;
-    let mut input = input::load(&recipe, args.read.strict, None, terminal)?;
+    let mut input = input::load(&of_input(&args.read, name), terminal.reads(args.read.strict))?;
     let stored = input.volume.grid().clone();
     let up = Up::of(&input);
     // The choice of a transfer function goes by the axes in which a volume is rendered.
@@ -163,7 +162,7 @@ impl Report {
             "orientation",
             format!("{} ({})", self.orientation_code, self.orientation),
         );
-        row("up", format!("{} ({})", self.up.name(), self.up.reason));
+        row("up", format!("{} ({})", self.up.axis.name(), self.up.reason));
         row("range", format!("{} to {}", tidy(self.min), tidy(self.max)));
         row("mean", tidy(self.mean));
         let share = 100.0 * self.missing_samples as f64 / samples as f64;

@@ -1,9 +1,9 @@
 //! One module per subcommand.
 
 pub(crate) mod animate;
+mod asked;
 pub(crate) mod bench;
 pub(crate) mod compare;
-mod composed;
 pub(crate) mod convert;
 pub(crate) mod info;
 #[cfg(feature = "lab")]
@@ -13,6 +13,6 @@ mod metrics;
 mod outputs;
 pub(crate) mod render;
 pub(crate) mod sample;
-mod shown;
+pub(crate) mod schema;
 mod ssim;
 mod studio;

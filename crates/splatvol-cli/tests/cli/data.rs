@@ -248,9 +248,15 @@ fn a_picture_is_made_again_from_its_settings() {
         .run("render --like red.png --size 32 -o small.png")
         .succeeds();
     assert_eq!(png(&sandbox.path("small.png")).0, 32);
+    // Another file in the same way.
+    sandbox.write("green.txt", sphere(500, [0.0; 3], Some([0, 255, 0])));
     sandbox
-        .run("render red.txt --like red.png -o no.png")
-        .fails(2, &["--like"]);
+        .run("render green.txt --like red.png -o green.png")
+        .succeeds();
+    assert_eq!(png(&sandbox.path("green.png")).0, 48);
+    sandbox
+        .run("render green.txt --like red.png --cmap gray -o no.png")
+        .fails(2, &["--cmap has no meaning", "points"]);
     sandbox
         .run("animate --like red.png --frames 2 --size 16 -o turn.gif")
         .succeeds();

@@ -21,11 +21,9 @@ fn two(sandbox: &Sandbox, more: &str) {
 
 /// What a picture remembers.
 fn text(sandbox: &Sandbox, name: &str) -> String {
-    let bytes = sandbox.bytes(name);
-    let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info();
-    let info = reader.expect("the picture is a PNG").info().clone();
-    let texts = info.utf8_text.iter().map(|chunk| chunk.get_text());
-    texts.map(|text| text.expect("texts are whole")).collect()
+    let picture = splatvol_io::read_image(sandbox.path(name)).expect("it is there and whole");
+    let text = splatvol_io::image::metadata::find(&picture.metadata, splatvol_io::image::metadata::SETTINGS);
+    text.expect("splatvol made it").to_owned()
 }
 
 #[test]
@@ -224,7 +222,7 @@ fn scenes_that_make_no_sense_say_why() {
         ("radius = -1", 2, vec!["item[1].radius", "-1"]),
         ("color = [2, 0, 0]", 3, vec!["color"]),
         ("iso = 3", 2, vec!["item[1].iso", "points"]),
-        ("up = 'w'", 2, vec!["item[1].up", "w"]),
+        ("up = 'w'", 3, vec!["up", "'w'", "-x", "line"]),
         ("kind = 'cloud'", 2, vec!["kind", "terrain"]),
         ("[[item]]\nfile = 'missing.ply'", 3, vec!["missing.ply"]),
         (
@@ -245,27 +243,31 @@ fn scenes_that_make_no_sense_say_why() {
         two(&sandbox, more);
         sandbox.run("render scene.toml -w").fails(code, &words);
     }
-    for (scene, words) in [
+    for (scene, code, words) in [
         (
             "background = 'mauve'\n[[item]]\nfile = 'red.txt'",
-            vec!["background", "charcoal"],
+            3,
+            vec!["background", "charcoal", "line 1"],
         ),
-        ("size = 'big'\n[[item]]\nfile = 'red.txt'", vec!["size", "WxH"]),
+        ("size = 'big'\n[[item]]\nfile = 'red.txt'", 3, vec!["size", "WxH"]),
         (
             "[camera]\nview = 'side'\n[[item]]\nfile = 'red.txt'",
-            vec!["camera.view", "side", "front"],
+            3,
+            vec!["view", "side", "front"],
         ),
         (
             "[camera]\nview = 'front'\nposition = [1, 2, 3]\n[[item]]\nfile = 'red.txt'",
-            vec!["view and position"],
+            2,
+            vec!["camera.view and camera.position exclude each other"],
         ),
         (
             "[[item]]\nfile = 'red.txt'\nvisible = false",
+            2,
             vec!["no item", "visible"],
         ),
     ] {
         sandbox.write("scene.toml", scene);
-        sandbox.run("render scene.toml -w").fails(2, &words);
+        sandbox.run("render scene.toml -w").fails(code, &words);
     }
 }
 

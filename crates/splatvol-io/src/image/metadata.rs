@@ -8,6 +8,9 @@ use crate::IoError;
 /// Keyword of the program that made a picture (registered by PNG, standard in EXR).
 pub const SOFTWARE: &str = "Software";
 
+/// Keyword of the command line that made a picture (registered by PNG).
+pub const COMMENT: &str = "Comment";
+
 /// Keyword of the settings that made a picture, as JSON.
 pub const SETTINGS: &str = "splatvol.settings";
 

@@ -2,7 +2,6 @@
 
 mod destination;
 mod movie;
-mod plan;
 mod video;
 
 use std::fs;
@@ -11,50 +10,46 @@ use std::time::Instant;
 
 use serde::Serialize;
 use splatvol::Frame;
-use splatvol_document::CameraPose;
+use splatvol_document::{CameraMotion, Plan, Record};
 use splatvol_io::ImageFormat;
 
 use self::destination::{Destination, FrameNames};
 use self::movie::Movie;
-use self::plan::{Plan, stored_keys};
 use crate::args::AnimateArgs;
-use crate::commands::render;
-use crate::commands::shown::{Prepared, Shown};
+use crate::commands::asked::{Asked, Prepared};
+use crate::commands::outputs::encode_with_bits;
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::recipe::Recipe;
-use crate::resolve::motion::CameraMotion;
+use crate::record;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure> {
     let start = Instant::now();
     let overwrite = args.render.write.overwrite;
-    let keys = stored_keys(args)?;
+    let mut asked = Asked::of_animation(args)?;
+    let animation = asked
+        .document
+        .animation
+        .loaded(asked.reading(&args.render, terminal))?;
     let destination = Destination::new(args)?;
     let stats = args.render.stats.as_deref().map(Target::new);
     if let Some(stats) = &stats {
         stats.check(overwrite)?;
     }
-    let shown = Shown::of(&args.render)?;
     let moves = CameraMotion {
-        turns: keys.is_none(),
-        shutter: args.shutter > 0.0,
-        animated: true,
+        turns: animation.turns(),
+        shutter: animation.has_shutter(),
     };
     let keeps_alpha = matches!(&destination, Destination::Frames(names) if names.format == ImageFormat::Exr);
-    let mut prepared = shown.prepare(&args.render, (moves, keeps_alpha), terminal)?;
-    let plan = Plan::new(
-        args,
-        keys.as_deref(),
-        (&prepared.camera, prepared.recipe.settings.motion_blur),
-    )?;
+    asked.leave_motion_of_camera();
+    let prepared = asked.prepare(&args.render, (moves, keeps_alpha), terminal)?;
+    let picture = &prepared.picture;
+    let start_of_path = (&picture.camera, picture.settings.motion_blur);
+    let plan = Plan::new(&animation, &asked.document.motion, start_of_path)?;
     if let Destination::Frames(names) = &destination {
         names.check(plan.frames(), overwrite || args.resume)?;
     }
-    // That of the first frame says how to begin a file of all.
-    prepared.recipe = frame_recipe(&prepared, &plan, 0)?;
-
     let job = Job {
         args,
         plan: &plan,
@@ -64,8 +59,10 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
     let times = match &destination {
         Destination::Frames(names) => job.frames(names)?,
         Destination::Movie(path, container) => {
-            let timing = (plan.frames(), args.fps);
-            job.movie(Movie::start(path, *container, &prepared.recipe, timing)?)?
+            // The record of the first frame says how to begin a file of all.
+            let metadata = job.record(0)?.metadata()?;
+            let timing = (plan.frames(), animation.rate());
+            job.movie(Movie::start(path, *container, (picture, &metadata), timing)?)?
         }
     };
     let seconds = start.elapsed().as_secs_f64();
@@ -118,13 +115,8 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn studio(&self) -> Result<Studio, Failure> {
-        let Prepared {
-            scene,
-            recipe,
-            threads,
-            ..
-        } = self.prepared;
-        Studio::new(scene, recipe.settings, *threads)
+        let Prepared { picture, threads, .. } = self.prepared;
+        Studio::new(&picture.scene, picture.settings, *threads)
     }
 
     fn frames(&self, names: &FrameNames) -> Result<Times, Failure> {
@@ -132,14 +124,16 @@ impl Job<'_> {
         let mut times = Times::default();
         let bar = self.terminal.frames(self.plan.frames());
         for frame in 0..self.plan.frames() {
-            let (path, recipe) = (names.path(frame), frame_recipe(self.prepared, self.plan, frame)?);
-            if self.args.resume && self.is_made(&path, &recipe) {
+            let (path, record) = (names.path(frame), self.record(frame)?);
+            if self.args.resume && self.is_made(&path, &record) {
                 times.0.push(None);
             } else {
                 let begun = Instant::now();
                 let picture = self.expose(&mut studio, frame)?;
                 times.0.push(Some(begun.elapsed().as_secs_f64()));
-                let bytes = render::encode(picture, names.format, &recipe)?;
+                let Prepared { picture: made, .. } = self.prepared;
+                let format = (names.format, made.bits());
+                let bytes = encode_with_bits(picture, format, made.background(), &record.metadata()?)?;
                 let overwrite = self.args.render.write.overwrite || self.args.resume;
                 Target::File(path).write(&bytes, overwrite)?;
             }
@@ -175,15 +169,24 @@ impl Job<'_> {
         }
     }
 
-    /// Whether the file holds the very frame that would be made: its own recipe says so, and the data are no newer.
-    fn is_made(&self, path: &Path, recipe: &Recipe) -> bool {
+    /// The record of a frame.
+    fn record(&self, frame: u32) -> Result<Record, Failure> {
+        let all = &self.prepared.record;
+        Ok(Record {
+            document: self.plan.document(&all.document, frame)?,
+            command: all.command.clone(),
+        })
+    }
+
+    /// Whether the file holds the very frame that would be made: its own record says so, and the data are no newer.
+    fn is_made(&self, path: &Path, record: &Record) -> bool {
         path.exists()
-            && Recipe::of_picture(path).is_ok_and(|made| made.is_same_picture(recipe))
-            && !is_older(path, &self.prepared.files)
+            && record::of_picture(path).is_ok_and(|made| made.document == record.document)
+            && !is_older(path, &self.prepared.picture.files)
     }
 
     fn say_done(&self, times: &Times, seconds: f64) {
-        let size = self.prepared.recipe.settings.size;
+        let size = self.prepared.picture.settings.size;
         let output = self.args.render.output.clone().unwrap_or_default();
         let kept = match times.kept() {
             0 => String::new(),
@@ -197,17 +200,6 @@ impl Job<'_> {
             size.height()
         ));
     }
-}
-
-/// Recipe of a frame.
-fn frame_recipe(prepared: &Prepared, plan: &Plan, frame: u32) -> Result<Recipe, Failure> {
-    let sub_frames = plan.sub_frames(frame)?;
-    Ok(Recipe {
-        camera: CameraPose::from(&plan.camera(frame)?),
-        sub_frames: sub_frames.iter().map(CameraPose::from).collect(),
-        motion: plan.motion(frame)?.or(prepared.recipe.motion),
-        ..prepared.recipe.clone()
-    })
 }
 
 /// Whether a file is older than one of the others; where the system does not say, it is not.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use splatvol::{Frame, Image};
+use splatvol_document::Picture;
 use splatvol_io::image::png::Depth;
 use splatvol_io::{AnimationSettings, ApngWriter, GifWriter};
 
@@ -13,7 +14,6 @@ use super::destination::Container;
 use super::video::Film;
 use crate::failure::{During, Failure, Step};
 use crate::output::{Scratch, over};
-use crate::recipe::Recipe;
 
 /// A file that grows frame by frame.
 pub(crate) struct Movie {
@@ -30,19 +30,19 @@ enum Writer {
 }
 
 impl Movie {
-    /// Begins the file for frames like those of `recipe`.
+    /// Begins the file for frames like those of `picture`, with texts where the format has them.
     pub(crate) fn start(
         path: &Path,
         container: Container,
-        recipe: &Recipe,
+        (picture, metadata): (&Picture, &[(String, String)]),
         (frames, fps): (u32, f64),
     ) -> Result<Self, Failure> {
         let settings = AnimationSettings {
-            size: recipe.settings.size,
+            size: picture.settings.size,
             frames,
             fps,
-            alpha: recipe.background.is_none_or(|[.., alpha]| alpha < 1.0),
-            depth: if recipe.bits == 16 {
+            alpha: picture.background().is_none_or(|[.., alpha]| alpha < 1.0),
+            depth: if picture.bits() == 16 {
                 Depth::Sixteen
             } else {
                 Depth::Eight
@@ -58,8 +58,7 @@ impl Movie {
         let writer = match container {
             Container::Gif => Writer::Gif(GifWriter::new(file()?, settings).during(Step::Output)?),
             Container::Apng => {
-                let metadata = recipe.metadata()?;
-                Writer::Apng(ApngWriter::new(file()?, settings, &metadata).during(Step::Output)?)
+                Writer::Apng(ApngWriter::new(file()?, settings, metadata).during(Step::Output)?)
             }
             Container::Video(_) if settings.alpha => {
                 return Err(Failure::usage("films have no transparency")
@@ -70,7 +69,7 @@ impl Movie {
         Ok(Self {
             writer,
             scratch,
-            background: recipe.background,
+            background: picture.background(),
         })
     }
 

@@ -12,10 +12,10 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 use splatvol::Image;
 
-use crate::args::values::CHARCOAL;
 use crate::commands::metrics;
 use crate::failure::{During, Failure, Step};
 use crate::output::{self, Target};
+use splatvol_document::keys::CHARCOAL;
 
 /// Cells along each side.
 const CELLS: u32 = 8;

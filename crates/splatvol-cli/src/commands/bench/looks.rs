@@ -5,10 +5,10 @@
 //! which ends none. Opacities are per mean voxel spacing.
 
 use splatvol::{ColorPoint, OpacityPoint, SceneError, TransferFunction, Volume};
+use splatvol_document::input::Input;
 use splatvol_samples::Sample;
 
 use crate::args::LookArgs;
-use crate::resolve::input::Input;
 
 /// Half the width of a surface's ramp, share of the window.
 const HALF_RAMP: f64 = 0.02;

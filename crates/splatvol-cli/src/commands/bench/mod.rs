@@ -5,6 +5,7 @@
 //! change pictures they are recorded anew by
 //! `cargo run --release -- bench --update-expected crates/splatvol-cli/src/commands/bench/expected.json`.
 
+mod around;
 mod checksum;
 mod looks;
 mod measure;
@@ -15,22 +16,22 @@ pub(crate) mod scenes;
 use std::path::Path;
 use std::sync::Arc;
 
-use splatvol::{ImageSize, Scene};
-use splatvol_document::CameraPose;
+use splatvol::{ImageSize, Item, Scene};
+use splatvol_document::input::{self, Input};
+use splatvol_document::keys::{CHARCOAL, CameraKeys};
+use splatvol_document::look::{self, Look};
+use splatvol_document::upright::Up;
+use splatvol_document::{CameraPose, Surroundings, outline};
 
+use self::around::around;
 use self::checksum::{Check, Checksum, Expected};
 use self::looks::Window;
 use self::measure::{Course, Measured, Subject, measure, median};
 use self::report::{CaseReport, Report, Table};
 use self::scenes::{SceneChoice, Variant};
-use crate::args::values::CHARCOAL;
-use crate::args::{BenchArgs, LookName, MethodArgs, ProjectionName};
+use crate::args::{BenchArgs, LookName, MethodArgs, ProjectionName, of_input};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, encode_frame, picture_format};
-use crate::resolve::around::around;
-use crate::resolve::input::Input;
-use crate::resolve::look::Look;
-use crate::resolve::{camera, input, look, method};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &BenchArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -116,9 +117,11 @@ impl<'a> Bench<'a> {
         let mut cases = Vec::new();
         self.print(&self.table.head())?;
         for scene in scenes::scenes(self.args) {
-            let mut recipe = input::recipe(Some(&scene.reference), &self.args.read, None)?;
-            let mut input = input::load(&recipe, self.args.read.strict, None, self.terminal)?;
-            input.stand_up(&mut recipe, self.terminal)?;
+            let keys = of_input(&self.args.read, &scene.reference);
+            let mut input = input::load(&keys, self.terminal.reads(self.args.read.strict))?;
+            if let Some(axis) = Up::of(&input).said(&scene.reference, self.terminal) {
+                input.turn(axis)?;
+            }
             for variant in &self.variants {
                 let subject = self.subject(&scene, &input, variant)?;
                 let (case, measured) = self.case(&scene, variant, &subject)?;
@@ -150,27 +153,34 @@ impl<'a> Bench<'a> {
             classification: variant.classification,
             ..args.method.clone()
         };
+        let settings = method.keys(None);
         let window = || Window::new(input, &args.look);
         let look = match variant.look {
             LookName::Opaque => Look::from(window().opaque().during(Step::Usage)?),
             LookName::Translucent => Look::from(window().translucent().during(Step::Usage)?),
             LookName::AsRender => {
-                let compositing = method::compositing(&method, None);
-                look::resolve(&args.look, input, compositing, self.terminal)?
+                let keys = args.item_keys(&scene.reference);
+                look::resolve(
+                    &keys,
+                    input,
+                    settings.compositing(),
+                    self.terminal.reads(self.args.read.strict),
+                )?
             }
         };
         let size = match args.size {
             Some(size) => size,
             None => ImageSize::new(scene.side, scene.side).during(Step::Usage)?,
         };
-        let settings = method::resolve(&method, Some(size), None, look.wishes)?;
+        let settings = settings.resolve(Some(size), look.wishes)?;
         let projection = variant.projection.unwrap_or(ProjectionName::Perspective);
         let around = around(input.volume.grid(), projection, size.aspect()).during(Step::Usage)?;
-        let camera = camera::resolve(
-            &args.camera,
-            &camera::surroundings(&args.camera, input, &look.transfer_function, size.aspect()),
-            Some(&CameraPose::from(&around)),
-        )?;
+        let camera = CameraKeys::from(&args.camera).over(&CameraKeys::from(&CameraPose::from(&around)));
+        let item = Item::volume(Arc::clone(&input.volume), look.transfer_function.clone());
+        let outlines = || outline(&item, camera.fit.unwrap_or_default());
+        let preferred = input.sample.and_then(|sample| sample.preferred_view());
+        let surroundings = Surroundings::of_outline(outlines, size.aspect()).preferring(preferred);
+        let camera = camera.resolve(&surroundings)?;
         Ok(Subject {
             scene: Scene::new(Arc::clone(&input.volume), look.transfer_function),
             camera,

@@ -4,7 +4,9 @@ use std::num::NonZero;
 
 use splatvol::Classification;
 
-use crate::args::{BenchArgs, ClassificationName, LookName, ProjectionName};
+use splatvol_document::keys::names::ClassificationName;
+
+use crate::args::{BenchArgs, LookName, ProjectionName};
 
 /// A scene that is always the same, so that its pictures and times can be compared.
 #[derive(Debug, Clone, Copy)]

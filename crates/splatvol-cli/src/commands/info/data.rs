@@ -5,12 +5,14 @@ use std::path::Path;
 
 use serde::Serialize;
 use splatvol::{Bounds, Gaussians, Mesh, Points, Topology};
-use splatvol_io::{Data, DataKind, LoadedData, SceneItem, is_scene, read_data, read_scene};
+use splatvol_document::format::{is_scene, read_scene};
+use splatvol_document::keys::ItemKeys;
+use splatvol_document::{Reading, Silent, items, meaning};
+use splatvol_io::{Data, DataKind, LoadedData, read_data};
 
 use super::tidy;
-use crate::args::InfoArgs;
+use crate::args::{InfoArgs, of_input};
 use crate::failure::{During, Failure, Step};
-use crate::resolve::{item_keys, items};
 use crate::terminal::Terminal;
 
 /// All that is known about something that is no volume.
@@ -73,8 +75,15 @@ struct SceneReport {
 struct ItemReport {
     kind: &'static str,
     #[serde(flatten)]
-    item: SceneItem,
+    item: ItemKeys,
 }
+
+/// Files are where they are said to be.
+const AS_TYPED: Reading<'static> = Reading {
+    strict: false,
+    folder: None,
+    listener: &Silent,
+};
 
 /// Text or JSON about the input; `None` where it is a volume.
 pub(super) fn text(name: &str, args: &InfoArgs, terminal: &Terminal) -> Result<Option<String>, Failure> {
@@ -82,16 +91,16 @@ pub(super) fn text(name: &str, args: &InfoArgs, terminal: &Terminal) -> Result<O
     if is_scene(path) {
         return scene(path, args.json).map(Some);
     }
-    let mut item = item_keys::of_input(&args.read, name);
+    let mut item = of_input(&args.read, name);
     item.kind = args.kind.map(|kind| kind.name().to_owned());
     // What cannot be read is for the reader of volumes to say, in its words.
-    let Ok((kind, path)) = items::kind(&item, None) else {
+    let Ok((kind, path)) = items::kind(&item, AS_TYPED) else {
         return Ok(None);
     };
     if kind == DataKind::Volume {
         return Ok(None);
     }
-    item_keys::check_reading(&item, kind)?;
+    meaning::check(&item, kind)?;
     let loaded = {
         let _spinner = terminal.spinner(format!("Reading {name}"));
         read_data(&path, &items::options(&item, args.read.strict)?).during(Step::Input)?
@@ -105,9 +114,9 @@ fn json(report: &impl Serialize) -> Result<String, Failure> {
 }
 
 fn scene(path: &Path, as_json: bool) -> Result<String, Failure> {
-    let scene = read_scene(path).during(Step::Input)?;
+    let scene = read_scene(path)?;
     let items = scene.items.into_iter().map(|item| {
-        let (kind, _) = items::kind(&item, None)?;
+        let (kind, _) = items::kind(&item, AS_TYPED)?;
         Ok(ItemReport {
             kind: kind.name(),
             item,

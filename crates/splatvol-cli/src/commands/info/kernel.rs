@@ -5,15 +5,19 @@ use std::fmt::Write;
 use serde::Serialize;
 use splatvol::radial::{KernelAnalysis, RESPONSE_FREQUENCIES, RadialKernel, analyse};
 use splatvol::{Kernel, RenderSettings};
+use splatvol_document::keys::SettingKeys;
+use splatvol_document::settings::kernel;
 
 use super::tidy;
 use crate::args::InfoArgs;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
-use crate::resolve::kernel;
 
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let kernel = kernel::resolve(&args.kernel, RenderSettings::default().method.kernel())?;
+    let kernel = kernel::resolve(
+        &SettingKeys::from(&args.kernel),
+        RenderSettings::default().method.kernel(),
+    )?;
     kernel.validate().during(Step::Usage)?;
     let report = Report::new(kernel, usize::from(args.bins));
     let text = if args.json {

@@ -1,0 +1,140 @@
+//! What the arguments of `render` and `animate` ask for: one document of flags, over a scene file or an earlier picture.
+
+mod refuse;
+
+use std::path::{Path, PathBuf};
+
+use splatvol_document::format::{is_scene, read_scene};
+use splatvol_document::motion::CameraMotion;
+use splatvol_document::{Document, Picture, Reading, Record, Resolving};
+
+use super::render::describe;
+use crate::args::{AnimateArgs, RenderArgs};
+use crate::failure::{During, Failure, Step};
+use crate::record;
+use crate::terminal::Terminal;
+
+/// A document that is complete but for what is decided by the data.
+pub(super) struct Asked {
+    pub(super) document: Document,
+    /// Whether a scene file says what is shown.
+    is_scene: bool,
+    /// The earlier picture, if one is named.
+    earlier: Option<Record>,
+    /// Folder of the earlier picture, whose files are meant.
+    folder: Option<PathBuf>,
+}
+
+/// A picture that can be rendered, and what its file says of it.
+pub(super) struct Prepared {
+    pub(super) picture: Picture,
+    pub(super) record: Record,
+    pub(super) threads: Option<usize>,
+}
+
+impl Asked {
+    /// What `render` asks for.
+    pub(super) fn of(args: &RenderArgs) -> Result<Self, Failure> {
+        Self::over(args, |file| args.document(file))
+    }
+
+    /// What `animate` asks for.
+    pub(super) fn of_animation(args: &AnimateArgs) -> Result<Self, Failure> {
+        Self::over(&args.render, |file| args.document(file))
+    }
+
+    /// Flags over what the input or the earlier picture says.
+    fn over(args: &RenderArgs, flags: impl Fn(Option<&str>) -> Document) -> Result<Self, Failure> {
+        let earlier = args.like.as_deref().map(record::of_picture).transpose()?;
+        let scene = args.input.as_deref().filter(|input| is_scene(Path::new(input)));
+        let below = match (scene, &earlier) {
+            (Some(_), Some(_)) => {
+                return Err(Failure::usage(
+                    "--like: a scene says itself what is in it, and how it looks",
+                ));
+            }
+            (Some(scene), None) => of_file(scene, args)?,
+            (None, Some(earlier)) => {
+                refuse::other_items(args, &earlier.document)?;
+                match args.effects.no_effects {
+                    true => earlier.document.clone().without_effects(),
+                    false => earlier.document.clone(),
+                }
+            }
+            (None, None) => Document::default(),
+        };
+        let file = args.input.as_deref().filter(|_| scene.is_none());
+        let document = flags(file).over(&below);
+        if document.items.is_empty() {
+            return Err(Failure::usage("no input").hint("name a file, or sample:head"));
+        }
+        let folder = args.like.as_deref().filter(|_| args.input.is_none());
+        Ok(Self {
+            document,
+            is_scene: scene.is_some(),
+            earlier,
+            folder: folder.and_then(Path::parent).map(Path::to_owned),
+        })
+    }
+
+    /// An earlier frame's own camera has no motion in an animation, whose frames have theirs.
+    pub(super) fn leave_motion_of_camera(&mut self) {
+        self.document.motion.camera = None;
+        self.document.motion.sub_frames = None;
+    }
+
+    /// Where and how files are read.
+    pub(super) fn reading<'a>(&'a self, args: &RenderArgs, terminal: &'a Terminal) -> Reading<'a> {
+        Reading {
+            strict: args.read.strict,
+            folder: self.folder.as_deref(),
+            listener: terminal,
+        }
+    }
+
+    /// Reads the items, and decides what is left open. `keeps_alpha`: whether the output does, whatever the background.
+    pub(super) fn prepare(
+        &self,
+        args: &RenderArgs,
+        (moves, keeps_alpha): (CameraMotion, bool),
+        terminal: &Terminal,
+    ) -> Result<Prepared, Failure> {
+        let threads = args.threads.filter(|&n| n > 0);
+        if let Some(threads) = threads {
+            // Reading and generating use the global pool; it exists already only if this ran before.
+            let _ = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build_global();
+        }
+        let picture = self.document.resolve(Resolving {
+            reading: self.reading(args, terminal),
+            moves,
+            keeps_alpha,
+        });
+        let picture = picture.map_err(|error| match self.is_scene {
+            true => Failure::of_scene(error),
+            false => error.into(),
+        })?;
+        terminal.detail(format!("camera: {}", describe(&picture.camera)));
+        refuse::gaussians(args, &picture.scene, &picture.settings)?;
+        splatvol::check(&picture.scene, &picture.camera, &picture.settings).during(Step::Usage)?;
+        Ok(Prepared {
+            record: record::of(picture.document.clone(), self.earlier.as_ref()),
+            picture,
+            threads,
+        })
+    }
+}
+
+fn of_file(scene: &str, args: &RenderArgs) -> Result<Document, Failure> {
+    refuse::no_item_flags(args, "a scene, whose items say it themselves")?;
+    let document = read_scene(scene)?;
+    let nested = document.items.iter().position(|item| is_scene(&item.file));
+    match nested {
+        Some(index) => Err(Failure::usage(format!(
+            "item[{index}].file = {:?} is a scene, and scenes hold no scenes, in {scene}",
+            document.items[index].file
+        ))),
+        None => Ok(document),
+    }
+}

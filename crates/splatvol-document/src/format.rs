@@ -1,0 +1,154 @@
+//! The document as text: TOML, JSON, and the text in a PNG, which is JSON.
+//!
+//! All three hold the same keys, and numbers come back bit for bit. Unknown keys are refused, so that a misspelt one is not
+//! silently ignored. Version 1 is still read: scene files whose `[settings]` have values with parts, and pictures of splatvol
+//! before the document.
+
+mod files;
+mod message;
+
+use std::path::Path;
+
+use serde::Deserialize;
+use splatvol_io::image::metadata;
+
+use crate::{Document, DocumentError, VERSION, version1};
+pub use files::{is_scene, read_scene};
+
+/// A document, and the command line that made its picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// What was shown, and how.
+    pub document: Document,
+    /// The command line, or what another program says of itself.
+    pub command: String,
+}
+
+impl Document {
+    /// The document as TOML, with its version first.
+    ///
+    /// # Errors
+    /// Numbers that TOML has not: integers above 2^63 - 1.
+    pub fn to_toml(&self) -> Result<String, DocumentError> {
+        toml::to_string_pretty(self)
+            .map_err(|error| DocumentError::usage(format!("the document is no TOML: {error}")))
+    }
+
+    /// The document as JSON, in lines where a person is to read it.
+    ///
+    /// # Errors
+    /// Never for documents whose numbers are finite.
+    pub fn to_json(&self, pretty: bool) -> Result<String, DocumentError> {
+        let text = match pretty {
+            true => serde_json::to_string_pretty(self),
+            false => serde_json::to_string(self),
+        };
+        text.map_err(|error| DocumentError::usage(format!("the document is no JSON: {error}")))
+    }
+
+    /// Reads TOML; `path` is named in errors.
+    ///
+    /// # Errors
+    /// Malformed text, unknown keys, wrong values, with their line; later versions.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, DocumentError> {
+        let read = |text| toml::from_str::<Self>(text).map_err(|error| message::of_toml(&error, text));
+        let old = |text| version1::scene(toml::from_str(text).ok()?);
+        Self::versioned(path, toml::from_str(text).ok(), || read(text), || old(text))
+    }
+
+    /// Reads JSON; `path` is named in errors.
+    ///
+    /// # Errors
+    /// See [`Document::from_toml`].
+    pub fn from_json(text: &str, path: &Path) -> Result<Self, DocumentError> {
+        let read = |text| serde_json::from_str::<Self>(text).map_err(|error| message::of_json(&error));
+        let old = |text| version1::scene(serde_json::from_str(text).ok()?);
+        Self::versioned(path, serde_json::from_str(text).ok(), || read(text), || old(text))
+    }
+
+    /// Reads what has this version by one form or the other. Text without a version is of the current form unless only the
+    /// former one fits.
+    fn versioned(
+        path: &Path,
+        version: Option<Version>,
+        read: impl Fn() -> Result<Self, String>,
+        old: impl Fn() -> Option<Self>,
+    ) -> Result<Self, DocumentError> {
+        let malformed = |message| DocumentError::Malformed {
+            path: path.to_owned(),
+            message,
+        };
+        match version.and_then(|found| found.version) {
+            Some(later) if later > VERSION => Err(malformed(format!(
+                "version = {later}: expected 1 or {VERSION}; a later splatvol made it"
+            ))),
+            Some(VERSION) => read().map_err(malformed),
+            _ => match read() {
+                Ok(document) => Ok(Self {
+                    version: VERSION,
+                    ..document
+                }),
+                Err(message) => old().ok_or_else(|| malformed(message)),
+            },
+        }
+    }
+}
+
+/// The version that a text names, whatever else it holds.
+#[derive(Deserialize)]
+struct Version {
+    version: Option<u32>,
+}
+
+impl Record {
+    /// Keywords and texts for a picture's file.
+    ///
+    /// # Errors
+    /// See [`Document::to_json`].
+    pub fn metadata(&self) -> Result<Vec<(String, String)>, DocumentError> {
+        let settings = self.document.to_json(false)?;
+        Ok(vec![
+            (
+                metadata::SOFTWARE.to_owned(),
+                concat!("splatvol ", env!("CARGO_PKG_VERSION")).to_owned(),
+            ),
+            (metadata::COMMENT.to_owned(), self.command.clone()),
+            (metadata::SETTINGS.to_owned(), settings),
+        ])
+    }
+
+    /// The record that a picture carries.
+    ///
+    /// # Errors
+    /// Pictures that cannot be read, that say nothing, or that a later version made.
+    pub fn of_picture(path: &Path) -> Result<Self, DocumentError> {
+        let picture = splatvol_io::read_image(path)?;
+        Self::of_metadata(&picture.metadata, path)
+    }
+
+    /// The record in a picture's texts.
+    ///
+    /// # Errors
+    /// See [`Record::of_picture`].
+    pub fn of_metadata(texts: &[(String, String)], path: &Path) -> Result<Self, DocumentError> {
+        let malformed = |message: String| DocumentError::Malformed {
+            path: path.to_owned(),
+            message,
+        };
+        let Some(text) = metadata::find(texts, metadata::SETTINGS) else {
+            return Err(malformed(
+                "the picture does not say how it was made (splatvol did not write it, or another program saved it again)"
+                    .to_owned(),
+            ));
+        };
+        if let Some(record) = version1::recipe(text) {
+            return record.map_err(malformed);
+        }
+        Ok(Self {
+            document: Document::from_json(text, path)?,
+            command: metadata::find(texts, metadata::COMMENT)
+                .unwrap_or_default()
+                .to_owned(),
+        })
+    }
+}

@@ -1,0 +1,148 @@
+//! A volume to be shown: a file or a built-in sample.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec3;
+use splatvol_io::{Description, Endian, RawLayout, ReadOptions};
+use splatvol_samples::Sample;
+use splatvol_scene::Volume;
+
+use crate::keys::ItemKeys;
+use crate::{DocumentError, Listener, spelling};
+
+/// A volume, and what is known about it.
+pub struct Input {
+    /// Its samples.
+    pub volume: Arc<Volume>,
+    /// Its file.
+    pub description: Description,
+    /// Which sample it is, if it is one.
+    pub sample: Option<Sample>,
+}
+
+/// Where and how files are read.
+#[derive(Clone, Copy)]
+pub struct Reading<'a> {
+    /// Whether warnings are errors.
+    pub strict: bool,
+    /// Folder in which relative paths are tried next.
+    pub folder: Option<&'a Path>,
+    /// Who hears of it.
+    pub listener: &'a dyn Listener,
+}
+
+impl Reading<'_> {
+    /// A path, or if it leads nowhere and one in the folder does, that.
+    pub fn locate(&self, path: impl AsRef<Path>) -> PathBuf {
+        let path = path.as_ref();
+        let there = self.folder.map(|folder| folder.join(path));
+        match there.filter(|there| there.exists()) {
+            Some(there) if !path.exists() => there,
+            _ => path.to_owned(),
+        }
+    }
+}
+
+/// Reads or generates a volume as it is stored, with the axes that its file says.
+///
+/// # Errors
+/// Files that cannot be read, samples that do not exist.
+pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentError> {
+    let _busy = reading.listener.reading(&item.file);
+    if let Some(name) = item.file.strip_prefix("sample:") {
+        return generate(name);
+    }
+    let path = reading.locate(&item.file);
+    let loaded = splatvol_io::read_volume(&path, &options(item, reading.strict)?);
+    let loaded = loaded.map_err(|error| hinting(error.into(), item, &path))?;
+    for warning in &loaded.description.warnings {
+        reading.listener.warn(&format!("{}: {warning}", item.file));
+    }
+    Ok(Input {
+        volume: Arc::new(loaded.volume),
+        description: loaded.description,
+        sample: None,
+    })
+}
+
+fn hinting(error: DocumentError, item: &ItemKeys, path: &Path) -> DocumentError {
+    let is_sample = Sample::ALL.iter().any(|sample| sample.name() == item.file);
+    if !path.exists() && is_sample {
+        error.hinting(format!("built-in volumes are written sample:{}", item.file))
+    } else if path.extension().is_some_and(|ext| ext == "raw" || ext == "bin") && item.dims.is_none() {
+        error.hinting("files without a header need --dims and --type")
+    } else {
+        error
+    }
+}
+
+/// Generates `NAME` or `NAME:SIZE`.
+fn generate(text: &str) -> Result<Input, DocumentError> {
+    let (name, size) = match text.split_once(':') {
+        Some((name, size)) => (name, Some(size)),
+        None => (text, None),
+    };
+    let size = size
+        .map(spelling::sample_size)
+        .transpose()
+        .map_err(|expected| DocumentError::usage(format!("sample:{text}: {expected}")))?;
+    let sample = Sample::from_name(name)?;
+    let volume = sample.generate(size)?;
+    let description = Description {
+        format: "built-in sample".to_owned(),
+        stored_type: volume.samples().type_name().to_owned(),
+        orientation: match sample {
+            Sample::Head => "RAS+ by construction".to_owned(),
+            _ => "none: world axes are the grid's".to_owned(),
+        },
+        oriented: true,
+        ..Description::default()
+    };
+    Ok(Input {
+        volume: Arc::new(volume),
+        description,
+        sample: Some(sample),
+    })
+}
+
+/// Options for the readers of volumes.
+///
+/// # Errors
+/// Keys that make no layout, by name.
+pub fn options(item: &ItemKeys, strict: bool) -> Result<ReadOptions, DocumentError> {
+    Ok(ReadOptions {
+        raw: layout(item)?,
+        array: item.array.clone(),
+        component: item.component,
+        time: item.time.unwrap_or(0),
+        channel: item.channel,
+        level: item.level.unwrap_or(0),
+        series: item.series.clone(),
+        strict,
+        ..ReadOptions::default()
+    })
+}
+
+/// Layout of a headerless file.
+fn layout(item: &ItemKeys) -> Result<Option<RawLayout>, DocumentError> {
+    let refused = |key: &str, why: String| {
+        DocumentError::refused(&format!("item.{key}"), format!(": {why}")).of_item(&item.file)
+    };
+    let endian = item.endian.as_deref().map(spelling::endian).transpose();
+    let endian = endian.map_err(|why| refused("endian", why))?;
+    let sample_type = item.sample_type.as_deref().map(spelling::sample_type).transpose();
+    let sample_type = sample_type.map_err(|why| refused("type", why))?;
+    match (item.dims, sample_type) {
+        (Some(dims), Some(sample_type)) => Ok(Some(RawLayout {
+            dims,
+            sample_type,
+            spacing: DVec3::from_array(item.spacing.unwrap_or([1.0; 3])),
+            endian: endian.unwrap_or(Endian::Little),
+            offset: item.offset.unwrap_or(0),
+        })),
+        (None, None) => Ok(None),
+        (Some(_), None) => Err(refused("dims", "needs type too".to_owned())),
+        (None, Some(_)) => Err(refused("type", "needs dims too".to_owned())),
+    }
+}

@@ -1,0 +1,272 @@
+//! From the keys of an item to the item.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, data_kind, read_data};
+use splatvol_scene::{
+    Compositing, GradientOpacityPoint, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples,
+    TransferFunction2d, View, Volume,
+};
+
+use crate::effects::transfer_function_2d;
+use crate::input::{self, Input, Reading};
+use crate::keys::names::UpAxis;
+use crate::keys::{EffectKeys, ItemKeys, Opacity};
+use crate::look::{self, Look, Wishes};
+use crate::upright::{self, Up};
+use crate::{DocumentError, meaning, spelling, standing};
+
+/// An item, and what its data want.
+pub(crate) struct Loaded {
+    pub(crate) item: Item,
+    /// Its keys, with what was chosen.
+    pub(crate) keys: ItemKeys,
+    pub(crate) wishes: Wishes,
+    /// Where to look from unless asked otherwise.
+    pub(crate) preferred: Option<View>,
+    /// Files that it was read from.
+    pub(crate) files: Vec<PathBuf>,
+    /// Gradient opacity of its transfer function's file.
+    pub(crate) gradient_opacity: Option<Vec<GradientOpacityPoint>>,
+    /// Transfer function of value and gradient.
+    pub(crate) tf2d: Option<TransferFunction2d>,
+}
+
+/// What an item's look and place depend on besides its keys.
+#[derive(Clone, Copy)]
+pub(crate) struct Among<'a> {
+    /// How the sheets are composited: an automatic look depends on it.
+    pub(crate) compositing: Compositing,
+    /// Whether there is nothing else in the scene.
+    pub(crate) alone: bool,
+    pub(crate) effects: &'a EffectKeys,
+    pub(crate) reading: Reading<'a>,
+}
+
+/// Kind of an item's file, and its path.
+///
+/// # Errors
+/// Files that cannot be read or are of no known kind.
+pub fn kind(item: &ItemKeys, reading: Reading<'_>) -> Result<(DataKind, PathBuf), DocumentError> {
+    let path = reading.locate(&item.file);
+    if item.file.starts_with("sample:") {
+        return Ok((DataKind::Volume, path));
+    }
+    let kind = data_kind(&path, &options(item, reading.strict)?)?;
+    Ok((kind, path))
+}
+
+/// How the file of an item is read.
+///
+/// # Errors
+/// Keys that say no kind or layout, by name.
+pub fn options(item: &ItemKeys, strict: bool) -> Result<DataOptions, DocumentError> {
+    let kind = item.kind.as_deref().map(spelling::kind).transpose();
+    let kind =
+        kind.map_err(|why| DocumentError::refused("item.kind", format!(": {why}")).of_item(&item.file))?;
+    Ok(DataOptions {
+        kind,
+        read: input::options(item, strict)?,
+        drape: item.drape.as_ref().map(PathBuf::from),
+        posts: item.posts,
+    })
+}
+
+/// Reads an item.
+pub(crate) fn load(keys: &ItemKeys, among: Among<'_>) -> Result<Loaded, DocumentError> {
+    let place = keys.world_from_file()?;
+    // What cannot be recognised is for the reader of volumes to say, in its words.
+    let known = kind(keys, among.reading);
+    let (kind, path) = match known {
+        Err(DocumentError::Input { .. }) => (DataKind::Volume, among.reading.locate(&keys.file)),
+        known => known?,
+    };
+    meaning::check(keys, kind)?;
+    if kind == DataKind::Volume {
+        return volume(keys, place, among);
+    }
+    let loaded = {
+        let _busy = among.reading.listener.reading(&keys.file);
+        let mut options = options(keys, among.reading.strict)?;
+        options.kind = Some(kind);
+        options.drape = options.drape.map(|drape| among.reading.locate(drape));
+        read_data(&path, &options)?
+    };
+    for warning in &loaded.description.warnings {
+        among.reading.listener.warn(&format!("{}: {warning}", keys.file));
+    }
+    other(keys, place, (kind, loaded), among)
+}
+
+/// Whether it is a question which way an item is up: not if something else stands beside it, or it was given a place.
+fn stands(keys: &ItemKeys, among: Among<'_>) -> bool {
+    among.alone && keys.up.is_none() && !keys.is_placed()
+}
+
+/// A volume is turned before it looks like anything: the choice of a transfer function goes by the axes in which it is
+/// rendered.
+fn volume(keys: &ItemKeys, place: DAffine3, among: Among<'_>) -> Result<Loaded, DocumentError> {
+    let mut input = input::load(keys, among.reading)?;
+    let mut keys = keys.clone();
+    if stands(&keys, among) {
+        keys.up = Up::of(&input).said(&keys.file, among.reading.listener);
+    }
+    if let Some(axis) = keys.up {
+        input.turn(axis)?;
+    }
+    let preferred = input.sample.and_then(|sample| sample.preferred_view());
+    let files = input.description.files.clone();
+    let (look, tf2d) = look_of(&keys, &input, among)?;
+    let item = look.clone().item(input.volume).at(place);
+    let loaded = Loaded::new(item, keys, files).looking(&look, tf2d);
+    Ok(Loaded {
+        wishes: look.wishes,
+        preferred,
+        ..loaded
+    })
+}
+
+fn other(
+    keys: &ItemKeys,
+    place: DAffine3,
+    (kind, loaded): (DataKind, LoadedData),
+    among: Among<'_>,
+) -> Result<Loaded, DocumentError> {
+    let mut keys = keys.clone();
+    let files = loaded.description.files.clone();
+    let frameless = kind == DataKind::Points && loaded.description.format.starts_with("PLY");
+    let mut frame = DAffine3::IDENTITY;
+    let mut known_look = None;
+    let item = match loaded.data {
+        Data::Points(points) => {
+            if frameless && stands(&keys, among) && standing::is_y_up(points.positions()) {
+                let note = format!("{}: it stands with y up; --up says otherwise", keys.file);
+                among.reading.listener.detail(&note);
+                keys.up = Some(UpAxis::Y);
+            }
+            Item::points(points, point_look(&keys)?)
+        }
+        Data::Gaussians(gaussians) => {
+            frame = gaussians.world_from_local().inverse();
+            Item::gaussians(gaussians)
+        }
+        Data::Mesh(mesh) => {
+            let input = values_of(&mesh, loaded.description)?;
+            let (look, _) = known_look.insert(look_of(&keys, &input, among)?);
+            Item::mesh(mesh, look.transfer_function.clone())
+        }
+        Data::Volume(volume) => {
+            let input = Input {
+                volume: Arc::new(volume),
+                description: loaded.description,
+                sample: None,
+            };
+            let (look, _) = known_look.insert(look_of(&keys, &input, among)?);
+            look.clone().item(input.volume)
+        }
+    };
+    let up = keys
+        .up
+        .map_or(DAffine3::IDENTITY, |axis| upright::rotation(axis) * frame);
+    let loaded = Loaded::new(item.at(place * up), keys, files);
+    Ok(match known_look {
+        Some((look, tf2d)) => loaded.looking(&look, tf2d),
+        None => loaded,
+    })
+}
+
+impl Loaded {
+    fn new(item: Item, keys: ItemKeys, files: Vec<PathBuf>) -> Self {
+        Self {
+            item,
+            keys,
+            files,
+            wishes: Wishes::default(),
+            preferred: None,
+            gradient_opacity: None,
+            tf2d: None,
+        }
+    }
+
+    /// With a look that was chosen, or said.
+    fn looking(self, look: &Look, tf2d: Option<TransferFunction2d>) -> Self {
+        Self {
+            keys: ItemKeys {
+                transfer_function: Some(look.transfer_function.clone()),
+                ..self.keys
+            },
+            gradient_opacity: look.gradient_opacity.clone(),
+            tf2d,
+            ..self
+        }
+    }
+}
+
+fn point_look(keys: &ItemKeys) -> Result<PointLook, DocumentError> {
+    let default = PointLook::default();
+    let color = keys.color.unwrap_or(default.color);
+    let opacity = match keys.opacity {
+        Some(Opacity::Share(share)) => share,
+        _ => default.opacity,
+    };
+    let refused =
+        |key: &str, why: String| Err(DocumentError::refused(&format!("item.{key}"), why).of_item(&keys.file));
+    let unit = |value: &f64| (0.0..=1.0).contains(value);
+    if !color.iter().all(unit) {
+        return refused("color", format!("{color:?} is not in 0..1"));
+    }
+    if !unit(&opacity) {
+        return refused("point-opacity", format!("{opacity} is not in 0..1"));
+    }
+    match keys
+        .radius
+        .filter(|radius| !(radius.is_finite() && *radius > 0.0))
+    {
+        Some(radius) => refused("radius", format!("{radius} is not a length above zero")),
+        None => Ok(PointLook {
+            color,
+            opacity,
+            radius: keys.radius,
+        }),
+    }
+}
+
+/// The look of values, and the transfer function of value and gradient that it is the marginal of.
+fn look_of(
+    keys: &ItemKeys,
+    input: &Input,
+    among: Among<'_>,
+) -> Result<(Look, Option<TransferFunction2d>), DocumentError> {
+    let spacing = input.volume.grid().mean_spacing();
+    let tf2d = match among.alone {
+        true => transfer_function_2d(among.effects, keys, spacing, among.reading)?,
+        false => None,
+    };
+    let look = match &tf2d {
+        Some(function) => Look::from(function.marginal()?),
+        None => look::resolve(keys, input, among.compositing, among.reading)?,
+    };
+    Ok((look, tf2d))
+}
+
+/// Samples of a row at most.
+const ROW: usize = 32_768;
+
+/// A mesh's values as rows of samples: what a transfer function is chosen by.
+fn values_of(mesh: &Mesh, description: Description) -> Result<Input, DocumentError> {
+    let mut values = mesh.field().values.clone();
+    // Rows of a grid are not endless; what is missing in the last one does not count.
+    let width = values.len().clamp(1, ROW);
+    let rows = values.len().div_ceil(width);
+    values.resize(rows * width, f32::NAN);
+    let grid = Grid::centred([width, rows, 1], DVec3::ONE)?;
+    let samples = Samples::F32(values.into());
+    let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown)?;
+    Ok(Input {
+        volume: Arc::new(volume),
+        description,
+        sample: None,
+    })
+}

@@ -1,0 +1,252 @@
+//! The transfer function: as said, from a file, from names, or chosen from the data.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use splatvol_io::transfer_function::GRADIENT_OPACITY_LEFT_OUT;
+use splatvol_scene::transfer_function::ValueKind;
+use splatvol_scene::{
+    Classification, ColorMap, ColorPoint, Compositing, GradientOpacityPoint, Item, OpacityPoint,
+    TransferFunction, Volume,
+};
+
+use crate::input::{Input, Reading};
+use crate::keys::{ItemKeys, Opacity};
+use crate::{DocumentError, Listener, spelling};
+
+/// Colour of a single surface, sRGB: ivory.
+const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
+
+/// A transfer function and what its choice implies.
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// Colours and opacities.
+    pub transfer_function: TransferFunction,
+    /// What the data want.
+    pub wishes: Wishes,
+    /// Gradient opacity of the transfer function's file.
+    pub gradient_opacity: Option<Vec<GradientOpacityPoint>>,
+}
+
+/// Preferences of the data that differ from the defaults.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Wishes {
+    /// What is splatted.
+    pub classification: Option<Classification>,
+    /// Colours as they are, without light.
+    pub unlit: bool,
+    /// Gradients by differences, whatever the preset: meshes have no others.
+    pub differences: bool,
+    /// Values are names of kinds.
+    pub labels: bool,
+    /// There is nothing to classify, so it does not matter when.
+    pub unclassified: bool,
+}
+
+impl Look {
+    /// A volume that looks so.
+    pub fn item(self, volume: Arc<Volume>) -> Item {
+        match self.wishes.labels {
+            true => Item::labels(volume, self.transfer_function),
+            false => Item::volume(volume, self.transfer_function),
+        }
+    }
+}
+
+impl From<TransferFunction> for Look {
+    fn from(transfer_function: TransferFunction) -> Self {
+        Self {
+            transfer_function,
+            wishes: Wishes::default(),
+            gradient_opacity: None,
+        }
+    }
+}
+
+/// The look of a volume, or of the values of a mesh, that is composited in a certain way.
+///
+/// # Errors
+/// Names that are not known, files that cannot be read, curves that cannot be.
+pub fn resolve(
+    keys: &ItemKeys,
+    input: &Input,
+    compositing: Compositing,
+    reading: Reading<'_>,
+) -> Result<Look, DocumentError> {
+    let mut look = match &keys.transfer_function {
+        Some(known) => Look::from(known.clone()),
+        None => chosen(keys, input, compositing, reading)?,
+    };
+    if let (Some(_), None) = (keys.unit_distance, &keys.transfer_function) {
+        let old = look.transfer_function;
+        let (colors, opacities) = (old.colors().to_vec(), old.opacities().to_vec());
+        look.transfer_function = TransferFunction::new(colors, opacities, keys.unit_distance)?;
+    }
+    if let Some(labels) = keys.labels {
+        look.wishes.labels = labels;
+    }
+    Ok(look)
+}
+
+fn chosen(
+    keys: &ItemKeys,
+    input: &Input,
+    compositing: Compositing,
+    reading: Reading<'_>,
+) -> Result<Look, DocumentError> {
+    let volume = &input.volume;
+    let map = named(keys, "cmap", keys.cmap.as_deref(), spelling::color_map)?;
+    if let Some(path) = &keys.tf {
+        let path = reading.locate(path);
+        return Ok(Look {
+            gradient_opacity: splatvol_io::read_gradient_opacity(&path)?,
+            ..from_file(&path, keys, volume.value_range(), reading.listener)?.into()
+        });
+    }
+    let [low, high] = keys.clim.unwrap_or(volume.value_range());
+    if let Some(value) = keys.iso {
+        let width = ((high - low) / 50.0).max(f64::MIN_POSITIVE);
+        let surface = TransferFunction::isosurface(value, width, SURFACE)?;
+        return match map {
+            Some(map) => colored(&surface, map, [low, high]).map(Look::from),
+            None => Ok(surface.into()),
+        };
+    }
+    let curve = match &keys.opacity {
+        Some(Opacity::Curve(name)) => Some(name.as_str()),
+        _ => None,
+    };
+    if curve.is_none() && keys.clim.is_none() {
+        if compositing.shows_one_value() && map.is_none() {
+            return Ok(TransferFunction::gray_ramp([low, high], 1.0)?.into());
+        }
+        if !compositing.shows_one_value() {
+            return automatic(input, map, reading.listener);
+        }
+    }
+    let curve = named(
+        keys,
+        "opacity",
+        Some(curve.unwrap_or("linear")),
+        spelling::opacity_curve,
+    )?;
+    let range = match keys.clim {
+        Some(range) => range,
+        None if compositing.shows_one_value() => [low, high],
+        None => TransferFunction::automatic(volume, None).1.range,
+    };
+    let map = match map {
+        Some(map) => map,
+        None => ColorMap::from_name("viridis")?,
+    };
+    let curve = curve.ok_or_else(|| DocumentError::usage("no opacity curve"))?;
+    Ok(TransferFunction::from_map_and_opacity(range, map, curve, None)?.into())
+}
+
+/// What a key of an item names.
+fn named<T>(
+    keys: &ItemKeys,
+    key: &str,
+    name: Option<&str>,
+    known: fn(&str) -> Result<T, String>,
+) -> Result<Option<T>, DocumentError> {
+    let found = name.map(known).transpose();
+    found.map_err(|why| {
+        let name = name.unwrap_or_default();
+        DocumentError::refused(&format!("item.{key}"), format!("{name:?}: {why}")).of_item(&keys.file)
+    })
+}
+
+/// A file's transfer function. `clim` is what its 0..1 stand for, or where its ends are moved to if it has data values.
+fn from_file(
+    path: &Path,
+    keys: &ItemKeys,
+    value_range: [f64; 2],
+    listener: &dyn Listener,
+) -> Result<TransferFunction, DocumentError> {
+    let read = |range| splatvol_io::read_transfer_function(path, range);
+    let (own, warnings) = read(value_range)?;
+    // Gradient opacity is read besides.
+    for warning in warnings.into_iter().filter(|w| w != GRADIENT_OPACITY_LEFT_OUT) {
+        listener.warn(&format!("{}: {warning}", path.display()));
+    }
+    let Some(range) = keys.clim else {
+        return Ok(own);
+    };
+    // A file without data values of its own spans whatever range it is read for.
+    let relative = read([2.0, 3.0])?.0 != read([4.0, 6.0])?.0;
+    let stretched = match relative {
+        true => moved(&read([0.0, 1.0])?.0, [0.0, 1.0], range),
+        false => moved(&own, span(&own), range),
+    };
+    stretched.map_err(|error| DocumentError::refused("item.clim", format!(": {error}")).of_item(&keys.file))
+}
+
+/// The look of a sample, or one that suits the data.
+fn automatic(input: &Input, map: Option<ColorMap>, listener: &dyn Listener) -> Result<Look, DocumentError> {
+    if let (Some(sample), None) = (input.sample, map) {
+        let wishes = Wishes {
+            classification: Some(sample.preferred_classification()),
+            unlit: !sample.is_lit(),
+            ..Wishes::default()
+        };
+        return Ok(Look {
+            wishes,
+            ..sample.default_transfer_function()?.into()
+        });
+    }
+    let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
+    listener.detail(&format!("transfer function: {}", choice.reason));
+    let wishes = Wishes {
+        classification: Some(choice.classification),
+        labels: choice.kind == ValueKind::Labels,
+        ..Wishes::default()
+    };
+    Ok(Look {
+        wishes,
+        ..transfer_function.into()
+    })
+}
+
+/// Smallest and largest value of any point.
+fn span(transfer_function: &TransferFunction) -> [f64; 2] {
+    let colors = transfer_function.colors().iter().map(|point| point.value);
+    let opacities = transfer_function.opacities().iter().map(|point| point.value);
+    colors
+        .chain(opacities)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+}
+
+/// The curves, moved so that the values `from` become `to`.
+fn moved(old: &TransferFunction, from: [f64; 2], to: [f64; 2]) -> Result<TransferFunction, String> {
+    if from[0] >= from[1] {
+        return Err("the transfer function has a single value and cannot be stretched".to_owned());
+    }
+    let move_value = |value: f64| to[0] + (value - from[0]) / (from[1] - from[0]) * (to[1] - to[0]);
+    let colors = old.colors().iter().map(|&point| ColorPoint {
+        value: move_value(point.value),
+        ..point
+    });
+    let opacities = old.opacities().iter().map(|&point| OpacityPoint {
+        value: move_value(point.value),
+        ..point
+    });
+    TransferFunction::new(colors.collect(), opacities.collect(), old.unit_distance)
+        .map_err(|error| error.to_string())
+}
+
+/// The opacities of `old` under the colours of `map` over `range`.
+fn colored(
+    old: &TransferFunction,
+    map: ColorMap,
+    range: [f64; 2],
+) -> Result<TransferFunction, DocumentError> {
+    let colors = map.points(range, ColorMap::DEFAULT_POINTS);
+    Ok(TransferFunction::new(
+        colors,
+        old.opacities().to_vec(),
+        old.unit_distance,
+    )?)
+}
