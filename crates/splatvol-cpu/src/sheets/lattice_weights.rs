@@ -91,7 +91,12 @@ impl<S: Simd> Weights<S> {
     #[inline(always)]
     pub(crate) fn leave_out(&mut self, simd: S, missing: f32x16<S>, gradient: [f32x16<S>; 3]) {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        self.own *= one - (missing / self.weight.max(missing)).min(one);
+        // Far outside the lattice both are zero; platforms differ in which operand `min` takes beside NaN.
+        let whole = self
+            .weight
+            .max(missing)
+            .max(f32x16::splat(simd, f32::MIN_POSITIVE));
+        self.own *= one - (missing / whole).min(one);
         self.weight = (self.weight - missing).max(zero);
         for (along, missing) in self.gradient.iter_mut().zip(gradient) {
             *along -= missing;
@@ -275,6 +280,34 @@ mod tests {
         let at = f32x16::splat(simd, at);
         let [sum, slope] = lattice_sum(simd, at, count, sigma);
         [sum[0], slope[0], cumulative(simd, at)[0]]
+    }
+
+    /// Shares that are left of one half, for these weights and weights of missing samples.
+    #[inline(always)]
+    fn left<S: Simd>(simd: S, weight: f32, missing: f32) -> f32 {
+        let [weight, missing, own] = [weight, missing, 0.5].map(|value| f32x16::splat(simd, value));
+        let mut weights = Weights {
+            weight,
+            gradient: [own; 3],
+            own,
+        };
+        weights.leave_out(simd, missing, [own; 3]);
+        weights.own[0]
+    }
+
+    #[test]
+    fn missing_samples_take_their_share_of_the_weight() {
+        for (weight, missing, expected) in [
+            (1.0, 0.25, 0.375),
+            (0.5, 0.5, 0.0),
+            (0.5, 0.75, 0.0),
+            (0.5, 0.0, 0.5),
+            // Far outside nothing is missing: no quotient of zeros.
+            (0.0, 0.0, 0.5),
+        ] {
+            let found = dispatch!(Level::new(), simd => left(simd, weight, missing));
+            assert_eq!(found, expected, "{weight} {missing}");
+        }
     }
 
     #[test]
