@@ -105,7 +105,7 @@ impl Document {
         }
     }
 
-    /// What pictures are called by: the name, or the file of a single item.
+    /// The name that pictures are called by: the document's, or the file of a single item.
     pub fn reference(&self) -> &str {
         match (&self.name, &self.items[..]) {
             (Some(name), _) => name,

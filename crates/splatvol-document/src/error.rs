@@ -6,7 +6,7 @@ use splatvol_io::IoError;
 use splatvol_samples::SampleError;
 use splatvol_scene::SceneError;
 
-/// What makes a document no picture.
+/// Why a document cannot become a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
     /// A key that has no meaning, or a value outside its domain. Keys in the message are between backquotes, with the
@@ -17,7 +17,7 @@ pub enum DocumentError {
         message: String,
         /// Item or file that it is about.
         context: Option<String>,
-        /// What to do about it.
+        /// A remedy.
         hint: Option<String>,
     },
     /// Text that is no document.
@@ -25,7 +25,7 @@ pub enum DocumentError {
     Malformed {
         /// The file that holds it.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The fault, and its line.
         message: String,
     },
     /// A file that cannot be read.
@@ -33,7 +33,7 @@ pub enum DocumentError {
     Input {
         /// Why.
         error: Box<IoError>,
-        /// What to do about it.
+        /// A remedy.
         hint: Option<String>,
     },
     /// A built-in sample that does not exist, or not in this size.

@@ -18,7 +18,7 @@ pub use files::{is_scene, read_scene};
 /// A document, and the command line that made its picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// What was shown, and how.
+    /// The document, with nothing left open.
     pub document: Document,
     /// The command line, or what another program says of itself.
     pub command: String,

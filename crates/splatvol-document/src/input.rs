@@ -28,7 +28,7 @@ pub struct Reading<'a> {
     pub strict: bool,
     /// Folder in which relative paths are tried next.
     pub folder: Option<&'a Path>,
-    /// Who hears of it.
+    /// Listener to warnings and choices.
     pub listener: &'a dyn Listener,
 }
 

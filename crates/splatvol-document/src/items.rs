@@ -34,7 +34,7 @@ pub(crate) struct Loaded {
     pub(crate) tf2d: Option<TransferFunction2d>,
 }
 
-/// What an item's look and place depend on besides its keys.
+/// Surroundings that an item's look and place depend on, besides its keys.
 #[derive(Clone, Copy)]
 pub(crate) struct Among<'a> {
     /// How the sheets are composited: an automatic look depends on it.

@@ -1,7 +1,7 @@
 //! The description of a picture as one [`Document`], and the decisions that it leaves open.
 //!
-//! What the command's flags, a scene file, the text in a PNG, a notebook or a viewer say of a picture is a document: a few
-//! keys of a user, or all of them. [`Document::resolve`] reads the data and decides the rest: which way is up, how values
+//! A document describes a picture for the command's flags, a scene file, the text in a PNG, a notebook or a viewer alike: by
+//! a few keys of a user, or by all of them. [`Document::resolve`] reads the data and decides the rest: which way is up, how values
 //! look, where the camera stands, which method suits. Everybody decides by this crate, so everybody makes the same picture of
 //! the same data.
 //!

@@ -1,4 +1,4 @@
-//! Who hears what happens while a document is resolved: a terminal, a notebook, a window, or nobody.
+//! Listeners to the choices and warnings of resolving: a terminal, a notebook, a window, or nobody.
 
 use std::any::Any;
 

@@ -22,7 +22,7 @@ const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
 pub struct Look {
     /// Colours and opacities.
     pub transfer_function: TransferFunction,
-    /// What the data want.
+    /// Preferences of the data.
     pub wishes: Wishes,
     /// Gradient opacity of the transfer function's file.
     pub gradient_opacity: Option<Vec<GradientOpacityPoint>>,
@@ -31,7 +31,7 @@ pub struct Look {
 /// Preferences of the data that differ from the defaults.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Wishes {
-    /// What is splatted.
+    /// Order of classification and splatting.
     pub classification: Option<Classification>,
     /// Colours as they are, without light.
     pub unlit: bool,
@@ -143,7 +143,7 @@ fn chosen(
     Ok(TransferFunction::from_map_and_opacity(range, map, curve, None)?.into())
 }
 
-/// What a key of an item names.
+/// Looks up the name in a key of an item.
 fn named<T>(
     keys: &ItemKeys,
     key: &str,

@@ -31,7 +31,7 @@ const BITS: u8 = 8;
 pub struct Picture {
     /// The document, with nothing left open.
     pub document: Document,
-    /// What is shown.
+    /// The items, in world space.
     pub scene: Scene,
     /// Where it is seen from.
     pub camera: Camera,
@@ -43,7 +43,7 @@ pub struct Picture {
     pub files: Vec<PathBuf>,
 }
 
-/// What a picture is resolved for.
+/// Circumstances in which a document is resolved.
 #[derive(Clone, Copy)]
 pub struct Resolving<'a> {
     /// Where and how files are read.
@@ -154,7 +154,7 @@ impl Document {
         })
     }
 
-    /// Who asks for data to be interpolated gets names of kinds interpolated.
+    /// Stops treating values as labels where data are to be interpolated.
     fn keep_names(&self, all: &mut All, settings: &RenderSettings) {
         let method = &settings.method;
         let is_data = method.compositing() == Compositing::ImageSheets && !method.splats_colors();
@@ -253,7 +253,7 @@ struct All {
 }
 
 impl All {
-    /// What a single item wants is what its file alone would get; several share one method. No error where there is none.
+    /// Collects items. A single item keeps the wishes of its data; several share one method. `None` as an error: there is no item.
     fn of(mut loaded: Vec<Loaded>, keys: Vec<ItemKeys>) -> Result<Self, Option<DocumentError>> {
         let (mut wishes, preferred) = match &loaded[..] {
             [] => return Err(None),

@@ -6,7 +6,7 @@ use splatvol_scene::{ColorMap, OpacityCurve};
 
 use crate::keys::names::nearest;
 
-/// What is expected, and which of the `known` names was probably meant by `name`.
+/// Describes the expected names, and suggests the `known` one that is most like `name`.
 fn expected<Name: AsRef<str>>(what: &str, name: &str, known: impl IntoIterator<Item = Name>) -> String {
     match nearest(name, known) {
         Some(nearest) => format!("expected {what}; did you mean '{}'?", nearest.as_ref()),
@@ -17,7 +17,7 @@ fn expected<Name: AsRef<str>>(what: &str, name: &str, known: impl IntoIterator<I
 /// A colour map of matplotlib's name, `_r` behind it for the reversed one.
 ///
 /// # Errors
-/// What is expected.
+/// The expected names, as a message.
 pub fn color_map(text: &str) -> Result<ColorMap, String> {
     let known = || ColorMap::names().flat_map(|name| [name.to_owned(), format!("{name}_r")]);
     let what = "a name of matplotlib's, such as viridis, turbo or gray_r";
@@ -27,7 +27,7 @@ pub fn color_map(text: &str) -> Result<ColorMap, String> {
 /// An opacity curve by its name.
 ///
 /// # Errors
-/// What is expected.
+/// The expected names, as a message.
 pub fn opacity_curve(text: &str) -> Result<OpacityCurve, String> {
     let known = || OpacityCurve::names().flat_map(|name| [format!("{name}_r"), name]);
     let what = "linear, geom, foreground, sigmoid or sigmoid_N (N: 1 to 10, 15, 20), with _r to reverse";
@@ -37,7 +37,7 @@ pub fn opacity_curve(text: &str) -> Result<OpacityCurve, String> {
 /// The type of a sample: `u8`, `i16`...
 ///
 /// # Errors
-/// What is expected.
+/// The expected names, as a message.
 pub fn sample_type(text: &str) -> Result<SampleType, String> {
     let name = text.to_ascii_lowercase();
     let found = SampleType::ALL.iter().find(|kind| kind.name() == name);
@@ -50,7 +50,7 @@ pub fn sample_type(text: &str) -> Result<SampleType, String> {
 /// A kind of data.
 ///
 /// # Errors
-/// What is expected.
+/// The expected names, as a message.
 pub fn kind(text: &str) -> Result<DataKind, String> {
     text.parse().map_err(|_| {
         let names = DataKind::ALL.map(DataKind::name);
@@ -61,7 +61,7 @@ pub fn kind(text: &str) -> Result<DataKind, String> {
 /// A byte order.
 ///
 /// # Errors
-/// What is expected.
+/// The expected names, as a message.
 pub fn endian(text: &str) -> Result<Endian, String> {
     match text.to_ascii_lowercase().as_str() {
         "little" | "le" => Ok(Endian::Little),
@@ -73,7 +73,7 @@ pub fn endian(text: &str) -> Result<Endian, String> {
 /// The size of a sample: N along the longest axis, or `XxYxZ`.
 ///
 /// # Errors
-/// What is expected.
+/// The expected names, as a message.
 pub fn sample_size(text: &str) -> Result<SampleSize, String> {
     if let Ok(longest) = text.parse() {
         return Ok(SampleSize::Longest(longest));

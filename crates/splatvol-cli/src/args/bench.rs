@@ -118,7 +118,7 @@ pub(crate) enum LookName {
     Opaque,
     /// Fog: opacity rises linearly over nearly all of the window
     Translucent,
-    /// What splatvol render shows
+    /// The look that splatvol render chooses
     #[value(skip)]
     AsRender,
 }

@@ -12,7 +12,7 @@ pub(crate) struct CameraArgs {
     /// Side to look from; front is the data's +y, top its +z [default: iso]
     #[arg(long, value_name = "SIDE", help_heading = CAMERA)]
     pub(crate) view: Option<ViewName>,
-    /// What fills the picture [default: visible]
+    /// Subject that fills the picture [default: visible]
     #[arg(long, value_name = "WHAT", help_heading = CAMERA)]
     pub(crate) fit: Option<Fit>,
     /// Position of the camera, in world coordinates

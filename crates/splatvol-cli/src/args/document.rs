@@ -15,7 +15,7 @@ use super::{
 };
 
 impl RenderArgs {
-    /// What the flags say. An input that is a scene has items of its own, and leaves none here.
+    /// The flags as a document. A scene file has items of its own, so it leaves none here.
     pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
         let item = self.item_keys(item_file.unwrap_or_default());
         let given = item != ItemKeys::default();
@@ -97,7 +97,7 @@ pub(crate) fn of_input(read: &InputArgs, file: &str) -> ItemKeys {
 }
 
 impl AnimateArgs {
-    /// What the flags say.
+    /// The flags as a document.
     pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
         Document {
             animation: AnimationKeys {

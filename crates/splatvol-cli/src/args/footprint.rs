@@ -7,10 +7,10 @@ use splatvol_document::keys::names::{
 
 use super::help::PAPERS;
 
-/// What the papers' methods differ in.
+/// Differences between the papers' methods.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
 pub(crate) struct FootprintArgs {
-    /// What a kernel adds to a sheet [default: sample, or section where the method needs it]
+    /// Contribution of a kernel to a sheet [default: sample, or section where the method needs it]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) sheet: Option<SheetName>,
     /// How light is lost on its way through a length x of material [default: exp]
@@ -28,7 +28,7 @@ pub(crate) struct FootprintArgs {
     /// How hidden voxels are found and left out [default: auto]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) occlusion: Option<OcclusionName>,
-    /// What the kernels stand for [default: volume]
+    /// Meaning of the kernels [default: volume]
     #[arg(long, value_name = "NAME", help_heading = PAPERS)]
     pub(crate) reconstruction: Option<ReconstructionName>,
     /// How much thinner kernels get along the gradient [default: 10]

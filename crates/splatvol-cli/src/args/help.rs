@@ -61,7 +61,7 @@ pub(crate) fn parse() -> Cli {
     cli.unwrap_or_else(|error| error.exit())
 }
 
-/// Who names a file where a command is due wants to see it; who names `lab` wants a program that has it.
+/// Hints for a file where a command is due, which is to be rendered, and for `lab`, which needs a feature.
 fn with_tip(mut error: Error) -> Error {
     let given = match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(given)) if error.kind() == ErrorKind::InvalidSubcommand => given,

@@ -9,10 +9,10 @@ use splatvol_io::DataKind;
 use super::help::{DATA, INPUT};
 use super::values::{self, Triple};
 
-/// What the data are, and what only data other than volumes have.
+/// Kind and place of the data, and the properties of data other than volumes.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct ItemArgs {
-    /// What the input is: volume, points, terrain, depth-images, gaussians or mesh [default: decided by its contents]
+    /// Kind of the input: volume, points, terrain, depth-images, gaussians or mesh [default: decided by its contents]
     #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = INPUT)]
     pub(crate) kind: Option<DataKind>,
     /// Axis of the file that points up [default: decided by the file and its contents]

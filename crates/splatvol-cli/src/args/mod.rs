@@ -142,7 +142,7 @@ pub(crate) struct InfoArgs {
     pub(crate) kernel: KernelArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
-    /// What the input is: volume, points, terrain, depth-images, gaussians or mesh [default: decided by its contents]
+    /// Kind of the input: volume, points, terrain, depth-images, gaussians or mesh [default: decided by its contents]
     #[arg(long, value_name = "KIND", value_parser = values::kind, help_heading = INPUT)]
     pub(crate) kind: Option<splatvol_io::DataKind>,
     /// Print JSON

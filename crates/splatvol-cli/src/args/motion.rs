@@ -6,7 +6,7 @@ use splatvol_document::keys::names::MotionBlurName;
 use super::help::BLUR;
 use super::values::{self, Triple};
 
-/// What moves while the shutter is open, and what the picture shows of it.
+/// Motion while the shutter is open, and its blur.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct MotionArgs {
     /// Spin the volume by this angle while the shutter is open

@@ -1,4 +1,4 @@
-//! What the arguments of `render` and `animate` ask for: one document of flags, over a scene file or an earlier picture.
+//! The document that `render` and `animate` ask for: flags over a scene file or an earlier picture.
 
 mod refuse;
 
@@ -33,12 +33,12 @@ pub(super) struct Prepared {
 }
 
 impl Asked {
-    /// What `render` asks for.
+    /// The document that `render` asks for.
     pub(super) fn of(args: &RenderArgs) -> Result<Self, Failure> {
         Self::over(args, |file| args.document(file))
     }
 
-    /// What `animate` asks for.
+    /// The document that `animate` asks for.
     pub(super) fn of_animation(args: &AnimateArgs) -> Result<Self, Failure> {
         Self::over(&args.render, |file| args.document(file))
     }

@@ -1,4 +1,4 @@
-//! What the help shows, and what a misspelt word gets.
+//! The help's extent and groups, and hints for misspelt words.
 
 use crate::sandbox::Sandbox;
 

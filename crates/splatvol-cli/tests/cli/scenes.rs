@@ -19,7 +19,7 @@ fn two(sandbox: &Sandbox, more: &str) {
     sandbox.write("scene.toml", scene);
 }
 
-/// What a picture remembers.
+/// The document in a picture, as text.
 fn text(sandbox: &Sandbox, name: &str) -> String {
     let picture = splatvol_io::read_image(sandbox.path(name)).expect("it is there and whole");
     let text = splatvol_io::image::metadata::find(&picture.metadata, splatvol_io::image::metadata::SETTINGS);

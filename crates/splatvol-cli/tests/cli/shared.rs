@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::orientation::psnr;
 use crate::sandbox::{Sandbox, png};
 
-/// What belongs to another file, or says nothing of its layout.
+/// Files that belong to another one, or do not describe their layout.
 const COMPANIONS: [&str; 7] = [
     "HeadMRVolume.raw",
     "frogtissue.zraw",

@@ -1,4 +1,4 @@
-//! What is wrong with a text, said with its line, its key and its value, and with the name that was probably meant.
+//! Messages about malformed text: line, key and value, and the name that was probably meant.
 
 use std::ops::Range;
 

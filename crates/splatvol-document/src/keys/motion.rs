@@ -8,7 +8,7 @@ use super::names::MotionBlurName;
 use crate::camera::CameraPose;
 
 keys! {
-    /// What moves while the shutter is open, and what the picture shows of it: the table `[motion]`.
+    /// Motion while the shutter is open, and its blur: the table `[motion]`.
     pub struct MotionKeys {
         /// Angle by which everything spins, degrees.
         spin: f64,

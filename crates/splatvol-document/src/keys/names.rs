@@ -99,7 +99,7 @@ scene_names! {
 }
 
 scene_names! {
-    /// What is splatted.
+    /// Order of classification and splatting.
     ClassificationName as Classification {
         /// Colours are splatted
         Pre as Pre,
@@ -159,7 +159,7 @@ names! {
 }
 
 scene_names! {
-    /// What a footprint leaves on a sheet.
+    /// Contribution of a footprint to a sheet.
     SheetName as SheetContent {
         /// The kernel integrated over the sheet's depth
         Section as Section,
@@ -221,7 +221,7 @@ scene_names! {
 }
 
 names! {
-    /// What the kernels stand for.
+    /// Meaning of the kernels.
     ReconstructionName {
         /// A volume
         Volume,
@@ -251,7 +251,7 @@ names! {
 }
 
 scene_names! {
-    /// What entries of a table are.
+    /// Number formats of a table's entries.
     PrecisionName as TablePrecision {
         /// 8 bits
         U8 as U8,

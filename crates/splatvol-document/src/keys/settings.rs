@@ -44,7 +44,7 @@ keys! {
         kernel_alpha: f64,
         /// Whether the reconstruction interpolates the samples, or smooths them.
         prefilter: bool,
-        /// What a kernel adds to a sheet.
+        /// Contribution of a kernel to a sheet.
         sheet: SheetName,
         /// How light is lost on its way through material.
         absorption: AbsorptionName,
@@ -56,7 +56,7 @@ keys! {
         stretch: StretchName,
         /// How hidden voxels are found and left out.
         occlusion: OcclusionName,
-        /// What the kernels stand for.
+        /// Meaning of the kernels.
         reconstruction: ReconstructionName,
         /// How much thinner kernels get along the gradient, where they stand for surfaces.
         flatness: f64,
@@ -148,7 +148,7 @@ impl SettingKeys {
         self.or(below)
     }
 
-    /// What is shown, which a preset leaves alone; those of the papers are whole methods.
+    /// The keys that a preset leaves alone, as they say what is shown; presets of the papers are whole methods.
     fn shown(&self, preset: PresetName) -> Self {
         let light = self.light_only();
         match preset {

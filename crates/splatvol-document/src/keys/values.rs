@@ -117,7 +117,7 @@ fn hex_color(hex: &str) -> Option<Background> {
     Some(Background::Color([channel(0)?, channel(2)?, channel(4)?, 1.0]))
 }
 
-/// What these values may be written as.
+/// Forms in which these values may be written.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Written {
