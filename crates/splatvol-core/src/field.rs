@@ -59,7 +59,7 @@ mod tests;
 use around::BrickRanges;
 use cells::CellBits;
 use chunk::{CHUNK, ChunkSolver, Scratch, StoredBrick};
-use lattice::{Block, Lattice, Stored};
+use lattice::{Block, Lattice, StoredSample};
 use level::Failure;
 pub use level::SourceLevel;
 use needs::Needs;
@@ -535,7 +535,7 @@ impl ChunkJob<'_> {
     }
 
     /// Solves for the chunk and stores the wanted bricks, including those already held.
-    fn solve<T: Stored>(
+    fn solve<T: StoredSample>(
         &self,
         data: &Block<'_, T>,
         (first, wanted): ([usize; 3], u128),

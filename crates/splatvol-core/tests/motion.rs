@@ -3,8 +3,8 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use splatvol_core::splats::{
-    Chunk, Footprint, GaussianProfile, KernelShape, Moving, Path, Profile, Projection, SplatCloud, View,
-    Warp, whitening,
+    CameraView, Chunk, Footprint, GaussianProfile, KernelShape, Moving, Path, Profile, Projection,
+    SplatCloud, Warp, whitening,
 };
 use splatvol_scene::{Alignment, Filter, ImageSize, Motion, ScreenFromCamera};
 use splatvol_testing::Random;
@@ -113,7 +113,7 @@ fn true_rays_see_the_mean_of_the_moving_gaussian() {
         scale: 120.0,
         centre: DVec2::new(100.0, 80.0),
     };
-    let view = View {
+    let view = CameraView {
         camera_from_world: DAffine3::IDENTITY,
         screen,
         size,

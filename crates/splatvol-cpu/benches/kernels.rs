@@ -15,7 +15,7 @@ use std::fmt;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use splatvol_cpu::kernels::{FourSheets, levels};
+use splatvol_cpu::microbench::{FourSheets, levels};
 
 const TILE: f32 = 64.0;
 const SPLATS: usize = 512;

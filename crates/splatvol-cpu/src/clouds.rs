@@ -5,7 +5,7 @@
 
 use splatvol_scene::{Compositing, Content, Filter, Item, RenderSettings, Scene};
 
-use crate::splats::{Cloud, CloudSettings, LEAST_VARIANCE, LowPass, Manner, Near};
+use crate::splats::{BlendMode, Cloud, CloudSettings, LEAST_VARIANCE, LowPass, Near};
 
 /// A scene whose splats are composited one by one.
 pub(crate) struct SplatScene<'a> {
@@ -48,7 +48,7 @@ impl<'a> SplatScene<'a> {
         if self.published {
             return CloudSettings {
                 lighting: settings.lighting,
-                manner: Manner::Published {
+                blend_mode: BlendMode::Published {
                     background: scene.background,
                 },
                 ..CloudSettings::published(settings.size)
@@ -65,10 +65,10 @@ impl<'a> SplatScene<'a> {
             low_pass: low_pass(settings.method.filter()),
             near: Near::World(0.5 * settings.method.sheet_thickness() * spacing),
             lighting: settings.lighting.filter(|_| !integral),
-            manner: if integral {
-                Manner::Integral { cut }
+            blend_mode: if integral {
+                BlendMode::Integral { cut }
             } else {
-                Manner::Light {
+                BlendMode::Light {
                     cut,
                     termination: settings.termination as f32,
                 }

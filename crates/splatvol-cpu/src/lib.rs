@@ -27,9 +27,9 @@ mod clouds;
 mod config;
 mod engine;
 mod items;
-#[doc(hidden)]
-pub mod kernels;
 mod meshes;
+#[doc(hidden)]
+pub mod microbench;
 mod phong;
 mod pool;
 mod prepare;

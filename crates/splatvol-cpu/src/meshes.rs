@@ -1,4 +1,4 @@
-//! Meshes as data: clouds of their samples, kept between frames for each mesh and width of kernels.
+//! Post-classified meshes: clouds of their samples, kept between frames for each mesh and width of kernels.
 //!
 //! A sample carries its mass, and its value times its mass. Colours, opacities and the place of a mesh may change
 //! without making another kernel.
@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
-use splatvol_core::irregular::{self, Kernels};
+use splatvol_core::irregular::{self, MeshKernels};
 use splatvol_core::splats::{Gather, Splat, SplatCloud};
 use splatvol_scene::{Mesh, RenderSettings, SheetSettings};
 
@@ -58,9 +58,9 @@ impl MeshStore {
             let mut own = match kept.iter().position(|kept| of(kept, mesh)) {
                 Some(at) => kept.swap_remove(at),
                 None => {
-                    let data = Arc::clone(mesh.mesh);
+                    let own = Arc::clone(mesh.mesh);
                     run.pool
-                        .prepare(run.task.stop, move |patience| Kept::new(data, key, patience))?
+                        .prepare(run.task.stop, move |patience| Kept::new(own, key, patience))?
                 }
             };
             own.cloud.world_from_local = mesh.world_from_local;
@@ -100,7 +100,7 @@ impl Kept {
 }
 
 /// The cloud of kernels in their space; 0 and 1 become the ends of a range of values.
-fn cloud(kernels: &Kernels, [low, high]: [f64; 2], patience: &Patience) -> Option<SplatCloud> {
+fn cloud(kernels: &MeshKernels, [low, high]: [f64; 2], patience: &Patience) -> Option<SplatCloud> {
     let width = if high > low { high - low } else { 1.0 };
     let mut gather = Gather::around(DVec3::ZERO, 1.0);
     gather.add_splats(kernels.len(), |index| {

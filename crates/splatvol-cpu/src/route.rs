@@ -24,7 +24,7 @@ use crate::clouds::SplatScene;
 use crate::items;
 
 /// Render loop of a scene.
-pub(crate) enum Way<'a> {
+pub(crate) enum RenderLoop<'a> {
     /// To the engine for grids.
     Volume(SingleVolume<'a>, RenderSettings<SheetSettings>),
     /// To the papers' methods.
@@ -37,7 +37,7 @@ pub(crate) enum Way<'a> {
     Splats,
 }
 
-impl<'a> Way<'a> {
+impl<'a> RenderLoop<'a> {
     /// Selects the loop for a scene; `check` decides whether the loop supports it.
     pub(crate) fn of(scene: &'a Scene, settings: &RenderSettings) -> Self {
         if scene.is_published(settings) {
@@ -94,11 +94,11 @@ pub(crate) struct Parts<'a> {
 /// One volume as input of the sheet engine.
 #[derive(Debug)]
 pub(crate) struct VolumeScene<'a> {
-    /// The data, where they lie.
+    /// The volume, where it lies.
     pub volume: Arc<Volume>,
     /// Colour and opacity of its values.
     pub transfer_function: Cow<'a, TransferFunction>,
-    pub asked: Asked<'a>,
+    pub effects: Effects<'a>,
     /// Motion while the shutter is open.
     pub motion: Option<&'a Motion>,
     /// Whether the volume is a label map.
@@ -130,12 +130,12 @@ pub(crate) struct MeshScene<'a> {
     pub transfer_function: &'a TransferFunction,
     /// World length to which its opacities refer.
     pub unit_distance: f64,
-    pub asked: Asked<'a>,
+    pub effects: Effects<'a>,
 }
 
 /// Operators, clips and isosurfaces of an item.
 #[derive(Debug, Clone)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct Effects<'a> {
     /// Operators on the material's appearance, in order of application.
     pub operators: &'a [Arc<dyn PixelOperator>],
     /// Clips, world space.
@@ -190,12 +190,14 @@ impl<'a> Route<'a> {
         volumes: &mut PlacedVolumes,
     ) -> Result<Self, SceneError> {
         volumes.keep(scene);
-        match Way::of(scene, settings) {
-            Way::Volume(single, own) => Ok(Self::Volume(volume_scene(scene, &single, volumes)?, own)),
-            Way::Classic(single, own) => Ok(Self::Classic(volume_scene(scene, &single, volumes)?, own)),
-            Way::Published => Ok(Self::Splats(SplatScene::published(scene))),
-            Way::Layers(own) => Ok(Self::Layers(parts(scene, &own, volumes)?, own)),
-            Way::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
+        match RenderLoop::of(scene, settings) {
+            RenderLoop::Volume(single, own) => Ok(Self::Volume(volume_scene(scene, &single, volumes)?, own)),
+            RenderLoop::Classic(single, own) => {
+                Ok(Self::Classic(volume_scene(scene, &single, volumes)?, own))
+            }
+            RenderLoop::Published => Ok(Self::Splats(SplatScene::published(scene))),
+            RenderLoop::Layers(own) => Ok(Self::Layers(parts(scene, &own, volumes)?, own)),
+            RenderLoop::Splats => Ok(Self::Splats(SplatScene::of_depths(scene))),
         }
     }
 }
@@ -246,7 +248,7 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
 }
 
 /// Whether the samples of a mesh are a post-classified layer.
-pub(crate) fn is_data(item: &Item, sheets: &SheetSettings) -> bool {
+pub(crate) fn is_post_classified(item: &Item, sheets: &SheetSettings) -> bool {
     matches!(item.content, Content::Mesh { .. }) && !sheets.splats_colors()
 }
 
@@ -266,14 +268,14 @@ fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, sheets: &SheetSettings) -> O
     };
     let spacing = items::spacing(item);
     let own = transfer_function.unit_distance;
-    is_data(item, sheets).then(|| MeshScene {
+    is_post_classified(item, sheets).then(|| MeshScene {
         mesh,
         world_from_local: item.world_from_item * *mesh.world_from_local(),
         spacing,
         transfer_function,
         // Opacities refer to lengths of the item's own world.
         unit_distance: own.map_or(spacing, |distance| distance * item.scale()),
-        asked: Asked {
+        effects: Effects {
             operators: &item.operators,
             clips: clips(scene, item),
             isosurfaces,
@@ -300,7 +302,7 @@ fn volume_scene<'a>(
     Ok(VolumeScene {
         volume: volumes.place(single)?,
         transfer_function,
-        asked: Asked {
+        effects: Effects {
             operators: &item.operators,
             clips: clips(scene, item),
             isosurfaces: single.isosurfaces,

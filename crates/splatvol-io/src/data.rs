@@ -38,7 +38,7 @@ pub enum Data {
     Points(Points),
     /// 3-D Gaussians.
     Gaussians(Gaussians),
-    /// The reader for a file.
+    /// Samples on an irregular grid.
     Mesh(Mesh),
 }
 

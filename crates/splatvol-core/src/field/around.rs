@@ -15,7 +15,7 @@ use super::Reader;
 use super::cells::{
     self, CellBits, LevelRange, NO_LEVEL, POINTS, Verdict, along_bricks, existing, pack, span, union,
 };
-use super::lattice::{Block, Lattice, Row, Stored};
+use super::lattice::{Block, Lattice, Row, StoredSample};
 use super::level::{Failure, SourceLevel};
 
 /// Voxels that kernels reach at most.
@@ -154,7 +154,7 @@ impl BrickRanges {
 
     /// Visible cells of a brick whose cells are reached by values from outside.
     #[inline(always)]
-    fn loosely<T: Stored>(
+    fn loosely<T: StoredSample>(
         &self,
         (lattice, data): (&Lattice, &Block<'_, T>),
         first: [usize; 3],
@@ -201,7 +201,7 @@ fn around<T: Copy>(values: &mut [T], bricks: [usize; 3], join: impl Fn(T, T) -> 
 }
 
 /// Ranges of the existing samples in a layer of bricks, x fastest, and which bricks have missing samples.
-fn layer_ranges<T: Stored>(
+fn layer_ranges<T: StoredSample>(
     lattice: &Lattice,
     data: &Block<'_, T>,
     bz: usize,
@@ -251,7 +251,7 @@ struct Points {
 impl Points {
     /// Reads the points around the brick at `first`; points beyond the lattice repeat its outermost ones.
     #[inline(always)]
-    fn read<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, first: [usize; 3]) -> Self {
+    fn read<T: StoredSample>(lattice: &Lattice, data: &Block<'_, T>, first: [usize; 3]) -> Self {
         let [_, ny, nz] = lattice.dims;
         let mut points = Self {
             low: [[[0; ROW]; EDGE]; EDGE],

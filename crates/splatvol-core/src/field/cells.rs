@@ -8,7 +8,7 @@
 use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
 
-use super::lattice::{Block, Lattice, Row, Stored};
+use super::lattice::{Block, Lattice, Row, StoredSample};
 
 /// Bit `8 y + x` of word z for each cell of a brick.
 pub(super) type CellBits = [u64; BRICK];
@@ -76,7 +76,7 @@ pub(super) fn within(counts: [usize; 3], first: [usize; 3]) -> CellBits {
 }
 
 /// Level ranges of a layer of bricks, x fastest.
-pub(super) fn layer_ranges<T: Stored>(
+pub(super) fn layer_ranges<T: StoredSample>(
     lattice: &Lattice,
     data: &Block<'_, T>,
     bz: usize,
@@ -120,7 +120,7 @@ pub(super) fn along_bricks(lattice: &Lattice, columns: &[LevelRange], row: &mut 
 }
 
 #[inline(always)]
-fn join<T: Stored>(low: &mut [T], high: &mut [T], samples: &[T]) {
+fn join<T: StoredSample>(low: &mut [T], high: &mut [T], samples: &[T]) {
     for ((low, high), &sample) in low.iter_mut().zip(high).zip(samples) {
         *low = if sample < *low { sample } else { *low };
         *high = if sample > *high { sample } else { *high };
@@ -140,7 +140,11 @@ pub(super) type PointLevels = [i16; PADDED];
 
 /// Reads the points around a brick's cells; beyond the lattice its last points again.
 #[inline(always)]
-pub(super) fn read<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, first: [usize; 3]) -> PointLevels {
+pub(super) fn read<T: StoredSample>(
+    lattice: &Lattice,
+    data: &Block<'_, T>,
+    first: [usize; 3],
+) -> PointLevels {
     let lattice = *lattice;
     let [_, ny, nz] = lattice.dims;
     let mut samples = [data.any(); PADDED];

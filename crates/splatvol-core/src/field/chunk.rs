@@ -13,7 +13,7 @@ use crate::prefilter::{AxisSolver, BLOCK, transpose};
 use crate::visibility::{BRICK_VOXELS, TOLERANCE};
 
 use super::cells::{CellBits, pack};
-use super::lattice::{Block, Lattice, Stored};
+use super::lattice::{Block, Lattice, StoredSample};
 use super::needs::Needs;
 
 /// Bricks of a chunk along x, y, z: the unit of solving, which fits a core's own cache together with its halo.
@@ -220,7 +220,7 @@ impl ChunkSolver {
     }
 
     /// Solves for the chunk that begins at lattice point `first`.
-    pub(super) fn solve<T: Stored>(
+    pub(super) fn solve<T: StoredSample>(
         &self,
         lattice: &Lattice,
         data: &Block<'_, T>,
@@ -283,7 +283,7 @@ pub(super) struct Solved {
 
 impl Solved {
     /// The brick at a place of the chunk.
-    pub(super) fn brick<T: Stored>(
+    pub(super) fn brick<T: StoredSample>(
         &self,
         scratch: &Scratch,
         lattice: &Lattice,
@@ -316,7 +316,13 @@ impl Solved {
 
 /// Normalised values of a slice of a chunk.
 #[inline(always)]
-fn load<T: Stored>(lattice: &Lattice, data: &Block<'_, T>, [x, y]: [Extent; 2], z: usize, slice: &mut [f32]) {
+fn load<T: StoredSample>(
+    lattice: &Lattice,
+    data: &Block<'_, T>,
+    [x, y]: [Extent; 2],
+    z: usize,
+    slice: &mut [f32],
+) {
     for (y, out) in (y.outer_from..y.outer_to).zip(slice.chunks_exact_mut(x.outer())) {
         lattice.fill(data, (x.outer_from, [y, z]), out);
     }

@@ -7,14 +7,14 @@ use super::level::SourceLevel;
 use crate::visibility::level_of;
 
 /// A sample type.
-pub(super) trait Stored: Copy + PartialOrd + Send + Sync + Into<f64> {
+pub(super) trait StoredSample: Copy + PartialOrd + Send + Sync + Into<f64> {
     /// Difference from a stored value: exact in the small integer types, else computed in f64.
     fn above(self, low: f64) -> f32;
 }
 
 macro_rules! small {
     ($($t:ty),*) => {$(
-        impl Stored for $t {
+        impl StoredSample for $t {
             #[inline(always)]
             fn above(self, low: f64) -> f32 {
                 f32::from(self) - low as f32
@@ -25,7 +25,7 @@ macro_rules! small {
 
 macro_rules! large {
     ($($t:ty),*) => {$(
-        impl Stored for $t {
+        impl StoredSample for $t {
             #[inline(always)]
             fn above(self, low: f64) -> f32 {
                 (f64::from(self) - low) as f32
@@ -194,18 +194,18 @@ impl Lattice {
 
     /// `(f - lo) / (hi - lo)`.
     #[inline(always)]
-    pub(super) fn normalised<T: Stored>(&self, sample: T) -> f32 {
+    pub(super) fn normalised<T: StoredSample>(&self, sample: T) -> f32 {
         sample.above(self.low) * self.factor
     }
 
     #[inline(always)]
-    pub(super) fn level<T: Stored>(&self, sample: T) -> i16 {
+    pub(super) fn level<T: StoredSample>(&self, sample: T) -> i16 {
         level_of(self.normalised(sample))
     }
 
     /// Normalised values of lattice points `start ..` of a row; each missing one is filled.
     #[inline(always)]
-    pub(super) fn fill<T: Stored>(
+    pub(super) fn fill<T: StoredSample>(
         &self,
         data: &Block<'_, T>,
         (start, [y, z]): (usize, [usize; 2]),
@@ -230,7 +230,7 @@ impl Lattice {
     }
 
     /// Normalised value of a point; a missing sample is the mean of its finite face neighbours, 0 without any.
-    fn filled<T: Stored>(&self, data: &Block<'_, T>, [x, y, z]: [usize; 3]) -> f32 {
+    fn filled<T: StoredSample>(&self, data: &Block<'_, T>, [x, y, z]: [usize; 3]) -> f32 {
         let at = |[x, y, z]: [usize; 3]| self.normalised(self.row(data, [y, z]).at(self.sample(0, x)));
         let own = at([x, y, z]);
         if own.is_finite() {

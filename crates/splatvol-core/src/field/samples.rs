@@ -5,7 +5,7 @@ use crate::brick::BRICK;
 use crate::visibility::{LEVELS, VisibleLevels};
 
 use super::FieldStore;
-use super::lattice::{Block, Lattice, Stored};
+use super::lattice::{Block, Lattice, StoredSample};
 
 /// Samples along the edge of a brick with one around it.
 const AROUND: usize = BRICK + 2;
@@ -75,7 +75,12 @@ impl FieldStore {
 
 impl Lattice {
     #[inline(always)]
-    fn neighbourhood<T: Stored>(&self, data: &Block<'_, T>, first: [usize; 3], out: &mut Neighbourhood) {
+    fn neighbourhood<T: StoredSample>(
+        &self,
+        data: &Block<'_, T>,
+        first: [usize; 3],
+        out: &mut Neighbourhood,
+    ) {
         for (axis, &first) in first.iter().enumerate() {
             let (margin, count) = (self.margin[axis], self.own[axis]);
             let within = |point: usize| (first + point).clamp(margin, margin + count) - first;

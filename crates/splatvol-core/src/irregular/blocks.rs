@@ -7,7 +7,7 @@ use splatvol_scene::{Association, Mesh};
 
 use super::Sample;
 use super::resample::{Resampled, Resampling};
-use super::structured::Lattice;
+use super::structured::BlockLattice;
 
 /// The samples of all blocks, in the order of the values, pieces in place of their sample.
 pub(super) fn samples(mesh: &Mesh, blocks: &[[usize; 3]], sigma: f64) -> (Vec<Sample>, Resampling) {
@@ -17,8 +17,8 @@ pub(super) fn samples(mesh: &Mesh, blocks: &[[usize; 3]], sigma: f64) -> (Vec<Sa
     for &dims in blocks {
         let points = first_point..first_point + dims.iter().product::<usize>();
         let lattice = match of_cells {
-            true => Lattice::of_cells(mesh, dims, points.start),
-            false => Lattice::of_points(mesh, dims, points.start),
+            true => BlockLattice::of_cells(mesh, dims, points.start),
+            false => BlockLattice::of_points(mesh, dims, points.start),
         };
         let own = first_value..first_value + lattice.positions.len();
         let mut samples = lattice.samples(&values[own.clone()], sigma);

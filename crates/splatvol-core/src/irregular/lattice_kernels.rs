@@ -9,14 +9,14 @@ use rayon::prelude::*;
 
 use super::Sample;
 use super::packets::{Evaluated, LANES, Packet, sum_at};
-use super::structured::{Lattice, index_of};
+use super::structured::{BlockLattice, index_of};
 
 /// Neighbours along an axis that a kernel reaches: four of its standard deviations of 0.74 voxels.
 pub(super) const REACH: usize = 3;
 
 /// The kernels of a block.
 pub(super) struct LatticeKernels<'a> {
-    lattice: &'a Lattice,
+    lattice: &'a BlockLattice,
     kernels: Vec<Evaluated>,
     /// Derivative of space by the index.
     steps: &'a [DMat3],
@@ -26,7 +26,7 @@ pub(super) struct LatticeKernels<'a> {
 }
 
 impl<'a> LatticeKernels<'a> {
-    pub(super) fn new(lattice: &'a Lattice, samples: &[Sample], steps: &'a [DMat3]) -> Self {
+    pub(super) fn new(lattice: &'a BlockLattice, samples: &[Sample], steps: &'a [DMat3]) -> Self {
         let kernels: Vec<Evaluated> = samples.par_iter().map(Evaluated::new).collect();
         let is_legal = kernels.iter().map(Evaluated::is_legal).collect();
         Self {

@@ -8,7 +8,7 @@ use super::lattice_kernels::LatticeKernels;
 use super::normalise::Correction;
 use super::pieces::{Hexahedron, LONGEST, Node, UNCUT, count, lengths};
 use super::resample::{Cut, Regions};
-use super::structured::{Lattice, index_of};
+use super::structured::{BlockLattice, index_of};
 
 /// Both halves of a region along an axis are one piece if they are together no longer than this, in spacings...
 const WHOLE: f64 = 1.25;
@@ -17,7 +17,7 @@ const HALF: f64 = 0.75;
 
 /// A block with its samples before normalisation.
 pub(super) struct LatticeRegions<'a> {
-    pub(super) lattice: &'a Lattice,
+    pub(super) lattice: &'a BlockLattice,
     pub(super) samples: &'a [Sample],
     pub(super) kernels: &'a LatticeKernels<'a>,
     /// Derivative of space by the index.

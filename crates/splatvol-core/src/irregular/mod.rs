@@ -61,7 +61,7 @@ pub use resample::{MOST_PER_SAMPLE, Resampling};
 
 /// Kernels of a mesh, in its local space. All fields are of one length.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Kernels {
+pub struct MeshKernels {
     /// Centres.
     pub positions: Vec<[f32; 3]>,
     /// Covariances: xx, xy, xz, yy, yz, zz.
@@ -79,12 +79,12 @@ pub struct Kernels {
 /// The kernels of a mesh, with standard deviation `sigma` in units of its cells (a regular grid's voxels). Missing
 /// or blanked samples have none, and neither have samples whose cells have no volume. The result is the same for
 /// any number of threads.
-pub fn kernels(mesh: &Mesh, sigma: f64) -> Kernels {
+pub fn kernels(mesh: &Mesh, sigma: f64) -> MeshKernels {
     let (samples, resampling) = match mesh.topology() {
         Topology::Structured(blocks) => blocks::samples(mesh, blocks, sigma),
         Topology::Unstructured(cells) => unstructured::samples(mesh, cells, sigma),
     };
-    Kernels::of(&samples, resampling)
+    MeshKernels::of(&samples, resampling)
 }
 
 /// A sample with its kernel, before its visibility is known.
@@ -107,7 +107,7 @@ impl Sample {
     }
 }
 
-impl Kernels {
+impl MeshKernels {
     fn of(samples: &[Sample], resampling: Resampling) -> Self {
         let seen: Vec<&Sample> = samples
             .iter()

@@ -9,12 +9,12 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::tree::Tree;
-use super::{Kernels, Sample};
+use super::{MeshKernels, Sample};
 
 /// Steps: the error of a detail that kernels halve is a sixteenth after them.
 const STEPS: usize = 3;
 
-impl Kernels {
+impl MeshKernels {
     /// Coefficients in place of the values, one per kernel, the same for any number of threads.
     pub fn coefficients(&self) -> Vec<f32> {
         let samples: Vec<Sample> = (0..self.len()).into_par_iter().map(|i| self.sample(i)).collect();
@@ -64,13 +64,13 @@ mod tests {
         let side = 3;
         let all = count * side * side;
         let at = |i: usize| [i / (side * side), i / side % side, i % side];
-        let kernels = Kernels {
+        let kernels = MeshKernels {
             positions: (0..all).map(|i| at(i).map(|x| x as f32)).collect(),
             covariances: vec![[1.0, 0.0, 0.0, 1.0, 0.0, 1.0].map(|v: f64| (v * sigma * sigma) as f32); all],
             masses: vec![1.0; all],
             values: (0..all).map(|i| wave[at(i)[0]]).collect(),
             gradients: vec![[0.0; 3]; all],
-            ..Kernels::default()
+            ..MeshKernels::default()
         };
         let error = |values: &[f32]| {
             let along = |i: usize| {

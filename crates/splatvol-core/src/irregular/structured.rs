@@ -25,19 +25,19 @@ const TRIGGER: Trigger = Trigger {
 };
 
 /// Samples along i, j, k.
-pub(super) struct Lattice {
+pub(super) struct BlockLattice {
     pub(super) dims: [usize; 3],
     pub(super) positions: Vec<DVec3>,
     pub(super) valid: Vec<bool>,
     /// Edges of the cell around each sample, where samples are cells.
     edges: Vec<DMat3>,
     /// The points of the cells, where samples are cells.
-    points: Option<Box<Lattice>>,
+    points: Option<Box<BlockLattice>>,
     /// True where no sample is blanked.
     pub(super) is_whole: bool,
 }
 
-impl Lattice {
+impl BlockLattice {
     pub(super) fn of_points(mesh: &Mesh, dims: [usize; 3], first: usize) -> Self {
         let count: usize = dims.iter().product();
         let valid = |point: usize| !mesh.blanked().get(first + point).copied().unwrap_or(false);

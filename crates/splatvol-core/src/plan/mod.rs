@@ -35,9 +35,9 @@ pub use extents::low_pass;
 pub use order::DepthOrder;
 pub use raster::{Raster, SheetShape, half_extent};
 pub use ray_shapes::RayShapes;
-pub use view::{Sampling, View};
+pub use view::{GridView, Sampling};
 pub use zone_plan::ZonePlan;
-pub use zones::{Footprints, Zone};
+pub use zones::{Evaluation, Zone};
 
 use crate::bin::{ProjectedBrick, TileGrid};
 use crate::field::FieldStore;
@@ -169,7 +169,7 @@ impl FramePlan {
     /// Plans a frame of a grid.
     pub fn of_grid(
         &mut self,
-        view: &View,
+        view: &GridView,
         bricks: &dyn Bricks,
         settings: &RenderSettings<SheetSettings>,
         tile_edge: usize,

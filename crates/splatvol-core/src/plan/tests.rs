@@ -1,7 +1,7 @@
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{Camera, Grid, ImageSize, Projection, RenderSettings, SheetSettings};
 
-use super::{Bricks, FramePlan, Sampling, View};
+use super::{Bricks, FramePlan, GridView, Sampling};
 use crate::brick::BRICK;
 use crate::sheets::Planes;
 
@@ -38,12 +38,12 @@ impl Bricks for Chosen {
 
 const DIMS: [usize; 3] = [40, 33, 27];
 
-fn view(settings: &RenderSettings<SheetSettings>, distance: f64, fov_degrees: f64) -> View {
+fn view(settings: &RenderSettings<SheetSettings>, distance: f64, fov_degrees: f64) -> GridView {
     let grid = Grid::centred(DIMS, DVec3::new(1.0, 1.2, 0.9)).expect("a grid");
     let projection = Projection::Perspective { fov_degrees };
     let from = DVec3::new(0.6, 0.5, -0.7).normalize() * distance;
     let camera = Camera::new(from, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
-    View::new(&grid, (&camera, settings), Sampling::Field, None)
+    GridView::new(&grid, (&camera, settings), Sampling::Field, None)
 }
 
 fn settings() -> RenderSettings<SheetSettings> {
@@ -53,7 +53,7 @@ fn settings() -> RenderSettings<SheetSettings> {
     }
 }
 
-fn plan(view: &View, bricks: &Chosen) -> FramePlan {
+fn plan(view: &GridView, bricks: &Chosen) -> FramePlan {
     let mut plan = FramePlan::default();
     plan.of_grid(view, bricks, &settings(), 64);
     plan

@@ -5,7 +5,7 @@ use splatvol_scene::{Camera, Gradient, Grid, RenderSettings, SheetSettings};
 
 use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
 use super::ray_shapes::RayShapes;
-use super::zones::{Cutting, Kernels, Sheets};
+use super::zones::{Cutting, GridKernel, Sheets};
 use super::{GROUP, Rays};
 use crate::footprint::FootprintShape;
 use crate::kernel::GaussianKernel;
@@ -33,7 +33,7 @@ const LEAST_TILE: usize = 4;
 
 /// View-dependent state of a frame, independent of the samples.
 #[derive(Debug, Clone)]
-pub struct View {
+pub struct GridView {
     camera_from_lattice: DAffine3,
     shape: FootprintShape,
     kernel: GaussianKernel,
@@ -47,7 +47,7 @@ pub struct View {
     ray_shapes: RayShapes,
 }
 
-impl View {
+impl GridView {
     /// `spacing`: of the planes, world length, where other layers demand one.
     pub fn new(
         grid: &Grid,
@@ -149,7 +149,7 @@ fn is_round(shape: &FootprintShape) -> bool {
     xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6
 }
 
-impl View {
+impl GridView {
     /// Sheets that a voxel is splatted into.
     pub fn sheets_per_voxel(&self) -> u64 {
         (self.groups * GROUP) as u64
@@ -199,8 +199,8 @@ impl View {
         (pixels as usize / LEAST_TILE * LEAST_TILE).clamp(LEAST_TILE, usual)
     }
 
-    fn kernels(&self) -> Kernels {
-        Kernels {
+    fn kernels(&self) -> GridKernel {
+        GridKernel {
             shape: self.shape,
             round: self.round,
             sheets: self.groups * GROUP,

@@ -6,7 +6,7 @@ use super::blocks::{pixel_reach, room_of};
 use super::extents::Extents;
 use super::project::BrickProjection;
 use super::raster::SheetShape;
-use super::view::View;
+use super::view::GridView;
 use super::zones::Zone;
 use super::{Bricks, SplatConstants};
 use crate::bin::{ProjectedBrick, TileGrid, TileLists};
@@ -26,7 +26,7 @@ pub struct ZonePlan {
 
 impl ZonePlan {
     /// Footprints on the zone's sheets.
-    pub(super) fn project(&mut self, view: &View) {
+    pub(super) fn project(&mut self, view: &GridView) {
         let &Extents {
             screen, along_rays, ..
         } = view.extents();
@@ -63,7 +63,7 @@ impl ZonePlan {
     /// Sorts the bricks that the zone's sheets meet into tiles.
     pub(super) fn bin(
         &mut self,
-        view: &View,
+        view: &GridView,
         bricks: &dyn Bricks,
         (tiles, projected): (&TileGrid, &mut Vec<Option<ProjectedBrick>>),
     ) {

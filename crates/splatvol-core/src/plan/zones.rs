@@ -28,7 +28,7 @@ const SHORT: usize = 24;
 
 /// Evaluation of footprints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Footprints {
+pub enum Evaluation {
     /// Columns and rows of powers, counted from the first block.
     Round,
     /// Powers counted from the block in the middle.
@@ -51,7 +51,7 @@ pub struct Zone {
     /// Raster of its sheets.
     pub raster: Raster,
     /// Evaluation of its footprints.
-    pub footprints: Footprints,
+    pub footprints: Evaluation,
     /// Cut of footprints, standard deviations.
     pub cut: f64,
     /// Depth of the eye, if the volume extends in front of it; nothing nearer is visible.
@@ -126,7 +126,7 @@ impl Sheets {
 
 /// Kernel shared by the footprints of all voxels.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Kernels {
+pub(super) struct GridKernel {
     pub shape: FootprintShape,
     pub round: bool,
     /// Sheets that a voxel meets.
@@ -140,7 +140,7 @@ pub(super) struct Kernels {
 pub(super) struct Cutting<'a> {
     pub extents: &'a Extents,
     pub sheets: &'a Sheets,
-    pub kernels: Kernels,
+    pub kernels: GridKernel,
 }
 
 impl Cutting<'_> {
@@ -264,7 +264,7 @@ impl Cutting<'_> {
             shown: local,
             last_sheet,
             raster,
-            footprints: Footprints::Direct,
+            footprints: Evaluation::Direct,
             cut: self.footprint_cut(&raster),
             eye,
             depth_reach: if extents.along_rays {
@@ -292,7 +292,7 @@ impl Cutting<'_> {
 
     /// Evaluation of footprints for a frame with one raster, seen from afar and at no wide angle; `None` otherwise,
     /// or if their powers do not fit f32.
-    fn plain_footprints(&self, raster: &Raster, ends: [f64; 2]) -> Option<Footprints> {
+    fn plain_footprints(&self, raster: &Raster, ends: [f64; 2]) -> Option<Evaluation> {
         let Self {
             extents,
             sheets,
@@ -310,9 +310,9 @@ impl Cutting<'_> {
         if kernels.round {
             // Those that are cut later have larger powers.
             let fit = !extents.widths.is_exact || round_powers_fit(&far, blocks, drift);
-            return fit.then_some(Footprints::Round);
+            return fit.then_some(Evaluation::Round);
         }
-        powers_fit_between([&near, &far], drift, blocks).then_some(Footprints::Ellipses)
+        powers_fit_between([&near, &far], drift, blocks).then_some(Evaluation::Ellipses)
     }
 
     /// The footprints with the steepest powers.
@@ -366,11 +366,11 @@ impl Cutting<'_> {
             })
         };
         let footprints = if kernels.round && all(&round_powers_fit) {
-            Footprints::Round
+            Evaluation::Round
         } else if all(&powers_fit) {
-            Footprints::Ellipses
+            Evaluation::Ellipses
         } else {
-            Footprints::Direct
+            Evaluation::Direct
         };
         Zone { footprints, ..zone }
     }
@@ -400,7 +400,7 @@ impl Zone {
             shown: 0..planes.count,
             last_sheet: planes.count + 1,
             raster: Raster::PIXELS,
-            footprints: Footprints::Direct,
+            footprints: Evaluation::Direct,
             cut: 0.0,
             eye: None,
             depth_reach: 0.0,

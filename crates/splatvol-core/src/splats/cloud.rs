@@ -10,7 +10,7 @@ pub struct SplatCloud {
     /// Centres, local.
     pub positions: Vec<[f32; 3]>,
     /// Payload of each splat. Classified splats: extinction per world length and emission (extinction times linear
-    /// rgb). Data: normalised value, one, and two zeros.
+    /// rgb). Unclassified: normalised value, one, and two zeros.
     pub payloads: Vec<[f32; 4]>,
     /// Gradients of the normalised value per local unit; empty where they are not needed.
     pub gradients: Vec<[f32; 3]>,

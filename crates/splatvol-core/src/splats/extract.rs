@@ -88,7 +88,7 @@ pub fn classified(from: &Extract<'_>) -> SplatCloud {
 }
 
 /// Voxels that can contribute to visible values, with their values. `reach`: of a voxel, voxels per axis.
-pub fn data(from: &Extract<'_>, reach: [f64; 3]) -> SplatCloud {
+pub fn unclassified(from: &Extract<'_>, reach: [f64; 3]) -> SplatCloud {
     from.collect(&from.bricks.active(from.table, reach), |value| {
         Some([value, 1.0, 0.0, 0.0])
     })

@@ -7,7 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `cloud` | centres, payloads and covariances, in chunks of neighbours |
-//! | `extract` | the cloud of a classified volume, and that of its data |
+//! | `extract` | the cloud of a classified volume, and that of its values |
 //! | `gather` | one cloud of voxels, surfels, Gaussians and whatever else |
 //! | `profile` | the radial profile of a footprint, whole and between depths |
 //! | `radial` | that of any radial kernel |
@@ -28,11 +28,11 @@ mod ray;
 mod sweep;
 
 pub use cloud::{Chunk, KernelShape, SplatCloud};
-pub use extract::{Extract, Interest, classified, data};
+pub use extract::{Extract, Interest, classified, unclassified};
 pub use footprint::{Footprint, Sample, Warp};
 pub use gather::{Gather, Gathered, Splat, gaussian_payload};
 pub use moving::{Moving, Passage, Path, whitening};
 pub use profile::{GaussianProfile, Profile};
-pub use projection::{AlignmentErrors, Bounds, Projection, View};
+pub use projection::{AlignmentErrors, Bounds, CameraView, Projection};
 pub use radial::RadialProfile;
 pub use ray::{Ray, Trapezoid};

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::cloud::{Chunk, SplatCloud};
 use super::footprint::{Footprint, Warp};
 use super::moving::{Moving, Path, whitening};
-use super::projection::View;
+use super::projection::CameraView;
 use super::ray::Trapezoid;
 
 /// Motion of a cloud's splats in camera space.
@@ -36,7 +36,7 @@ impl Sweep {
     pub(super) fn new(
         motion: &Motion,
         (cloud, dims): (&SplatCloud, [usize; 3]),
-        view: &View,
+        view: &CameraView,
         capsule: bool,
     ) -> Self {
         let displacements = match (motion, motion.camera_displacement(view.camera_from_world)) {

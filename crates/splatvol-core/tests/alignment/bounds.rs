@@ -1,7 +1,7 @@
 //! Footprints lie within what their chunk says, and do not explode beside the eye.
 
 use glam::{DMat3, DVec3};
-use splatvol_core::splats::{Chunk, Footprint, KernelShape, Projection, SplatCloud, View};
+use splatvol_core::splats::{CameraView, Chunk, Footprint, KernelShape, Projection, SplatCloud};
 use splatvol_scene::{Alignment, Filter, Stretch};
 
 use super::model::{Kernel, Random, SIGMA, cloud, profile, project, ray, view};
@@ -55,13 +55,13 @@ fn chunk(random: &mut Random, case: u32) -> SplatCloud {
 }
 
 /// The part of a footprint's box in the picture; `None` where it has none.
-fn visible(view: &View, [x0, y0, x1, y1]: [f32; 4]) -> Option<[f32; 4]> {
+fn visible(view: &CameraView, [x0, y0, x1, y1]: [f32; 4]) -> Option<[f32; 4]> {
     let (width, height) = (view.size.width() as f32, view.size.height() as f32);
     let seen = [x0.max(0.0), y0.max(0.0), x1.min(width), y1.min(height)];
     (seen[0] < seen[2] && seen[1] < seen[3]).then_some(seen)
 }
 
-fn check(projection: &Projection<'_>, view: &View, footprint: &Footprint) -> Result<bool, String> {
+fn check(projection: &Projection<'_>, view: &CameraView, footprint: &Footprint) -> Result<bool, String> {
     let finite = footprint.weight.is_finite() && footprint.bounds.iter().all(|b| !b.is_nan());
     if !finite {
         return Err(format!("{footprint:?}"));

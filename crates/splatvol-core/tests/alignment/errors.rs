@@ -1,7 +1,7 @@
 //! Estimates of errors bound errors, and `auto` keeps to its budget.
 
 use glam::DVec3;
-use splatvol_core::splats::{Footprint, KernelShape, SplatCloud, View, Warp};
+use splatvol_core::splats::{CameraView, Footprint, KernelShape, SplatCloud, Warp};
 use splatvol_scene::{Alignment, Filter, Stretch};
 
 use super::model::{Random, SIGMA, cloud, profile, project, raster, view};
@@ -54,7 +54,7 @@ fn rounding(footprint: &Footprint) -> f64 {
 }
 
 /// The error of an alignment, beyond rounding.
-fn measured(cloud: &SplatCloud, view: &View, filter: Filter, alignment: Alignment) -> f64 {
+fn measured(cloud: &SplatCloud, view: &CameraView, filter: Filter, alignment: Alignment) -> f64 {
     let of = |alignment| {
         project(cloud, view, (filter, alignment, Stretch::Box))
             .project(0)

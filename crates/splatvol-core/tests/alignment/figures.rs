@@ -1,13 +1,13 @@
 //! The figures that mueller1998 gives, and our own.
 
 use glam::{DMat3, DVec3};
-use splatvol_core::splats::{Footprint, GaussianProfile, Profile, Projection, View};
+use splatvol_core::splats::{CameraView, Footprint, GaussianProfile, Profile, Projection};
 use splatvol_scene::{Alignment, Filter, Stretch};
 
 use super::model::{Kernel, SIGMA, cloud, profile, project, raster, ray, view};
 
 /// Largest error of a footprint, share of the peak.
-fn largest(view: &View, footprint: &Footprint, kernel: &Kernel) -> f64 {
+fn largest(view: &CameraView, footprint: &Footprint, kernel: &Kernel) -> f64 {
     let peak = kernel.along(kernel.u);
     raster(footprint, 48)
         .map(|pixel| {
@@ -48,7 +48,7 @@ fn exact_footprints_do_not_err() {
 /// The set-up of figures 9 and 10: 512^3 voxels, a picture of 512^2 pixels, a cone of 30 degrees, exp(-1.38 r^2) cut at 2.
 struct Paper {
     focal: f64,
-    view: View,
+    view: CameraView,
     profile: GaussianProfile,
     sigma: f64,
 }

@@ -3,7 +3,9 @@
 use std::sync::LazyLock;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use splatvol_core::splats::{Chunk, Footprint, GaussianProfile, KernelShape, Projection, SplatCloud, View};
+use splatvol_core::splats::{
+    CameraView, Chunk, Footprint, GaussianProfile, KernelShape, Projection, SplatCloud,
+};
 use splatvol_scene::{Alignment, Filter, ImageSize, ScreenFromCamera, Stretch};
 
 /// Numbers that look random, the same in every run.
@@ -63,9 +65,9 @@ pub(crate) fn cloud(u: DVec3, grid: DMat3) -> SplatCloud {
 }
 
 /// A view with this focal length in pixels, 60 degrees to all sides and more.
-pub(crate) fn view(focal: f64) -> View {
+pub(crate) fn view(focal: f64) -> CameraView {
     let side = (4.0 * focal).ceil().max(16.0);
-    View {
+    CameraView {
         camera_from_world: DAffine3::IDENTITY,
         screen: ScreenFromCamera {
             perspective: true,
@@ -89,7 +91,7 @@ pub(crate) type Way = (Filter, Alignment, Stretch);
 /// The only splat's projection.
 pub(crate) fn project<'a>(
     cloud: &'a SplatCloud,
-    view: &View,
+    view: &CameraView,
     (filter, alignment, stretch): Way,
 ) -> Projection<'a> {
     Projection::new(cloud, view, (filter, alignment), profile()).with_stretch(stretch)
@@ -164,7 +166,7 @@ pub(crate) fn through(point: DVec3, unit: DVec3, widest: f64, density: impl Fn(D
 }
 
 /// The ray of a pixel, per depth.
-pub(crate) fn ray(view: &View, pixel: [f32; 2]) -> DVec3 {
+pub(crate) fn ray(view: &CameraView, pixel: [f32; 2]) -> DVec3 {
     let [x, y] = pixel.map(f64::from);
     ((DVec2::new(x, y) - view.screen.centre) / view.screen.scale).extend(1.0)
 }

@@ -3,7 +3,7 @@
 //! length. Rows are written for the plane of the axis and the splat, with the direction across it added.
 
 use glam::{DMat3, DVec2, DVec3};
-use splatvol_core::splats::View;
+use splatvol_core::splats::CameraView;
 use splatvol_scene::{Alignment, Filter, Stretch};
 
 use super::model::{Kernel, Random, SIGMA, Way, cloud, line, pixel, profile, project, ray, through, view};
@@ -106,7 +106,7 @@ const WAYS: [(Alignment, Stretch, Row); 5] = [
 /// Largest difference from a row, share of the peak, of a splat at this direction and depth.
 fn row_error(
     random: &mut Random,
-    view: &View,
+    view: &CameraView,
     d: DVec3,
     z: f64,
     way: Way,

@@ -7,7 +7,7 @@ use splatvol_scene::{
 };
 
 use super::{ONE_VALUE, asked, asked_of, volume};
-use crate::route::{is_data, own_layer};
+use crate::route::{is_post_classified, own_layer};
 
 /// Rejects settings that the published Gaussian renderer does not support.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {
@@ -53,7 +53,7 @@ pub(super) fn layers(scene: &Scene, sheets: &SheetSettings) -> Result<(), SceneE
     for item in &scene.items {
         if let Some(single) = own_layer(item) {
             volume::on_sheets(scene, &single, &sheets.of_labels(single.labels))?;
-        } else if is_data(item, sheets) {
+        } else if is_post_classified(item, sheets) {
             mesh(scene, item, sheets)?;
         } else if let Some(what) = asked_of(std::slice::from_ref(item), &[]) {
             return Err(SceneError::Combination {

@@ -16,7 +16,7 @@ mod volume;
 use splatvol_core::engine::Shot;
 use splatvol_scene::{Clip, Item, Method, Scene, SceneError};
 
-use crate::route::Way;
+use crate::route::RenderLoop;
 
 /// Error message for operators, clips or isosurfaces in a picture with one value per ray.
 const ONE_VALUE: &str = "maximum, minimum and mean show one value of a ray alone, use image sheets";
@@ -32,22 +32,22 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
         camera,
         settings,
     } = shot;
-    match Way::of(scene, settings) {
-        Way::Volume(single, own) => {
+    match RenderLoop::of(scene, settings) {
+        RenderLoop::Volume(single, own) => {
             own.with(Method::Sheets(own.method)).validate()?;
             volume::on_sheets(scene, &single, &own.method)?;
         }
-        Way::Classic(single, own) => {
+        RenderLoop::Classic(single, own) => {
             own.with(Method::Splats(own.method)).validate()?;
             volume::footprints(scene, &single)?;
             raster::check(&single, camera, &own.method)?;
         }
-        Way::Published => cloud::published(scene, settings)?,
-        Way::Layers(own) => {
+        RenderLoop::Published => cloud::published(scene, settings)?,
+        RenderLoop::Layers(own) => {
             settings.validate()?;
             cloud::layers(scene, &own.method)?;
         }
-        Way::Splats => cloud::splats(scene, settings)?,
+        RenderLoop::Splats => cloud::splats(scene, settings)?,
     }
     Ok(())
 }

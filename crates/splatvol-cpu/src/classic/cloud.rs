@@ -21,8 +21,8 @@ struct Key {
     transfer_function: TransferFunction,
     /// World length to which its opacities refer.
     unit_distance: f64,
-    /// Reach of a voxel where data is splatted, voxels.
-    data_reach: Option<f64>,
+    /// Reach of a voxel where values are splatted, voxels.
+    value_reach: Option<f64>,
     shape: KernelShape,
     gradients: bool,
     extraction: Option<Extraction>,
@@ -54,8 +54,8 @@ pub(crate) struct CloudStore {
     cloud: Option<(Key, SplatCloud)>,
 }
 
-/// Whether data is splatted, for sheets to classify.
-pub(crate) fn splats_data(settings: &RenderSettings<SplatSettings>) -> bool {
+/// Whether values are splatted, for sheets to classify.
+pub(crate) fn splats_values(settings: &RenderSettings<SplatSettings>) -> bool {
     settings.method.compositing == SplatCompositing::ImageSheets(Classification::Post)
 }
 
@@ -86,13 +86,13 @@ impl CloudStore {
             self.samples = Some(Arc::new(samples));
         }
         let samples = self.samples.as_ref()?;
-        let data = splats_data(settings);
+        let of_values = splats_values(settings);
         let key = Key {
             transfer_function: scene.transfer_function.as_ref().clone(),
             unit_distance: scene.unit_distance(),
-            data_reach: data.then(|| data_reach(settings)),
+            value_reach: of_values.then(|| value_reach(settings)),
             shape,
-            gradients: (!data && settings.lighting.is_some())
+            gradients: (!of_values && settings.lighting.is_some())
                 || matches!(shape, KernelShape::Flattened { .. }),
             extraction: settings.method.extraction,
         };
@@ -112,9 +112,9 @@ impl CloudStore {
     }
 }
 
-/// Reach of a voxel where data is splatted, voxels: one sheet spacing more on either side, for differences between
+/// Reach of a voxel where values are splatted, voxels: one sheet spacing more on either side, for differences between
 /// sheets.
-fn data_reach(settings: &RenderSettings<SplatSettings>) -> f64 {
+fn value_reach(settings: &RenderSettings<SplatSettings>) -> f64 {
     GaussianKernel::new(settings.method.kernel).radius + 2.0 * settings.method.sheet_thickness.max(1.0) + 2.0
 }
 
@@ -136,8 +136,8 @@ impl Key {
                 .as_ref()
                 .map(|extraction| Interest::new(extraction, volume)),
         };
-        match self.data_reach {
-            Some(reach) => splats::data(&from, [reach; 3]),
+        match self.value_reach {
+            Some(reach) => splats::unclassified(&from, [reach; 3]),
             None => splats::classified(&from),
         }
     }

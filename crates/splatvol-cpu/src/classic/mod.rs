@@ -12,23 +12,23 @@
 //! | stage | module | what happens |
 //! |---|---|---|
 //! | extract | `cloud` | the volume's visible voxels become a cloud, kept between frames |
-//! | profile | `kernels` | the kernel's line integrals, as a function or as tables, kept between frames |
+//! | profile | `profiles` | the kernel's line integrals, as a function or as tables, kept between frames |
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
 //! | splat | `raster`, `sheet` | footprints, whole or a sheet's section of them, become pixels |
-//! | composite | `tile`, `data` | sheets, or splats one by one, go behind what a pixel has |
+//! | composite | `tile`, `post_classified` | sheets, or splats one by one, go behind what a pixel has |
 //!
 //! A *turn* is a sheet, a slice of the grid, or a range of depths whose splats are sorted, front to back (`order`).
 //! Pixels receive their contributions turn by turn, then by depth and index, so pictures are the same for any
 //! number of threads and any tile.
 
 mod cloud;
-mod data;
-mod kernels;
 mod occlusion;
 mod order;
 mod pixel;
 mod plan;
+mod post_classified;
+mod profiles;
 mod raster;
 mod sheet;
 mod tile;
@@ -42,9 +42,9 @@ use splatvol_core::splats::Profile;
 use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SplatSettings};
 
 use self::cloud::CloudStore;
-use self::kernels::{Footprints, KernelStore};
 use self::pixel::{Resolved, store};
 use self::plan::{Drawn, Plan};
+use self::profiles::{FootprintProfile, ProfileStore};
 use self::tile::{TileScratch, TileWork};
 use crate::clock::Instant;
 use crate::route::VolumeScene;
@@ -54,7 +54,7 @@ use crate::run::Run;
 #[derive(Debug, Default)]
 pub(crate) struct ClassicEngine {
     store: CloudStore,
-    kernels: KernelStore,
+    kernels: ProfileStore,
 }
 
 impl ClassicEngine {
@@ -90,7 +90,7 @@ impl ClassicEngine {
 /// Plans and renders a frame. `start`: start time of the frame.
 fn draw(
     run: Run<'_>,
-    (drawn, footprints): (Drawn<'_>, Footprints<'_>),
+    (drawn, footprints): (Drawn<'_>, FootprintProfile<'_>),
     view: (&Camera, &RenderSettings<SplatSettings>),
     frame: &mut Frame,
     start: Instant,
@@ -100,11 +100,11 @@ fn draw(
         ..StageSeconds::default()
     };
     let mut statistics = match footprints {
-        Footprints::Gaussian(profile) => {
+        FootprintProfile::Gaussian(profile) => {
             let plan = || Plan::new(drawn, view, (profile, None));
             render_tiles(run, &run.pool.install(plan), frame, seconds)
         }
-        Footprints::Radial(profile, tables) => {
+        FootprintProfile::Radial(profile, tables) => {
             let plan = || Plan::new(drawn, view, (profile, tables));
             render_tiles(run, &run.pool.install(plan), frame, seconds)
         }

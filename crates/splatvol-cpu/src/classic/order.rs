@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use splatvol_core::sheets::SheetStack;
-use splatvol_core::splats::{Bounds, Chunk, SplatCloud, View};
+use splatvol_core::splats::{Bounds, CameraView, Chunk, SplatCloud};
 use splatvol_scene::{RenderSettings, SplatCompositing, SplatSettings};
 
 /// Meaning of a turn.
@@ -41,7 +41,7 @@ impl Order {
     pub(crate) fn new(
         settings: &RenderSettings<SplatSettings>,
         cloud: &SplatCloud,
-        view: &View,
+        view: &CameraView,
         corners: &[DVec3; 8],
         reach: f32,
     ) -> Self {
@@ -63,7 +63,7 @@ impl Order {
     }
 
     /// Slices across the axis that the camera looks along most nearly.
-    fn slices(cloud: &SplatCloud, view: &View) -> Self {
+    fn slices(cloud: &SplatCloud, view: &CameraView) -> Self {
         let local_from_camera = (view.camera_from_world * cloud.world_from_local).inverse();
         // The axis whose slices' normal is most nearly the viewing direction: the row of the inverse transpose, which is
         // what `local_from_camera` multiplies depth by, in the grid's own metric.

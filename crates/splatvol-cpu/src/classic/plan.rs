@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
-use splatvol_core::splats::{Profile, Projection, SplatCloud, View};
+use splatvol_core::splats::{CameraView, Profile, Projection, SplatCloud};
 use splatvol_scene::{Camera, MotionBlur, Occlusion, RenderSettings, SplatCompositing, SplatSettings};
 
-use super::cloud::splats_data;
+use super::cloud::splats_values;
 use super::order::{Order, extent};
 use super::raster::Tables;
 use crate::clock::Instant;
@@ -25,7 +25,7 @@ pub(crate) struct Drawn<'a> {
     pub cloud: &'a SplatCloud,
     /// Bricks of the cloud's volume.
     pub bricks: usize,
-    /// The volume, for classification of data sheets and for motion.
+    /// The volume, for classification of sheets of values and for motion.
     pub scene: &'a VolumeScene<'a>,
 }
 
@@ -39,13 +39,13 @@ pub(crate) struct Plan<'a, P> {
     /// Lookup tables of the footprints, if any.
     pub tables: Option<&'a Tables>,
     pub order: Order,
-    pub view: View,
+    pub view: CameraView,
     /// Chunks per tile, by their first turn; a brick index of the lists is a chunk index here.
     pub lists: TileLists,
     pub tiles: TileGrid,
     /// Light on classified splats.
     pub light: Option<SplatLight>,
-    /// Transfer function and lighting for sheets of data.
+    /// Transfer function and lighting for sheets of values.
     pub shading: Option<(ClassificationTable, Option<Phong>)>,
     /// Width of the border of pixels that is splatted around a tile.
     pub apron: usize,
@@ -63,7 +63,7 @@ impl<'a, P: Profile> Plan<'a, P> {
     ) -> Self {
         let start = Instant::now();
         let camera_from_world = camera.camera_from_world();
-        let view = View {
+        let view = CameraView {
             camera_from_world,
             screen: camera.screen_from_camera(settings.size),
             size: settings.size,
@@ -84,8 +84,8 @@ impl<'a, P: Profile> Plan<'a, P> {
         let corners = corners(cloud)
             .map(|local| camera_from_world.transform_point3(cloud.world_from_local.transform_point3(local)));
         let order = Order::new(settings, cloud, &view, &corners, reach);
-        let data = splats_data(settings);
-        let apron = usize::from(data);
+        let of_values = splats_values(settings);
+        let apron = usize::from(of_values);
         let edge = if settings.method.occlusion == Occlusion::Sat {
             settings.size.width().max(settings.size.height()) as usize
         } else {
@@ -109,12 +109,12 @@ impl<'a, P: Profile> Plan<'a, P> {
         let projected: Vec<_> = cloud.chunks.par_iter().enumerate().filter_map(chunk).collect();
         let lists = TileLists::new(projected, &tiles);
         let lighting = settings.lighting.as_ref();
-        let lit = lighting.filter(|_| !data && settings.method.compositing != SplatCompositing::Xray);
+        let lit = lighting.filter(|_| !of_values && settings.method.compositing != SplatCompositing::Xray);
         Self {
             settings,
             cloud,
             light: lit.map(|lighting| SplatLight::new(lighting, cloud, camera)),
-            shading: data.then(|| {
+            shading: of_values.then(|| {
                 let table = ClassificationTable::new(
                     &scene.transfer_function,
                     scene.volume.value_range(),

@@ -12,11 +12,11 @@ use splatvol_core::bin::{ProjectedBrick, TileRect};
 use splatvol_core::splats::{Footprint, Profile};
 use splatvol_scene::{Absorption, SplatCompositing};
 
-use super::data::DataSheets;
 use super::occlusion::Finished;
 use super::order::Order;
 use super::pixel::{Pixel, Resolved, resolve};
 use super::plan::Plan;
+use super::post_classified::ValueSheets;
 use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
@@ -33,7 +33,7 @@ pub(crate) struct TileScratch {
     pub open: Vec<Open>,
     /// Extinction, emission, extinction times depth.
     pub sheet: Sheet<5>,
-    pub data: DataSheets,
+    pub values: ValueSheets,
     pub pixels: Vec<Pixel>,
     pub finished: Finished,
     pub row: Vec<f32>,
@@ -110,7 +110,7 @@ impl<P: Profile> Tile<'_, P> {
         scratch.open.clear();
         scratch.sheet.reset([width, height], self.stop)?;
         if self.plan.shading.is_some() {
-            scratch.data.reset([width, height], self.stop)?;
+            scratch.values.reset([width, height], self.stop)?;
         }
         scratch.pixels.clear();
         let own = own_width * own_height;
@@ -159,7 +159,7 @@ impl<P: Profile> Tile<'_, P> {
         }
         self.work.hidden_splats += self.scratch.turns.waiting() as u64;
         if plan.shading.is_some() {
-            self.finish_data();
+            self.finish_values();
         }
     }
 
@@ -192,7 +192,7 @@ impl<P: Profile> Tile<'_, P> {
         let Self { scratch, plan, .. } = self;
         scratch.open.is_empty()
             && !scratch.turns.has(turn)
-            && (plan.shading.is_none() || scratch.data.is_idle())
+            && (plan.shading.is_none() || scratch.values.is_idle())
     }
 
     /// Opens the chunks whose first turn has come, unless they are hidden. As in huang2000 section 4.1, the table
@@ -246,9 +246,9 @@ impl<P: Profile> Tile<'_, P> {
                 let section = sheets.slab(turn).map(|depth| depth as f32);
                 self.open_splats(turn);
                 if self.plan.shading.is_some() {
-                    self.splat_data(turn, section);
+                    self.splat_values(turn, section);
                     let splatted = Instant::now();
-                    self.shade_data(turn);
+                    self.shade_values(turn);
                     self.work.splat += splatted - start;
                     self.work.shade += splatted.elapsed();
                 } else {
@@ -321,7 +321,7 @@ impl<P: Profile> Tile<'_, P> {
             if work.slices.is_multiple_of(PATIENCE as u64) && stop.load(Ordering::Relaxed) {
                 return false;
             }
-            // The apron is only there for data, so areas are the tile's own pixels.
+            // The apron is only there for values, so areas are the tile's own pixels.
             if finished.hide(splat.area) {
                 return false;
             }

@@ -8,12 +8,12 @@ use splatvol_core::plan::SheetShape;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
-use super::classified::Classified;
+use super::classified::ClassifiedVoxels;
 use super::compose::through_and_opacity;
-use super::fine_table::{FineTable, Stretch, advantage};
+use super::fine_table::{ColoredSegment, FineTable, advantage};
 use super::frame::SheetFrame;
 use super::gradients::Moments;
-use super::hermite::{End, Hermite, Rays, pieces};
+use super::hermite::{End, Hermite, RayLanes, pieces};
 use super::holes::{self, Holes};
 use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
 use super::mode::Mode;
@@ -84,7 +84,7 @@ impl Derivative {
 }
 
 /// The interval between two planes of a tile.
-pub(crate) struct Interval<'a> {
+pub(crate) struct AnalyticInterval<'a> {
     sums: Sums,
     planes: [&'a [Plane; MAX_CHANNELS]; 2],
     derivatives: [Derivative; 2],
@@ -101,7 +101,7 @@ pub(crate) struct Interval<'a> {
     origin: [usize; 2],
 }
 
-impl Interval<'_> {
+impl AnalyticInterval<'_> {
     /// Image coordinates of one of the tile's pixels.
     #[inline(always)]
     pub(crate) fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
@@ -155,7 +155,7 @@ impl Interval<'_> {
     pub(crate) fn missing_between<S: Simd>(
         &self,
         simd: S,
-        rays: &Rays<S>,
+        rays: &RayLanes<S>,
         place: [usize; 2],
     ) -> Option<f32x16<S>> {
         let zero = f32x16::splat(simd, 0.0);
@@ -192,7 +192,7 @@ impl AnalyticField<'_> {
         frame: &SheetFrame<'_>,
         (near, place): (usize, &Place),
         (planes, holes, at_eye): (&'s [[Plane; MAX_CHANNELS]; 4], &'s Holes, Option<[f32; 3]>),
-    ) -> Option<(Interval<'s>, Span)> {
+    ) -> Option<(AnalyticInterval<'s>, Span)> {
         let span = filled(planes.each_ref().map(|p| &p[0]), place)?;
         let [first, second] = frame.sheets.get(near..near + 2)? else {
             return None;
@@ -201,7 +201,7 @@ impl AnalyticField<'_> {
             self.weights
                 .on_plane(self.shader.pixels(sheet.depth), sheet.low_pass)
         });
-        let interval = Interval {
+        let interval = AnalyticInterval {
             sums: self.sums,
             planes: [&planes[1], &planes[2]],
             derivatives: [Derivative::new(frame, first), Derivative::new(frame, second)],
@@ -223,9 +223,9 @@ impl AnalyticField<'_> {
     pub(crate) fn along_rays<S: Simd>(
         &self,
         simd: S,
-        interval: &Interval<'_>,
+        interval: &AnalyticInterval<'_>,
         place: [usize; 2],
-    ) -> (Hermite<S>, Rays<S>) {
+    ) -> (Hermite<S>, RayLanes<S>) {
         let ends = [
             self.end(simd, interval, 0, place),
             self.end(simd, interval, 1, place),
@@ -237,7 +237,7 @@ impl AnalyticField<'_> {
 
     /// Whether sixteen pixels are near a face on one of an interval's planes.
     #[inline(always)]
-    pub(crate) fn is_near_face(&self, interval: &Interval<'_>, in_picture: [usize; 2]) -> bool {
+    pub(crate) fn is_near_face(&self, interval: &AnalyticInterval<'_>, in_picture: [usize; 2]) -> bool {
         interval.is_near_face
             && interval
                 .faces
@@ -247,7 +247,13 @@ impl AnalyticField<'_> {
 
     /// The sums of sixteen pixels on one of the planes.
     #[inline(always)]
-    fn end<S: Simd>(&self, simd: S, interval: &Interval<'_>, which: usize, [x, y]: [usize; 2]) -> End<S> {
+    fn end<S: Simd>(
+        &self,
+        simd: S,
+        interval: &AnalyticInterval<'_>,
+        which: usize,
+        [x, y]: [usize; 2],
+    ) -> End<S> {
         let planes = interval.planes[which];
         let at = (y + HALO) * planes[0].pitch + x + HALO;
         let in_picture = interval.in_picture([x, y]);
@@ -272,11 +278,11 @@ impl AnalyticField<'_> {
 
     /// The rays of sixteen pixels.
     #[inline(always)]
-    fn rays<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> Rays<S> {
+    fn rays<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> RayLanes<S> {
         let [cx, cy] = self.shader.principal;
         let across = (f32x16::from_slice(simd, &MIDDLES) + (x as f32 - cx)) * self.shader.per_pixel;
         let down = (y as f32 + 0.5 - cy) * self.shader.per_pixel;
-        Rays {
+        RayLanes {
             slope: [across, f32x16::splat(simd, down)],
             squared: across * across + (1.0 + down * down),
             spacing: self.shader.spacing,
@@ -297,7 +303,7 @@ impl<'a> Analytic<'a> {
     fn composite<S: Simd>(
         &self,
         simd: S,
-        interval: &Interval<'_>,
+        interval: &AnalyticInterval<'_>,
         canvas: &mut Canvas,
         (place, open): ([usize; 2], mask32x16<S>),
     ) -> u16 {
@@ -316,7 +322,7 @@ impl<'a> Analytic<'a> {
         let mut front = self.table.classify(simd, field.value(zero));
         let last = self.table.classify(simd, field.value(one));
         let length = rays.squared.sqrt() * shader.spacing;
-        let whole = Stretch::between(simd, [&front, &last]).extinction * length;
+        let whole = ColoredSegment::between(simd, [&front, &last]).extinction * length;
         let count = seen.select(pieces(simd, bend, whole), zero);
         let most = count.as_slice().iter().fold(0.0f32, |most, &n| most.max(n));
         let share = one / count.max(one);
@@ -327,16 +333,16 @@ impl<'a> Analytic<'a> {
         while piece < most {
             let start = share * piece;
             let back = self.table.classify(simd, field.value((start + share).min(one)));
-            let stretch = Stretch::between(simd, [&front, &back]);
+            let segment = ColoredSegment::between(simd, [&front, &back]);
             front = back;
             let coverage = field.coverage(simd, share * 0.5 + start);
             let exists = count.simd_gt(f32x16::splat(simd, piece));
             piece += 1.0;
-            let optical_depth = exists.select(stretch.extinction * coverage * length * share, zero);
+            let optical_depth = exists.select(segment.extinction * coverage * length * share, zero);
             if !optical_depth.simd_gt(zero).any_true() {
                 continue;
             }
-            let u = stretch.place * share + start;
+            let u = segment.place * share + start;
             let (left, opacity) = through_and_opacity(simd, optical_depth);
             let (diffuse, specular) = match &shader.phong {
                 Some(phong) => phong.lanes(simd, field.gradient(u)),
@@ -346,7 +352,7 @@ impl<'a> Analytic<'a> {
             let in_front = through * advantage(simd, optical_depth, left, opacity) * diffuse;
             for c in 0..3 {
                 color[c] +=
-                    (stretch.color[c] * diffuse + specular) * visible + stretch.half_step[c] * in_front;
+                    (segment.color[c] * diffuse + specular) * visible + segment.half_step[c] * in_front;
             }
             opacities += visible;
             depth_sum += (u * shader.spacing + interval.depth) * visible;
@@ -366,7 +372,7 @@ impl<'a> Analytic<'a> {
 impl Mode<4> for Analytic<'_> {
     type Payload<'m> = Moments;
 
-    fn payload(_: &Classified) -> Moments {
+    fn payload(_: &ClassifiedVoxels) -> Moments {
         Moments
     }
 
@@ -385,7 +391,7 @@ impl Mode<4> for Analytic<'_> {
         _: S,
         (brick, _): (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        _: &mut Classified,
+        _: &mut ClassifiedVoxels,
     ) {
         self.field.store.decode(brick, values);
     }

@@ -17,7 +17,7 @@ use crate::phong::Phong;
 
 /// Extinction and emission of the voxels of open bricks.
 #[derive(Debug, Default)]
-pub(crate) struct Classified {
+pub(crate) struct ClassifiedVoxels {
     /// By slot and voxel: extinction, and emission (extinction times colour) red, green and blue.
     voxels: Vec<[[f32; 4]; BRICK_VOXELS]>,
     around: Neighbourhood,
@@ -36,7 +36,7 @@ struct Pair {
 /// Bit set in every handle, so that its bits are those of a normal float.
 const HANDLE: u32 = 1 << 30;
 
-impl Classified {
+impl ClassifiedVoxels {
     /// The voxel of a handle.
     #[inline(always)]
     pub(crate) fn voxel(&self, handle: f32) -> &[f32; 4] {
@@ -122,9 +122,9 @@ impl<'a> ClassifiedBricks<'a> {
         simd: S,
         (brick, slot): (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        classified: &mut Classified,
+        classified: &mut ClassifiedVoxels,
     ) {
-        let Classified {
+        let ClassifiedVoxels {
             voxels,
             around,
             pairs,

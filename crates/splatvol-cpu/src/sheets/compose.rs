@@ -9,7 +9,7 @@ use splatvol_core::plan::Rays;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
-use super::classified::{Classified, ClassifiedBricks};
+use super::classified::{ClassifiedBricks, ClassifiedVoxels};
 use super::frame::SheetFrame;
 use super::mode::Mode;
 use super::place::Place;
@@ -27,7 +27,7 @@ pub(crate) struct Compose<'a> {
 
 /// Extinction and emission of classified voxels, each into a ring of its own.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Emission<'m>(pub &'m Classified);
+pub(crate) struct Emission<'m>(pub &'m ClassifiedVoxels);
 
 impl Payload<4> for Emission<'_> {
     #[inline(always)]
@@ -135,7 +135,7 @@ fn composite<S: Simd, const CUBIC: bool>(
 impl Mode<4> for Compose<'_> {
     type Payload<'m> = Emission<'m>;
 
-    fn payload(classified: &Classified) -> Emission<'_> {
+    fn payload(classified: &ClassifiedVoxels) -> Emission<'_> {
         Emission(classified)
     }
 
@@ -145,7 +145,7 @@ impl Mode<4> for Compose<'_> {
         simd: S,
         brick_and_slot: (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        classified: &mut Classified,
+        classified: &mut ClassifiedVoxels,
     ) {
         self.bricks.open(simd, brick_and_slot, values, classified);
     }

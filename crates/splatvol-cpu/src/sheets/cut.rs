@@ -32,7 +32,7 @@ pub(crate) struct Range {
 
 /// A ray between two planes: its start, and the step to its end.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Segment {
+pub(crate) struct RaySegment {
     pub from: Vec3,
     pub step: Vec3,
 }
@@ -71,7 +71,7 @@ impl Cut {
     }
 
     /// Visible ranges of a segment, from front to back.
-    pub(crate) fn ranges(&self, segment: &Segment, ranges: &mut Vec<Range>) {
+    pub(crate) fn ranges(&self, segment: &RaySegment, ranges: &mut Vec<Range>) {
         ranges.clear();
         ranges.push(Range {
             from: 0.0,
@@ -130,7 +130,7 @@ fn begin(range: &mut Range, at: f32, normal: Vec3) {
     }
 }
 
-fn passage(planes: &[Plane], segment: &Segment) -> Passage {
+fn passage(planes: &[Plane], segment: &RaySegment) -> Passage {
     let mut passage = Passage {
         enter: f32::NEG_INFINITY,
         leave: f32::INFINITY,
@@ -170,12 +170,12 @@ mod tests {
     }
 
     /// Along z from 2 to 3.
-    const AHEAD: Segment = Segment {
+    const AHEAD: RaySegment = RaySegment {
         from: Vec3::new(0.5, 0.0, 2.0),
         step: Vec3::Z,
     };
 
-    fn ranges(clips: &[Clip], segment: &Segment) -> Vec<Range> {
+    fn ranges(clips: &[Clip], segment: &RaySegment) -> Vec<Range> {
         let mut ranges = Vec::new();
         Cut::new(clips, DAffine3::IDENTITY).ranges(segment, &mut ranges);
         ranges
@@ -202,7 +202,7 @@ mod tests {
             (outside[1].from, outside[1].to, outside[1].face),
             (0.75, 1.0, Some(-Vec3::Z))
         );
-        let beside = Segment {
+        let beside = RaySegment {
             from: Vec3::new(1.5, 0.0, 2.0),
             ..AHEAD
         };
@@ -221,7 +221,7 @@ mod tests {
         ] {
             for i in 0..200 {
                 let angle = 0.7 * i as f32;
-                let segment = Segment {
+                let segment = RaySegment {
                     from: Vec3::new(angle.cos(), angle.sin() * 1.2, 2.0),
                     step: Vec3::new(0.6 * (3.0 * angle).sin(), 0.4 * angle.cos(), 1.0),
                 };

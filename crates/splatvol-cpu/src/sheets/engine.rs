@@ -8,7 +8,7 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
-use splatvol_core::plan::{Bricks, Sampling, View};
+use splatvol_core::plan::{Bricks, GridView, Sampling};
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows};
 
 use super::analytic::{Analytic, Sums};
@@ -18,16 +18,16 @@ use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::exact_intensity::ExactIntensity;
-use super::frame::Plan;
+use super::frame::GridPlan;
 use super::frame::ZonedFrame;
 use super::frame::{analytic_field, shader};
 use super::integral::Integral;
-use super::intensity::{Extreme, Intensity, Kept, Mean, ValueColors};
+use super::intensity::{Extreme, Intensity, Mean, Reduction, ValueColors};
 use super::layer::{ModeLayer, TileLayer, render};
 use super::level::{Detail, Wanted};
 use super::mode::Mode;
 use super::operated::Operated;
-use super::prepared::Prepared;
+use super::prepared::PreparedVolumes;
 use super::resolve::{blend, resolve};
 use super::scene::LayerStore;
 use super::shade::PlaneShader;
@@ -48,8 +48,8 @@ pub(crate) type Tile = Mutex<(Canvas, SheetWork)>;
 /// State between frames.
 #[derive(Debug, Default)]
 pub(crate) struct SheetEngine {
-    pub(super) prepared: Prepared,
-    plan: Plan,
+    pub(super) prepared: PreparedVolumes,
+    plan: GridPlan,
     pub(super) cloud: CloudPlan,
     pub(super) layers: LayerStore,
     pub(super) memory: TileMemory,
@@ -115,7 +115,7 @@ impl SheetEngine {
     /// An engine with a memory budget, bytes, for volumes of earlier scenes.
     pub(crate) fn with_spare(spare: usize) -> Self {
         Self {
-            prepared: Prepared::with_spare(spare),
+            prepared: PreparedVolumes::with_spare(spare),
             ..Self::default()
         }
     }
@@ -221,7 +221,7 @@ impl SheetEngine {
             _ => Sampling::Field,
         };
         let grid = level.field.source().grid();
-        let view = View::new(grid, (camera, settings), sampling, None);
+        let view = GridView::new(grid, (camera, settings), sampling, None);
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
         let mut job = Job {
@@ -237,7 +237,7 @@ impl SheetEngine {
         let look = (&level.classification, level.hull);
         let cut = || {
             Cut::new(
-                &scene.asked.clips,
+                &scene.effects.clips,
                 world_from_lattice(grid.world_from_voxel(), view.margin()),
             )
         };
@@ -285,7 +285,7 @@ impl SheetEngine {
                 let mode = Shaded {
                     store,
                     shader: shade(),
-                    operated: Operated::new(&scene.asked, spacing, (camera, store.source().value_range())),
+                    operated: Operated::new(&scene.effects, spacing, (camera, store.source().value_range())),
                 };
                 job.render(store, &mode, frame, statistics);
             }
@@ -297,15 +297,15 @@ impl SheetEngine {
 /// The tiles of one level's picture.
 struct Job<'a> {
     run: Run<'a>,
-    view: &'a View,
+    view: &'a GridView,
     settings: &'a RenderSettings<SheetSettings>,
-    plan: &'a mut Plan,
+    plan: &'a mut GridPlan,
     memory: &'a mut TileMemory,
 }
 
 impl Job<'_> {
     /// Renders one value of each ray.
-    fn values<K: Kept>(
+    fn values<K: Reduction>(
         &mut self,
         (store, shader): (&FieldStore, PlaneShader<'_>),
         colors: ValueColors<'_>,

@@ -7,12 +7,12 @@ use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::bin::TileRect;
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::analytic::{AnalyticField, Interval};
+use super::analytic::{AnalyticField, AnalyticInterval};
 use super::canvas::Canvas;
-use super::classified::Classified;
+use super::classified::ClassifiedVoxels;
 use super::cubic::Parabola;
 use super::frame::{SheetFrame, ZonedFrame};
-use super::intensity::{Kept, Piece, ValueColors};
+use super::intensity::{RayInterval, Reduction, ValueColors};
 use super::lattice_weights::{WeightPlane, Weights};
 use super::mode::Mode;
 use super::place::Place;
@@ -27,7 +27,7 @@ pub(crate) struct ExactIntensity<'a, K> {
     kept: PhantomData<K>,
 }
 
-impl<'a, K: Kept> ExactIntensity<'a, K> {
+impl<'a, K: Reduction> ExactIntensity<'a, K> {
     pub(crate) fn new(field: AnalyticField<'a>, colors: ValueColors<'a>) -> Self {
         Self {
             field,
@@ -41,15 +41,15 @@ impl<'a, K: Kept> ExactIntensity<'a, K> {
     fn piece<S: Simd>(
         &self,
         simd: S,
-        (interval, middle): (&Interval<'_>, &WeightPlane),
+        (interval, middle): (&AnalyticInterval<'_>, &WeightPlane),
         place: [usize; 2],
-    ) -> Piece<S> {
+    ) -> RayInterval<S> {
         let (along, rays) = self.field.along_rays(simd, interval, place);
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let in_picture = interval.in_picture(place);
         let is_near_face = self.field.is_near_face(interval, in_picture);
         let missing = interval.missing_between(simd, &rays, place);
-        Piece {
+        RayInterval {
             values: along.values(),
             coverage: (is_near_face || missing.is_some()).then(|| {
                 let mut middle = match is_near_face {
@@ -71,10 +71,10 @@ impl<'a, K: Kept> ExactIntensity<'a, K> {
     }
 }
 
-impl<K: Kept> Mode<2> for ExactIntensity<'_, K> {
+impl<K: Reduction> Mode<2> for ExactIntensity<'_, K> {
     type Payload<'m> = Slopes;
 
-    fn payload(_: &Classified) -> Slopes {
+    fn payload(_: &ClassifiedVoxels) -> Slopes {
         Slopes
     }
 
@@ -93,7 +93,7 @@ impl<K: Kept> Mode<2> for ExactIntensity<'_, K> {
         _: S,
         (brick, _): (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        _: &mut Classified,
+        _: &mut ClassifiedVoxels,
     ) {
         self.field.store.decode(brick, values);
     }

@@ -14,7 +14,7 @@
 use fearless_simd::{f32x16, prelude::*};
 use glam::{DAffine3, DMat2, DVec2, DVec3};
 use splatvol_core::brick::BRICK;
-use splatvol_core::plan::{Bricks, View};
+use splatvol_core::plan::{Bricks, GridView};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::frame::SheetFrame;
@@ -52,7 +52,7 @@ struct Jet<const N: usize> {
 
 impl Eye {
     /// Prepares the eye for a camera within a grid, given the kernel's peak on planes.
-    pub(crate) fn update(&mut self, view: &View, peak: f64, bricks: &dyn Bricks) {
+    pub(crate) fn update(&mut self, view: &GridView, peak: f64, bricks: &dyn Bricks) {
         let (shape, kernel) = (view.shape(), view.kernel());
         self.camera_from_lattice = view.camera_from_lattice();
         let [xx, xy, yy] = shape.lateral_covariance;

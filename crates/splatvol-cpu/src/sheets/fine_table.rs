@@ -52,7 +52,7 @@ pub(crate) struct Point<S: Simd> {
 
 /// Material between two values, the value varying linearly.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stretch<S: Simd> {
+pub(crate) struct ColoredSegment<S: Simd> {
     /// Mean extinction.
     pub extinction: f32x16<S>,
     /// Mean place of the material, 0 to 1.
@@ -82,7 +82,7 @@ impl<S: Simd> Mean<'_, S> {
     }
 }
 
-impl<S: Simd> Stretch<S> {
+impl<S: Simd> ColoredSegment<S> {
     #[inline(always)]
     pub(crate) fn between(simd: S, [a, b]: [&Point<S>; 2]) -> Self {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -218,9 +218,9 @@ mod tests {
     #[inline(always)]
     fn found<S: Simd>(simd: S, table: &FineTable, ends: [f32; 2]) -> [f32; 4] {
         let [a, b] = ends.map(|value| table.classify(simd, f32x16::splat(simd, value)));
-        let stretch = Stretch::between(simd, [&a, &b]);
-        let [r, g, b] = stretch.color.map(|c| c[7]);
-        [stretch.extinction[7], r, g, b]
+        let segment = ColoredSegment::between(simd, [&a, &b]);
+        let [r, g, b] = segment.color.map(|c| c[7]);
+        [segment.extinction[7], r, g, b]
     }
 
     #[test]

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use splatvol_core::bin::TileLists;
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{
-    Bricks, DepthOrder, Footprints, FramePlan, Rays, SheetShape, SplatConstants, View, Zone, ZonePlan,
+    Bricks, DepthOrder, Evaluation, FramePlan, GridView, Rays, SheetShape, SplatConstants, Zone, ZonePlan,
     room_of,
 };
 use splatvol_core::sheets::Planes;
@@ -20,17 +20,17 @@ use crate::phong::Phong;
 
 /// A frame's plan; the next frame reuses its memory.
 #[derive(Debug, Default)]
-pub(crate) struct Plan {
+pub(crate) struct GridPlan {
     pub plan: FramePlan,
     /// Eyes of the zones that begin there, for their first intervals.
     eyes: Vec<Eye>,
 }
 
-impl Plan {
+impl GridPlan {
     /// Plans a frame of a grid.
     pub(crate) fn update<'a>(
         &'a mut self,
-        view: &View,
+        view: &GridView,
         bricks: &dyn Bricks,
         settings: &RenderSettings<SheetSettings>,
         tile_edge: usize,
@@ -76,7 +76,7 @@ impl<'a> ZonedFrame<'a> {
             depth_reach: plan.reach,
             cut: zone.cut as f32,
             room: plan.room,
-            ellipses: zone.footprints != Footprints::Round,
+            ellipses: zone.footprints != Evaluation::Round,
             groups: plan.groups,
         })
     }
@@ -123,14 +123,14 @@ impl SheetFrame<'_> {
 }
 
 /// Camera from the samples of a grid.
-fn camera_from_samples(view: &View) -> DAffine3 {
+fn camera_from_samples(view: &GridView) -> DAffine3 {
     let margin = DVec3::from_array(view.margin().map(|m| m as f64));
     view.camera_from_lattice() * DAffine3::from_translation(margin)
 }
 
 /// A field whose coefficients are splatted with their kernels' derivatives, with the shader of its planes.
 pub(crate) fn analytic_field<'a>(
-    view: &View,
+    view: &GridView,
     store: &'a FieldStore,
     (shader, sums): (PlaneShader<'a>, Sums),
 ) -> AnalyticField<'a> {
@@ -146,7 +146,7 @@ pub(crate) fn analytic_field<'a>(
 
 /// Shader of planes of a field.
 pub(crate) fn shader<'a>(
-    view: &View,
+    view: &GridView,
     (store, table): (&'a FieldStore, &'a ShadeTable),
     (settings, mean_spacing): (&RenderSettings<SheetSettings>, f64),
 ) -> PlaneShader<'a> {

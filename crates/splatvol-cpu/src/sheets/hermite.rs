@@ -31,7 +31,7 @@ pub(crate) struct End<S: Simd> {
 
 /// The rays.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rays<S: Simd> {
+pub(crate) struct RayLanes<S: Simd> {
     /// Motion of the rays in camera x and y per depth.
     pub slope: [f32x16<S>; 2],
     /// Path length per depth, squared.
@@ -40,7 +40,7 @@ pub(crate) struct Rays<S: Simd> {
     pub spacing: f32,
 }
 
-impl<S: Simd> Rays<S> {
+impl<S: Simd> RayLanes<S> {
     /// Change of something with this gradient, per depth.
     #[inline(always)]
     pub(super) fn along(&self, [x, y, z]: [f32x16<S>; 3]) -> f32x16<S> {
@@ -60,7 +60,7 @@ pub(crate) struct Hermite<S: Simd> {
     own: [f32x16<S>; 2],
     /// Gradients of S.
     gradients: [[f32x16<S>; 3]; 2],
-    rays: Rays<S>,
+    rays: RayLanes<S>,
 }
 
 #[inline(always)]
@@ -70,7 +70,7 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 
 impl<S: Simd> Hermite<S> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, [near, far]: [&End<S>; 2], rays: Rays<S>, background: f32) -> Self {
+    pub(crate) fn new(simd: S, [near, far]: [&End<S>; 2], rays: RayLanes<S>, background: f32) -> Self {
         let (v0, start) = value_and_slope(simd, [near, far], &rays, background);
         let (v1, end) = value_and_slope(simd, [far, near], &rays, background);
         let rise = v1 - v0;
@@ -166,7 +166,7 @@ impl<S: Simd> Hermite<S> {
 fn value_and_slope<S: Simd>(
     simd: S,
     [end, other]: [&End<S>; 2],
-    rays: &Rays<S>,
+    rays: &RayLanes<S>,
     background: f32,
 ) -> (f32x16<S>, f32x16<S>) {
     let (zero, least) = (splat(simd, 0.0), splat(simd, LEAST_WEIGHT));

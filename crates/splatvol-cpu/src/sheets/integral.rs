@@ -19,7 +19,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::border::cumulative_of;
 use super::canvas::Canvas;
-use super::classified::{Classified, ClassifiedBricks};
+use super::classified::{ClassifiedBricks, ClassifiedVoxels};
 use super::compose::{ray_length, through_and_opacity};
 use super::frame::{SheetFrame, ZonedFrame};
 use super::mode::Mode;
@@ -43,7 +43,7 @@ pub(crate) struct Integral<'a> {
 
 /// Extinction and emission of classified voxels, in the lanes of a pixel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct InLanes<'m>(&'m Classified);
+pub(crate) struct InLanes<'m>(&'m ClassifiedVoxels);
 
 impl Payload<1> for InLanes<'_> {
     #[inline(always)]
@@ -61,7 +61,7 @@ const DEPTHS: usize = 1;
 impl Mode<1> for Integral<'_> {
     type Payload<'m> = InLanes<'m>;
 
-    fn payload(classified: &Classified) -> InLanes<'_> {
+    fn payload(classified: &ClassifiedVoxels) -> InLanes<'_> {
         InLanes(classified)
     }
 
@@ -71,7 +71,7 @@ impl Mode<1> for Integral<'_> {
         simd: S,
         brick_and_slot: (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        classified: &mut Classified,
+        classified: &mut ClassifiedVoxels,
     ) {
         self.bricks.open(simd, brick_and_slot, values, classified);
     }

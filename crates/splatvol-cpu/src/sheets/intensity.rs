@@ -11,7 +11,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::border::{BorderPlane, Shares};
 use super::canvas::Canvas;
-use super::classified::Classified;
+use super::classified::ClassifiedVoxels;
 use super::cubic::{Cubic, Parabola};
 use super::frame::{SheetFrame, ZonedFrame};
 use super::holes::Beside;
@@ -42,7 +42,7 @@ pub(crate) struct RayValues<'a, K> {
 
 /// Value and coverage of a pixel along one interval.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece<S: Simd> {
+pub(crate) struct RayInterval<S: Simd> {
     pub values: Cubic<S>,
     /// Coverage, where it is not one.
     pub coverage: Option<Parabola<S>>,
@@ -52,9 +52,9 @@ pub(crate) struct Piece<S: Simd> {
 }
 
 /// Reduction of the values along a ray: their extremum or mean.
-pub(crate) trait Kept: Sync {
+pub(crate) trait Reduction: Sync {
     /// Merges sixteen pixels' piece into the canvas; values outside `hull` are not shown.
-    fn keep<S: Simd>(simd: S, piece: &Piece<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize);
+    fn keep<S: Simd>(simd: S, piece: &RayInterval<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize);
 
     /// Turns the reduced state into the value, in `color[0]`, and its depth, in `depth_sum`; 0 where there is no
     /// value.
@@ -81,9 +81,9 @@ fn or_straight<S: Simd>(simd: S, sum: f32x16<S>, shares: &Shares<S>, straight: f
     shares.is_faded(simd).select(straight, sum * shares.per_weight)
 }
 
-impl<E: Extremum> Kept for Extreme<E> {
+impl<E: Extremum> Reduction for Extreme<E> {
     #[inline(always)]
-    fn keep<S: Simd>(simd: S, piece: &Piece<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize) {
+    fn keep<S: Simd>(simd: S, piece: &RayInterval<S>, hull: [f32; 2], canvas: &mut Canvas, pixel: usize) {
         let cubic = E::rank_cubic(piece.values);
         let kept = load(simd, &canvas.color[0], pixel);
         let best = kept.max(f32x16::splat(simd, E::least_rank(hull)));
@@ -112,9 +112,9 @@ impl<E: Extremum> Kept for Extreme<E> {
     }
 }
 
-impl Kept for Mean {
+impl Reduction for Mean {
     #[inline(always)]
-    fn keep<S: Simd>(simd: S, piece: &Piece<S>, _: [f32; 2], canvas: &mut Canvas, pixel: usize) {
+    fn keep<S: Simd>(simd: S, piece: &RayInterval<S>, _: [f32; 2], canvas: &mut Canvas, pixel: usize) {
         let cubic = piece.values;
         let one = f32x16::splat(simd, 1.0);
         let ([covered, value, place], most) = match piece.coverage {
@@ -148,7 +148,7 @@ impl Kept for Mean {
     }
 }
 
-impl<'a, K: Kept> Intensity<'a, K> {
+impl<'a, K: Reduction> Intensity<'a, K> {
     /// The mode for a field.
     pub(crate) fn new(store: &'a FieldStore, shader: PlaneShader<'a>, colors: ValueColors<'a>) -> Self {
         let rays = RayValues::new(shader, colors);
@@ -156,7 +156,7 @@ impl<'a, K: Kept> Intensity<'a, K> {
     }
 }
 
-impl<'a, K: Kept> RayValues<'a, K> {
+impl<'a, K: Reduction> RayValues<'a, K> {
     pub(crate) fn new(shader: PlaneShader<'a>, colors: ValueColors<'a>) -> Self {
         Self {
             shader,
@@ -213,7 +213,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
         simd: S,
         (interval, around, place): (&Interval<'_>, &Around, &Place),
         [x, y]: [usize; 2],
-    ) -> Piece<S> {
+    ) -> RayInterval<S> {
         let in_picture = [place.rect.x0 + x, place.rect.y0 + y];
         let at = (y + HALO) * interval.planes[0].pitch + x + HALO;
         let border = &self.shader.border;
@@ -267,7 +267,7 @@ impl<'a, K: Kept> RayValues<'a, K> {
         for value in &mut values {
             *value += background;
         }
-        Piece {
+        RayInterval {
             values: Cubic::through(values),
             coverage,
             depth: interval.depths[0],
@@ -294,7 +294,7 @@ impl<'a> ValueColors<'a> {
 
     /// Replaces the reduced value by its colour, with the opacity of the unit distance.
     #[inline(always)]
-    pub(crate) fn finish<S: Simd, K: Kept>(&self, simd: S, canvas: &mut Canvas) {
+    pub(crate) fn finish<S: Simd, K: Reduction>(&self, simd: S, canvas: &mut Canvas) {
         for pixel in (0..canvas.depth_sum.len()).step_by(16) {
             K::settle(simd, canvas, pixel);
             let depth = load(simd, &canvas.depth_sum, pixel);
@@ -331,10 +331,10 @@ struct Around {
     outer: [BorderPlane; 2],
 }
 
-impl<K: Kept> Mode<1> for Intensity<'_, K> {
+impl<K: Reduction> Mode<1> for Intensity<'_, K> {
     type Payload<'m> = Coefficient;
 
-    fn payload(_: &Classified) -> Coefficient {
+    fn payload(_: &ClassifiedVoxels) -> Coefficient {
         Coefficient
     }
 
@@ -353,7 +353,7 @@ impl<K: Kept> Mode<1> for Intensity<'_, K> {
         _: S,
         (brick, _): (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        _: &mut Classified,
+        _: &mut ClassifiedVoxels,
     ) {
         self.store.decode(brick, values);
     }

@@ -17,7 +17,7 @@ use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::Window;
 use super::canvas::Canvas;
-use super::classified::Classified;
+use super::classified::ClassifiedVoxels;
 use super::frame::{SheetFrame, ZonedFrame};
 use super::place::Place;
 use super::ring::LANES;
@@ -31,7 +31,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
     type Payload<'m>: Payload<N>;
 
     /// The payload, given the classified voxels of the open bricks.
-    fn payload(classified: &Classified) -> Self::Payload<'_>;
+    fn payload(classified: &ClassifiedVoxels) -> Self::Payload<'_>;
 
     /// Prepares an empty canvas.
     fn begin(&self, _: &mut Canvas) {}
@@ -44,7 +44,7 @@ pub(crate) trait Mode<const N: usize>: Sync {
         _: S,
         _brick_and_slot: (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        _: &mut Classified,
+        _: &mut ClassifiedVoxels,
     ) {
         values.fill(f32::NAN);
     }

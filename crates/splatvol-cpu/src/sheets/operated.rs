@@ -20,9 +20,9 @@ use super::cut::{Cut, Range};
 use super::pixel::{Pixel, Pixels, Units};
 use super::shade::Interval;
 use super::shade::{PlaneShader, ShadeTarget};
-use super::table::Piece;
+use super::table::PixelSegment;
 use crate::phong::Lit;
-use crate::route::Asked;
+use crate::route::Effects;
 use crate::simd::math::exp2_of;
 
 /// Operators, clips and isosurfaces, applied pixel by pixel.
@@ -144,11 +144,11 @@ impl Ink {
 impl<'a> Operated<'a> {
     /// `None` without operators, clips and isosurfaces. `mean_spacing`: world length; values lie in the range.
     pub(crate) fn new(
-        asked: &Asked<'a>,
+        effects: &Effects<'a>,
         mean_spacing: f64,
         (camera, [low, high]): (&Camera, [f64; 2]),
     ) -> Option<Self> {
-        if asked.operators.is_empty() && asked.clips.is_empty() && asked.isosurfaces.is_empty() {
+        if effects.operators.is_empty() && effects.clips.is_empty() && effects.isosurfaces.is_empty() {
             return None;
         }
         let world_from_camera = camera.camera_from_world().inverse();
@@ -161,17 +161,17 @@ impl<'a> Operated<'a> {
             lowest: low as f32,
             range: range as f32,
         };
-        let surfaces = asked.isosurfaces.iter().map(|surface| Surface {
+        let surfaces = effects.isosurfaces.iter().map(|surface| Surface {
             value: (surface.value as f32 - units.lowest) / units.range,
             color: Vec3::from_array(surface.rgb.map(|c| linear_from_srgb(c) as f32)),
             extinction: (-libm::log1p(-surface.opacity) / mean_spacing) as f32,
         });
         Some(Self {
-            operators: asked.operators,
-            cut: Cut::new(&asked.clips, world_from_camera),
+            operators: effects.operators,
+            cut: Cut::new(&effects.clips, world_from_camera),
             surfaces: surfaces.collect(),
             units,
-            pieces: asked
+            pieces: effects
                 .operators
                 .iter()
                 .fold(2, |most, o| most.max(o.pieces()))
@@ -248,7 +248,7 @@ impl<'a> Operated<'a> {
             let to_u = range.from + width * i as f32;
             let to = (to_u, pixel.value(to_u));
             let next = table.point(to.1);
-            let piece = Piece::between([from.1, to.1], [&point, &next]);
+            let piece = PixelSegment::between([from.1, to.1], [&point, &next]);
             let extinction = piece.extinction * pixel.coverage(0.5 * (from.0 + to.0));
             let mut place = piece.place;
             if face.share > 0.0 || pixel.from_eye {

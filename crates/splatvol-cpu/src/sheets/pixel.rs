@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec3};
 use splatvol_scene::SheetSample;
 
 use super::crossing::Cubic;
-use super::cut::Segment;
+use super::cut::RaySegment;
 use super::holes::beside_of;
 use super::plane::{HALO, Plane};
 use super::shade::{Interval, PlaneShader, depth_slope_of};
@@ -46,7 +46,7 @@ pub(crate) struct Pixel {
     /// Motion of the ray in camera x and y per depth.
     ray: [f32; 2],
     /// Camera space.
-    pub segment: Segment,
+    pub segment: RaySegment,
     /// World length of the ray's part.
     pub length: f32,
     /// It begins at the eye.
@@ -137,7 +137,7 @@ impl Pixels<'_> {
             sharpness: interval.sharpness(shader.spacing),
             spacing: shader.spacing,
             ray,
-            segment: Segment {
+            segment: RaySegment {
                 from: start,
                 step: end - start,
             },

@@ -15,20 +15,20 @@ pub(crate) const SPARE: usize = 1 << 30;
 
 /// Prepared volumes: those of the current scene, then the others, last used first.
 #[derive(Debug)]
-pub(crate) struct Prepared {
+pub(crate) struct PreparedVolumes {
     pyramids: Vec<Pyramid>,
     /// Number of volumes of the current scene.
     own: usize,
     spare: usize,
 }
 
-impl Default for Prepared {
+impl Default for PreparedVolumes {
     fn default() -> Self {
         Self::with_spare(SPARE)
     }
 }
 
-impl Prepared {
+impl PreparedVolumes {
     /// An empty cache; `spare`: bytes for volumes of earlier scenes.
     pub(crate) fn with_spare(spare: usize) -> Self {
         Self {
@@ -94,7 +94,7 @@ mod tests {
     fn volumes_used_last_stay_as_long_as_they_fit() {
         let settings = RenderSettings::default().with(SheetSettings::default());
         // Room for two volumes of 16 cubed, 4 bytes per voxel, besides the scene's.
-        let mut prepared = Prepared::with_spare(2 * 4 * 4096 + 1000);
+        let mut prepared = PreparedVolumes::with_spare(2 * 4 * 4096 + 1000);
         let mut weak: Vec<Weak<Volume>> = Vec::new();
         for _ in 0..4 {
             let volume = volume(16);

@@ -6,7 +6,7 @@
 
 use splatvol_core::bin::TileGrid;
 use splatvol_core::engine::{RenderStatistics, Task};
-use splatvol_core::plan::{Sampling, View};
+use splatvol_core::plan::{GridView, Sampling};
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError, SheetSettings};
 
@@ -18,9 +18,9 @@ use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::engine::{SheetEngine, Single, TILE_EDGE};
 use super::extremum::{Largest, Smallest};
-use super::frame::Plan;
+use super::frame::GridPlan;
 use super::frame::{analytic_field, shader};
-use super::intensity::{Extreme, Kept, Mean};
+use super::intensity::{Extreme, Mean, Reduction};
 use super::layers::{Layer, Layers};
 use super::level::{Detail, Level, Wanted};
 use super::operated::Operated;
@@ -57,7 +57,7 @@ impl LayeredScene<'_> {
 /// Layers' data kept between frames.
 #[derive(Debug, Default)]
 pub(crate) struct LayerStore {
-    plans: Vec<Plan>,
+    plans: Vec<GridPlan>,
     meshes: Vec<MeshLayer>,
 }
 
@@ -66,7 +66,7 @@ fn views(
     levels: &[&Level],
     volumes: &[VolumeScene<'_>],
     (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
-) -> Vec<View> {
+) -> Vec<GridView> {
     let view = |(level, volume): &(&Level, &VolumeScene<'_>), spacing| {
         let settings = &volume.settings(settings);
         let sampling = match Wanted::of(settings) {
@@ -74,11 +74,11 @@ fn views(
             _ => Sampling::Field,
         };
         let grid = level.field.source().grid();
-        View::new(grid, (camera, settings), sampling, spacing)
+        GridView::new(grid, (camera, settings), sampling, spacing)
     };
     let levels: Vec<_> = levels.iter().copied().zip(volumes).collect();
-    let own: Vec<View> = levels.iter().map(|level| view(level, None)).collect();
-    let spacing = own.iter().map(View::spacing).fold(f64::INFINITY, f64::min);
+    let own: Vec<GridView> = levels.iter().map(|level| view(level, None)).collect();
+    let spacing = own.iter().map(GridView::spacing).fold(f64::INFINITY, f64::min);
     own.into_iter()
         .zip(levels)
         .map(|(own, level)| {
@@ -112,7 +112,7 @@ impl SheetEngine {
         statistics.seconds.classify = start.elapsed().as_secs_f64();
         run.pool.install(|| {
             let LayerStore { plans, meshes } = &mut self.layers;
-            plans.resize_with(scene.volumes.len(), Plan::default);
+            plans.resize_with(scene.volumes.len(), GridPlan::default);
             meshes.resize_with(scene.meshes.len(), MeshLayer::default);
             let details: Vec<Detail> = scene
                 .volumes
@@ -215,7 +215,7 @@ impl SheetEngine {
             .map(|((volume, view), level)| {
                 let grid = level.field.source().grid();
                 Cut::new(
-                    &volume.asked.clips,
+                    &volume.effects.clips,
                     world_from_lattice(grid.world_from_voxel(), view.margin()),
                 )
             })
@@ -262,7 +262,7 @@ impl SheetEngine {
                     store: &level.field,
                     shader,
                     operated: Operated::new(
-                        &volume.asked,
+                        &volume.effects,
                         spacing,
                         (camera, level.field.source().value_range()),
                     ),
@@ -272,7 +272,7 @@ impl SheetEngine {
         }
         let spacing = views
             .first()
-            .map(View::spacing)
+            .map(GridView::spacing)
             .or_else(|| scene.spacing((camera, settings)));
         for ((kept, mesh), cloud) in meshes
             .iter_mut()
@@ -293,7 +293,7 @@ impl SheetEngine {
     }
 
     /// Renders one value of each ray of the scene's mesh.
-    fn values<K: Kept>(
+    fn values<K: Reduction>(
         &mut self,
         run: Run<'_>,
         scene: &LayeredScene<'_>,

@@ -5,7 +5,7 @@ use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::Canvas;
-use super::classified::Classified;
+use super::classified::ClassifiedVoxels;
 use super::frame::SheetFrame;
 use super::mode::Mode;
 use super::operated::{Faces, Operated};
@@ -27,7 +27,7 @@ pub(crate) struct Shaded<'a> {
 impl Mode<1> for Shaded<'_> {
     type Payload<'m> = Coefficient;
 
-    fn payload(_: &Classified) -> Coefficient {
+    fn payload(_: &ClassifiedVoxels) -> Coefficient {
         Coefficient
     }
 
@@ -46,7 +46,7 @@ impl Mode<1> for Shaded<'_> {
         _: S,
         (brick, _): (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        _: &mut Classified,
+        _: &mut ClassifiedVoxels,
     ) {
         self.store.decode(brick, values);
     }

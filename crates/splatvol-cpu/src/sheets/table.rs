@@ -31,7 +31,7 @@ pub(crate) struct ShadeTable {
 
 /// A value's classification.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Classified<S: Simd> {
+pub(crate) struct ClassifiedLanes<S: Simd> {
     /// K and M, from the table's first value on.
     integrals: [f32x16<S>; 2],
     extinction: f32x16<S>,
@@ -78,7 +78,7 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 
 /// A value's classification, of one pixel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Point {
+pub(crate) struct ClassifiedValue {
     /// K and M, from the table's first value on.
     integrals: [f32; 2],
     pub extinction: f32,
@@ -86,13 +86,13 @@ pub(crate) struct Point {
 
 /// Material between two values of one pixel; a scalar [`Segment`].
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece {
+pub(crate) struct PixelSegment {
     pub extinction: f32,
     pub place: f32,
 }
 
-impl Piece {
-    pub(crate) fn between([from, to]: [f32; 2], [a, b]: [&Point; 2]) -> Self {
+impl PixelSegment {
+    pub(crate) fn between([from, to]: [f32; 2], [a, b]: [&ClassifiedValue; 2]) -> Self {
         let rise = to - from;
         let [material, moment] = [b.integrals[0] - a.integrals[0], b.integrals[1] - a.integrals[1]];
         let flat = rise.abs() < FLAT;
@@ -115,7 +115,7 @@ impl Piece {
 
 impl<S: Simd> Segment<S> {
     #[inline(always)]
-    pub(crate) fn between(simd: S, [from, to]: [f32x16<S>; 2], [a, b]: [&Classified<S>; 2]) -> Self {
+    pub(crate) fn between(simd: S, [from, to]: [f32x16<S>; 2], [a, b]: [&ClassifiedLanes<S>; 2]) -> Self {
         let (zero, half, one) = (splat(simd, 0.0), splat(simd, 0.5), splat(simd, 1.0));
         let rise = to - from;
         let flat = rise.abs().simd_lt(splat(simd, FLAT));
@@ -206,13 +206,13 @@ impl ShadeTable {
 
     /// Looks sixteen values up.
     #[inline(always)]
-    pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Classified<S> {
+    pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> ClassifiedLanes<S> {
         let position = Self::position(simd, value);
         let [material, moment, extinction, _] = self.columns(simd, position);
         let cell = position.floor();
         let own = (position - cell) * extinction * (1.0 / PER_VALUE);
         let middle = (cell + position) * (0.5 / PER_VALUE) + FIRST;
-        Classified {
+        ClassifiedLanes {
             integrals: [own + material, own * middle + moment],
             extinction,
         }
@@ -239,12 +239,12 @@ impl ShadeTable {
     }
 
     /// Looks one value up.
-    pub(crate) fn point(&self, value: f32) -> Point {
+    pub(crate) fn point(&self, value: f32) -> ClassifiedValue {
         let (&[material, moment, extinction, _], position) = self.cell(value);
         let cell = position.floor();
         let own = (position - cell) * extinction * (1.0 / PER_VALUE);
         let middle = (cell + position) * (0.5 / PER_VALUE) + FIRST;
-        Point {
+        ClassifiedValue {
             integrals: [own + material, own * middle + moment],
             extinction,
         }

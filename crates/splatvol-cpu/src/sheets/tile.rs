@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::ProjectedBrick;
-use splatvol_core::plan::{Footprints, MAX_BLOCKS, SIZES, SheetShape, blocks_of};
+use splatvol_core::plan::{Evaluation, MAX_BLOCKS, SIZES, SheetShape, blocks_of};
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::{OpenBrick, OpenVoxels, Window, activate};
-use super::classified::Classified;
+use super::classified::ClassifiedVoxels;
 use super::cloud::open::Waiting;
 use super::direct::DirectGroup;
 use super::frame::SheetFrame;
@@ -63,7 +63,7 @@ pub(crate) struct SheetScratch {
     /// Cut faces seen by pixels.
     pub faces: Faces,
     /// Payload of the voxels of open bricks, where it is more than a number.
-    pub classified: Classified,
+    pub classified: ClassifiedVoxels,
     /// Queues of a cloud's splats, by their next plane.
     pub waiting: Waiting,
     /// Gradient of the splatted sum, camera space per world length, while the nearer of two planes lies at the eye.
@@ -183,7 +183,7 @@ pub(crate) fn lattice_window(
     let first = place.first.map(|first| first as f32);
     let ring = (BLOCK_EDGE * MAX_BLOCKS + place.halo) as f32;
     let points = place.raster.map(|n| (n - 2 * place.halo) as f32);
-    let anywhere = frame.zone.footprints == Footprints::Direct;
+    let anywhere = frame.zone.footprints == Evaluation::Direct;
     let blocks = match anywhere {
         true => SIZES[0],
         false => blocks_of(frame.half_extent(shape)),
@@ -290,7 +290,7 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     if !std::mem::replace(prepared, true) {
         for (group, (shape, stencil)) in scratch.groups.iter_mut().zip(&mut scratch.stencils).enumerate() {
             *shape = mode.group(frame, place, sheet, group);
-            if frame.zone.footprints != Footprints::Direct {
+            if frame.zone.footprints != Evaluation::Direct {
                 stencil.prepare(simd, shape, size, frame.ellipses);
             }
         }
@@ -348,7 +348,7 @@ impl OpenSheets<'_> {
         let Self {
             frame, place, size, ..
         } = *self;
-        let direct = frame.zone.footprints == Footprints::Direct;
+        let direct = frame.zone.footprints == Evaluation::Direct;
         let around = records.take_area(size);
         let mut area = if direct { Area::EMPTY } else { around };
         let records_of = (&*records, payload);

@@ -15,11 +15,11 @@ mod published;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::composite::Block;
-use super::project::Splat;
+use super::project::ProjectedSplat;
 use super::resolve::Resolved;
 
 pub(crate) use integral::Integral;
-pub(crate) use light::{Light, Profile};
+pub(crate) use light::{CutGaussian, Light};
 pub(crate) use published::Published;
 
 /// Blending of splats into pixels.
@@ -44,12 +44,12 @@ pub(crate) trait Blend: Copy + Send + Sync {
 
     /// Offset added to a splat's exponents, `-log2(e) d^T V^-1 d / 2`, before they are passed to [`Blend::add`].
     #[inline(always)]
-    fn offset(self, _: &Splat) -> f32 {
+    fn offset(self, _: &ProjectedSplat) -> f32 {
         0.0
     }
 
     /// Composites a splat behind the pixels of a block; returns whether any pixel is still open.
-    fn add<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>, block: &mut Block) -> bool;
+    fn add<S: Simd>(self, simd: S, splat: &ProjectedSplat, exponent: f32x16<S>, block: &mut Block) -> bool;
 
     /// Final result of the pixels of a block.
     fn resolve<S: Simd>(self, simd: S, block: &Block) -> Resolved;

@@ -9,7 +9,7 @@ use fearless_simd::{f32x16, prelude::*};
 
 use super::blend::Blend;
 use super::cover::{BATCH, BLOCK, BLOCKS, TILE, cover};
-use super::project::Splat;
+use super::project::ProjectedSplat;
 
 /// Pixels of a block.
 pub(crate) const LANES: usize = BLOCK * BLOCK;
@@ -33,7 +33,7 @@ pub(crate) struct Block {
 #[derive(Debug)]
 pub(crate) struct Scratch {
     pub blocks: Box<[Block; BLOCKS * BLOCKS]>,
-    batch: [Splat; BATCH],
+    batch: [ProjectedSplat; BATCH],
     masks: [u64; BATCH],
 }
 
@@ -46,7 +46,7 @@ impl Default for Scratch {
                     sums: [[0.0; LANES]; 4],
                 }; BLOCKS * BLOCKS],
             ),
-            batch: [Splat::default(); BATCH],
+            batch: [ProjectedSplat::default(); BATCH],
             masks: [0; BATCH],
         }
     }
@@ -65,7 +65,7 @@ pub(crate) struct Place<'a> {
 pub(crate) fn composite<S: Simd, B: Blend>(
     simd: S,
     blend: B,
-    splats: &[Splat],
+    splats: &[ProjectedSplat],
     entries: &[AtomicU32],
     place: Place<'_>,
     scratch: &mut Scratch,
@@ -99,7 +99,7 @@ pub(crate) fn composite<S: Simd, B: Blend>(
 fn add<S: Simd, B: Blend>(
     simd: S,
     blend: B,
-    splat: &Splat,
+    splat: &ProjectedSplat,
     mut mask: u64,
     tile: [usize; 2],
     blocks: &mut [Block; BLOCKS * BLOCKS],

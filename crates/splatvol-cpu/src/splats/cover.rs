@@ -8,7 +8,7 @@
 use fearless_simd::{f32x16, prelude::*, u32x16};
 
 use super::blend::Blend;
-use super::project::{Rect, Splat};
+use super::project::{ProjectedSplat, Rect};
 use super::view::REFERENCE_TILE;
 
 /// Splats that are tested at once.
@@ -27,7 +27,7 @@ const SLACK: f32 = 0.02;
 pub(crate) fn cover<S: Simd>(
     simd: S,
     blend: impl Blend,
-    batch: &[Splat; BATCH],
+    batch: &[ProjectedSplat; BATCH],
     tile: [usize; 2],
     masks: &mut [u64; BATCH],
 ) {

@@ -12,15 +12,15 @@ use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Frame, Gaussians};
 
 use super::bin::{Bins, Counted};
-use super::blend::{Blend, Integral, Light, Profile, Published};
+use super::blend::{Blend, CutGaussian, Integral, Light, Published};
 use super::composite::{self, Place, Scratch};
 use super::cover::TILE;
-use super::kernels::Kernels;
+use super::kernels::LitKernels;
 use super::order::Keys;
-use super::project::{self, Rect, Splat, Target};
+use super::project::{self, ProjectedSplat, Rect, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
-use super::settings::{CloudSettings, Manner, Near, sane};
-use super::view::View;
+use super::settings::{BlendMode, CloudSettings, Near, sane};
+use super::view::LocalView;
 use crate::clock::Instant;
 use crate::room::grow;
 use crate::run::Run;
@@ -71,13 +71,13 @@ impl Cloud<'_> {
 
 /// A cloud before a camera.
 struct SeenCloud<'a> {
-    view: View,
+    view: LocalView,
     content: Content<'a>,
 }
 
 enum Content<'a> {
     Gaussians(&'a Gaussians),
-    Kernels(Kernels<'a>),
+    Kernels(LitKernels<'a>),
 }
 
 impl SeenCloud<'_> {
@@ -104,7 +104,7 @@ impl SeenCloud<'_> {
 /// Renders splats one by one; keeps its memory between frames.
 #[derive(Debug, Default)]
 pub(crate) struct SplatEngine {
-    splats: Vec<Splat>,
+    splats: Vec<ProjectedSplat>,
     rects: Vec<Rect>,
     keys: Keys,
     bins: Bins,
@@ -120,7 +120,7 @@ struct Chunk<'a> {
 impl SplatEngine {
     /// Bytes that are kept for the next frame.
     pub(crate) fn bytes(&self) -> usize {
-        self.splats.capacity() * size_of::<Splat>()
+        self.splats.capacity() * size_of::<ProjectedSplat>()
             + self.rects.capacity() * size_of::<Rect>()
             + self.keys.bytes()
             + self.bins.bytes()
@@ -145,12 +145,12 @@ impl SplatEngine {
             seen: seen(clouds, (camera, settings), profile),
             clouds,
         };
-        pool.install(|| match settings.manner {
-            Manner::Published { background } => {
+        pool.install(|| match settings.blend_mode {
+            BlendMode::Published { background } => {
                 self.draw(run, Published::new(background), &drawn(None), frame)
             }
-            Manner::Light { cut, termination } => {
-                let profile = Profile::new(cut);
+            BlendMode::Light { cut, termination } => {
+                let profile = CutGaussian::new(cut);
                 self.draw(
                     run,
                     Light::new(profile, termination),
@@ -158,8 +158,8 @@ impl SplatEngine {
                     frame,
                 )
             }
-            Manner::Integral { cut } => {
-                let profile = Profile::new(cut);
+            BlendMode::Integral { cut } => {
+                let profile = CutGaussian::new(cut);
                 self.draw(run, Integral::new(profile), &drawn(Some(profile)), frame)
             }
         })
@@ -232,7 +232,7 @@ impl SplatEngine {
 struct Tiling<'a, B> {
     run: Run<'a>,
     blend: B,
-    splats: &'a [Splat],
+    splats: &'a [ProjectedSplat],
     grid: TileGrid,
     done: AtomicUsize,
 }
@@ -278,7 +278,7 @@ struct Clouds<'a> {
 fn seen<'a>(
     clouds: &[Cloud<'a>],
     (camera, settings): (&Camera, &CloudSettings),
-    profile: Option<Profile>,
+    profile: Option<CutGaussian>,
 ) -> Vec<SeenCloud<'a>> {
     let nearest = clouds
         .iter()
@@ -288,10 +288,10 @@ fn seen<'a>(
     let seen = |cloud: &Cloud<'a>| {
         let near = cloud.near(settings).or(nearest).unwrap_or(0.0);
         SeenCloud {
-            view: View::new(&cloud.world_from_local(), near, camera, settings),
+            view: LocalView::new(&cloud.world_from_local(), near, camera, settings),
             content: match *cloud {
                 Cloud::Gaussians(gaussians, _) => Content::Gaussians(gaussians),
-                Cloud::Kernels(cloud) => Content::Kernels(Kernels::new(cloud, lighting, camera, profile)),
+                Cloud::Kernels(cloud) => Content::Kernels(LitKernels::new(cloud, lighting, camera, profile)),
             },
         }
     };
@@ -301,7 +301,7 @@ fn seen<'a>(
 /// Clouds in chunks, one after the other.
 fn chunks<'a>(
     clouds: &[Cloud<'_>],
-    mut splats: &'a mut [Splat],
+    mut splats: &'a mut [ProjectedSplat],
     mut rects: &'a mut [Rect],
     keys: &'a Keys,
 ) -> Vec<Chunk<'a>> {

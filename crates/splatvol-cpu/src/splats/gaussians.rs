@@ -15,7 +15,7 @@ use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::{Gaussians, harmonics};
 
 use super::project::{LANES, Seen, Source, columns, dot, store};
-use super::view::View;
+use super::view::LocalView;
 
 /// Bound of the determinants' ratio.
 const LEAST_RATIO: f32 = 2.5e-5;
@@ -52,7 +52,7 @@ impl Source for Gaussians {
     fn colors<S: Simd>(
         &self,
         _: S,
-        view: &View,
+        view: &LocalView,
         offset: &[f32x16<S>; 3],
         (range, mut visible): (Range<usize>, u32),
     ) -> [[f32; 3]; LANES] {
@@ -75,7 +75,7 @@ impl Source for Gaussians {
 }
 
 #[inline(always)]
-fn direction(view: &View, [x, y, z]: [f32; 3]) -> [f32; 3] {
+fn direction(view: &LocalView, [x, y, z]: [f32; 3]) -> [f32; 3] {
     if let Some(direction) = view.direction {
         return direction;
     }

@@ -20,9 +20,9 @@ use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Lighting};
 
-use super::blend::Profile;
+use super::blend::CutGaussian;
 use super::project::{LANES, Seen, Source, columns, dot};
-use super::view::{View, rows};
+use super::view::{LocalView, rows};
 use crate::phong::Phong;
 use crate::simd::math::{exp2_quick, srgb_from_linear};
 
@@ -31,11 +31,11 @@ const THICKEST: f32 = 60.0;
 
 /// A cloud of kernels in its light.
 #[derive(Debug)]
-pub(crate) struct Kernels<'a> {
+pub(crate) struct LitKernels<'a> {
     cloud: &'a SplatCloud,
     light: Option<Light>,
     /// The cut of its optical depths; `None` among published Gaussians, which have opacities.
-    profile: Option<Profile>,
+    profile: Option<CutGaussian>,
 }
 
 #[derive(Debug)]
@@ -45,13 +45,13 @@ struct Light {
     camera_from_gradient: [[f32; 3]; 3],
 }
 
-impl<'a> Kernels<'a> {
+impl<'a> LitKernels<'a> {
     /// From kernels with covariances of their own.
     pub(crate) fn new(
         cloud: &'a SplatCloud,
         lighting: Option<&Lighting>,
         camera: &Camera,
-        profile: Option<Profile>,
+        profile: Option<CutGaussian>,
     ) -> Self {
         let light = lighting.map(|lighting| Light {
             phong: Phong::new(lighting, cloud.spacing),
@@ -88,7 +88,7 @@ impl<'a> Kernels<'a> {
     }
 }
 
-impl Source for Kernels<'_> {
+impl Source for LitKernels<'_> {
     fn means(&self) -> &[[f32; 3]] {
         &self.cloud.positions
     }
@@ -136,7 +136,7 @@ impl Source for Kernels<'_> {
     fn colors<S: Simd>(
         &self,
         simd: S,
-        _: &View,
+        _: &LocalView,
         _: &[f32x16<S>; 3],
         (range, _): (Range<usize>, u32),
     ) -> [[f32; 3]; LANES] {

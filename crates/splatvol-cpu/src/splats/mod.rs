@@ -55,7 +55,7 @@ mod settings;
 mod view;
 
 pub(crate) use engine::{Cloud, SplatEngine};
-pub(crate) use settings::{CloudSettings, LowPass, Manner, Near};
+pub(crate) use settings::{BlendMode, CloudSettings, LowPass, Near};
 pub(crate) use view::LEAST_VARIANCE;
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Project: splats, sixteen at a time, to ellipses on the screen.
 //!
 //! ```text
-//! V = J M Sigma M^T J^T + h I                                  Sigma: `Source::shape`; h: `View::low_pass`
+//! V = J M Sigma M^T J^T + h I                                  Sigma: `Source::shape`; h: `LocalView::low_pass`
 //! det V = det (V - h I) + h tr (V - h I) + h^2
 //! J = s [[1, 0, -x/z], [0, 1, -y/z]],  s = f / z               x/z, y/z cut at 1.3 times the picture's
 //! d^T V^-1 d <= r^2                                            `Blend::end`; where alpha >= 1/255, r^2 = 2 ln(255 o)
@@ -13,14 +13,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::blend::Blend;
-use super::view::{REFERENCE_TILE, View};
+use super::view::{LocalView, REFERENCE_TILE};
 
 /// Splats per SIMD step.
 pub(crate) const LANES: usize = 16;
 
 /// An ellipse on the screen.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Splat {
+pub(crate) struct ProjectedSplat {
     /// Pixels.
     pub centre: [f32; 2],
     /// `log2(exp(-1/2 d^T V^-1 d)) = conic . (dx^2, dx dy, dy^2)`.
@@ -37,7 +37,7 @@ pub(crate) struct Splat {
     pub rect: Rect,
 }
 
-impl Splat {
+impl ProjectedSplat {
     /// Blended values: colour and depth.
     #[inline(always)]
     pub(crate) fn values(&self) -> [f32; 4] {
@@ -57,7 +57,7 @@ pub(crate) struct Rect {
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
     pub first: usize,
-    pub splats: &'a mut [Splat],
+    pub splats: &'a mut [ProjectedSplat],
     pub rects: &'a mut [Rect],
     /// Depth in the upper half, index in the lower.
     pub keys: &'a [AtomicU64],
@@ -79,7 +79,7 @@ pub(crate) trait Source: Sync {
     fn colors<S: Simd>(
         &self,
         simd: S,
-        view: &View,
+        view: &LocalView,
         offset: &[f32x16<S>; 3],
         range_and_lanes: (Range<usize>, u32),
     ) -> [[f32; 3]; LANES];
@@ -112,7 +112,7 @@ const VALUES: usize = 9;
 pub(crate) fn project<S: Simd>(
     simd: S,
     blend: impl Blend,
-    (view, source): (&View, &impl Source),
+    (view, source): (&LocalView, &impl Source),
     range: Range<usize>,
     target: &mut Target<'_>,
 ) -> usize {
@@ -151,7 +151,7 @@ impl<S: Simd> Lanes<S> {
                 columns: [rect[0][lane] as u16, rect[1][lane] as u16],
                 rows: [rect[2][lane] as u16, rect[3][lane] as u16],
             };
-            let splat = Splat {
+            let splat = ProjectedSplat {
                 centre: [values[0][lane], values[1][lane]],
                 conic: [values[2][lane], values[3][lane], values[4][lane]],
                 peak: values[5][lane],
@@ -216,7 +216,7 @@ pub(crate) fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
 fn project_lanes<S: Simd>(
     simd: S,
     blend: impl Blend,
-    (view, source): (&View, &impl Source),
+    (view, source): (&LocalView, &impl Source),
     range: Range<usize>,
 ) -> Lanes<S> {
     let zero = f32x16::splat(simd, 0.0);
@@ -291,7 +291,7 @@ fn project_lanes<S: Simd>(
 #[inline(always)]
 fn rect<S: Simd>(
     simd: S,
-    view: &View,
+    view: &LocalView,
     centre: [f32x16<S>; 2],
     reach: [f32x16<S>; 2],
     half_square: f32x16<S>,

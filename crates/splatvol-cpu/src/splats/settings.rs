@@ -15,12 +15,12 @@ pub(crate) struct CloudSettings {
     /// Lighting of everything but Gaussians; `None` leaves colours unlit.
     pub lighting: Option<Lighting>,
     /// Blending of splats.
-    pub manner: Manner,
+    pub blend_mode: BlendMode,
 }
 
 /// Blending of splats.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Manner {
+pub(crate) enum BlendMode {
     /// Opacities, composited in display colours, as in the published renderer of Gaussians.
     Published {
         /// Background: linear light, straight alpha. Composited in display space.
@@ -67,7 +67,7 @@ impl CloudSettings {
             low_pass: LowPass::Added(0.3),
             near: Near::OfGaussians(0.2),
             lighting: None,
-            manner: Manner::Published { background: [0.0; 4] },
+            blend_mode: BlendMode::Published { background: [0.0; 4] },
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) const LEAST_VARIANCE: f32 = 1e-6;
 
 /// A camera before a cloud.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct View {
+pub(crate) struct LocalView {
     /// Camera position, local, in two f32: the rounded value and the remainder.
     pub eye: [[f32; 3]; 2],
     /// Linear part of `camera_from_local`, rows.
@@ -39,7 +39,7 @@ pub(crate) struct View {
     pub reference_tiles: [u32; 2],
 }
 
-impl View {
+impl LocalView {
     /// View of a cloud in its own space, with the near limit `near`, camera depth, world length.
     pub(crate) fn new(
         world_from_local: &DAffine3,

@@ -34,7 +34,7 @@ fn post(dims: [usize; 3]) -> Mesh {
     Mesh::new(positions, topology, blanked, field, DAffine3::IDENTITY).unwrap()
 }
 
-fn assert_legal(kernels: &Kernels, samples: usize) {
+fn assert_legal(kernels: &MeshKernels, samples: usize) {
     assert!(kernels.len() <= MOST_PER_SAMPLE * samples);
     assert!(kernels.masses.iter().all(|mass| mass.is_finite() && *mass > 0.0));
     assert!(kernels.positions.iter().flatten().all(|v| v.is_finite()));
@@ -43,7 +43,7 @@ fn assert_legal(kernels: &Kernels, samples: usize) {
 }
 
 /// Kernels that are looked at when all are summed at all.
-fn work(kernels: &Kernels) -> usize {
+fn work(kernels: &MeshKernels) -> usize {
     let samples: Vec<Sample> = (0..kernels.len())
         .map(|n| {
             let [xx, xy, xz, yy, yz, zz] = kernels.covariances[n].map(f64::from);

@@ -15,7 +15,7 @@ pub(super) struct Ripple {
 
 /// Measures at random indices at least `margin` cells inside of a block.
 pub(super) fn ripple(
-    kernels: &Kernels,
+    kernels: &MeshKernels,
     dims: [usize; 3],
     margin: f64,
     place: impl Fn(DVec3) -> DVec3,

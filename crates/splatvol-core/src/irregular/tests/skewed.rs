@@ -51,7 +51,7 @@ fn measure(
     topology: Topology,
     association: Association,
     place: &Place,
-) -> (Ripple, Kernels) {
+) -> (Ripple, MeshKernels) {
     let mesh = mesh(points, topology, association);
     let kernels = kernels(&mesh, SIGMA);
     (ripple(&kernels, DIMS, 3.5, place), kernels)

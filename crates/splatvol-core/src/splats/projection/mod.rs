@@ -40,7 +40,7 @@ use super::sweep::Sweep;
 
 /// A camera with its picture.
 #[derive(Debug, Clone, Copy)]
-pub struct View {
+pub struct CameraView {
     /// World to camera.
     pub camera_from_world: DAffine3,
     /// Camera to pixels.
@@ -92,7 +92,7 @@ impl<'a> Projection<'a> {
     /// Projection of a cloud whose kernels have this profile; the swan filter stretches them as a box.
     pub fn new(
         cloud: &'a SplatCloud,
-        view: &View,
+        view: &CameraView,
         (filter, alignment): (Filter, Alignment),
         profile: &impl Profile,
     ) -> Self {

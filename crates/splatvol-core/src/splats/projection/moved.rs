@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use splatvol_scene::Motion;
 
 use super::matrix::Covariance;
-use super::{Projection, View};
+use super::{CameraView, Projection};
 use crate::splats::footprint::{Footprint, Warp};
 use crate::splats::sweep::Sweep;
 
@@ -12,7 +12,7 @@ impl Projection<'_> {
     /// Adds motion blur of the footprints while the shutter is open, as capsules or exactly. Local space is a grid
     /// of `dims` voxels.
     #[must_use]
-    pub fn moving(self, motion: &Motion, dims: [usize; 3], view: &View, capsule: bool) -> Self {
+    pub fn moving(self, motion: &Motion, dims: [usize; 3], view: &CameraView, capsule: bool) -> Self {
         let sweep = Sweep::new(motion, (self.cloud, dims), view, capsule);
         Self {
             sweep: Some(sweep),

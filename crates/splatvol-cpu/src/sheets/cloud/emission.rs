@@ -2,9 +2,9 @@
 
 use fearless_simd::prelude::*;
 
-use super::mode::Shown;
+use super::mode::CloudShading;
 use crate::sheets::canvas::Canvas;
-use crate::sheets::classified::Classified;
+use crate::sheets::classified::ClassifiedVoxels;
 use crate::sheets::compose::{Emission, composite_planes};
 use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;
@@ -14,12 +14,12 @@ use crate::sheets::tile::SheetScratch;
 #[derive(Debug)]
 pub(crate) struct EmittedLight;
 
-impl Shown<4> for EmittedLight {
+impl CloudShading<4> for EmittedLight {
     type Payload<'m> = Emission<'m>;
 
     const HALO: u8 = 0;
 
-    fn payload(classified: &Classified) -> Emission<'_> {
+    fn payload(classified: &ClassifiedVoxels) -> Emission<'_> {
         Emission(classified)
     }
 

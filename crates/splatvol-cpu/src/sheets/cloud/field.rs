@@ -7,9 +7,9 @@
 
 use fearless_simd::{f32x16, prelude::*};
 
-use super::mode::Shown;
+use super::mode::CloudShading;
 use crate::sheets::canvas::Canvas;
-use crate::sheets::classified::Classified;
+use crate::sheets::classified::ClassifiedVoxels;
 use crate::sheets::frame::SheetFrame;
 use crate::sheets::operated::Operated;
 use crate::sheets::place::Place;
@@ -42,12 +42,12 @@ impl Payload<2> for Weighted {
     }
 }
 
-impl Shown<2> for FieldMaterial<'_> {
+impl CloudShading<2> for FieldMaterial<'_> {
     type Payload<'m> = Weighted;
 
     const HALO: u8 = 1;
 
-    fn payload(_: &Classified) -> Weighted {
+    fn payload(_: &ClassifiedVoxels) -> Weighted {
         Weighted
     }
 

@@ -16,7 +16,7 @@ use crate::phong::Phong;
 use crate::route::MeshScene;
 use crate::sheets::border::Border;
 use crate::sheets::frame::ZonedFrame;
-use crate::sheets::intensity::{Kept, RayValues, ValueColors};
+use crate::sheets::intensity::{RayValues, Reduction, ValueColors};
 use crate::sheets::layers::Layer;
 use crate::sheets::operated::Operated;
 use crate::sheets::shade::PlaneShader;
@@ -33,8 +33,8 @@ impl CloudPlan {
     ) -> Layer<'a> {
         let (frame, view) = self.frame(cloud, view, tiles, spacing);
         let view = view.cut(clips);
-        let shown = EmittedLight;
-        Layer::Cloud(frame, CloudMode { view, shown })
+        let shading = EmittedLight;
+        Layer::Cloud(frame, CloudMode { view, shading })
     }
 }
 
@@ -103,15 +103,15 @@ impl MeshLayer {
         self.classify(mesh);
         let (frame, view) = self.plan.frame(cloud, (camera, settings), tiles, spacing);
         let range = mesh.mesh.value_range().map(f64::from);
-        let shown = FieldMaterial {
+        let shading = FieldMaterial {
             shader: shader(&frame, &self.table, (mesh, settings)),
-            operated: Operated::new(&mesh.asked, mesh.spacing, (camera, range)),
+            operated: Operated::new(&mesh.effects, mesh.spacing, (camera, range)),
         };
-        Layer::Mesh(frame, Box::new(CloudMode { view, shown }))
+        Layer::Mesh(frame, Box::new(CloudMode { view, shading }))
     }
 
     /// The layer of a mesh with one value per ray.
-    pub(crate) fn values<'a, K: Kept>(
+    pub(crate) fn values<'a, K: Reduction>(
         &'a mut self,
         (cloud, mesh): OfMesh<'a>,
         (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
@@ -122,8 +122,8 @@ impl MeshLayer {
         let (frame, view) = self.plan.frame(cloud, (camera, settings), tiles, None);
         let shader = shader(&frame, &self.table, (mesh, settings));
         let colors = ValueColors::new(table, mesh.unit_distance);
-        let shown = MeshValues(RayValues::new(shader, colors));
-        Some((frame, CloudMode { view, shown }))
+        let shading = MeshValues(RayValues::new(shader, colors));
+        Some((frame, CloudMode { view, shading }))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Mode: renders clouds in the tile loop; a [`Shown`] shades the finished planes.
+//! Mode: renders clouds in the tile loop; a [`CloudShading`] shades the finished planes.
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileRect};
@@ -7,7 +7,7 @@ use super::enter::{enter, window};
 use super::open::CloudView;
 use crate::sheets::activate::Window;
 use crate::sheets::canvas::Canvas;
-use crate::sheets::classified::Classified;
+use crate::sheets::classified::ClassifiedVoxels;
 use crate::sheets::frame::{SheetFrame, ZonedFrame};
 use crate::sheets::mode::Mode;
 use crate::sheets::place::Place;
@@ -19,11 +19,11 @@ use crate::sheets::tile::{MAX_CHANNELS, SheetScratch, SheetWork, take_planes};
 #[derive(Debug)]
 pub(crate) struct CloudMode<'a, F> {
     pub view: CloudView<'a>,
-    pub shown: F,
+    pub shading: F,
 }
 
 /// Shading of a cloud's finished planes, N of each sheet.
-pub(crate) trait Shown<const N: usize>: Sync {
+pub(crate) trait CloudShading<const N: usize>: Sync {
     /// Payload that a splat's value stands for.
     type Payload<'m>: Payload<N>;
 
@@ -32,7 +32,7 @@ pub(crate) trait Shown<const N: usize>: Sync {
     const HALO: u8;
 
     /// The payload, given the classified voxels of the open chunks.
-    fn payload(classified: &Classified) -> Self::Payload<'_>;
+    fn payload(classified: &ClassifiedVoxels) -> Self::Payload<'_>;
 
     /// Converts a finished sheet's planes to the form in which they are kept.
     #[inline(always)]
@@ -53,10 +53,10 @@ pub(crate) trait Shown<const N: usize>: Sync {
     fn finish<S: Simd>(&self, _: S, _: &mut Canvas) {}
 }
 
-impl<const N: usize, F: Shown<N>> Mode<N> for CloudMode<'_, F> {
+impl<const N: usize, F: CloudShading<N>> Mode<N> for CloudMode<'_, F> {
     type Payload<'m> = F::Payload<'m>;
 
-    fn payload(classified: &Classified) -> F::Payload<'_> {
+    fn payload(classified: &ClassifiedVoxels) -> F::Payload<'_> {
         F::payload(classified)
     }
 
@@ -107,7 +107,7 @@ impl<const N: usize, F: Shown<N>> Mode<N> for CloudMode<'_, F> {
     ) {
         take_planes::<S, N>(simd, frame, (place, sheet), scratch);
         let [.., last] = &mut scratch.planes;
-        self.shown.taken(simd, last);
+        self.shading.taken(simd, last);
     }
 
     #[inline(always)]
@@ -119,11 +119,11 @@ impl<const N: usize, F: Shown<N>> Mode<N> for CloudMode<'_, F> {
         place: &Place,
         canvas_and_scratch: (&mut Canvas, &mut SheetScratch),
     ) {
-        self.shown.shade(simd, frame, near, place, canvas_and_scratch);
+        self.shading.shade(simd, frame, near, place, canvas_and_scratch);
     }
 
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, _: &ZonedFrame<'_>, _: &TileRect, canvas: &mut Canvas) {
-        self.shown.finish(simd, canvas);
+        self.shading.finish(simd, canvas);
     }
 }

@@ -6,11 +6,11 @@
 use fearless_simd::prelude::*;
 
 use super::field::{Weighted, divide, of_field};
-use super::mode::Shown;
+use super::mode::CloudShading;
 use crate::sheets::canvas::Canvas;
-use crate::sheets::classified::Classified;
+use crate::sheets::classified::ClassifiedVoxels;
 use crate::sheets::frame::SheetFrame;
-use crate::sheets::intensity::{Kept, RayValues};
+use crate::sheets::intensity::{RayValues, Reduction};
 use crate::sheets::place::Place;
 use crate::sheets::plane::Plane;
 use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
@@ -19,12 +19,12 @@ use crate::sheets::tile::{MAX_CHANNELS, SheetScratch};
 #[derive(Debug)]
 pub(crate) struct MeshValues<'a, K>(pub RayValues<'a, K>);
 
-impl<K: Kept> Shown<2> for MeshValues<'_, K> {
+impl<K: Reduction> CloudShading<2> for MeshValues<'_, K> {
     type Payload<'m> = Weighted;
 
     const HALO: u8 = 0;
 
-    fn payload(_: &Classified) -> Weighted {
+    fn payload(_: &ClassifiedVoxels) -> Weighted {
         Weighted
     }
 

@@ -3,20 +3,20 @@
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::Blend;
-use super::light::Profile;
+use super::light::CutGaussian;
 use crate::simd::math::exp2;
 use crate::splats::composite::{Block, LANES};
-use crate::splats::project::Splat;
+use crate::splats::project::ProjectedSplat;
 use crate::splats::resolve::Resolved;
 
 /// In any order. Peaks are optical depths through the middle; the state of a pixel is its optical depth so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Integral {
-    profile: Profile,
+    profile: CutGaussian,
 }
 
 impl Integral {
-    pub(crate) fn new(profile: Profile) -> Self {
+    pub(crate) fn new(profile: CutGaussian) -> Self {
         Self { profile }
     }
 }
@@ -29,7 +29,7 @@ impl Blend for Integral {
 
     #[inline(always)]
     fn is_seen<S: Simd>(self, simd: S, peak: f32x16<S>) -> mask32x16<S> {
-        Profile::is_seen(simd, peak)
+        CutGaussian::is_seen(simd, peak)
     }
 
     #[inline(always)]
@@ -43,7 +43,7 @@ impl Blend for Integral {
     }
 
     #[inline(always)]
-    fn add<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>, block: &mut Block) -> bool {
+    fn add<S: Simd>(self, simd: S, splat: &ProjectedSplat, exponent: f32x16<S>, block: &mut Block) -> bool {
         if let Some(depths) = self.profile.depths(simd, splat, exponent) {
             block.state = (f32x16::simd_from(simd, block.state) + depths).to_array();
             for (sum, value) in block.sums.iter_mut().zip(splat.values()) {

@@ -5,7 +5,7 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use super::Blend;
 use crate::simd::math::{exp2, exp2_quick, log2};
 use crate::splats::composite::{Block, LANES};
-use crate::splats::project::Splat;
+use crate::splats::project::ProjectedSplat;
 use crate::splats::resolve::Resolved;
 
 /// Optical depths through the middle beyond are no deeper.
@@ -13,7 +13,7 @@ const DEEPEST: f32 = 1e9;
 
 /// A cut Gaussian, less its value at the cut so that it ends without a step, with its mass kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Profile {
+pub(crate) struct CutGaussian {
     /// Edge subtracted from a Gaussian of peak 1.
     edge: f32,
     /// End of the profile, `log2(e) d^T V^-1 d / 2`.
@@ -22,7 +22,7 @@ pub(crate) struct Profile {
     pub peak_of_mass: f32,
 }
 
-impl Profile {
+impl CutGaussian {
     /// Cut at so many standard deviations.
     pub(crate) fn new(cut: f64) -> Self {
         let half = 0.5 * cut * cut;
@@ -51,7 +51,12 @@ impl Profile {
 
     /// Optical depths where a splat has these exponents; `None` where it has none at all.
     #[inline(always)]
-    pub(super) fn depths<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>) -> Option<f32x16<S>> {
+    pub(super) fn depths<S: Simd>(
+        self,
+        simd: S,
+        splat: &ProjectedSplat,
+        exponent: f32x16<S>,
+    ) -> Option<f32x16<S>> {
         let (end, zero) = (f32x16::splat(simd, -self.end), f32x16::splat(simd, 0.0));
         let counts = exponent.simd_gt(end);
         if !counts.any_true() {
@@ -65,13 +70,13 @@ impl Profile {
 /// Front to back. Peaks are optical depths through the middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light {
-    profile: Profile,
+    profile: CutGaussian,
     termination: f32,
 }
 
 impl Light {
     /// Pixels end where their transmittance falls to `termination`.
-    pub(crate) fn new(profile: Profile, termination: f32) -> Self {
+    pub(crate) fn new(profile: CutGaussian, termination: f32) -> Self {
         Self { profile, termination }
     }
 }
@@ -84,7 +89,7 @@ impl Blend for Light {
 
     #[inline(always)]
     fn is_seen<S: Simd>(self, simd: S, peak: f32x16<S>) -> mask32x16<S> {
-        Profile::is_seen(simd, peak)
+        CutGaussian::is_seen(simd, peak)
     }
 
     #[inline(always)]
@@ -99,7 +104,7 @@ impl Blend for Light {
 
     /// A pixel that has ended keeps its transmittance with the sign turned.
     #[inline(always)]
-    fn add<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>, block: &mut Block) -> bool {
+    fn add<S: Simd>(self, simd: S, splat: &ProjectedSplat, exponent: f32x16<S>, block: &mut Block) -> bool {
         let Some(depths) = self.profile.depths(simd, splat, exponent) else {
             return true;
         };

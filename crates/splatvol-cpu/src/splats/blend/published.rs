@@ -6,7 +6,7 @@ use splatvol_scene::transfer_function::srgb_from_linear;
 use super::Blend;
 use crate::simd::math::{exp2_quick, linear_from_srgb, log2};
 use crate::splats::composite::{Block, LANES};
-use crate::splats::project::Splat;
+use crate::splats::project::ProjectedSplat;
 use crate::splats::resolve::Resolved;
 use crate::splats::settings::sane;
 
@@ -71,13 +71,13 @@ impl Blend for Published {
     }
 
     #[inline(always)]
-    fn offset(self, splat: &Splat) -> f32 {
+    fn offset(self, splat: &ProjectedSplat) -> f32 {
         splat.peak
     }
 
     /// A pixel that has ended keeps its transmittance with the sign turned.
     #[inline(always)]
-    fn add<S: Simd>(self, simd: S, splat: &Splat, exponent: f32x16<S>, block: &mut Block) -> bool {
+    fn add<S: Simd>(self, simd: S, splat: &ProjectedSplat, exponent: f32x16<S>, block: &mut Block) -> bool {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let most = f32x16::splat(simd, MOST_ALPHA);
         let least = f32x16::splat(simd, LEAST_TRANSMITTANCE);

@@ -9,7 +9,7 @@ use super::kernels::kernels;
 use super::robust::bits;
 use super::{CloudSettings, Renderer, cloud, perspective, settings};
 use crate::config::SimdLevel;
-use crate::splats::{Cloud, LowPass, Manner, Near};
+use crate::splats::{BlendMode, Cloud, LowPass, Near};
 
 const CUT: f64 = 3.2;
 const TERMINATION: f32 = 1e-4;
@@ -28,11 +28,11 @@ fn gathered() -> SplatCloud {
     cloud
 }
 
-fn shown(size: [u32; 2], low_pass: LowPass, manner: Manner) -> CloudSettings {
+fn shown(size: [u32; 2], low_pass: LowPass, blend_mode: BlendMode) -> CloudSettings {
     CloudSettings {
         low_pass,
         near: Near::World(0.05),
-        manner,
+        blend_mode,
         ..settings(size[0], size[1])
     }
 }
@@ -137,7 +137,7 @@ fn expected(cloud: &SplatCloud, camera: &Camera, settings: &CloudSettings) -> Ve
             let (mut through, mut total, mut color) = (1.0, 0.0, DVec3::ZERO);
             for footprint in &footprints {
                 let depth = footprint.depth_at(pixel);
-                if let Manner::Integral { .. } = settings.manner {
+                if let BlendMode::Integral { .. } = settings.blend_mode {
                     color += depth * footprint.color;
                     total += depth;
                 } else if through > f64::from(TERMINATION) {
@@ -146,7 +146,7 @@ fn expected(cloud: &SplatCloud, camera: &Camera, settings: &CloudSettings) -> Ve
                     through = next;
                 }
             }
-            if let Manner::Integral { .. } = settings.manner {
+            if let BlendMode::Integral { .. } = settings.blend_mode {
                 through = (-total).exp();
                 color *= (1.0 - through) / total.max(1e-300);
             }
@@ -167,12 +167,12 @@ fn cameras() -> [(&'static str, Camera); 3] {
     ]
 }
 
-const MANNERS: [Manner; 2] = [
-    Manner::Light {
+const BLEND_MODES: [BlendMode; 2] = [
+    BlendMode::Light {
         cut: CUT,
         termination: TERMINATION,
     },
-    Manner::Integral { cut: CUT },
+    BlendMode::Integral { cut: CUT },
 ];
 
 #[test]
@@ -180,8 +180,8 @@ fn depths_are_composited_and_added_up_as_the_equations_have_it() {
     let cloud = gathered();
     for (name, camera) in &cameras() {
         for low_pass in [LowPass::Added(0.3), LowPass::Lacking(0.6)] {
-            for manner in MANNERS {
-                let settings = shown([83, 60], low_pass, manner);
+            for blend_mode in BLEND_MODES {
+                let settings = shown([83, 60], low_pass, blend_mode);
                 let frame = render(&cloud, camera, &settings);
                 let expected = expected(&cloud, camera, &settings);
                 let mut squared = 0.0;
@@ -191,8 +191,8 @@ fn depths_are_composited_and_added_up_as_the_equations_have_it() {
                         .sum::<f64>();
                 }
                 let psnr = -10.0 * (squared / (4.0 * expected.len() as f64)).log10();
-                println!("{name} {low_pass:?} {manner:?}: {psnr:.1} dB");
-                assert!(psnr > 70.0, "{name} {low_pass:?} {manner:?}: {psnr:.1} dB");
+                println!("{name} {low_pass:?} {blend_mode:?}: {psnr:.1} dB");
+                assert!(psnr > 70.0, "{name} {low_pass:?} {blend_mode:?}: {psnr:.1} dB");
             }
         }
     }
@@ -205,13 +205,13 @@ fn faint_splats_add_up() {
     let many: Vec<_> = (0..10_000).map(|_| super::kernels::ball(0.2, 1e-4)).collect();
     let many = super::kernels::gathered(&many);
     let (_, camera) = &cameras()[2];
-    for manner in MANNERS {
-        let settings = shown([60, 60], LowPass::Added(0.3), manner);
+    for blend_mode in BLEND_MODES {
+        let settings = shown([60, 60], LowPass::Added(0.3), blend_mode);
         let [one, many] = [&one, &many].map(|cloud| render(cloud, camera, &settings));
         let pairs = one.image.pixels.iter().zip(&many.image.pixels);
         let worst = pairs.map(|(a, b)| (a[3] - b[3]).abs()).fold(0.0, f32::max);
-        println!("{manner:?}: {worst:.1e}");
-        assert!(worst < 5e-4, "{manner:?}: {worst}");
+        println!("{blend_mode:?}: {worst:.1e}");
+        assert!(worst < 5e-4, "{blend_mode:?}: {worst}");
         assert!(one.image.pixel(30, 30)[3] > 0.5);
     }
 }
@@ -220,8 +220,8 @@ fn faint_splats_add_up() {
 fn bytes_do_not_depend_on_threads_or_instructions() {
     let cloud = gathered();
     let (_, camera) = &cameras()[0];
-    for manner in MANNERS {
-        let settings = shown([233, 122], LowPass::Lacking(0.3), manner);
+    for blend_mode in BLEND_MODES {
+        let settings = shown([233, 122], LowPass::Lacking(0.3), blend_mode);
         let of = |threads, simd| {
             let mut frame = Frame::empty(settings.size);
             let mut renderer = Renderer::new(threads, simd)?;
@@ -232,7 +232,7 @@ fn bytes_do_not_depend_on_threads_or_instructions() {
         assert!(of(7, None).as_ref() == Some(&expected), "{:?}", Level::new());
         for simd in SimdLevel::ALL {
             let same = of(2, Some(simd)).is_none_or(|found| found == expected);
-            assert!(same, "{manner:?} {simd:?}");
+            assert!(same, "{blend_mode:?} {simd:?}");
         }
     }
 }

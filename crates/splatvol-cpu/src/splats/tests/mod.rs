@@ -13,7 +13,7 @@ use splatvol_core::splats::Splat;
 use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, GaussianAttributes, Gaussians, ImageSize, Projection};
 
-use super::{Cloud, CloudSettings, LowPass, Manner, Near, SplatEngine};
+use super::{BlendMode, Cloud, CloudSettings, LowPass, Near, SplatEngine};
 use crate::config::SimdLevel;
 
 use crate::pool::Pool;

@@ -5,7 +5,7 @@ use splatvol_scene::transfer_function::srgb_from_linear;
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
 use super::{
-    CloudSettings, LowPass, Manner, Pixel, Published, Renderer, attributes, cloud, perspective, settings,
+    BlendMode, CloudSettings, LowPass, Pixel, Published, Renderer, attributes, cloud, perspective, settings,
 };
 
 /// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32
@@ -176,7 +176,7 @@ fn a_background_is_composited_in_display_space() {
     let transparent = settings(96, 64);
     let background = [0.2, 0.5, 0.9, 1.0];
     let opaque = CloudSettings {
-        manner: Manner::Published { background },
+        blend_mode: BlendMode::Published { background },
         ..transparent
     };
     let mut renderer = renderer();

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use splatvol_scene::{Camera, Frame, Gaussians, Projection};
 
 use super::{
-    CloudSettings, LowPass, Manner, Near, Random, Renderer, attributes, cloud, perspective, settings,
+    BlendMode, CloudSettings, LowPass, Near, Random, Renderer, attributes, cloud, perspective, settings,
 };
 use crate::config::SimdLevel;
 
@@ -105,7 +105,7 @@ fn hostile_numbers_make_finite_pictures() {
             let settings = CloudSettings {
                 low_pass: LowPass::Added(low_pass),
                 near: Near::OfGaussians(if low_pass == 0.0 { f64::NAN } else { 0.2 }),
-                manner: Manner::Published {
+                blend_mode: BlendMode::Published {
                     background: [f32::NAN, f32::INFINITY, -1.0, 0.5],
                 },
                 ..settings(67, 45)

@@ -2,7 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec2};
 use splatvol::{Alignment, Filter, ImageSize, ScreenFromCamera, Stretch};
-use splatvol_core::splats::{Chunk, Footprint, GaussianProfile, KernelShape, Projection, SplatCloud, View};
+use splatvol_core::splats::{
+    CameraView, Chunk, Footprint, GaussianProfile, KernelShape, Projection, SplatCloud,
+};
 use splatvol_testing::Random;
 
 use super::alignment::{Kernel, Row, Setting, sigma};
@@ -127,9 +129,9 @@ fn cloud(kernel: &Kernel) -> SplatCloud {
 }
 
 /// The paper's picture, larger so that voxels before `z_k` are in it.
-fn view(setting: &Setting) -> Result<View, LabError> {
+fn view(setting: &Setting) -> Result<CameraView, LabError> {
     let side = 4.0 * setting.side;
-    Ok(View {
+    Ok(CameraView {
         camera_from_world: DAffine3::IDENTITY,
         screen: ScreenFromCamera {
             perspective: true,
@@ -174,7 +176,7 @@ fn apart(
     footprint: &Footprint,
     profile: &GaussianProfile,
     kernel: &Kernel,
-    (row, view): (Row, &View),
+    (row, view): (Row, &CameraView),
 ) -> f64 {
     let pixel = |y_p: f64| [view.screen.centre.x as f32, (view.screen.centre.y + y_p) as f32];
     let engine = |y_p: f64| f64::from(footprint.integral(profile, None, pixel(y_p)));
@@ -188,7 +190,7 @@ fn apart(
 }
 
 /// Rounding error of a pixel's position in 32 bits.
-fn rounding(view: &View, y_p: f64) -> f32 {
+fn rounding(view: &CameraView, y_p: f64) -> f32 {
     let exact = view.screen.centre.y + y_p;
     (exact - f64::from(exact as f32)) as f32
 }

@@ -6,7 +6,7 @@
 use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3};
 use splatvol::{Alignment, Filter, ImageSize, ScreenFromCamera};
 use splatvol_core::splats::{
-    Chunk, Footprint, GaussianProfile, KernelShape, Projection, SplatCloud, View, Warp,
+    CameraView, Chunk, Footprint, GaussianProfile, KernelShape, Projection, SplatCloud, Warp,
 };
 
 use crate::LabError;
@@ -57,7 +57,7 @@ impl Splat {
     ) -> Result<Footprint, LabError> {
         let cloud = self.cloud();
         let size = ImageSize::new(2 * HALF as u32, 2 * HALF as u32)?;
-        let view = View {
+        let view = CameraView {
             camera_from_world: DAffine3::IDENTITY,
             screen: ScreenFromCamera {
                 perspective: true,

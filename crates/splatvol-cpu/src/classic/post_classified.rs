@@ -1,4 +1,5 @@
-//! Sheets of data: classified and lit pixel by pixel (huang2000 section 4, "post-rendering classification").
+//! Post-classification: sheets of values, classified and lit pixel by pixel (huang2000 section 4, "post-rendering
+//! classification").
 //!
 //! A sheet holds, per pixel, the sums `S = sum v_k w_k` and `W = sum w_k` of its sections, w being line integrals:
 //! W is the length of the ray's path through the volume within the sheet, so a pixel's value is `S / W` and its
@@ -17,13 +18,13 @@ use super::tile::{Tile, TileScratch};
 
 /// Three neighbouring sheets: before, here, behind.
 #[derive(Debug, Default)]
-pub(crate) struct DataSheets {
+pub(crate) struct ValueSheets {
     sheets: [Sheet<2>; 3],
     /// Turn of the sheet behind.
     newest: Option<usize>,
 }
 
-impl DataSheets {
+impl ValueSheets {
     /// Resets to empty sheets; `None` if the picture is cancelled meanwhile.
     pub(crate) fn reset(&mut self, size: [usize; 2], stop: &AtomicBool) -> Option<()> {
         self.newest = None;
@@ -60,15 +61,17 @@ impl Target for Sum<'_> {
 
 impl<P: Profile> Tile<'_, P> {
     /// Splats a sheet's sections of the open splats, behind the sheets so far.
-    pub(crate) fn splat_data(&mut self, turn: usize, section: [f32; 2]) {
-        let TileScratch { open, data, row, .. } = &mut *self.scratch;
-        data.advance();
-        data.newest = Some(turn);
+    pub(crate) fn splat_values(&mut self, turn: usize, section: [f32; 2]) {
+        let TileScratch {
+            open, values, row, ..
+        } = &mut *self.scratch;
+        values.advance();
+        values.newest = Some(turn);
         let (brush, work) = (&self.brush, &mut self.work);
         open.retain(|splat| {
             work.slices += 1;
             let mut target = Sum {
-                sheet: &mut data.sheets[2],
+                sheet: &mut values.sheets[2],
                 value: splat.payload[0],
             };
             target.sheet.touch(splat.area);
@@ -78,7 +81,7 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Shades the sheet before the newest one, now that both its neighbours are complete.
-    pub(crate) fn shade_data(&mut self, turn: usize) {
+    pub(crate) fn shade_values(&mut self, turn: usize) {
         if let (Some(middle), Order::Sheets { sheets, .. }) = (turn.checked_sub(1), self.plan.order) {
             let [near, far] = sheets.slab(middle).map(|depth| depth as f32);
             self.shade_between(0.5 * (near + far), far - near);
@@ -86,10 +89,10 @@ impl<P: Profile> Tile<'_, P> {
     }
 
     /// Shades the last sheets, which no other follows.
-    pub(crate) fn finish_data(&mut self) {
-        if let Some(newest) = self.scratch.data.newest {
-            self.scratch.data.advance();
-            self.shade_data(newest + 1);
+    pub(crate) fn finish_values(&mut self) {
+        if let Some(newest) = self.scratch.values.newest {
+            self.scratch.values.advance();
+            self.shade_values(newest + 1);
         }
     }
 
@@ -99,19 +102,19 @@ impl<P: Profile> Tile<'_, P> {
             return;
         };
         let TileScratch {
-            data,
+            values,
             pixels,
             finished,
             ..
         } = &mut *self.scratch;
-        if data.sheets[1].is_empty() {
+        if values.sheets[1].is_empty() {
             return;
         }
         let (own, splatted) = (self.rect, self.brush.rect);
         let width = own.x1 - own.x0;
-        let [x0, y0, x1, y1] = data.sheets[1].touched();
+        let [x0, y0, x1, y1] = values.sheets[1].touched();
         let stencil = Stencil {
-            sheets: &data.sheets,
+            sheets: &values.sheets,
             size: [splatted.x1 - splatted.x0, splatted.y1 - splatted.y0],
             least: FADED * thickness,
             thickness,

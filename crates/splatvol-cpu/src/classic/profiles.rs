@@ -1,4 +1,4 @@
-//! Kernel preparation: the profile of a kernel and the rasterisers' lookup tables, kept between frames.
+//! Profiles: line integrals of the kernel, and the rasterisers' lookup tables of these, kept between frames.
 
 use splatvol_core::splats::{GaussianProfile, KernelShape, RadialProfile};
 use splatvol_scene::{
@@ -9,7 +9,7 @@ use super::raster::Tables;
 
 /// Footprints of a kernel, by the way they are evaluated.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Footprints<'a> {
+pub(crate) enum FootprintProfile<'a> {
     /// A Gaussian, without tables.
     Gaussian(&'a GaussianProfile),
     /// Any radial kernel, looked up by a rasteriser if there are tables, otherwise interpolated.
@@ -26,12 +26,12 @@ type Key = (Kernel, Rasterizer, TableLayout);
 
 /// The last frame's kernel.
 #[derive(Debug)]
-pub(crate) struct KernelStore {
+pub(crate) struct ProfileStore {
     key: Key,
     prepared: Prepared,
 }
 
-impl Default for KernelStore {
+impl Default for ProfileStore {
     fn default() -> Self {
         let kernel = Kernel::default();
         let (sigma, radius) = kernel.gaussian().unwrap_or((1.0, 4.0));
@@ -42,7 +42,7 @@ impl Default for KernelStore {
     }
 }
 
-impl KernelStore {
+impl ProfileStore {
     /// Prepares the profile and tables for the settings, unless they are cached.
     ///
     /// # Errors
@@ -70,10 +70,10 @@ impl KernelStore {
     }
 
     /// The prepared footprints.
-    pub(crate) fn footprints(&self) -> Footprints<'_> {
+    pub(crate) fn footprints(&self) -> FootprintProfile<'_> {
         match &self.prepared {
-            Prepared::Gaussian(profile) => Footprints::Gaussian(profile),
-            Prepared::Radial(profile, tables) => Footprints::Radial(profile, tables.as_ref()),
+            Prepared::Gaussian(profile) => FootprintProfile::Gaussian(profile),
+            Prepared::Radial(profile, tables) => FootprintProfile::Radial(profile, tables.as_ref()),
         }
     }
 
