@@ -13,6 +13,9 @@
 
 use glam::{DMat3, DVec2};
 
+/// Share of the variances below which an off-diagonal number is rounding: a rotated sphere is a sphere but for that.
+const ROUNDING: f64 = 1e-9;
+
 /// Footprint parameters shared by all voxels of a grid: all but the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FootprintShape {
@@ -29,8 +32,8 @@ impl FootprintShape {
     pub fn new(covariance: DMat3) -> Self {
         let depth_variance = covariance.z_axis.z;
         let slope = covariance.z_axis.truncate() / depth_variance;
-        // A rotated sphere is a sphere but for rounding; exact zeros let rasterizers separate x from y.
-        let scale = (covariance.x_axis.x + covariance.y_axis.y + depth_variance) * 1e-9;
+        // Exact zeros let rasterizers separate x from y.
+        let scale = (covariance.x_axis.x + covariance.y_axis.y + depth_variance) * ROUNDING;
         let clean = |value: f64, threshold: f64| if value.abs() < threshold { 0.0 } else { value };
         let slope = slope.map(|s| clean(s, scale / depth_variance));
         let drift = slope * slope * depth_variance;

@@ -53,6 +53,11 @@ fn half_from_own(own: [usize; 3], dims: [usize; 3]) -> DAffine3 {
     DAffine3::from_translation(0.5 * (ratio - DVec3::ONE)) * DAffine3::from_scale(ratio)
 }
 
+/// Old cells by which the edge of a new one may be off by rounding.
+const ROUNDING: f64 = 1e-9;
+/// Weight below which an old cell is only touched, by rounding.
+const TOUCHED: f64 = 1e-6;
+
 /// The old samples that a new one is the mean of, along one axis.
 #[derive(Debug, Clone, Copy)]
 struct Cover {
@@ -65,15 +70,14 @@ impl Cover {
         let ratio = own as f64 / count as f64;
         let cover = |i: usize| {
             let (from, to) = (i as f64 * ratio, (i + 1) as f64 * ratio);
-            let first = (from + 1e-9).floor() as usize;
+            let first = (from + ROUNDING).floor() as usize;
             let part = |tap: usize| {
                 let cell = (first + tap) as f64;
                 (to.min(cell + 1.0) - from.max(cell)).max(0.0) / ratio
             };
             Self {
                 first,
-                // Rounding leaves no weight of a cell that is only touched.
-                weights: std::array::from_fn(part).map(|w| if w < 1e-6 { 0.0 } else { w as f32 }),
+                weights: std::array::from_fn(part).map(|w| if w < TOUCHED { 0.0 } else { w as f32 }),
             }
         };
         (0..count).map(cover).collect()

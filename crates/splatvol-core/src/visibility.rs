@@ -23,6 +23,10 @@ pub(crate) const LEVELS: usize = 2048;
 const FIRST: f32 = -0.5;
 const PER_VALUE: f32 = LEVELS as f32 / 2.0;
 
+/// Subtracted before rounding to the nearest whole number, to round down: not a half, which would round a whole level
+/// to either side.
+const NEARLY_HALF: f32 = 0.49;
+
 /// The level of a normalised value, up to a hundredth of a level; a missing value's is 0.
 #[inline(always)]
 pub(crate) fn level_of(value: f32) -> i16 {
@@ -30,7 +34,7 @@ pub(crate) fn level_of(value: f32) -> i16 {
     // is one addition in vectors.
     const WHOLE: f32 = (1 << 23) as f32;
     let level = ((value - FIRST) * PER_VALUE).max(0.0).min((LEVELS - 1) as f32);
-    (level - 0.49 + WHOLE).to_bits() as i16
+    (level - NEARLY_HALF + WHOLE).to_bits() as i16
 }
 
 /// Number of visible levels below each level: a single difference tells whether a range of values contains a

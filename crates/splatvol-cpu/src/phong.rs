@@ -9,7 +9,14 @@ use std::ops::Mul;
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_scene::Lighting;
 
-use crate::simd::math::{exp2, log2};
+use crate::simd::math::{LEAST_EXPONENT, exp2, log2};
+
+/// Least squared gradient, in value ranges per voxel: what is less has no direction.
+const LEAST_SQUARED: f32 = 1e-12;
+/// Squared gradient, in those of half a surface, below which light finds no surface at all.
+const FLAT: f32 = 1e-6;
+/// Largest whole power that is raised by squaring; beyond, logarithms are as fast.
+const MOST_SQUARED: f32 = 256.0;
 
 /// Effect of lighting on a colour c: `c diffuse + specular`.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +59,7 @@ impl Phong {
             diffuse: lighting.diffuse as f32,
             specular: lighting.specular as f32,
             power: lighting.specular_power as f32,
-            least_shining: libm::exp2(-100.0 / lighting.specular_power) as f32,
+            least_shining: libm::exp2(f64::from(LEAST_EXPONENT) / lighting.specular_power) as f32,
             floor_squared: lighting.gradient_floor.powi(2) as f32,
             towards_light: light.as_vec3().to_array(),
             half_way: half_way.as_vec3().to_array(),
@@ -65,7 +72,7 @@ impl Phong {
     pub(crate) fn lanes<S: Simd>(&self, simd: S, gradient: [f32x16<S>; 3]) -> (f32x16<S>, f32x16<S>) {
         let [x, y, z] = gradient;
         let per_voxel = self.spacing * self.spacing;
-        let squared = ((x * x + y * y + z * z) * per_voxel).max(f32x16::splat(simd, 1e-12));
+        let squared = ((x * x + y * y + z * z) * per_voxel).max(f32x16::splat(simd, LEAST_SQUARED));
         // One division for both the inverse length and the surfaceness.
         let (length, floored) = (squared.sqrt(), squared + self.floor_squared);
         let quotient = f32x16::splat(simd, 1.0) / (length * floored);
@@ -85,7 +92,7 @@ impl Phong {
     fn gloss<S: Simd>(&self, simd: S, shining: f32x16<S>) -> f32x16<S> {
         // Where the power would be below 2^-100, it is 2^-100: not denormal.
         let base = shining.max(f32x16::splat(simd, self.least_shining));
-        if self.power.fract() != 0.0 || self.power > 256.0 {
+        if self.power.fract() != 0.0 || self.power > MOST_SQUARED {
             return exp2(simd, log2(simd, base) * self.power);
         }
         raised(base, self.power as u32, f32x16::splat(simd, 1.0))
@@ -95,7 +102,7 @@ impl Phong {
     #[inline(always)]
     fn gloss_of(&self, shining: f32) -> f32 {
         let base = shining.max(self.least_shining);
-        if self.power.fract() != 0.0 || self.power > 256.0 {
+        if self.power.fract() != 0.0 || self.power > MOST_SQUARED {
             return libm::powf(base, self.power);
         }
         raised(base, self.power as u32, 1.0)
@@ -104,7 +111,7 @@ impl Phong {
     /// Surfaceness of a gradient of this length, per world length.
     pub(crate) fn surfaceness(&self, gradient: f32) -> f32 {
         let squared = (gradient * self.spacing).powi(2);
-        squared / (squared + self.floor_squared).max(1e-12)
+        squared / (squared + self.floor_squared).max(LEAST_SQUARED)
     }
 
     /// Lighting of a surface of this surfaceness, with this normal (camera space, length 1).
@@ -128,7 +135,7 @@ impl Phong {
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let gradient = gradient.map(|g| g * self.spacing);
         let squared = dot(gradient, gradient);
-        if squared <= 1e-6 * self.floor_squared {
+        if squared <= FLAT * self.floor_squared {
             return Lit {
                 diffuse: self.ambient + self.diffuse,
                 specular: 0.0,

@@ -24,6 +24,11 @@ pub enum Projection {
     },
 }
 
+/// From the target to a camera in front, on one side and above: three faces of a box, none of them like another.
+const ISO: DVec3 = DVec3::new(-0.62, 0.70, 0.36);
+/// Sine of the least angle between the view and the up direction; below, the picture's turn would be rounding.
+const LEAST_TILT: f64 = 1e-9;
+
 impl Default for Projection {
     /// Perspective with a field of view of 30 degrees.
     fn default() -> Self {
@@ -73,7 +78,7 @@ impl View {
             Self::Right => (DVec3::X, DVec3::Z),
             Self::Top => (DVec3::Z, DVec3::Y),
             Self::Bottom => (-DVec3::Z, DVec3::Y),
-            Self::Iso => (DVec3::new(-0.62, 0.70, 0.36).normalize(), DVec3::Z),
+            Self::Iso => (ISO.normalize(), DVec3::Z),
         }
     }
 }
@@ -126,7 +131,7 @@ impl Camera {
         })?;
         let right = forward.cross(up).try_normalize();
         let right = right
-            .filter(|_| forward.cross(up).length() > 1e-9 * up.length())
+            .filter(|_| forward.cross(up).length() > LEAST_TILT * up.length())
             .ok_or_else(|| {
                 SceneError::invalid(
                     "camera up",

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Bounds, SceneError};
 
+/// Error of a squared length up to which a normal is kept as it is: a plane that was written and read again is the same.
+const UNIT: f64 = 1e-12;
+
 /// A plane; the half-space that its normal points to is inside.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Unchecked", deny_unknown_fields)]
@@ -45,8 +48,7 @@ impl ClipPlane {
                 "finite numbers",
             ));
         }
-        // A plane that was written and read again is the same plane.
-        if (normal.length_squared() - 1.0).abs() < 1e-12 {
+        if (normal.length_squared() - 1.0).abs() < UNIT {
             return Ok(Self { point, normal });
         }
         let Some(unit) = normal.try_normalize() else {

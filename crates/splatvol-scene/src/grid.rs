@@ -9,6 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 
+/// Spacings whose cubes, and the inverses of these, can be computed with.
+const SPACINGS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+/// Least volume of a cell relative to one with the same edges at right angles: below, its axes lie in a plane.
+const LEAST_SKEW: f64 = 1e-3;
+
 /// The unit of world lengths. Only a label: nothing is converted by it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -136,12 +141,12 @@ impl Grid {
             ));
         }
         let lengths = [columns.x_axis, columns.y_axis, columns.z_axis].map(DVec3::length);
-        if lengths.iter().any(|l| !(1e-30..=1e30).contains(l)) {
+        if lengths.iter().any(|l| !SPACINGS.contains(l)) {
             return Err(SceneError::invalid("spacing", lengths, "positive and finite"));
         }
         // Relative volume of the cell: 1 for orthogonal axes, 0 for axes in one plane.
         let skew = columns.determinant().abs() / (lengths[0] * lengths[1] * lengths[2]);
-        if skew < 1e-3 || skew.is_nan() {
+        if skew < LEAST_SKEW || skew.is_nan() {
             return Err(SceneError::invalid(
                 "direction",
                 columns.to_cols_array(),

@@ -25,6 +25,9 @@ use super::tree::Tree;
 use super::whitening::whitening;
 use crate::eigen::eigen;
 
+/// Sum of weights, six standard deviations away from all kernels, below which a piece has no surroundings.
+const LEAST_WEIGHT: f64 = 1e-9;
+
 /// Kernels, by samples, at most.
 pub const MOST_PER_SAMPLE: usize = 16;
 /// Growth limits of covariances; each later one is used if the one before yields too many kernels.
@@ -256,7 +259,7 @@ impl<R: Regions> Surroundings<'_, R> {
             gradient += weight * self.samples[*other].gradient;
             weights += weight;
         }
-        let is_near = weights > 1e-9;
+        let is_near = weights > LEAST_WEIGHT;
         Sample {
             position: piece.position,
             mass: piece.volume,

@@ -8,6 +8,14 @@ pub const MAX_BLOCKS: usize = 16;
 /// Blocks along the edge of footprints that are compiled.
 pub const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
+/// Edge of the drawn square, in reaches of the footprint. Two would hold all of it; the outermost twentieth, less than a
+/// hundredth of the peak, may be left out for an unfavourable position.
+const DRAWN: f32 = 1.88;
+
+/// Farthest raster point of a square of blocks from its footprint's centre, less half the square's edge: half a point,
+/// as blocks begin at even points, and a quarter for rounding.
+const OFF_CENTRE: f32 = 0.75;
+
 /// Reach of a voxel's footprints around that of its middle sheet, raster points.
 pub fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32; 2] {
     shape
@@ -15,10 +23,9 @@ pub fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32
         .map(|half| (half + spread * shape.scale) * factor)
 }
 
-/// Blocks along the edge of footprints with the given reach, raster points. The outermost twentieth of the reach,
-/// less than a hundredth of the peak, may be left out for an unfavourable position of the footprint.
+/// Blocks along the edge of footprints with the given reach, raster points.
 pub fn blocks_of([x, y]: [f32; 2]) -> usize {
-    let points = (1.88 * x.max(y)).floor() as usize + 1;
+    let points = (DRAWN * x.max(y)).floor() as usize + 1;
     let blocks = (points + 1).div_ceil(2);
     SIZES
         .into_iter()
@@ -28,14 +35,13 @@ pub fn blocks_of([x, y]: [f32; 2]) -> usize {
 
 /// Whether the largest blocks hold footprints that reach so far.
 pub(super) fn fit_blocks([x, y]: [f32; 2]) -> bool {
-    1.88 * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
+    DRAWN * x.max(y) < (2 * MAX_BLOCKS - 1) as f32
 }
 
 /// Largest distance from a footprint's centre at which pixels change. Pixels change if a block of the footprint
 /// covers them, or the support of their spline or gradient. `half_extent`: reach of the footprints, raster points.
 pub(super) fn pixel_reach(half_extent: [f32; 2], step: usize) -> f32 {
-    // Blocks begin at even points: up to a point and a half off the middle. A quarter is for rounding.
-    let blocks = blocks_of(half_extent) as f32 + 0.75;
+    let blocks = blocks_of(half_extent) as f32 + OFF_CENTRE;
     let spline = if step > 1 { 2.0 } else { 0.0 };
     (blocks + spline) * step as f32 + 1.0
 }

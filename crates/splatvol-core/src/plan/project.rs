@@ -23,6 +23,9 @@ pub(super) struct BrickProjection<'a> {
     pub margin: f64,
 }
 
+/// Share of a sheet's thickness by which bricks count as nearer and farther than they are, for rounding.
+const SLACK: f64 = 1e-3;
+
 impl BrickProjection<'_> {
     /// Bounds of a brick's footprints; `None` where the brick meets no sheet.
     pub(super) fn project(&self, first: [u32; 3], index: usize) -> Option<ProjectedBrick> {
@@ -36,8 +39,7 @@ impl BrickProjection<'_> {
         }
         let drift = (self.shape.lateral_slope.abs() * self.reach).extend(self.reach);
         let (low, high) = (low - drift, high + drift);
-        // A little is for rounding.
-        let slack = 1e-3 * self.planes.spacing;
+        let slack = SLACK * self.planes.spacing;
         if high.z < self.nearest - slack || low.z > self.farthest + slack {
             return None;
         }

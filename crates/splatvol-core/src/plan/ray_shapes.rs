@@ -6,6 +6,9 @@ use splatvol_scene::{ImageSize, ScreenFromCamera};
 use super::raster::{Raster, SheetShape};
 use crate::footprint::FootprintShape;
 
+/// Relative difference of variances up to which a footprint is a circle: far less than shows, far more than rounding.
+pub(super) const NEARLY_ROUND: f64 = 1e-6;
+
 /// Projected footprints of all rays of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct RayShapes {
@@ -57,7 +60,7 @@ impl RayShapes {
     /// Whether all footprints are round.
     pub fn is_round(&self) -> bool {
         let [xx, xy, yy] = self.covariance(DVec2::ZERO);
-        !self.screen.perspective && xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx
+        !self.screen.perspective && xy.abs() < NEARLY_ROUND * xx && (xx - yy).abs() < NEARLY_ROUND * xx
     }
 
     /// The footprint of a depth around image coordinates, the middle of a tile.

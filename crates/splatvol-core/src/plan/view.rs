@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Camera, Gradient, Grid, RenderSettings, SheetSettings};
 
 use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
-use super::ray_shapes::RayShapes;
+use super::ray_shapes::{NEARLY_ROUND, RayShapes};
 use super::zones::{Cutting, GridKernel, Sheets};
 use super::{GROUP, Rays};
 use crate::footprint::FootprintShape;
@@ -14,6 +14,9 @@ use crate::normal::mass_within;
 /// Cut of kernels in depth for analytic gradients, standard deviations: there, voxels that appear and vanish by
 /// rounding matter.
 const DEPTH_CUT_EXACT: f64 = 4.7;
+
+/// Share of a group of sheets by which a kernel may meet more than a whole number of groups: rounding, not a sheet.
+const WHOLE: f64 = 1e-9;
 
 /// Sampling of voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +84,7 @@ impl GridView {
                 Some(spacing) => spacing / per_voxel,
                 None => settings.method.thickness * thinner_where_steep(steepest),
             };
-            let groups = (2.0 * kernel.radius / thickness / GROUP as f64 - 1e-9).ceil();
+            let groups = (2.0 * kernel.radius / thickness / GROUP as f64 - WHOLE).ceil();
             (spacing.unwrap_or(thickness * per_voxel), groups as usize)
         };
         let ray_shapes = RayShapes {
@@ -146,7 +149,7 @@ const THINNER_FROM: f64 = 1.0;
 fn is_round(shape: &FootprintShape) -> bool {
     let [xx, xy, yy] = shape.lateral_covariance;
     let drift = shape.lateral_slope.abs().max_element();
-    xy.abs() < 1e-6 * xx && (xx - yy).abs() < 1e-6 * xx && drift < 1e-6
+    xy.abs() < NEARLY_ROUND * xx && (xx - yy).abs() < NEARLY_ROUND * xx && drift < NEARLY_ROUND
 }
 
 impl GridView {

@@ -47,6 +47,12 @@ pub struct Splat {
     pub gradient: DVec3,
 }
 
+/// Last cell along an axis of the Morton order: nine bits, so that size, place and index fit a key of 64.
+const LAST_CELL: f32 = 511.0;
+/// Octave of the widths that are the first class of sizes, and the last class: five bits, from 2^-40 up.
+const SMALLEST: f32 = -40.0;
+const LAST_CLASS: f32 = 31.0;
+
 /// Kernels on their way into a cloud.
 #[derive(Debug, Clone)]
 pub struct Gather {
@@ -241,9 +247,9 @@ impl Gather {
         let (low, high) = extent(&self.positions);
         let width = (high - low).max_element().max(f32::MIN_POSITIVE);
         let key = |index: usize| {
-            let cell = (Vec3::from_array(self.positions[index]) - low) * (511.0 / width);
+            let cell = (Vec3::from_array(self.positions[index]) - low) * (LAST_CELL / width);
             let size = (libm::log2f(largest_variance(&self.covariances[index]).max(1e-30)) * 0.5).floor();
-            let class = (size + 40.0).clamp(0.0, 31.0) as u64;
+            let class = (size - SMALLEST).clamp(0.0, LAST_CLASS) as u64;
             let place = spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2;
             (class << 27 | place) << 32 | index as u64
         };

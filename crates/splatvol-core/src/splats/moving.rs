@@ -181,14 +181,14 @@ impl Passage {
     #[inline(always)]
     fn times(&self) -> [f32; 2] {
         let Self { length, along, .. } = *self;
-        if length < 0.3 {
+        if length < SHORT {
             // The Gaussian is a slope over so short a way.
             let tilt = along * length / 12.0;
             return [tilt.clamp(-0.5, 0.5), 1.0 / 12.0];
         }
         let (a, b) = (along - 0.5 * length, along + 0.5 * length);
         let mass = cumulative(b) - cumulative(a);
-        if mass < 1e-4 {
+        if mass < LEAST_MASS {
             // Past an end, the kernel is seen when it is there.
             return [0.5 * along.signum(), 0.0];
         }
@@ -202,6 +202,11 @@ impl Passage {
         ]
     }
 }
+
+/// Ways, in standard deviations, over which a Gaussian is a slope.
+const SHORT: f32 = 0.3;
+/// Mass of the Gaussian below which its mean would be the rounding of two tails.
+const LEAST_MASS: f32 = 1e-4;
 
 #[inline(always)]
 fn density(x: f32) -> f32 {

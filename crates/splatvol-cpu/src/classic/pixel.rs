@@ -6,6 +6,9 @@
 use splatvol_core::bin::TileRect;
 use splatvol_scene::Frame;
 
+/// Optical depth below which material would lose its last digits in `1 - exp(-tau)`.
+const THIN: f32 = 0.1;
+
 /// A pixel while its tile is rendered.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pixel {
@@ -42,8 +45,7 @@ impl Pixel {
     #[inline(always)]
     pub(crate) fn add(&mut self, optical_depth: f32, color: [f32; 3], depth: f32) {
         let through = libm::expf(-optical_depth);
-        // Thin material would lose its last digits in 1 - exp(-tau).
-        let alpha = if optical_depth < 0.1 {
+        let alpha = if optical_depth < THIN {
             -libm::expm1f(-optical_depth)
         } else {
             1.0 - through

@@ -34,13 +34,26 @@ pub(crate) struct Shares<S: Simd> {
 }
 
 /// Shares on the lattice below this lie so far outside the volume that their values are ignored.
-const FADED: f32 = 0.15;
+pub(crate) const FADED: f32 = 0.15;
+/// Shares are faded from here on, in those that count as such: what was cut at [`FADED`] and divided is less by rounding.
+const NEARLY: f32 = 0.999;
+/// Kernel's share on the box between a coverage of 0 and of 1: the last hundredth on either side is left out, so that
+/// coverage reaches both (docs/numerics.md, `q`).
+pub(crate) const RAMP: f32 = 0.98;
+/// Standard deviations by which tiles are looked at further, where their corners are rounded otherwise than their pixels.
+const TILE_SLACK: f32 = 0.01;
+/// From the first of sixteen pixels to the last.
+const LAST_LANE: f32 = 15.0;
+/// `Phi(x) = 1 / (1 + 2^-(LINEAR x + CUBIC x^3))`, to 2e-4; beyond `END` it is 0 or 1.
+const LINEAR: f32 = 2.3048;
+const CUBIC: f32 = 0.1018;
+const END: f32 = 5.0;
 
 impl<S: Simd> Shares<S> {
     /// Marks pixels whose share on the lattice is too small for a value.
     #[inline(always)]
     pub(crate) fn is_faded(&self, simd: S) -> mask32x16<S> {
-        self.per_weight.simd_ge(f32x16::splat(simd, 0.999 / FADED))
+        self.per_weight.simd_ge(f32x16::splat(simd, NEARLY / FADED))
     }
 }
 
@@ -96,15 +109,14 @@ impl Border {
     #[inline(always)]
     pub(crate) fn is_near(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> bool {
         let from = plane.at(x, y);
-        !self.holds(from, from + plane.step_x * 15.0, REACH)
+        !self.holds(from, from + plane.step_x * LAST_LANE, REACH)
     }
 
     /// Whether any sixteen of a tile's pixels may be near the border.
     pub(crate) fn is_near_any(&self, plane: &BorderPlane, tile: &TileRect) -> bool {
         let (top, bottom) = (plane.at(tile.x0, tile.y0), plane.at(tile.x0, tile.y1));
         let across = plane.step_x * (tile.x1 - tile.x0).next_multiple_of(16) as f32;
-        // A little further: where a tile's corners are rounded otherwise than its pixels.
-        let reach = REACH + 0.01;
+        let reach = REACH + TILE_SLACK;
         !(self.holds(top, top + across, reach) && self.holds(bottom, bottom + across, reach))
     }
 
@@ -115,7 +127,7 @@ impl Border {
         let lanes = f32x16::from_slice(simd, &LANES);
         let one = f32x16::splat(simd, 1.0);
         let (mut own, mut all) = (one, one);
-        let to = from + step * 15.0;
+        let to = from + step * LAST_LANE;
         for axis in 0..3 {
             let (low, high) = (from[axis].min(to[axis]), from[axis].max(to[axis]));
             if low >= REACH * self.sigma && self.size[axis] - high >= REACH * self.sigma {
@@ -132,7 +144,7 @@ impl Border {
                 all *= cumulative(simd, size + margin - near);
             }
         }
-        let coverage = ((own - 0.5) * (1.0 / 0.98) + 0.5)
+        let coverage = ((own - 0.5) * (1.0 / RAMP) + 0.5)
             .max(f32x16::splat(simd, 0.0))
             .min(one);
         Shares {
@@ -159,8 +171,8 @@ impl Border {
                 all *= cumulative_of(size + margin - near);
             }
         }
-        let coverage: f32 = ((own - 0.5) * (1.0 / 0.98) + 0.5).clamp(0.0, 1.0);
-        [coverage, 1.0 / f32::max(all, 0.15)]
+        let coverage: f32 = ((own - 0.5) * (1.0 / RAMP) + 0.5).clamp(0.0, 1.0);
+        [coverage, 1.0 / f32::max(all, FADED)]
     }
 }
 
@@ -186,14 +198,14 @@ const LANES: [f32; 16] = [
 /// Standard normal cumulative distribution.
 #[inline(always)]
 fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
-    let x = x.max(f32x16::splat(simd, -5.0)).min(f32x16::splat(simd, 5.0));
-    let exponent = (x * x * -0.1018 - 2.3048) * x;
+    let x = x.max(f32x16::splat(simd, -END)).min(f32x16::splat(simd, END));
+    let exponent = (x * x * -CUBIC - LINEAR) * x;
     let one = f32x16::splat(simd, 1.0);
     one / (one + exp2(simd, exponent))
 }
 
 /// Scalar version of `cumulative`.
 pub(crate) fn cumulative_of(x: f32) -> f32 {
-    let x = x.clamp(-5.0, 5.0);
-    1.0 / (1.0 + exp2_of((x * x * -0.1018 - 2.3048) * x))
+    let x = x.clamp(-END, END);
+    1.0 / (1.0 + exp2_of((x * x * -CUBIC - LINEAR) * x))
 }

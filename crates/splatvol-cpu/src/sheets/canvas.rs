@@ -220,10 +220,13 @@ impl Stored {
     }
 }
 
+/// Opacity below which the logarithm's digits would be lost in its division; the series is exact to 1e-6 there.
+const THIN: f32 = 0.02;
+
 /// Optical depth per opacity.
 #[inline(always)]
 fn depth_per_opacity<S: Simd>(simd: S, through: f32x16<S>, opacity: f32x16<S>) -> f32x16<S> {
-    let thin = opacity.simd_lt(splat(simd, 0.02));
+    let thin = opacity.simd_lt(splat(simd, THIN));
     let series = opacity * (opacity * (1.0 / 3.0) + 0.5) + 1.0;
     let least = through.max(splat(simd, f32::MIN_POSITIVE));
     let divisor = thin.select(splat(simd, 1.0), opacity);

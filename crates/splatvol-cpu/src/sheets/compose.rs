@@ -17,7 +17,7 @@ use super::plane::{HALO, Plane};
 use super::shaded::filled;
 use super::splat::Payload;
 use super::tile::{MAX_CHANNELS, SheetScratch};
-use crate::simd::math::exp2_quick;
+use crate::simd::math::{LEAST_EXPONENT, exp2_quick};
 
 /// Pre-classification.
 #[derive(Debug)]
@@ -75,12 +75,15 @@ pub(crate) fn ray_length<S: Simd>(simd: S, rays: &Rays, [x, y]: [usize; 2]) -> f
     (across * across + (1.0 + down * down)).sqrt()
 }
 
+/// Optical depth below which the series for `1 - exp(-tau)` is as exact as the exponential.
+const THIN: f32 = 0.02;
+
 /// `exp(-tau)` and `1 - exp(-tau)`; the latter is computed by itself because thin material would lose its digits.
 #[inline(always)]
 pub(crate) fn through_and_opacity<S: Simd>(simd: S, optical_depth: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
-    let exponent = (optical_depth * -std::f32::consts::LOG2_E).max(f32x16::splat(simd, -100.0));
+    let exponent = (optical_depth * -std::f32::consts::LOG2_E).max(f32x16::splat(simd, LEAST_EXPONENT));
     let through = exp2_quick(simd, exponent);
-    let thin = optical_depth.simd_lt(f32x16::splat(simd, 0.02));
+    let thin = optical_depth.simd_lt(f32x16::splat(simd, THIN));
     let series = optical_depth * (1.0 - optical_depth * (0.5 - optical_depth * (1.0 / 6.0)));
     let opacity = thin.select(series, 1.0 - through);
     (thin.select(1.0 - series, through), opacity)

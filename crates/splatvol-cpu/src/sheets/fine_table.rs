@@ -15,6 +15,10 @@ const FIRST: f32 = ClassificationTable::FIRST as f32;
 const CELLS: usize = ClassificationTable::CELLS;
 /// Rise, in cells, below which the mean of both ends is used.
 const FLAT: f32 = 2.0;
+/// Optical depth below which the front's advantage is a series: the difference would cancel.
+const THIN: f32 = 0.3;
+/// Largest position in the table: within the last cell.
+const LAST_POSITION: f32 = CELLS as f32 - 0.01;
 
 /// At both ends of a cell: K and E; extinction and linear colour.
 #[derive(Debug, Clone, Copy, Default)]
@@ -141,8 +145,7 @@ pub(crate) fn advantage<S: Simd>(
     opacity: f32x16<S>,
 ) -> f32x16<S> {
     let tau = optical_depth;
-    // The series where the difference would cancel.
-    let is_thin = tau.simd_lt(f32x16::splat(simd, 0.3));
+    let is_thin = tau.simd_lt(f32x16::splat(simd, THIN));
     let series = tau * tau * (1.0 / 6.0) * (1.0 - tau * (0.5 - tau * 0.15));
     let divisor = is_thin.select(f32x16::splat(simd, 1.0), tau);
     is_thin.select(series, 1.0 + through - opacity * 2.0 / divisor)
@@ -164,7 +167,7 @@ impl FineTable {
     /// Looks sixteen values up.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Point<S> {
-        let (zero, last) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, CELLS as f32 - 0.01));
+        let (zero, last) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, LAST_POSITION));
         let position = ((value - FIRST) * PER_VALUE).max(zero).min(last);
         let share = position - position.floor();
         let cells: u32x16<S> = position.to_int();

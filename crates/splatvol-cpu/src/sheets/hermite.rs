@@ -8,13 +8,14 @@
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
+use super::border::FADED;
 use super::cubic::Cubic;
 use super::lattice_weights::{Weights, coverage};
 
-/// Weights below this lie so far outside the volume that their values are ignored.
-const FADED: f32 = 0.15;
 /// Least divisor in place of a smaller weight.
 const LEAST_WEIGHT: f32 = 0.01;
+/// Spreads of five samples of a cubic by which it may leave their range.
+const OVERSHOOT: f32 = 0.125;
 /// Most pieces of an interval.
 const MOST_PIECES: f32 = 8.0;
 /// Cells of the tables of classification per normalised value.
@@ -148,9 +149,8 @@ impl<S: Simd> Hermite<S> {
             self.value(splat(simd, 0.75)),
             self.value(splat(simd, 1.0)),
         ];
-        // The cubic leaves its five samples' range by at most a fraction of their spread.
         let (low, high) = (a.min(b).min(c).min(d.min(e)), a.max(b).max(c).max(d.max(e)));
-        let slack = (high - low) * 0.125;
+        let slack = (high - low) * OVERSHOOT;
         let bend = (a - b * 2.0 + c)
             .abs()
             .max((b - c * 2.0 + d).abs())

@@ -291,10 +291,14 @@ impl Integral<'_> {
             records.x[n] = (records.x[n] + slope.x * moved) * ratio;
             records.y[n] = (records.y[n] + slope.y * moved) * ratio;
             let share = (share * ratio * ratio / most).min(1.0);
-            records.z[n] = depth - (libm::log2f(share).max(-60.0) / frame.constants.depth_exponent).sqrt();
+            records.z[n] =
+                depth - (libm::log2f(share).max(LEAST_SHARE) / frame.constants.depth_exponent).sqrt();
         }
     }
 }
+
+/// Least share, as a power of two, of a voxel that is cut by the plane of the eye.
+const LEAST_SHARE: f32 = -60.0;
 
 /// Mean of half a Gaussian, standard deviations.
 const MEAN_OF_HALF: f64 = 0.8;

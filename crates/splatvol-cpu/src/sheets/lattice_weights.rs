@@ -12,12 +12,19 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::{Affine3A, DAffine3, DVec3, Vec3, Vec3A};
 use splatvol_core::bin::TileRect;
 
+use super::border::RAMP;
 use crate::simd::math::exp2_quick;
 
 /// Distance from a face, standard deviations, beyond which the face has no effect.
 const REACH: f32 = 4.2;
 /// Cut of sums over the lattice, standard deviations.
 const CUT: f32 = 4.5;
+/// Voxels by which tiles are looked at further, where their corners are rounded otherwise than their pixels.
+const TILE_SLACK: f32 = 0.01;
+/// From the first of sixteen pixels to the last.
+const LAST_LANE: f32 = 15.0;
+/// Standard deviations beyond which the normal distribution is 0 or 1 in 32 bits.
+const END: f32 = 8.0;
 /// Largest exponent of a term, to base 2.
 const FARTHEST: f32 = -120.0;
 
@@ -81,7 +88,7 @@ impl<S: Simd> Weights<S> {
 /// Coverage q, 0 to 1, of a share B on the volume's own box.
 #[inline(always)]
 pub(crate) fn coverage<S: Simd>(simd: S, own: f32x16<S>) -> f32x16<S> {
-    ((own - 0.5) * (1.0 / 0.98) + 0.5)
+    ((own - 0.5) * (1.0 / RAMP) + 0.5)
         .max(f32x16::splat(simd, 0.0))
         .min(f32x16::splat(simd, 1.0))
 }
@@ -159,7 +166,7 @@ impl LatticeWeights {
 
     /// Whether any sixteen of a tile's pixels may be near a face.
     pub(crate) fn is_near_any(&self, plane: &WeightPlane, tile: &TileRect) -> bool {
-        let (x1, margin) = (tile.x0 + (tile.x1 - tile.x0).next_multiple_of(16), 0.01);
+        let x1 = tile.x0 + (tile.x1 - tile.x0).next_multiple_of(16);
         let corners = [tile.y0, tile.y1].map(|y| [plane.at([tile.x0, y]), plane.at([x1, y])]);
         let [low, high] = [Vec3A::min, Vec3A::max].map(|pick: fn(Vec3A, Vec3A) -> Vec3A| {
             pick(
@@ -167,8 +174,7 @@ impl LatticeWeights {
                 pick(corners[1][0], corners[1][1]),
             )
         });
-        // A little further: where a tile's corners are rounded otherwise than its pixels.
-        !(0..3).all(|axis| self.is_inside(axis, plane, [low - margin, high + margin]))
+        !(0..3).all(|axis| self.is_inside(axis, plane, [low - TILE_SLACK, high + TILE_SLACK]))
     }
 
     /// Weights at sixteen pixels of a plane from (x, y) on.
@@ -223,7 +229,7 @@ impl WeightPlane {
     #[inline(always)]
     fn sixteen(&self, place: [usize; 2]) -> [Vec3A; 2] {
         let from = self.at(place);
-        [from, from + self.step_x * 15.0]
+        [from, from + self.step_x * LAST_LANE]
     }
 }
 
@@ -257,7 +263,7 @@ fn lattice_sum<S: Simd>(simd: S, at: f32x16<S>, count: f32, sigma: f32) -> [f32x
 #[inline(always)]
 fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let z = x.abs().min(f32x16::splat(simd, 8.0)) * std::f32::consts::FRAC_1_SQRT_2;
+    let z = x.abs().min(f32x16::splat(simd, END)) * std::f32::consts::FRAC_1_SQRT_2;
     let t = one / (z * 0.327_591_1 + 1.0);
     let mut tail = f32x16::splat(simd, 1.061_405_4);
     for coefficient in [-1.453_152_1, 1.421_413_8, -0.284_496_72, 0.254_829_6] {

@@ -23,7 +23,7 @@ use super::shade::{PlaneShader, ShadeTarget};
 use super::table::PixelSegment;
 use crate::phong::Lit;
 use crate::route::Effects;
-use crate::simd::math::exp2_of;
+use crate::simd::math::{LEAST_EXPONENT, exp2_of};
 
 /// Operators, clips and isosurfaces, applied pixel by pixel.
 #[derive(Debug)]
@@ -273,7 +273,7 @@ impl<'a> Operated<'a> {
                 continue;
             }
             let depth = appearance.extinction * pixel.length * width;
-            let through = exp2_of((depth * -std::f32::consts::LOG2_E).max(-100.0));
+            let through = exp2_of((depth * -std::f32::consts::LOG2_E).max(LEAST_EXPONENT));
             ink.add(self.light(shader, &appearance), through, sample.depth);
             face.through *= through;
         }
@@ -332,13 +332,18 @@ impl<'a> Operated<'a> {
     }
 }
 
+/// Optical depth below which the difference of the exact form would lose its digits.
+const THIN: f32 = 0.1;
+/// Optical depth beyond which the back sends no light at all, nor does its exponential overflow.
+const OPAQUE: f32 = 80.0;
+
 /// Mean place, 0 to 1, of the light from homogeneous material of this optical depth: `1 / t - 1 / (e^t - 1)`.
 fn mean_place(depth: f32) -> f32 {
-    if depth < 0.1 {
-        // To second order; the difference below would lose its digits.
+    if depth < THIN {
+        // To second order.
         0.5 - depth / 12.0
     } else {
-        1.0 / depth - 1.0 / libm::expm1f(depth.min(80.0))
+        1.0 / depth - 1.0 / libm::expm1f(depth.min(OPAQUE))
     }
 }
 

@@ -19,7 +19,16 @@ use super::plane::{HALO, Plane, Span};
 use super::sheet::Lanes16;
 use super::table::{Segment, ShadeTable};
 use crate::phong::Phong;
-use crate::simd::math::exp2_quick;
+use crate::simd::math::{LEAST_EXPONENT, exp2_quick};
+
+/// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
+const SOFTEST: f32 = -0.1;
+/// Optical depth from which an interval is cut in halves.
+const THICK: f32 = 0.02;
+/// Differences of an interval's ends by which the cubic between them may leave their range.
+const OVERSHOOT: f32 = 0.25;
+/// Normalised values by which planes may be off by rounding.
+const ROUNDING: f32 = 1e-3;
 
 /// Four neighbouring planes; the interval is between the second and the third.
 #[derive(Debug, Clone, Copy)]
@@ -262,7 +271,7 @@ impl PlaneShader<'_> {
         if !self.table.shows_background {
             open &= low.simd_lt(splat(simd, 0.0)) | high.simd_gt(splat(simd, 0.0));
         }
-        let slack = (high - low) * 0.25 + (1e-3 + self.background);
+        let slack = (high - low) * OVERSHOOT + (ROUNDING + self.background);
         let [first, last] = self.table.hull;
         let may = (high + slack).simd_ge(splat(simd, first))
             & (low - slack).simd_le(splat(simd, last - 2.0 * self.background))
@@ -408,8 +417,8 @@ impl PlaneShader<'_> {
             let first = halves[0].extinction * (coverage[0] + covered) * 0.5;
             let second = halves[1].extinction * (covered + coverage[1]) * 0.5;
             let half = length * (-0.5 * std::f32::consts::LOG2_E);
-            let front = exp2_quick(simd, (first * half).max(splat(simd, -100.0)));
-            let back = exp2_quick(simd, (second * half).max(splat(simd, -100.0)));
+            let front = exp2_quick(simd, (first * half).max(splat(simd, LEAST_EXPONENT)));
+            let back = exp2_quick(simd, (second * half).max(splat(simd, LEAST_EXPONENT)));
             through = front * back;
             if interval.at_eye.is_some() {
                 halves[0].move_forward(simd, [v0, vm], (first * length * 0.5, front));
@@ -516,9 +525,3 @@ impl PlaneShader<'_> {
         }
     }
 }
-
-/// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
-const SOFTEST: f32 = -0.1;
-
-/// Optical depth from which an interval is cut in halves.
-const THICK: f32 = 0.02;

@@ -17,6 +17,15 @@ const CELLS: usize = 2048;
 
 /// Rise of the value below which the integrals' difference would lose its digits.
 const FLAT: f32 = 2e-3;
+/// Extinction along an interval below which its mean place would be rounding.
+const NO_MATERIAL: f32 = 1e-20;
+/// Optical depth below which the difference for the mean place of light would lose its digits.
+const THIN: f32 = 0.1;
+/// Largest position in the table: within the last cell.
+const LAST_POSITION: f32 = CELLS as f32 - 0.01;
+/// Largest numbers of the bits of red and green, and of blue.
+const ELEVEN_BITS: f32 = 2047.0;
+const TEN_BITS: f32 = 1023.0;
 
 /// The transfer function, ready for vectors.
 #[derive(Debug, Clone)]
@@ -59,7 +68,7 @@ impl<S: Simd> Segment<S> {
         [from, to]: [f32x16<S>; 2],
         (optical_depth, through): (f32x16<S>, f32x16<S>),
     ) {
-        let thin = optical_depth.simd_lt(splat(simd, 0.1));
+        let thin = optical_depth.simd_lt(splat(simd, THIN));
         let thick = thin.select(splat(simd, 1.0), optical_depth);
         let opacity = thin.select(splat(simd, 1.0), 1.0 - through);
         let mean = thin.select(
@@ -101,7 +110,7 @@ impl PixelSegment {
         } else {
             material / rise
         };
-        let place = if flat || material.abs() < 1e-20 {
+        let place = if flat || material.abs() < NO_MATERIAL {
             0.5
         } else {
             ((moment / material - from) / rise).clamp(0.0, 1.0)
@@ -122,7 +131,7 @@ impl<S: Simd> Segment<S> {
         let per_rise = one / flat.select(one, rise);
         let [material, moment] = [b.integrals[0] - a.integrals[0], b.integrals[1] - a.integrals[1]];
         let extinction = flat.select((a.extinction + b.extinction) * 0.5, material * per_rise);
-        let none = material.abs().simd_lt(splat(simd, 1e-20));
+        let none = material.abs().simd_lt(splat(simd, NO_MATERIAL));
         let mean = moment / none.select(one, material);
         // What rounding does to the mean of little material ends at the ends.
         let place = ((mean - from) * per_rise).max(zero).min(one);
@@ -174,7 +183,7 @@ impl ShadeTable {
     fn position<S: Simd>(simd: S, value: f32x16<S>) -> f32x16<S> {
         ((value - FIRST) * PER_VALUE)
             .max(splat(simd, 0.0))
-            .min(splat(simd, CELLS as f32 - 0.01))
+            .min(splat(simd, LAST_POSITION))
     }
 
     /// Columns of the cells at sixteen positions. Rows are assembled in registers: a vector load from memory just
@@ -225,16 +234,17 @@ impl ShadeTable {
         let packed: u32x16<S> = packed.bitcast();
         let (red, green, blue) = (packed >> 21, packed >> 10 & 0x7ff, packed & 0x3ff);
         let [r, g, b] = [
-            red.to_float::<f32x16<S>>() * (1.0 / 2047.0),
-            green.to_float::<f32x16<S>>() * (1.0 / 2047.0),
-            blue.to_float::<f32x16<S>>() * (1.0 / 1023.0),
+            red.to_float::<f32x16<S>>() * (1.0 / ELEVEN_BITS),
+            green.to_float::<f32x16<S>>() * (1.0 / ELEVEN_BITS),
+            blue.to_float::<f32x16<S>>() * (1.0 / TEN_BITS),
         ];
         [r * r, g * g, b * b]
     }
 
     /// The cell of one value, and where in the table the value is, in cells.
+    #[expect(clippy::manual_clamp, reason = "not a number is in the first cell")]
     fn cell(&self, value: f32) -> (&[f32; 4], f32) {
-        let position = ((value - FIRST) * PER_VALUE).max(0.0).min(CELLS as f32 - 0.01);
+        let position = ((value - FIRST) * PER_VALUE).max(0.0).min(LAST_POSITION);
         (&self.cells[position as usize & (CELLS - 1)], position)
     }
 
@@ -254,9 +264,9 @@ impl ShadeTable {
     pub(crate) fn color_of(&self, value: f32) -> [f32; 3] {
         let packed = self.cell(value).0[3].to_bits();
         let root = [
-            (packed >> 21) as f32 * (1.0 / 2047.0),
-            (packed >> 10 & 0x7ff) as f32 * (1.0 / 2047.0),
-            (packed & 0x3ff) as f32 * (1.0 / 1023.0),
+            (packed >> 21) as f32 * (1.0 / ELEVEN_BITS),
+            (packed >> 10 & 0x7ff) as f32 * (1.0 / ELEVEN_BITS),
+            (packed & 0x3ff) as f32 * (1.0 / TEN_BITS),
         ];
         root.map(|r| r * r)
     }

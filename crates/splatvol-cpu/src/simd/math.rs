@@ -5,10 +5,16 @@ use splatvol_core::exponential;
 
 pub(crate) use splatvol_core::exponential::{exp2_of, exp2_quick};
 
+/// Least exponent, to base 2, of a transmittance or a weight: far below anything that is seen, and no denormal after a
+/// few products.
+pub(crate) const LEAST_EXPONENT: f32 = -100.0;
+/// Least exponent, to base 2, of a normal number.
+const LEAST_NORMAL: f32 = -126.0;
+
 /// `2^max(x, -126)` per lane for x up to 126; relative error 2e-7.
 #[inline(always)]
 pub(crate) fn exp2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
-    exponential::exp2(simd, x.max(f32x16::splat(simd, -126.0)))
+    exponential::exp2(simd, x.max(f32x16::splat(simd, LEAST_NORMAL)))
 }
 
 /// `log2` per lane of positive normal numbers; absolute error 3e-6.

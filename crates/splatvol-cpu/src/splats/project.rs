@@ -297,14 +297,16 @@ fn rect<S: Simd>(
     half_square: f32x16<S>,
 ) -> [f32x16<S>; 4] {
     const EDGE: f32 = REFERENCE_TILE as f32;
+    // Pixels by which the ellipse may be larger than computed.
+    const ROUNDING: f32 = 0.01;
     let zero = f32x16::splat(simd, 0.0);
     let mut rect = [zero; 4];
     for axis in 0..2 {
         // Pixels are numbered by their centres there.
         let place = centre[axis] - 0.5;
-        let low = (place - half_square.min(reach[axis] + 0.01)) * (1.0 / EDGE);
+        let low = (place - half_square.min(reach[axis] + ROUNDING)) * (1.0 / EDGE);
         let square = (place + half_square + (EDGE - 1.0)) * (1.0 / EDGE);
-        let own = (place + reach[axis] + (EDGE + 0.01)) * (1.0 / EDGE);
+        let own = (place + reach[axis] + (EDGE + ROUNDING)) * (1.0 / EDGE);
         let past = f32x16::splat(simd, view.reference_tiles[axis] as f32);
         rect[2 * axis] = low.floor().max(zero).min(past);
         rect[2 * axis + 1] = square.min(own).floor().max(zero).min(past);

@@ -2,6 +2,11 @@
 
 use splatvol_scene::{ImageSize, Lighting};
 
+/// Variance that the published renderer adds to every footprint, pixels squared: with it Gaussians have been trained.
+const PUBLISHED_LOW_PASS: f32 = 0.3;
+/// Camera depth, in the Gaussians' own units, in front of which the published renderer draws none.
+const PUBLISHED_NEAR: f64 = 0.2;
+
 /// Settings of a cloud of splats. Negative or non-finite values count as zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CloudSettings {
@@ -64,8 +69,8 @@ impl CloudSettings {
     pub(crate) fn published(size: ImageSize) -> Self {
         Self {
             size,
-            low_pass: LowPass::Added(0.3),
-            near: Near::OfGaussians(0.2),
+            low_pass: LowPass::Added(PUBLISHED_LOW_PASS),
+            near: Near::OfGaussians(PUBLISHED_NEAR),
             lighting: None,
             blend_mode: BlendMode::Published { background: [0.0; 4] },
         }

@@ -27,10 +27,12 @@ fn slope(hash: u32, p: Vec3) -> f32 {
     (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
 }
 
+/// Largest coordinate: beyond, a float has no fractions left.
+const FARTHEST: f32 = 4e6;
+
 /// Noise at a point, about -1 to 1, with continuous second derivatives; another one for each seed.
 pub fn gradient_noise(p: Vec3, seed: u32) -> f32 {
-    // Beyond this a float has no fractions left.
-    let p = p.clamp(Vec3::splat(-4e6), Vec3::splat(4e6));
+    let p = p.clamp(Vec3::splat(-FARTHEST), Vec3::splat(FARTHEST));
     let cell = p.floor();
     let t = p - cell;
     let fade = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);

@@ -2,6 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Low-pass of a footprint by default, standard deviations in pixels: energy is kept (docs/numerics.md), and renderers of
+/// 3-D Gaussians have the same, 0.3 pixels squared.
+pub(super) const PIXEL_SIGMA: f64 = 0.55;
+
 /// Low-pass filter in screen space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -75,6 +79,8 @@ impl Filter {
 
 impl Default for Filter {
     fn default() -> Self {
-        Self::Ewa { pixel_sigma: 0.55 }
+        Self::Ewa {
+            pixel_sigma: PIXEL_SIGMA,
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Whole settings by name.
 
+use super::filter::PIXEL_SIGMA;
 use super::{
     Absorption, Alignment, Classification, Coverage, Filter, GaussianMode, Gradient, Kernel, MotionBlur,
     Occlusion, PixelFilter, Rasterizer, RenderSettings, SheetKernel, SheetSettings, Shows, SplatCompositing,
@@ -11,8 +12,18 @@ use crate::{ImageSize, Lighting};
 const EXACT_TERMINATION: f64 = 1.0 / 1024.0;
 /// Error that a finished pixel may leave, in the fast presets: less than a level of eight bits.
 const FAST_TERMINATION: f64 = 1.0 / 256.0;
-/// Low-pass of a footprint, pixels.
-const PIXEL_SIGMA: f64 = 0.55;
+/// The narrowest kernel of 36 dB on Marschner-Lobb data whose ripple is below 5e-4 (docs/numerics.md).
+const EXACT_KERNEL: SheetKernel = SheetKernel {
+    sigma: 0.74,
+    radius: 3.0,
+};
+/// A kernel that meets four sheets a voxel apart.
+const FAST_KERNEL: SheetKernel = SheetKernel {
+    sigma: 0.64,
+    radius: 2.0,
+};
+/// Standard deviation of `exp(-1.38 r^2)`, the papers' Gaussian of radius 2 (mueller1998 section 4.3).
+const PAPER_SIGMA: f64 = 0.602;
 
 impl Default for RenderSettings {
     /// [`RenderSettings::balanced`].
@@ -34,10 +45,7 @@ impl SheetSettings {
         Self {
             shows: Shows::Material(Classification::Post),
             thickness: 0.5,
-            kernel: SheetKernel {
-                sigma: 0.74,
-                radius: 3.0,
-            },
+            kernel: EXACT_KERNEL,
             filter: PixelFilter::Ewa {
                 pixel_sigma: PIXEL_SIGMA,
             },
@@ -58,10 +66,7 @@ impl SheetSettings {
     pub fn fast() -> Self {
         Self {
             thickness: 1.0,
-            kernel: SheetKernel {
-                sigma: 0.64,
-                radius: 2.0,
-            },
+            kernel: FAST_KERNEL,
             filter: PixelFilter::Matched {
                 pixel_sigma: PIXEL_SIGMA,
             },
@@ -104,7 +109,7 @@ impl RenderSettings {
             rasterizer: Rasterizer::Square1d,
             occlusion: Occlusion::Sat,
             kernel: Kernel::Gaussian {
-                sigma: 0.602,
+                sigma: PAPER_SIGMA,
                 radius: 2.0,
             },
             ..SplatSettings::default()

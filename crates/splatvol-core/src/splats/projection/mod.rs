@@ -38,6 +38,12 @@ use super::footprint::{Footprint, Warp};
 use super::profile::Profile;
 use super::sweep::Sweep;
 
+/// Tangents beyond this many times the picture's are cut in the derivative of the projection, as in the published
+/// renderer of Gaussians: footprints that begin outside the picture would grow without bounds.
+const TANGENT_LIMIT: f64 = 1.3;
+/// Least steepness of a surface: below, the gradient's direction is rounding.
+const LEAST_STEEPNESS: f32 = 1e-7;
+
 /// A camera with its picture.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraView {
@@ -126,7 +132,7 @@ impl<'a> Projection<'a> {
             reach: most * sigma,
             stretch_from_local: most,
             anisotropy: most / least,
-            widest: corner * 1.3,
+            widest: corner * TANGENT_LIMIT,
             sweep: None,
         }
     }
@@ -222,7 +228,7 @@ impl<'a> Projection<'a> {
             .copied()
             .map_or(Vec3::ZERO, Vec3::from_array);
         let steepness = (self.steepness_from_local * gradient).length();
-        if steepness <= (threshold as f32).max(1e-7) {
+        if steepness <= (threshold as f32).max(LEAST_STEEPNESS) {
             return self.sphere;
         }
         let lost = 1.0 - 1.0 / (flatness * flatness);

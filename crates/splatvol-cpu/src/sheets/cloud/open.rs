@@ -7,6 +7,8 @@ use splatvol_scene::{Clip, ScreenFromCamera};
 use crate::sheets::cut::Cut;
 use crate::splat_light::SplatLight;
 
+/// Width, pixels, that is added to every footprint: a flat splat seen from its edge would fall between pixels.
+const LEAST_WIDTH: f64 = 1e-3;
 /// Standard deviation by which splats are widened in depth, in distances of planes: that of a kernel of radius two.
 const DEPTH_SIGMA: f64 = 0.64;
 /// Standard deviations at which splats are cut in depth: four planes hold a flat one.
@@ -165,8 +167,7 @@ impl<'a> CloudView<'a> {
         } else {
             wanted
         };
-        // What falls between pixels altogether is as wide as a thousandth of one.
-        let least_width = (1e-3 * per_pixel).powi(2);
+        let least_width = (LEAST_WIDTH * per_pixel).powi(2);
         [xx + added + least_width, xy, yy + added + least_width]
     }
 

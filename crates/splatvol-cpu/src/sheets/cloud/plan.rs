@@ -15,6 +15,8 @@ use crate::splat_light::SplatLight;
 
 /// Pixels added to a footprint on either side: by rounding to whole blocks, and as the border that it reads.
 const ROUNDING: f64 = 2.0 + HALO as f64;
+/// Factor of a chunk's reach in depth, by which it stays an upper bound in 32 bits.
+const ROUNDED_UP: f64 = 1.0 + 1e-6;
 
 /// Planes and lists of a cloud; the next frame reuses their memory.
 #[derive(Debug, Default)]
@@ -192,7 +194,7 @@ impl ChunkBounds {
     fn project(&self, chunk: &Chunk, index: usize, stack: &Planes) -> Option<ProjectedBrick> {
         let [low, high] = self.centres(chunk);
         let sigma = self.sigma(chunk);
-        let reach = DEPTH_CUT * CloudView::widened(sigma * sigma, stack.spacing).sqrt() * (1.0 + 1e-6);
+        let reach = DEPTH_CUT * CloudView::widened(sigma * sigma, stack.spacing).sqrt() * ROUNDED_UP;
         let first = nearest(stack, &self.screen).max(stack.plane(0));
         let near = (low.z - reach).max(first);
         let far = high.z + reach;

@@ -12,6 +12,12 @@ use crate::splats::settings::sane;
 
 /// `log2(255)`: splats count where the logarithm of their opacity is above its negative.
 const LOG2_255: f32 = 7.994_353_3;
+/// Opacities below count as none.
+const LEAST_ALPHA: f32 = 1.0 / 255.0;
+/// A smaller opacity, whose logarithm is finite.
+const UNSEEN: f32 = 1.0 / 256.0;
+/// Least squared difference of the eigenvalues of V from their mean, as published.
+const LEAST_SPREAD: f32 = 0.1;
 /// Opacity is cut here.
 const MOST_ALPHA: f32 = 0.99;
 /// Pixels end before their transmittance falls below.
@@ -49,12 +55,12 @@ impl Blend for Published {
 
     #[inline(always)]
     fn is_seen<S: Simd>(self, simd: S, peak: f32x16<S>) -> mask32x16<S> {
-        peak.simd_ge(f32x16::splat(simd, 1.0 / 255.0))
+        peak.simd_ge(f32x16::splat(simd, LEAST_ALPHA))
     }
 
     #[inline(always)]
     fn kept<S: Simd>(self, simd: S, peak: f32x16<S>) -> f32x16<S> {
-        log2(simd, peak.max(f32x16::splat(simd, 1.0 / 256.0)))
+        log2(simd, peak.max(f32x16::splat(simd, UNSEEN)))
     }
 
     #[inline(always)]
@@ -66,7 +72,9 @@ impl Blend for Published {
     #[inline(always)]
     fn square<S: Simd>(self, simd: S, [xx, xy, yy]: [f32x16<S>; 3]) -> f32x16<S> {
         let half = (xx - yy) * 0.5;
-        let spread = (half * half + xy * xy).max(f32x16::splat(simd, 0.1)).sqrt();
+        let spread = (half * half + xy * xy)
+            .max(f32x16::splat(simd, LEAST_SPREAD))
+            .sqrt();
         (((xx + yy) * 0.5 + spread).sqrt() * 3.0).ceil()
     }
 
