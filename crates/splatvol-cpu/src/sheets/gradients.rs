@@ -11,6 +11,45 @@ use fearless_simd::{f32x16, prelude::*};
 use super::ring::Row;
 use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_block};
 
+/// A voxel's footprints on four sheets about their own centres, for the sums of its derivatives.
+pub(crate) struct Centred<S: Simd> {
+    /// Centres, camera x and y.
+    pub centre: [f32x16<S>; 2],
+    /// Value at the raster point that powers count from.
+    pub value: f32x16<S>,
+    /// The same without the window in depth, whose slope no derivative has, times the distance in depth.
+    pub in_depth: f32x16<S>,
+    /// Offsets of the first block's columns and rows of points from the centre, raster points.
+    pub offsets: [f32x16<S>; 2],
+}
+
+impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
+    /// The footprints about their own centres.
+    #[inline(always)]
+    pub(crate) fn centred<const ELLIPSES: bool>(&self, simd: S) -> Centred<S> {
+        let (records, n) = (self.records, self.index);
+        let scale = load(simd, &self.shape.scale);
+        let dz = load(simd, &self.shape.depth) - records.z[n];
+        let [slope_x, slope_y] = self.constants.slope;
+        let (x, y) = (dz * slope_x + records.x[n], dz * slope_y + records.y[n]);
+        let (u, v) = (x * scale + records.origin_x[n], y * scale + records.origin_y[n]);
+        let value = self.lateral.combine(self.lateral) * (load(simd, &self.shape.peak) * records.value[n]);
+        let zero = f32x16::splat(simd, 0.0);
+        let profile = self.depth.combine(self.depth);
+        let windowed = (profile - self.constants.depth_edge).max(zero);
+        let first = origin_block(SIZE, ELLIPSES) as f32 * 2.0;
+        Centred {
+            centre: [x, y],
+            value: value * windowed,
+            in_depth: windowed.simd_gt(zero).select(value * profile * dz, zero),
+            offsets: [
+                f32x16::from_slice(simd, &COLUMN) - first - u,
+                f32x16::from_slice(simd, &ROW) - first - v,
+            ],
+        }
+    }
+}
+
 /// A coefficient, with the offsets of each pixel from its footprint's centre.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moments;
@@ -41,27 +80,16 @@ impl Payload<4> for Moments {
         voxel: &Voxel<'_, S, SIZE>,
         rings: &mut [&mut [Row]; 4],
     ) {
-        let (records, n) = (voxel.records, voxel.index);
-        let scale = load(simd, &voxel.shape.scale);
-        let dz = load(simd, &voxel.shape.depth) - records.z[n];
-        let [slope_x, slope_y] = voxel.constants.slope;
-        let u = (dz * slope_x + records.x[n]) * scale + records.origin_x[n];
-        let v = (dz * slope_y + records.y[n]) * scale + records.origin_y[n];
-        let value = voxel.lateral.combine(voxel.lateral) * (load(simd, &voxel.shape.peak) * records.value[n]);
+        let Centred {
+            value: plain,
+            in_depth: along,
+            offsets: [column, row],
+            ..
+        } = voxel.centred::<ELLIPSES>(simd);
         let zero = f32x16::splat(simd, 0.0);
-        let profile = voxel.depth.combine(voxel.depth);
-        let windowed = (profile - voxel.constants.depth_edge).max(zero);
-        let plain = value * windowed;
-        let along = windowed.simd_gt(zero).select(value * profile * dz, zero);
-
         let down = voxel
             .steps
             .down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0), voxel.stencil);
-        let first = origin_block(SIZE, ELLIPSES) as f32 * 2.0;
-        let (column, row) = (
-            f32x16::from_slice(simd, &COLUMN) - first - u,
-            f32x16::from_slice(simd, &ROW) - first - v,
-        );
         let mut across = [[zero; SIZE]; 3];
         let mut slopes = [zero; SIZE];
         for b in 0..SIZE {

@@ -14,9 +14,10 @@ use std::f32::consts::LN_2;
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::SplatConstants;
 
+use super::gradients::Centred;
 use super::ring::Row;
 use super::sheet::GroupShape;
-use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_block};
+use super::splat::{Offset, Payload, Voxel, accumulate, load};
 
 /// A coefficient, with its footprint's slope along each pixel's ray.
 #[derive(Debug, Clone, Copy)]
@@ -101,30 +102,18 @@ impl Payload<2> for Slopes {
         voxel: &Voxel<'_, S, SIZE>,
         rings: &mut [&mut [Row]; 2],
     ) {
-        let (records, n) = (voxel.records, voxel.index);
-        let scale = load(simd, &voxel.shape.scale);
-        let dz = load(simd, &voxel.shape.depth) - records.z[n];
-        let [slope_x, slope_y] = voxel.constants.slope;
-        let (x, y) = (dz * slope_x + records.x[n], dz * slope_y + records.y[n]);
-        let (u, v) = (x * scale + records.origin_x[n], y * scale + records.origin_y[n]);
-        let slope = Slope::new(simd, (voxel.shape, voxel.constants), [x, y]);
-        let value = voxel.lateral.combine(voxel.lateral) * (load(simd, &voxel.shape.peak) * records.value[n]);
+        let Centred {
+            centre,
+            value: plain,
+            in_depth,
+            offsets: [column, row],
+        } = voxel.centred::<ELLIPSES>(simd);
+        let slope = Slope::new(simd, (voxel.shape, voxel.constants), centre);
+        let in_depth = in_depth * slope.depth;
         let zero = f32x16::splat(simd, 0.0);
-        let profile = voxel.depth.combine(voxel.depth);
-        let windowed = (profile - voxel.constants.depth_edge).max(zero);
-        let plain = value * windowed;
-        let in_depth = windowed
-            .simd_gt(zero)
-            .select(value * profile * dz * slope.depth, zero);
-
         let down = voxel
             .steps
             .down::<ELLIPSES>(simd, f32x16::splat(simd, 1.0), voxel.stencil);
-        let first = origin_block(SIZE, ELLIPSES) as f32 * 2.0;
-        let (column, row) = (
-            f32x16::from_slice(simd, &COLUMN) - first - u,
-            f32x16::from_slice(simd, &ROW) - first - v,
-        );
         // Columns and rows of the value, of the slope, and of the product of both offsets.
         let (mut across, mut rising, mut offsets) = ([zero; SIZE], [zero; SIZE], [zero; SIZE]);
         let (mut falling, mut places) = ([zero; SIZE], [zero; SIZE]);
