@@ -100,7 +100,7 @@ impl AxisSolver {
     /// `share`.
     pub(crate) fn halo(&self, share: f64) -> usize {
         let count = self.weights.len();
-        // What an error of 1 in one row does to the rows behind it, at the middle of the axis or beyond.
+        // Effect of an error of 1 in one row on the rows behind it, at the middle of the axis or beyond.
         let first = count / 2;
         let mut response = vec![1.0f64];
         while response.len() < count {

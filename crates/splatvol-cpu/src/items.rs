@@ -182,7 +182,7 @@ fn completed(item: &Item, lit: bool, patience: &Patience) -> Option<Item> {
             _ => own.radii.clone(),
         },
     };
-    // What was estimated is as good as what was read; where it is not (all points in one place), there is nothing to see.
+    // Estimates are as valid as attributes from a file, except where all points are in one place: nothing is seen then.
     let points = Points::clone(points).with_attributes(attributes);
     Some(match points {
         Ok(points) => Item {

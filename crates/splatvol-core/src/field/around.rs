@@ -136,7 +136,7 @@ impl BrickRanges {
                 let from = intervals.partition_point(|interval| interval[1] < low);
                 let to = intervals.partition_point(|interval| interval[0] <= high);
                 let intervals = &intervals[from..to];
-                // What is read a little too far counts for nothing.
+                // Samples read a little too far have no effect.
                 let region = lattice.region(first, first.map(|at| at + ROW));
                 let found = with_block!(reader, region, data => match is_loose {
                     false => vectorized!(lattice.simd, {

@@ -172,7 +172,7 @@ impl Cutting<'_> {
             let [first, _] = sheets.made(extents, &(from..from + 1));
             let [finest, comfortable] = extents.finest_and_comfortable(sheets.depth(extents, first));
             let near = extents.is_near(planes.plane(first));
-            // What reproduces the narrowest of two intervals.
+            // The raster that reproduces the narrowest of two intervals.
             let [_, last] = sheets.made(extents, &(from..(from + 2).min(end)));
             let coarsest = extents.coarsest(sheets.depth(extents, last));
             let (finest, comfortable) = if extents.widths.is_exact {
@@ -202,7 +202,7 @@ impl Cutting<'_> {
         let mut end = sheets.end(extents);
         let [first, last_of_first] = sheets.made(extents, &(from..from + 1));
         if extents.is_near(sheets.planes.plane(first)) {
-            // What is near ends where a zone may begin that is not.
+            // A near zone ends where the first one may begin that is not near.
             let far = (NEAR * extents.reach / sheets.planes.spacing).ceil() as i64 + 1 - sheets.planes.first;
             end = end.min((far.max(0) as usize).max(from + 1));
         }
@@ -251,7 +251,7 @@ impl Cutting<'_> {
         // The first interval begins at the eye, where there is no plane.
         let at_eye = usize::from(eye.is_some() && extents.screen.perspective);
         let (local, last_sheet) = if extents.along_rays {
-            // What rounding puts behind the last slab of all belongs to it.
+            // Voxels that rounding puts behind the last slab belong to it.
             let behind = usize::from(shown.end == sheets.end(extents));
             (0..0, planes.count + behind)
         } else {
@@ -308,7 +308,7 @@ impl Cutting<'_> {
         let blocks = blocks_of(near.half_extent(self.footprint_cut(raster) as f32)) as f32;
         let drift = extents.drift(extents.steepest);
         if kernels.round {
-            // Those that are cut later have larger powers.
+            // Footprints that are cut later have larger powers.
             let fit = !extents.widths.is_exact || round_powers_fit(&far, blocks, drift);
             return fit.then_some(Evaluation::Round);
         }

@@ -100,7 +100,7 @@ impl<E: Entry> Section<'_, E> {
     /// spacing. For loops that step this coordinate themselves.
     #[inline(always)]
     pub fn at_position(&self, position: f32) -> f32 {
-        // Conversion saturates: what is beyond the last entry, which is zero, takes that; what is no number, the first.
+        // Conversion saturates: positions beyond the last entry, which is zero, take that one; NaN takes the first.
         let index = (position * self.last + 0.5).min(self.last) as usize;
         match (self.back.get(index), self.front.get(index)) {
             (Some(back), Some(front)) => back.less(*front) * self.unit,

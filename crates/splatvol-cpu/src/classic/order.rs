@@ -129,7 +129,7 @@ impl Order {
     pub(crate) fn first_turn(&self, chunk: &Chunk, bounds: &Bounds) -> usize {
         let ([near, far], reach) = (bounds.depth, bounds.reach);
         match *self {
-            // The same sums as for the nearest splat: its turn is not before its chunk's.
+            // Computed as for the nearest splat, so that no splat's turn is before its chunk's.
             Self::Sheets { .. } => self.turn(Vec3::new(0.0, 0.0, near + reach), chunk.low, reach),
             Self::Depth { ranges, reversed } => {
                 let depth = if reversed { far - reach } else { near + reach };

@@ -151,7 +151,7 @@ impl<P: Profile> Tile<'_, P> {
         if self.is_stopped() {
             return;
         }
-        // What was never opened, or never drawn, is hidden by finished pixels.
+        // Chunks never opened and splats never drawn are hidden by finished pixels.
         for chunk in chunks {
             self.work.hidden_chunks += 1;
             let chunk = &plan.cloud.chunks[chunk.active.brick as usize];

@@ -383,7 +383,7 @@ impl Pixels<'_> {
             let lacking = self.lacking(simd, depth, [x, y]);
             for channel in 0..LANES {
                 let spread = spread(simd, &sums[channel], at, lacking);
-                // What is made up for is little; more than half would be noise.
+                // The compensation is small; more than half would be noise.
                 let half = channels[channel] * 0.5;
                 channels[channel] += spread.max(-half).min(half);
             }

@@ -242,7 +242,7 @@ impl<'a, K: Reduction> RayValues<'a, K> {
             let [near, far] = [values[1] * from.per_weight, values[2] * to.per_weight];
             let before = border.at(simd, &around.outer[0], in_picture);
             let after = border.at(simd, &around.outer[1], in_picture);
-            // What is too far outside has no value: the slope is that of the interval.
+            // Planes too far outside have no value: the slope is that of the interval.
             values = [
                 or_straight(simd, values[0], &before, near * 2.0 - far),
                 near,

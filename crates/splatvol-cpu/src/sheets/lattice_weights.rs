@@ -332,7 +332,7 @@ mod tests {
             }
             let [s, d, phi] =
                 dispatch!(Level::new(), simd => found(simd, at as f32, count as f32, sigma as f32));
-            // What lies beyond the cut: a term of 4.5 standard deviations on both sides.
+            // Less the terms beyond the cut, 4.5 standard deviations away on both sides.
             assert!(
                 (f64::from(s) - sum).abs() < 1e-4,
                 "{at} {count} {sigma}: {s} {sum}"

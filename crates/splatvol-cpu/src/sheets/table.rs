@@ -133,7 +133,7 @@ impl<S: Simd> Segment<S> {
         let extinction = flat.select((a.extinction + b.extinction) * 0.5, material * per_rise);
         let none = material.abs().simd_lt(splat(simd, NO_MATERIAL));
         let mean = moment / none.select(one, material);
-        // What rounding does to the mean of little material ends at the ends.
+        // The mean of little material is rounded: it stays between the ends.
         let place = ((mean - from) * per_rise).max(zero).min(one);
         let place = (flat | none).select(half, place);
         Self {

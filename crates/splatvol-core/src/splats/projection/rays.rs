@@ -105,7 +105,7 @@ impl Projection<'_> {
     fn whiten(&self, u: DVec3, covariance: Covariance) -> Whitened {
         let whitening = Whitening::new(covariance);
         let centre = whitening.apply(u);
-        // What lies beside the eye has no projection.
+        // Centres beside the eye have no projection.
         let origin = if u.z > self.near {
             u.truncate() / u.z * self.scale + self.principal
         } else {

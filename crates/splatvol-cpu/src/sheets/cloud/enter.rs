@@ -55,7 +55,7 @@ impl CloudView<'_> {
                 continue;
             };
             if self.reaches(frame, place, &splat) {
-                // What came before the plane at hand by a rounding comes now.
+                // A splat that rounding puts before the current plane enters here.
                 let plane = first_plane(frame, &splat).max(sheet);
                 scratch.waiting.add(&splat, plane);
             }

@@ -184,7 +184,7 @@ impl ChunkBounds {
         // Two planes more on either side, which the widening in depth reaches.
         let mut planes = Planes::covering(&[low, high], 2.0 * spacing, spacing, &self.screen);
         if self.screen.perspective && planes.first == 1 && low.z < spacing {
-            // What lies between the eye and the first plane is seen, too.
+            // Splats between the eye and the first plane are visible, too.
             (planes.first, planes.count) = (0, planes.count + 1);
         }
         planes
