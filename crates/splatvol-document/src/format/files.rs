@@ -22,9 +22,12 @@ pub fn is_scene(path: impl AsRef<Path>) -> bool {
     let Ok(text) = read_text(FORMAT, path) else {
         return false;
     };
-    let starts = |line: &str| line.trim().starts_with("[[frame]]") || line.trim().starts_with("frame");
+    let lists_frames = |line: &str| {
+        let key = line.split('=').next().unwrap_or_default().trim();
+        key == "frame" || key.starts_with("[[frame]]")
+    };
     match has("toml") {
-        true => !text.lines().any(starts),
+        true => !text.lines().any(lists_frames),
         false => text.contains("\"item\""),
     }
 }

@@ -167,3 +167,17 @@ fn misspelt_keys_and_names_are_guessed() {
         &["did you mean 'white'"],
     );
 }
+
+#[test]
+fn lists_of_depth_images_are_no_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.toml");
+    for (text, expected) in [
+        ("[[item]]\nfile = 'a'\n[animation]\nframes = 3\n", true),
+        ("[[frame]]\ndepth = 'a.png'\n", false),
+        ("frame = []\n", false),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        assert_eq!(is_scene(&path), expected, "{text}");
+    }
+}
