@@ -4,6 +4,7 @@
 //! cells list their points in VTK's order. Coordinates are *local*, in 32 bits, as those of [`crate::Points`].
 
 mod cells;
+mod thickness;
 
 use glam::DAffine3;
 

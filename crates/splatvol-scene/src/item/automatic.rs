@@ -2,12 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{
-    Content, Grid, Item, LengthUnit, Mesh, Rescale, Samples, SceneError, TransferFunction, ValueKind, Volume,
-};
-
-/// Values in a row of the grid that a mesh is surveyed on.
-const ROW: usize = 32_768;
+use crate::{Content, Item, Mesh, SceneError, TransferFunction, ValueKind, Volume};
 
 impl Item {
     /// A volume with the transfer function of [`TransferFunction::automatic`]; label maps are taken as
@@ -21,13 +16,13 @@ impl Item {
         }
     }
 
-    /// A mesh with a transfer function that is chosen from its values in the same way.
+    /// A mesh with the transfer function of [`TransferFunction::automatic_mesh`].
     ///
     /// # Errors
     /// More values than a [`Grid`] can have rows for: a thousand million.
     pub fn automatic_mesh(mesh: impl Into<Arc<Mesh>>) -> Result<Self, SceneError> {
         let mesh = mesh.into();
-        let (transfer_function, _) = TransferFunction::automatic(&rows_of(&mesh.field().values)?, None);
+        let (transfer_function, _) = TransferFunction::automatic_mesh(&mesh, None)?;
         Ok(Self::new(Content::Mesh {
             mesh,
             transfer_function,
@@ -36,26 +31,12 @@ impl Item {
     }
 }
 
-/// Values as the rows of a flat volume; what is missing in the last row does not count.
-fn rows_of(values: &[f32]) -> Result<Volume, SceneError> {
-    let width = values.len().clamp(1, ROW);
-    let rows = values.len().div_ceil(width);
-    let mut samples = values.to_vec();
-    samples.resize(rows * width, f32::NAN);
-    Volume::new(
-        Grid::centred([width, rows, 1], [1.0; 3])?,
-        Samples::F32(samples.into()),
-        Rescale::default(),
-        LengthUnit::Unknown,
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DAffine3;
 
     use super::*;
-    use crate::{Association, MeshField, Topology};
+    use crate::{Association, Grid, LengthUnit, MeshField, Rescale, Samples, Topology};
 
     fn volume(value: impl Fn([usize; 3]) -> u8) -> Volume {
         let dims = [16; 3];

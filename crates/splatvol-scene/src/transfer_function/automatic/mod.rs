@@ -15,10 +15,11 @@
 //! `1 - exp(-tau / L)` per voxel, with `tau = 8 m^2.5`, where m is the class's mean above the background relative to
 //! that of the densest class; it is at least 1 where the class's rays seldom meet denser ones. So soft material stays
 //! translucent at any resolution where it hides something, thin structures stay visible, and materials of about equal
-//! value look like one solid. All of it is deterministic, and does not depend on the order of the file's axes.
+//! value look like one solid. Meshes that are shells or plates show their whole body instead ([`mesh`]). All of it is deterministic, and does not depend on the order of the file's axes.
 
 mod labels;
 mod materials;
+mod mesh;
 mod oriented;
 mod shapes;
 mod survey;

@@ -6,7 +6,7 @@ use super::{Proposal, ValueKind};
 use crate::{ColorMap, ColorPoint, OpacityPoint};
 
 /// Soft to dense: terracotta, amber, ivory.
-const PALETTE: [[f64; 3]; 4] = [
+pub(super) const PALETTE: [[f64; 3]; 4] = [
     [0.72, 0.36, 0.28],
     [0.84, 0.47, 0.34],
     [0.94, 0.73, 0.46],
