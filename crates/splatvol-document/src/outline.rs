@@ -21,6 +21,11 @@ const SIGMAS: f64 = 2.0;
 /// Share of Gaussians that have their radius; larger ones have that of the last of these.
 const USUAL: f64 = 0.95;
 
+/// Gaussians that are few...
+const FEW: usize = 100;
+/// ...and share of the square of their cloud's size below which what they show is specks.
+const SPECKS: f64 = 1e-3;
+
 /// World positions that bound an item.
 pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
     let world = |frame: &DAffine3, places: &[[f32; 3]]| -> Vec<DVec3> {
@@ -68,19 +73,46 @@ pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
         Content::Gaussians(gaussians) => {
             let means = world(gaussians.world_from_local(), &gaussians.attributes().means);
             let radii = radii(gaussians, &item.world_from_item);
+            if let Some(index) = alone(gaussians, &means, &radii) {
+                return around(means[index], radii[index]).collect();
+            }
             let [low, high] = reach(&means);
             let inside = |mean: DVec3| mean.cmpge(low).all() && mean.cmple(high).all();
             means
                 .into_iter()
                 .zip(radii)
                 .filter(|(mean, _)| inside(*mean))
-                .flat_map(|(mean, radius)| {
-                    DVec3::AXES.map(|axis| [mean - axis * radius, mean + axis * radius])
-                })
-                .flatten()
+                .flat_map(|(mean, radius)| around(mean, radius))
                 .collect()
         }
     }
+}
+
+/// The ends of a ball along the axes.
+fn around(mean: DVec3, radius: f64) -> impl Iterator<Item = DVec3> {
+    DVec3::AXES
+        .into_iter()
+        .flat_map(move |axis| [mean - axis * radius, mean + axis * radius])
+}
+
+/// Of a few Gaussians too small for a picture of them all, which would be black but for specks, the one that shows most.
+fn alone(gaussians: &Gaussians, means: &[DVec3], radii: &[f64]) -> Option<usize> {
+    if gaussians.len() > FEW {
+        return None;
+    }
+    let attributes = gaussians.attributes();
+    let shown = |(index, scales): (usize, &[f32; 3])| {
+        let [a, b, c] = scales.map(f64::from);
+        let area = (a * b).max(b * c).max(a * c);
+        let share = area / f64::from(scales.iter().copied().fold(f32::MIN_POSITIVE, f32::max)).powi(2);
+        share * radii[index].powi(2) * f64::from(attributes.opacities[index])
+    };
+    let shown: Vec<f64> = attributes.scales.iter().enumerate().map(shown).collect();
+    let low = means.iter().copied().reduce(DVec3::min)?;
+    let high = means.iter().copied().reduce(DVec3::max)?;
+    let empty = shown.iter().sum::<f64>() < SPECKS * (high - low).length_squared();
+    let most = (0..shown.len()).max_by(|&a, &b| shown[a].total_cmp(&shown[b]))?;
+    empty.then_some(most)
 }
 
 fn sampled(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 3]> {
@@ -127,7 +159,7 @@ fn reach(places: &[DVec3]) -> [DVec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatvol_scene::{PointAttributes, PointLook, Points};
+    use splatvol_scene::{GaussianAttributes, PointAttributes, PointLook, Points};
     use std::sync::Arc;
 
     fn item(positions: Vec<[f32; 3]>) -> Item {
@@ -155,5 +187,39 @@ mod tests {
         strayed.world_from_item = DAffine3::from_translation(DVec3::X);
         assert_eq!(last(&strayed, Fit::Visible), 200.0);
         assert_eq!(outline(&item(vec![[1.0; 3]]), Fit::Visible), [DVec3::ONE]);
+    }
+
+    /// Gaussians on a line, of these standard deviations and opacities.
+    fn gaussians(each: &[(f32, f32)]) -> Item {
+        let count = each.len();
+        let attributes = GaussianAttributes {
+            means: (0..count).map(|i| [i as f32, 0.0, 0.0]).collect(),
+            scales: each.iter().map(|&(scale, _)| [scale; 3]).collect(),
+            rotations: vec![[1.0, 0.0, 0.0, 0.0]; count],
+            opacities: each.iter().map(|&(_, opacity)| opacity).collect(),
+            harmonics: vec![[1.0; 3]; count],
+        };
+        Item::gaussians(Gaussians::new(attributes, 0, DAffine3::IDENTITY).unwrap())
+    }
+
+    fn extent(item: &Item) -> [f64; 2] {
+        let along = || outline(item, Fit::Visible).into_iter().map(|place| place.x);
+        [
+            along().fold(f64::INFINITY, f64::min),
+            along().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    }
+
+    #[test]
+    fn of_a_few_specks_the_one_that_shows_most_fills_the_picture() {
+        let specks = [(0.01, 0.9), (0.01, 0.1), (0.012, 0.05)];
+        let [low, high] = extent(&gaussians(&specks));
+        assert!(low > -0.03 && high < 0.03, "{low} {high}");
+        // Larger ones make a picture together, and so do many.
+        assert_eq!(
+            extent(&gaussians(&[(0.2, 0.9); 3])).map(|x| (10.0 * x).round()),
+            [-4.0, 24.0]
+        );
+        assert!(extent(&gaussians(&[(0.01, 0.5); 200]))[1] > 199.0);
     }
 }

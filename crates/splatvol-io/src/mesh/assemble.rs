@@ -127,12 +127,12 @@ impl Draft {
         }
     }
 
-    /// The mesh. `choice` is the array and its component.
+    /// The mesh. `choice` is the array and its component, `heads` are all arrays of the file.
     pub(super) fn finish(
         mut self,
         (head, component): (&ArrayHead, Component),
         mut description: Description,
-        arrays: Vec<String>,
+        heads: &[ArrayHead],
         context: &Context<'_>,
     ) -> Result<LoadedMesh, IoError> {
         description.warnings.extend(self.warnings());
@@ -157,7 +157,8 @@ impl Draft {
         Ok(LoadedMesh {
             mesh,
             description,
-            arrays,
+            arrays: heads.iter().map(ArrayHead::describe).collect(),
+            others: others(heads, head),
         })
     }
 
@@ -218,6 +219,21 @@ fn name(head: &ArrayHead, component: Component) -> String {
         Component::Index(index) => format!("{}:{index}", head.name),
         Component::Magnitude => format!("{}:magnitude", head.name),
     }
+}
+
+/// Names of the arrays that could be shown instead of `chosen`: scalars first, of the points before those of the cells.
+fn others(heads: &[ArrayHead], chosen: &ArrayHead) -> Vec<String> {
+    let mut others: Vec<&ArrayHead> = heads
+        .iter()
+        .filter(|head| head.sample_type.is_some() && !head.is_id && head.name != chosen.name)
+        .collect();
+    others.sort_by_key(|head| {
+        (
+            head.components > 1,
+            head.association == vtk_array::Association::Cell,
+        )
+    });
+    others.into_iter().map(|head| head.name.clone()).collect()
 }
 
 /// The samples as f64.

@@ -72,8 +72,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
         warnings,
         ..Description::default()
     };
-    let list = heads.iter().map(ArrayHead::describe).collect();
-    draft.finish((head, component), description, list, context)
+    draft.finish((head, component), description, &heads, context)
 }
 
 /// Geometry section of a file, before the attributes.

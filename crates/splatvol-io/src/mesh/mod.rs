@@ -32,6 +32,8 @@ pub struct LoadedMesh {
     pub description: Description,
     /// The arrays that the file holds, one line each; any of them can be named as [`ReadOptions::array`].
     pub arrays: Vec<String>,
+    /// Names of the arrays that could be shown instead, the likeliest first.
+    others: Vec<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,21 +54,18 @@ pub fn is_mesh(path: impl AsRef<Path>) -> Result<bool, IoError> {
 
 /// Reads a mesh of any supported format, and of its arrays the one that [`ReadOptions::array`] names: `NAME`,
 /// `NAME:component`, `NAME:magnitude`. A vector without a component gives its magnitude. Without a name: the array that the
-/// file marks, else the first scalar of the points, else of the cells, else the magnitude of the first vector.
+/// file marks, else the first scalar of the points, else of the cells, else the magnitude of the first vector. One value
+/// everywhere shows nothing: then it is the next of them that varies, if there is one.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
 pub fn read_mesh(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
     let path = path.as_ref();
-    let loaded = match format(path)? {
-        Some(Format::LegacyVtk) => legacy_vtk::read(path, options),
-        Some(Format::VtkXml) => vtk_xml::read(path, options),
-        Some(Format::Plot3d) => plot3d::read(path, options),
-        None => {
-            let what = "no mesh: neither a VTK grid (legacy or XML) that is not regular nor PLOT3D";
-            Err(Context::new("mesh", path).unsupported(what))
-        }
-    }?;
+    let first = read_array(path, options)?;
+    let loaded = match options.array {
+        None if is_constant(&first.mesh) => varying(path, options, &first.others).unwrap_or(first),
+        _ => first,
+    };
     if options.strict && !loaded.description.warnings.is_empty() {
         return Err(IoError::Strict {
             warning: loaded.description.warnings.join("; "),
@@ -74,6 +73,39 @@ pub fn read_mesh(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Loaded
         });
     }
     Ok(loaded)
+}
+
+/// Reads the array that the options name, or the one that their absence means.
+fn read_array(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
+    match format(path)? {
+        Some(Format::LegacyVtk) => legacy_vtk::read(path, options),
+        Some(Format::VtkXml) => vtk_xml::read(path, options),
+        Some(Format::Plot3d) => plot3d::read(path, options),
+        None => {
+            let what = "no mesh: neither a VTK grid (legacy or XML) that is not regular nor PLOT3D";
+            Err(Context::new("mesh", path).unsupported(what))
+        }
+    }
+}
+
+fn is_constant(mesh: &Mesh) -> bool {
+    let [low, high] = mesh.value_range();
+    low == high
+}
+
+/// The first of these arrays that varies. Arrays that cannot be read are passed over: nobody asked for them.
+fn varying(path: &Path, options: &ReadOptions, names: &[String]) -> Option<LoadedMesh> {
+    let read = |name: &String| {
+        let options = ReadOptions {
+            array: Some(name.clone()),
+            ..options.clone()
+        };
+        read_array(path, &options).ok()
+    };
+    names
+        .iter()
+        .filter_map(read)
+        .find(|loaded| !is_constant(&loaded.mesh))
 }
 
 fn format(path: &Path) -> Result<Option<Format>, IoError> {

@@ -89,8 +89,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
         files: vec![grid_path.clone(), solution_path.clone()],
         ..Description::default()
     };
-    let list = heads.iter().map(ArrayHead::describe).collect();
-    draft.finish((&heads[index], component), description, list, context)
+    draft.finish((&heads[index], component), description, &heads, context)
 }
 
 fn head(name: &str, components: usize, sample_type: SampleType) -> ArrayHead {

@@ -104,7 +104,7 @@ impl File<'_> {
             let (index, component) = match &choice {
                 None => {
                     let found = vtk_array::choose_scalar(&arrays.heads, self.options, self.context)?;
-                    list = arrays.heads.iter().map(ArrayHead::describe).collect();
+                    list.clone_from(&arrays.heads);
                     choice = Some((arrays.heads[found.0].clone(), found.1));
                     found
                 }
@@ -126,7 +126,7 @@ impl File<'_> {
         }
         let (head, component) =
             choice.ok_or_else(|| self.context.field("Piece", "", None, "an element <Piece>"))?;
-        draft.finish((&head, component), description, list, self.context)
+        draft.finish((&head, component), description, &list, self.context)
     }
 
     /// The array of another piece.

@@ -2,9 +2,11 @@
 //!
 //! A COPC file is a LAZ file whose order of points has a meaning besides; all its points are read. What a header
 //! promises is held against the file first (`check`): the crate trusts it. Colours have 16 bits by the specification,
-//! of which many writers use 8; that is recognised by the largest one. Without colours, intensity is grey.
+//! of which many writers use 8; that is recognised by the largest one. Without colours, points are
+//! coloured by their classes or heights (`shown_as`).
 
 mod check;
+mod shown_as;
 
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -39,7 +41,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     gather.check_count(claims.count, context)?;
     let description = describe(&claims, path);
     // The decoder is not written for hostile files; a panic in it is this file's fault and nobody else's.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, &mut gather)));
+    let mut classes = Vec::new();
+    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, &mut gather, &mut classes)));
     let count = match decoded {
         Ok(Ok(count)) => count,
         Ok(Err(error)) => return Err(context.field("points", error, None, "what the header describes")),
@@ -48,10 +51,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     if count < claims.count {
         return Err(context.truncated("points", claims.count, count));
     }
-    gather.finish(ColorKind::Integer, description, context)
+    let loaded = gather.finish(ColorKind::Integer, description, context)?;
+    if claims.has_color() {
+        return Ok(loaded);
+    }
+    shown_as::colored(loaded, &classes, context)
 }
 
-fn decode(bytes: Vec<u8>, gather: &mut Gather) -> ::las::Result<u64> {
+fn decode(bytes: Vec<u8>, gather: &mut Gather, classes: &mut Vec<u8>) -> ::las::Result<u64> {
     let mut reader = Reader::new(Cursor::new(bytes))?;
     let total = reader.header().number_of_points();
     let mut count = 0;
@@ -62,6 +69,7 @@ fn decode(bytes: Vec<u8>, gather: &mut Gather) -> ::las::Result<u64> {
         }
         count += points.len() as u64;
         push(&points, gather);
+        classes.extend(points.classification());
     }
     Ok(count)
 }

@@ -1,4 +1,4 @@
-use splatvol_io::{is_mesh, read_mesh};
+use splatvol_io::{ReadOptions, is_mesh, read_mesh};
 use splatvol_scene::{Association, CellKind, Topology};
 
 use super::{array, read, real_files};
@@ -159,6 +159,32 @@ fn kinds_of_cells_are_those_that_other_readers_count() {
     assert_eq!(count("notch_stress.vtk", CellKind::Hexahedron), 2188);
     assert_eq!(count("notch_stress.vtk", CellKind::Wedge), 4);
     assert_eq!(count("CylinderQuadratic.vtk", CellKind::QuadraticTetra), 1522);
+}
+
+#[test]
+fn cans_and_plates_are_shells_and_solids_are_not() {
+    let Some(folder) = real_files() else { return };
+    let thickness = |name: &str| {
+        let options = ReadOptions::default();
+        read_mesh(folder.join(name), &options)
+            .unwrap()
+            .mesh
+            .shell_thickness()
+    };
+    let can = thickness("can.vtu").unwrap();
+    assert!((0.05..0.5).contains(&can), "{can}");
+    // 0.01 thick.
+    let plate = thickness("notch_stress.vtk").unwrap();
+    assert!((0.007..0.0101).contains(&plate), "{plate}");
+    for name in [
+        "hexa.vtk",
+        "CylinderQuadratic.vtk",
+        "office.binary.vtk",
+        "cth.vtr",
+        "RectGrid2.vtk",
+    ] {
+        assert_eq!(thickness(name), None, "{name}");
+    }
 }
 
 #[test]

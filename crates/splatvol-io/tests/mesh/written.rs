@@ -158,6 +158,11 @@ fn plot3d_is_read_in_every_layout() {
     let mut options = array("density");
     options.solution = Some(folder.path().join("other.bin"));
     assert_eq!(read_mesh(&grid, &options).unwrap().mesh.value_range(), [2.0, 2.0]);
+    // The density is the same everywhere: unasked, what varies is shown.
+    options.array = None;
+    let shown = read_mesh(&grid, &options).unwrap();
+    assert_eq!(shown.mesh.field().name, "energy");
+    assert_eq!(shown.arrays.len(), 5);
 }
 
 /// One array as VTK writes it.

@@ -14,7 +14,13 @@ const THIN: f64 = 1.0 / 32.0;
 
 const TETRA: [&[usize]; 4] = [&[0, 1, 3], &[1, 2, 3], &[2, 0, 3], &[0, 2, 1]];
 const PYRAMID: [&[usize]; 5] = [&[0, 3, 2, 1], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
-const WEDGE: [&[usize]; 5] = [&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
+const WEDGE: [&[usize]; 5] = [
+    &[0, 1, 2],
+    &[3, 5, 4],
+    &[0, 3, 4, 1],
+    &[1, 4, 5, 2],
+    &[2, 5, 3, 0],
+];
 const HEXAHEDRON: [&[usize]; 6] = [
     &[0, 4, 7, 3],
     &[1, 2, 6, 5],
@@ -131,7 +137,10 @@ impl Measured {
     fn surface(&mut self) -> f64 {
         self.faces
             .sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let alone = self.faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+        let alone = self
+            .faces
+            .chunk_by(|a, b| a.0 == b.0)
+            .filter(|same| same.len() == 1);
         alone.flatten().map(|&(_, area)| f64::from(area)).sum()
     }
 }
@@ -203,7 +212,9 @@ mod tests {
                 cells.push(CellKind::Hexahedron, &points).unwrap();
             }
         }
-        let thickness = mesh(positions, Topology::Unstructured(cells)).shell_thickness().unwrap();
+        let thickness = mesh(positions, Topology::Unstructured(cells))
+            .shell_thickness()
+            .unwrap();
         assert!((thickness - 0.1).abs() < 0.005, "{thickness}");
     }
 
@@ -218,14 +229,33 @@ mod tests {
         let cases = [
             (CellKind::Voxel, cube([0, 1, 2, 3, 4, 5, 6, 7]), 1.0, 6.0),
             (CellKind::Hexahedron, cube([0, 1, 3, 2, 4, 5, 7, 6]), 1.0, 6.0),
-            (CellKind::Wedge, cube([0, 1, 2, 4, 5, 6, 0, 0]), 0.5, 3.0 + 2f64.sqrt()),
-            (CellKind::Pyramid, cube([0, 1, 3, 2, 4, 0, 0, 0]), 1.0 / 3.0, 2.0 + 2f64.sqrt()),
-            (CellKind::Tetra, cube([0, 1, 2, 4, 0, 0, 0, 0]), 1.0 / 6.0, 1.5 + 0.75f64.sqrt()),
+            (
+                CellKind::Wedge,
+                cube([0, 1, 2, 4, 5, 6, 0, 0]),
+                0.5,
+                3.0 + 2f64.sqrt(),
+            ),
+            (
+                CellKind::Pyramid,
+                cube([0, 1, 3, 2, 4, 0, 0, 0]),
+                1.0 / 3.0,
+                2.0 + 2f64.sqrt(),
+            ),
+            (
+                CellKind::Tetra,
+                cube([0, 1, 2, 4, 0, 0, 0, 0]),
+                1.0 / 6.0,
+                1.5 + 0.75f64.sqrt(),
+            ),
         ];
         for (kind, points, volume, surface) in cases {
             let mut measured = Measured::default();
             measured.add(kind, &points);
-            assert!((measured.volume - volume).abs() < 1e-12, "{kind:?} {}", measured.volume);
+            assert!(
+                (measured.volume - volume).abs() < 1e-12,
+                "{kind:?} {}",
+                measured.volume
+            );
             assert!((measured.surface() - surface).abs() < 1e-6, "{kind:?}");
         }
     }

@@ -9,8 +9,8 @@ use super::shapes::PALETTE;
 use super::survey::quantile;
 use super::{AutomaticChoice, ValueKind};
 use crate::{
-    ColorMap, ColorPoint, Grid, LengthUnit, Mesh, OpacityPoint, Rescale, Samples, SceneError, TransferFunction,
-    Volume,
+    ColorMap, ColorPoint, Grid, LengthUnit, Mesh, OpacityPoint, Rescale, Samples, SceneError,
+    TransferFunction, Volume,
 };
 
 /// Values in a row of the grid that a mesh is surveyed on.
@@ -26,10 +26,7 @@ impl TransferFunction {
     ///
     /// # Errors
     /// More values than a [`Grid`] can have rows for: a thousand million.
-    pub fn automatic_mesh(
-        mesh: &Mesh,
-        map: Option<ColorMap>,
-    ) -> Result<(Self, AutomaticChoice), SceneError> {
+    pub fn automatic_mesh(mesh: &Mesh, map: Option<ColorMap>) -> Result<(Self, AutomaticChoice), SceneError> {
         let (chosen, choice) = Self::automatic(&rows_of(&mesh.field().values)?, map);
         match mesh.shell_thickness() {
             Some(thickness) => body(mesh, thickness, map, (chosen, choice)),
@@ -130,7 +127,11 @@ mod tests {
     }
 
     fn yielding(i: usize) -> f32 {
-        if i % 20 > 15 { 0.013 * (i % 397) as f32 } else { 0.0 }
+        if i % 20 > 15 {
+            0.013 * (i % 397) as f32
+        } else {
+            0.0
+        }
     }
 
     #[test]
@@ -138,7 +139,10 @@ mod tests {
         let (look, choice) = TransferFunction::automatic_mesh(&plate(0.2, yielding), None).unwrap();
         assert!(choice.reason.starts_with("a shell or plate"), "{}", choice.reason);
         assert_eq!([look.opacity(0.0), look.opacity(5.0)], [SHELL_OPACITY; 2]);
-        assert!(look.unit_distance.is_some_and(|unit| (0.15..0.21).contains(&unit)));
+        assert!(
+            look.unit_distance
+                .is_some_and(|unit| (0.15..0.21).contains(&unit))
+        );
         assert_ne!(look.color(0.0), look.color(5.0));
         let map = ColorMap::from_name("viridis").unwrap();
         let (mapped, _) = TransferFunction::automatic_mesh(&plate(0.2, yielding), Some(map)).unwrap();
