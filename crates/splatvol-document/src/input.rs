@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use splatvol_io::{Description, Endian, RawLayout, ReadOptions};
 use splatvol_samples::Sample;
-use splatvol_scene::Volume;
+use splatvol_scene::{Mesh, Volume};
 
 use crate::keys::ItemKeys;
 use crate::{DocumentError, Listener, spelling};
@@ -19,6 +19,8 @@ pub struct Input {
     pub description: Description,
     /// Which sample it is, if it is one.
     pub sample: Option<Sample>,
+    /// The mesh that the samples are the values of, if they are.
+    pub mesh: Option<Arc<Mesh>>,
 }
 
 /// Where and how files are read.
@@ -63,6 +65,7 @@ pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentErro
         volume: Arc::new(loaded.volume),
         description: loaded.description,
         sample: None,
+        mesh: None,
     })
 }
 
@@ -103,6 +106,7 @@ fn generate(text: &str) -> Result<Input, DocumentError> {
         volume: Arc::new(volume),
         description,
         sample: Some(sample),
+        mesh: None,
     })
 }
 

@@ -153,6 +153,7 @@ fn other(
             Item::gaussians(gaussians)
         }
         Data::Mesh(mesh) => {
+            let mesh = Arc::new(mesh);
             let input = values_of(&mesh, loaded.description)?;
             let (look, _) = known_look.insert(look_of(&keys, &input, among)?);
             Item::mesh(mesh, look.transfer_function.clone())
@@ -162,6 +163,7 @@ fn other(
                 volume: Arc::new(volume),
                 description: loaded.description,
                 sample: None,
+                mesh: None,
             };
             let (look, _) = known_look.insert(look_of(&keys, &input, among)?);
             look.clone().item(input.volume)
@@ -255,7 +257,7 @@ fn look_of(
 const ROW: usize = 32_768;
 
 /// A mesh's values as rows of samples: what a transfer function is chosen by.
-fn values_of(mesh: &Mesh, description: Description) -> Result<Input, DocumentError> {
+fn values_of(mesh: &Arc<Mesh>, description: Description) -> Result<Input, DocumentError> {
     let mut values = mesh.field().values.clone();
     // Rows of a grid are not endless; what is missing in the last one does not count.
     let width = values.len().clamp(1, ROW);
@@ -268,5 +270,6 @@ fn values_of(mesh: &Mesh, description: Description) -> Result<Input, DocumentErr
         volume: Arc::new(volume),
         description,
         sample: None,
+        mesh: Some(Arc::clone(mesh)),
     })
 }

@@ -195,7 +195,10 @@ fn automatic(input: &Input, map: Option<ColorMap>, listener: &dyn Listener) -> R
             ..sample.default_transfer_function()?.into()
         });
     }
-    let (transfer_function, choice) = TransferFunction::automatic(&input.volume, map);
+    let (transfer_function, choice) = match &input.mesh {
+        Some(mesh) => TransferFunction::automatic_mesh(mesh, map)?,
+        None => TransferFunction::automatic(&input.volume, map),
+    };
     listener.detail(&format!("transfer function: {}", choice.reason));
     let wishes = Wishes {
         classification: Some(choice.classification),
@@ -249,4 +252,47 @@ fn colored(
         old.opacities().to_vec(),
         old.unit_distance,
     )?)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use splatvol_io::Description;
+    use splatvol_scene::{Association, Grid, LengthUnit, Mesh, MeshField, Rescale, Samples, Topology};
+
+    use super::*;
+    use crate::Silent;
+
+    #[test]
+    fn meshes_that_are_plates_show_their_body() {
+        // Twenty by twenty by two points; one half of the values is low.
+        let values: Vec<f32> = (0..800)
+            .map(|i| if i % 20 < 10 { 0.0 } else { 0.37 * i as f32 })
+            .collect();
+        let grid = Grid::centred([800, 1, 1], [1.0; 3]).unwrap();
+        let samples = Samples::F32(values.clone().into());
+        let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let field = MeshField {
+            name: "strain".to_owned(),
+            association: Association::Point,
+            values,
+        };
+        let places = (0..800).map(|i| [i % 20, i / 20 % 20, i / 400].map(|at| at as f32));
+        let positions = places.map(|[x, y, z]| [x, y, 0.1 * z]).collect();
+        let blocks = Topology::Structured(vec![[20, 20, 2]]);
+        let mesh = Mesh::new(positions, blocks, Vec::new(), field, DAffine3::IDENTITY).unwrap();
+        let mut input = Input {
+            volume: Arc::new(volume),
+            description: Description::default(),
+            sample: None,
+            mesh: None,
+        };
+        let opacity = |input: &Input| {
+            let look = automatic(input, None, &Silent).unwrap();
+            look.transfer_function.opacity(0.0)
+        };
+        assert_eq!(opacity(&input), 0.0);
+        input.mesh = Some(Arc::new(mesh));
+        assert!(opacity(&input) > 0.9);
+    }
 }
