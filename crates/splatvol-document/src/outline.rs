@@ -21,6 +21,10 @@ const SIGMAS: f64 = 2.0;
 /// Share of Gaussians that have their radius; larger ones have that of the last of these.
 const USUAL: f64 = 0.95;
 
+/// Radius of what is framed of Gaussians, at least, in their own lengths: as published, none is drawn that is nearer to the
+/// camera than 0.2, and a camera of the usual field of view is four radii away.
+const LEAST: f64 = 0.08;
+
 /// Gaussians that are few...
 const FEW: usize = 100;
 /// ...and share of the square of their cloud's size below which what they show is specks.
@@ -73,19 +77,31 @@ pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
         Content::Gaussians(gaussians) => {
             let means = world(gaussians.world_from_local(), &gaussians.attributes().means);
             let radii = radii(gaussians, &item.world_from_item);
+            let frame = item.world_from_item * gaussians.world_from_local();
+            let least = LEAST * libm::cbrt(frame.matrix3.determinant().abs());
             if let Some(index) = alone(gaussians, &means, &radii) {
-                return around(means[index], radii[index]).collect();
+                return held_off(around(means[index], radii[index]).collect(), least);
             }
             let [low, high] = reach(&means);
             let inside = |mean: DVec3| mean.cmpge(low).all() && mean.cmple(high).all();
-            means
+            let all = means
                 .into_iter()
                 .zip(radii)
                 .filter(|(mean, _)| inside(*mean))
-                .flat_map(|(mean, radius)| around(mean, radius))
-                .collect()
+                .flat_map(|(mean, radius)| around(mean, radius));
+            held_off(all.collect(), least)
         }
     }
+}
+
+/// An outline that is no smaller than a ball of this radius, so that the camera keeps its distance.
+fn held_off(mut outline: Vec<DVec3>, least: f64) -> Vec<DVec3> {
+    let low = outline.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = outline.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    if !outline.is_empty() && (high - low).max_element() < 2.0 * least {
+        outline.extend(around(0.5 * (low + high), least));
+    }
+    outline
 }
 
 /// The ends of a ball along the axes.
@@ -214,7 +230,11 @@ mod tests {
     fn of_a_few_specks_the_one_that_shows_most_fills_the_picture() {
         let specks = [(0.01, 0.9), (0.01, 0.1), (0.012, 0.05)];
         let [low, high] = extent(&gaussians(&specks));
-        assert!(low > -0.03 && high < 0.03, "{low} {high}");
+        // No nearer than Gaussians are drawn.
+        assert!(
+            (low + LEAST).abs() < 1e-6 && (high - LEAST).abs() < 1e-6,
+            "{low} {high}"
+        );
         // Larger ones make a picture together, and so do many.
         assert_eq!(
             extent(&gaussians(&[(0.2, 0.9); 3])).map(|x| (10.0 * x).round()),
