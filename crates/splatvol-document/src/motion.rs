@@ -9,6 +9,8 @@ use crate::keys::{CameraSweep, MotionKeys};
 
 /// Pictures averaged unless asked otherwise.
 const SUB_FRAMES: u32 = 16;
+/// Pictures averaged at most.
+const MOST_SUB_FRAMES: u32 = 1024;
 
 /// Motion of the camera from frame to frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -74,6 +76,7 @@ pub(crate) fn resolve(
     shot: Shot<'_>,
     settings: &mut RenderSettings,
 ) -> Result<MotionKeys, DocumentError> {
+    check(keys)?;
     let method = settings.motion_blur;
     *settings = with_blur(settings, MotionBlur::None)?;
     if shot.shutter {
@@ -116,6 +119,25 @@ pub(crate) fn resolve(
         subframes,
         ..still
     })
+}
+
+/// Refuses motions that exclude each other, and more pictures than anybody averages.
+fn check(keys: &MotionKeys) -> Result<(), DocumentError> {
+    if keys.spin.is_some() && keys.velocity.is_some() {
+        return Err(DocumentError::usage(
+            "`motion.spin` and `motion.velocity` exclude each other",
+        ));
+    }
+    match keys
+        .subframes
+        .filter(|count| !(1..=MOST_SUB_FRAMES).contains(count))
+    {
+        Some(count) => {
+            let why = format!("{count}: expected 1 to {MOST_SUB_FRAMES}");
+            Err(DocumentError::refused("motion.subframes", why))
+        }
+        None => Ok(()),
+    }
 }
 
 /// The settings with another blur: what was splatted one by one for the sake of one alone is on sheets without it.

@@ -73,6 +73,12 @@ impl Document {
     /// Files that cannot be read; keys that have no meaning for the data or for each other, by name.
     pub fn resolve(&self, resolving: Resolving<'_>) -> Result<Picture, DocumentError> {
         let reading = resolving.reading;
+        if let Some(bits) = self.bits.filter(|bits| ![8, 16].contains(bits)) {
+            return Err(DocumentError::refused(
+                "bits",
+                format!("{bits}: expected 8 or 16"),
+            ));
+        }
         let mut loaded = self.load(reading)?;
         let settings = self
             .settings

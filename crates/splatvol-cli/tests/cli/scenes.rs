@@ -239,6 +239,16 @@ fn scenes_that_make_no_sense_say_why() {
         ("[settings]\nsheets = 1", 3, vec!["sheets", "scene.toml"]),
         ("[settings]\nsheet-thickness = -1", 2, vec!["thickness"]),
         ("[camera]\nview = 'side'", 3, vec!["camera"]),
+        (
+            "[motion]\nspin = 3\nvelocity = [1, 0, 0]",
+            2,
+            vec!["motion.spin and motion.velocity"],
+        ),
+        (
+            "[motion]\nspin = 3\nsubframes = 4000000000",
+            2,
+            vec!["motion.subframes", "4000000000"],
+        ),
     ] {
         two(&sandbox, more);
         sandbox.run("render scene.toml -w").fails(code, &words);
