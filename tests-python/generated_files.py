@@ -40,6 +40,11 @@ def oblique_affine(seed=2):
     return affine
 
 
+def cases(splatvol, folder):
+    """Named checks."""
+    return Generator(splatvol, folder).cases()
+
+
 class Generator:
     """Checks that write into `folder` and read back."""
 

@@ -20,7 +20,7 @@ NRRD_SPACES = {
 
 
 def with_nibabel(path, time=0):
-    """NIfTI; nibabel's affine is RAS+, its first axis is x. One time point of a series."""
+    """NIfTI and MGH; nibabel's affine is RAS+, its first axis is x. One time point of a series."""
     image = nibabel.load(path)
     values = np.asanyarray(image.dataobj)
     while values.ndim > 3:
@@ -42,8 +42,8 @@ def with_pynrrd(path):
 
 
 def with_simpleitk(path):
-    """Anything that ITK reads. Its physical space is LPS for formats that say how a patient lies."""
-    image = SimpleITK.ReadImage(str(path))
+    """Anything that ITK reads, or an image of its own. Its space is LPS for formats that say how a patient lies."""
+    image = path if isinstance(path, SimpleITK.Image) else SimpleITK.ReadImage(str(path))
     affine = np.eye(4)
     direction = np.array(image.GetDirection()).reshape(3, 3)
     affine[:3, :3] = direction * np.array(image.GetSpacing())

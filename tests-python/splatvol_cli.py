@@ -17,6 +17,7 @@ class Volume:
     minimum: float | None = None
     maximum: float | None = None
     mean: float | None = None
+    unit: str | None = None
 
 
 class Refused(Exception):
@@ -42,9 +43,13 @@ class Splatvol:
             raise Refused(done.returncode, done.stderr)
         return done.stdout
 
+    def info(self, path, *options):
+        """What `splatvol info --json` says."""
+        return json.loads(self.run("info", "--json", path, *options))
+
     def read(self, path, *options):
         """`splatvol info --json` and the samples of `splatvol convert PATH OUT.npy`."""
-        info = json.loads(self.run("info", "--json", path, *options))
+        info = self.info(path, *options)
         output = self.folder / "read.npy"
         self.run("convert", path, output, "--overwrite", *options)
         values = np.load(output)
@@ -54,4 +59,4 @@ class Splatvol:
         affine = np.eye(4)
         affine[:3, :3] = np.array(info["directions"]).T * np.array(info["spacing"])
         affine[:3, 3] = info["origin"]
-        return Volume(values, affine, info["min"], info["max"], info["mean"])
+        return Volume(values, affine, info["min"], info["max"], info["mean"], info["unit"])

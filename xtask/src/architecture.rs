@@ -1,9 +1,8 @@
 //! `ARCHITECTURE.md` against the workspace.
 //!
-//! The first table below "## Crates" has a row per crate: its name, what it holds, which crates of the workspace it
-//! may use. The engines of `splatvol-cpu` know nothing of each other. Modules of stages are named anywhere as
-//! `` `splatvol_core::NAME` ``, `` `sheets::NAME` ``,
-//! `` `splats::NAME` `` and `` `classic::NAME` ``.
+//! The first table below "## Crates" has a row per crate: its name, its contents, and the crates of the workspace
+//! that it may use. The engines of `splatvol-cpu` know nothing of each other. Modules of stages are named anywhere
+//! as `` `splatvol_core::NAME` ``, `` `sheets::NAME` ``, `` `splats::NAME` `` and `` `classic::NAME` ``.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! The kernels' machine code: vectors as wide as promised, and nothing called in them that should have been inlined.
 //!
-//! A kernel is written once and compiled for every SIMD level, as a function `vectorize_LEVEL`. Two mistakes cost half of
-//! its speed and change no result: code that is not inlined into that function is compiled for the baseline processor,
-//! and an operation on vectors that is not inlined (`__fearless_simd_kernel`) passes them through memory. Closures and
-//! `array::from_fn` have led to both.
+//! A kernel is written once and compiled for every SIMD level, as a function `vectorize_LEVEL`. Two mistakes cost half
+//! of its speed and change no result: code that is not inlined into that function is compiled for the baseline
+//! processor, and an operation on vectors that is not inlined (`__fearless_simd_kernel`) passes them through memory.
+//! Closures and `array::from_fn` have led to both.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -172,7 +172,7 @@ fn calls_of_operations(functions: &[Function<'_>], found: &[Found]) -> Vec<Strin
     for (function, found) in functions.iter().zip(found) {
         let mut calls: BTreeMap<&str, usize> = BTreeMap::new();
         for target in &found.targets {
-            // Jumps within an operation are none.
+            // Jumps within an operation are not calls.
             if let Some(name) = operations.get(target).filter(|_| *target != function.address) {
                 *calls.entry(name).or_default() += 1;
             }

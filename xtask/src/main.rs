@@ -5,12 +5,12 @@
 //! | `licenses` | every dependency may be used under a licence that `deny.toml` allows |
 //! | `msrv` | no dependency needs a newer Rust than the workspace |
 //! | `architecture` | `ARCHITECTURE.md` names every crate, its allowed dependencies, and every stage |
-//! | `files` | no committed file names a machine's paths, no Rust file is too long, links lead somewhere |
+//! | `files` | no committed file names a machine's paths, no Rust file is too long, no link is broken |
 //!
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
-//! machine code is vectors as wide as promised, in the command or in any program given. `cargo xtask wasm` checks all crates but the
-//! command for `wasm32-unknown-unknown`, where its std is installed.
+//! machine code uses vectors as wide as promised, in the command or in any given program. `cargo xtask wasm` checks all
+//! crates but the command for `wasm32-unknown-unknown`, where its std is installed.
 
 mod architecture;
 mod decode;

@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-/// Whose dependencies are looked at.
+/// The platforms whose dependencies are examined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Platforms {
     /// Dependencies on every platform; some of them may have to be downloaded. Without network, only those on this
@@ -23,13 +23,13 @@ pub(crate) struct Package {
     pub(crate) version: String,
     pub(crate) license: Option<String>,
     pub(crate) rust_version: Option<String>,
-    /// Names of the dependencies that are neither of tests nor of build scripts.
+    /// Names of the dependencies other than those of tests and build scripts.
     pub(crate) dependencies: Vec<String>,
     /// Whether it belongs to the workspace.
     pub(crate) own: bool,
 }
 
-/// Every package, and a note where some could not be looked at.
+/// Every package, and a note if some could not be examined.
 #[derive(Debug)]
 pub(crate) struct Packages {
     pub(crate) list: Vec<Package>,

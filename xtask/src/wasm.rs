@@ -8,7 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// The crates that run in a browser; they bring those below them.
+/// The crates that run in a browser; they include those that they depend on.
 const CRATES: [&str; 4] = ["splatvol", "splatvol-document", "splatvol-io", "splatvol-samples"];
 
 /// Checks the crates for the target.
@@ -31,7 +31,7 @@ pub(crate) fn check(root: &Path) -> Result<String> {
         "{} do not build for {TARGET}",
         CRATES.join(", ")
     );
-    // Who draws only what it is given can leave readers and samples out.
+    // A program that draws only given data can leave out readers and samples.
     let status = Command::new(env!("CARGO"))
         .current_dir(root)
         .args(["check", "--locked", "--target", TARGET])

@@ -1,9 +1,10 @@
 //! Errors as the user sees them: which step failed (hence the exit code), why, and what to do about it.
 
 use std::fmt::Display;
-use std::process::ExitCode;
 
 use splatvol_document::DocumentError;
+
+use crate::terminal::say;
 
 /// The step that failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,10 +57,10 @@ impl Failure {
         self
     }
 
-    /// Prints error, causes and hint to stderr.
-    pub(crate) fn report(&self) -> ExitCode {
-        eprintln!("splatvol: error: {}", self.text());
-        ExitCode::from(self.step.exit_code())
+    /// Prints error, causes and hint to stderr, and returns the exit code.
+    pub(crate) fn report(&self) -> u8 {
+        say(format_args!("error: {}", self.text()));
+        self.step.exit_code()
     }
 
     fn text(&self) -> String {
@@ -80,7 +81,7 @@ impl Failure {
 }
 
 impl From<DocumentError> for Failure {
-    /// Speaks of keys as of the flags of the same names.
+    /// Names keys as the flags of the same names.
     fn from(error: DocumentError) -> Self {
         let step = match error {
             DocumentError::Refused { .. } | DocumentError::Scene(_) => Step::Usage,
@@ -110,7 +111,7 @@ impl From<DocumentError> for Failure {
 }
 
 impl Failure {
-    /// Speaks of keys as a scene file has them.
+    /// Names keys as a scene file has them.
     pub(crate) fn of_scene(error: DocumentError) -> Self {
         match error {
             DocumentError::Refused { .. } => Self::usage(error),
@@ -119,8 +120,8 @@ impl Failure {
     }
 }
 
-/// A message about keys of a document, which it has between backquotes, as one about flags. Items that have a number are of
-/// several, which have no flags.
+/// Turns a message about a document's keys, which stand between backquotes, into one about flags. An item with a number
+/// is one of several, which have no flags.
 fn as_flags(message: &str) -> String {
     let spoken = |(i, part): (usize, &str)| match i % 2 {
         0 => part.to_owned(),

@@ -1,4 +1,4 @@
-//! Writing results: never over an existing file unasked, never half a file.
+//! Writing results: never over an existing file without a request, never half a file.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
@@ -35,9 +35,7 @@ impl Target {
         let Self::File(path) = self else {
             return Ok(());
         };
-        if path.is_dir() {
-            return Err(anyhow::anyhow!("output {} is a folder", path.display())).during(Step::Output);
-        }
+        check_replaceable(path)?;
         if path.exists() && !overwrite {
             return Err(exists(path));
         }
@@ -67,6 +65,66 @@ impl Target {
             }),
         }
     }
+}
+
+/// Refuses results that would go to the same place: the later one would replace the earlier one.
+pub(crate) fn check_distinct(results: &[(&str, &Target)]) -> Result<(), Failure> {
+    for (i, (name, target)) in results.iter().enumerate() {
+        for (other, earlier) in &results[..i] {
+            match (earlier, target) {
+                (Target::Stdout, Target::Stdout) => {
+                    return Err(Failure::usage(format!(
+                        "{other} and {name} cannot both go to stdout"
+                    )));
+                }
+                (Target::File(a), Target::File(b)) if place_of(a) == place_of(b) => {
+                    let file = b.display();
+                    return Err(Failure::usage(format!(
+                        "{other} and {name} cannot go to the same file, {file}"
+                    )));
+                }
+                _ => (),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The file that a path names, links followed as far as they lead somewhere.
+fn place_of(path: &Path) -> PathBuf {
+    if let Ok(place) = path.canonicalize() {
+        return place;
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+/// Refuses paths at which something other than a regular file lies: a rename would replace a device or a pipe.
+fn check_replaceable(path: &Path) -> Result<(), Failure> {
+    let kind = match fs::symlink_metadata(path) {
+        Err(_) => return Ok(()),
+        Ok(found) if found.is_symlink() => match fs::metadata(path) {
+            Ok(target) => target.file_type(),
+            Err(_) => {
+                let message = format!("output {} is a link that leads nowhere", path.display());
+                return Err(anyhow::anyhow!(message)).during(Step::Output);
+            }
+        },
+        Ok(found) => found.file_type(),
+    };
+    let what = match kind {
+        kind if kind.is_file() => return Ok(()),
+        kind if kind.is_dir() => "a folder",
+        _ => "neither a regular file nor a new one",
+    };
+    let refused = Err(anyhow::anyhow!("output {} is {what}", path.display())).during(Step::Output);
+    refused.map_err(|failure| failure.hint("- writes to stdout, which can be sent anywhere"))
 }
 
 /// The picture format of a file's extension.
@@ -121,7 +179,7 @@ pub(crate) fn replace(
     scratch.keep(overwrite)
 }
 
-/// A file beside its place, with the same extension, until it is whole; dropped before, it goes away.
+/// A file beside its place, with the same extension, until it is complete; if dropped before, it is removed.
 pub(crate) struct Scratch {
     scratch: PathBuf,
     place: PathBuf,
@@ -130,10 +188,12 @@ pub(crate) struct Scratch {
 impl Scratch {
     /// For a file at `path`; nothing is created yet.
     pub(crate) fn beside(path: &Path) -> Self {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        // Beside the file that a link leads to, which may be on another disk.
+        let place = place_of(path);
+        let name = place.file_name().unwrap_or_default().to_string_lossy();
         Self {
-            scratch: path.with_file_name(format!(".{}.{name}", std::process::id())),
-            place: path.to_owned(),
+            scratch: place.with_file_name(format!(".{}.{name}", std::process::id())),
+            place,
         }
     }
 
@@ -144,23 +204,28 @@ impl Scratch {
 
     /// Moves the file to its place.
     pub(crate) fn keep(self, overwrite: bool) -> Result<(), Failure> {
-        let claimed = if overwrite {
-            Ok(())
+        let failed = || format!("cannot write {}", self.place.display());
+        if overwrite {
+            // It may have become something else during the work.
+            check_replaceable(&self.place)?;
         } else {
             // Claims the name, so that a file that appeared meanwhile survives.
             let mut claim = OpenOptions::new();
-            claim.write(true).create_new(true).open(&self.place).map(drop)
-        };
-        claimed
-            .and_then(|()| fs::rename(&self.scratch, &self.place))
-            .with_context(|| format!("cannot write {}", self.place.display()))
-            .during(Step::Output)
+            let claimed = claim.write(true).create_new(true).open(&self.place);
+            claimed.map(drop).with_context(failed).during(Step::Output)?;
+        }
+        let moved = fs::rename(&self.scratch, &self.place);
+        if moved.is_err() && !overwrite {
+            // The claim is empty: nobody wants it.
+            let _ = fs::remove_file(&self.place);
+        }
+        moved.with_context(failed).during(Step::Output)
     }
 }
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // It may have been moved, or may never have come to be.
+        // It may have been moved, or may never have been created.
         let _ = fs::remove_file(&self.scratch);
     }
 }

@@ -3,15 +3,20 @@
 use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use splatvol_document::{Listener, Reading};
+use splatvol_document::{Listener, ReadRules, Reading};
 
 use crate::args::Verbosity;
 
-/// Messages, as loud as the user wants them.
+/// Writes a line to stderr. Where that is full or closed, the exit code still says what happened.
+pub(crate) fn say(message: impl Display) {
+    let _ = writeln!(std::io::stderr().lock(), "splatvol: {message}");
+}
+
+/// Messages, as verbose as the user wants them.
 pub(crate) struct Terminal {
     verbosity: Verbosity,
 }
@@ -24,34 +29,34 @@ impl Terminal {
     /// Something odd that did not stop the command.
     pub(crate) fn warn(&self, message: impl Display) {
         if !self.verbosity.quiet {
-            eprintln!("splatvol: warning: {message}");
+            say(format_args!("warning: {message}"));
         }
     }
 
     /// Reports a result.
     pub(crate) fn note(&self, message: impl Display) {
         if !self.verbosity.quiet {
-            eprintln!("splatvol: {message}");
+            say(message);
         }
     }
 
     /// Reports a choice, with `--verbose`.
     pub(crate) fn detail(&self, message: impl Display) {
         if self.verbosity.verbose {
-            eprintln!("splatvol: {message}");
+            say(message);
         }
     }
 
-    /// Reads files where they are said to be, and hears of it. `strict`: whether warnings are errors.
-    pub(crate) fn reads(&self, strict: bool) -> Reading<'_> {
+    /// Reads files from the paths given, and reports on it. `rules`: what is refused.
+    pub(crate) fn reads(&self, rules: ReadRules) -> Reading<'_> {
         Reading {
-            strict,
+            rules,
             folder: None,
             listener: self,
         }
     }
 
-    /// A bar from 0 to 1; hidden in pipes and where quiet.
+    /// A bar from 0 to 1; hidden in pipes and with `--quiet`.
     pub(crate) fn progress(&self, label: impl Into<Cow<'static, str>>) -> Progress {
         if self.verbosity.quiet || !std::io::stderr().is_terminal() {
             return Progress(ProgressBar::hidden());
@@ -64,7 +69,7 @@ impl Terminal {
         Progress(bar)
     }
 
-    /// A bar of frames, with the time that is left; hidden in pipes and where quiet.
+    /// A bar of frames, with the remaining time; hidden in pipes and with `--quiet`.
     pub(crate) fn frames(&self, count: u32) -> Progress {
         let bar = self.progress("Rendering");
         bar.0.set_length(u64::from(count));
@@ -100,7 +105,7 @@ impl Listener for Terminal {
     }
 }
 
-/// A progress display that goes away when dropped.
+/// A progress display that disappears when dropped.
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {

@@ -71,8 +71,8 @@ fn room() -> Mesh {
     })
 }
 
-/// Flow around a post, 109,744 points: a polar grid whose axis is collapsed, which ends where it begins, whose layers grow from
-/// the post's wall and from the floor on, and which is blanked within the post.
+/// Flow around a post, 109,744 points: a polar grid that ends where it begins, with a collapsed axis. Its layers
+/// grow from the post's wall and from the floor, and it is blanked within the post.
 fn post() -> Mesh {
     const DIMS: [usize; 3] = [38, 76, 38];
     const WALL: usize = 10;
@@ -99,7 +99,7 @@ fn post() -> Mesh {
     )
 }
 
-/// 355,914 tetrahedra, the points of a lattice moved at random; in the upper half of x `wide` times as long.
+/// 355,914 tetrahedra between lattice points moved at random; in the upper half of x they are `wide` times as long.
 fn tetrahedra(wide: f32) -> Mesh {
     const SIDE: usize = 40;
     const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];

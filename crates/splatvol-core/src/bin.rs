@@ -119,7 +119,7 @@ impl TileLists {
         entries.clear();
         let count = offsets[tiles.len()] as usize;
         if entries.capacity() < count {
-            // The next frame's are a few more or less.
+            // The next frame has a few more or fewer.
             entries.reserve(count + count / 4);
         }
         entries.resize(count, 0);

@@ -1,5 +1,5 @@
-//! Bricks of 8^3 voxels, in which all engines handle volumes; and which bricks of a volume can be seen as a cloud, by the
-//! ranges of their 4^3 blocks. Sheets cull by cells instead ([`crate::visibility`]).
+//! Bricks of 8^3 voxels, in which all engines handle volumes; and which bricks of a volume can be seen as a cloud,
+//! by the ranges of their 4^3 blocks. Sheets cull by cells instead ([`crate::visibility`]).
 //!
 //! A block can hold visible points only if extinction is non-zero somewhere in the range of the reconstruction
 //! there: the range of the samples within the kernel's reach, widened by [`OVERSHOOT`] where the kernel
@@ -135,8 +135,8 @@ impl BrickGrid {
         )
     }
 
-    /// Bricks whose voxels can change a pixel of a reconstruction, ascending. `reach`: of a voxel, in voxels per
-    /// axis, the low-pass and a sheet's spacing included.
+    /// Bricks whose voxels can change a pixel of a reconstruction, ascending. `reach`: a voxel's, in voxels per
+    /// axis, including the low-pass and a sheet's spacing.
     pub fn active(&self, table: &ClassificationTable, reach: [f64; 3]) -> Vec<ActiveBrick> {
         let steps = reach.map(|r| (r / BLOCK as f64).ceil() as usize);
         let mut around = self.ranges.clone();
@@ -206,7 +206,8 @@ mod tests {
         let tf = TransferFunction::new(vec![ColorPoint::new(0.0, [1.0; 3])], opacity, None).unwrap();
         let table = ClassificationTable::new(&tf, [0.0, 1.0], 1.0);
         let grid = BrickGrid::new(&samples, dims, false);
-        // Block 5 of 10 along each axis holds it; its value acts one block around, and so does what is seen there.
+        // Block 5 of 10 along each axis holds it. Its value acts one block around, and what is seen there one
+        // further.
         let blocks: u32 = grid
             .active(&table, [3.0; 3])
             .iter()

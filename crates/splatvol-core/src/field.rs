@@ -65,8 +65,8 @@ pub use level::SourceLevel;
 use needs::Needs;
 pub use samples::Neighbourhood;
 
-/// Number of bricks of a volume (128 MiB) up to which solved bricks are kept for the next transfer function, though
-/// not needed now.
+/// A volume of up to so many bricks (128 MiB) keeps solved bricks that are not needed now for the next transfer
+/// function.
 const KEEP_ALL: usize = 1 << 17;
 
 /// Bricks that hold needed voxels, and their coefficients.
@@ -225,8 +225,8 @@ impl FieldStore {
         std::array::from_fn(|a| ((first[a] + offset[a]) * BRICK) as u32)
     }
 
-    /// Reads a little of every cache line of a brick: where several are touched one after the other, their memory
-    /// is waited for once, and [`FieldStore::decode`] soon after finds them near.
+    /// Reads a little of every cache line of a brick. Touching several bricks in a row waits for memory once, and
+    /// [`FieldStore::decode`] soon after finds them in the cache.
     #[inline(always)]
     pub fn touch(&self, index: usize) {
         let [chunk, i] = self.needed[index].map(|n| n as usize);

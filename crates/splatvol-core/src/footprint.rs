@@ -13,7 +13,7 @@
 
 use glam::{DMat3, DVec2};
 
-/// Share of the variances below which an off-diagonal number is rounding: a rotated sphere is a sphere but for that.
+/// Share of the variances below which an off-diagonal number is rounding: a rotated sphere has no other.
 const ROUNDING: f64 = 1e-9;
 
 /// Footprint parameters shared by all voxels of a grid: all but the centre.

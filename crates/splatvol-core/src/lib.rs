@@ -1,4 +1,4 @@
-//! Stages shared by the engines: from samples, kernels, transfer function and camera to what is splatted, in tile lists.
+//! Stages shared by the engines: from samples, kernels, transfer function and camera to splats in tile lists.
 //!
 //! | stage | module | from | to |
 //! |---|---|---|---|
@@ -24,8 +24,8 @@
 //! | surround | [`irregular`] | meshes | kernels with covariances, masses and gradients |
 //! | gather, project | [`splats`] | kernels anywhere | a cloud of splats, and their footprints by any of the papers' methods |
 //!
-//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics. [`engine`] is the interface of an engine
-//! to its callers.
+//! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics. [`engine`] is the interface of an
+//! engine to its callers.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -174,7 +174,7 @@ pub(crate) fn transpose_back(block: &[f32], rows: &mut [f32], nx: usize, lines: 
 }
 
 /// Columns along z do not lie in one piece of memory that a thread could own: each thread copies a bundle of
-/// columns out, solves it, and the bundles are copied back slice by slice.
+/// columns out and solves it, and the bundles are copied back slice by slice.
 fn solve_along_z(values: &mut [f32], [nx, ny, nz]: [usize; 3], solver: &AxisSolver) {
     let plane = nx * ny;
     // Bundles of columns are kept small, so that the copies stay far below the volume's own size.

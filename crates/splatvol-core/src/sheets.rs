@@ -24,7 +24,7 @@ const MOST: f64 = 131_072.0;
 impl SheetStack {
     /// Sheets that cover camera-space points grown by `reach` in depth, as far as they lie in front of the camera.
     /// A perspective camera sees nothing nearer than half a sheet. The distance is larger than `spacing` if there
-    /// were too many sheets otherwise.
+    /// would be too many sheets otherwise.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [first, last] = depths(corners, reach, 0.5 * spacing, screen);
         let spacing = spacing.max((last - first) / MOST);
@@ -71,7 +71,7 @@ pub struct Planes {
 impl Planes {
     /// Planes before, within and behind camera-space points grown by `reach` in depth, as far as they lie in front
     /// of the camera. For parallel rays they begin at the plane before depth 0, else at a depth of one spacing. The
-    /// distance is larger than `spacing` if there were too many planes otherwise.
+    /// distance is larger than `spacing` if there would be too many planes otherwise.
     pub fn covering(corners: &[DVec3], reach: f64, spacing: f64, screen: &ScreenFromCamera) -> Self {
         let [low, high] = extent(corners, reach);
         let spacing = spacing.max((high - low) / MOST);
@@ -89,7 +89,8 @@ impl Planes {
         (self.first + index as i64) as f64 * self.spacing
     }
 
-    /// The last plane that something starting at `depth` does not begin behind; the first plane where all do.
+    /// The last plane at `depth` or in front of it: the first that something starting there can touch. Plane 0 if
+    /// all lie behind.
     pub fn first_touched(&self, depth: f64) -> usize {
         let index = (depth / self.spacing).floor() as i64 - self.first;
         (index.max(0) as usize).min(self.count)

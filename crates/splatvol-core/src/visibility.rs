@@ -30,10 +30,13 @@ const NEARLY_HALF: f32 = 0.49;
 /// The level of a normalised value, up to a hundredth of a level; a missing value's is 0.
 #[inline(always)]
 pub(crate) fn level_of(value: f32) -> i16 {
-    // A float of 2^23 holds no fraction, and the low bits of its pattern are an integer: a conversion that, unlike `as`,
-    // is one addition in vectors.
+    // A float of 2^23 holds no fraction, and the low bits of its pattern are an integer: a conversion that, unlike
+    // `as`, is one addition in vectors.
     const WHOLE: f32 = (1 << 23) as f32;
-    let level = ((value - FIRST) * PER_VALUE).max(0.0).min((LEVELS - 1) as f32);
+    // Nothing below that is subtracted: under 2^23, bits are those of halves, and 0 would become -1.
+    let level = ((value - FIRST) * PER_VALUE)
+        .max(NEARLY_HALF)
+        .min((LEVELS - 1) as f32);
     (level - NEARLY_HALF + WHOLE).to_bits() as i16
 }
 
@@ -55,7 +58,7 @@ impl VisibleLevels {
         Self { below }
     }
 
-    /// Whether values from `low` to `high` hold a visible one.
+    /// Whether any value from `low` to `high` is visible.
     #[inline(always)]
     pub fn any(&self, low: f32, high: f32) -> bool {
         let level = |v: f32| (((v - FIRST) * PER_VALUE) as i32).clamp(0, LEVELS as i32 - 1) as usize;
@@ -193,7 +196,7 @@ impl Histogram {
         }
     }
 
-    /// Samples from one that counts to the next, of so many.
+    /// Samples from one that is counted to the next, given their number.
     pub fn step(samples: usize) -> usize {
         (samples / Self::SAMPLES).max(1) | 1
     }
@@ -222,6 +225,22 @@ mod tests {
     use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
 
     use super::*;
+
+    #[test]
+    fn every_value_has_a_level_and_larger_ones_no_lower() {
+        let ends = [f32::NAN, f32::NEG_INFINITY, -1e30, -0.5, -0.499_9, -0.499_7];
+        assert_eq!(ends.map(level_of), [0; 6]);
+        let mut last = 0;
+        for i in -40_000..40_000 {
+            let level = level_of(i as f32 / 20_000.0);
+            assert!(
+                (last..LEVELS as i16).contains(&level),
+                "{i}: {level} after {last}"
+            );
+            last = level;
+        }
+        assert_eq!(level_of(f32::INFINITY), LEVELS as i16 - 1);
+    }
 
     #[test]
     fn levels_are_widened_to_what_a_ray_must_know() {

@@ -64,8 +64,8 @@ fn two_levels_hold_for_a_sigma_of_two_fifths_of_the_radius() {
         println!(
             "sigma {sigma}: squared {squared:.2}, linear {linear:.2}, squared 16 bits {fine:.2} of 256 levels"
         );
-        // Narrower Gaussians fall too steeply in the squared distance. Wider ones end with a step on the sphere, so that the
-        // footprint falls vertically at its edge; spacing by squares has more entries there.
+        // Narrower Gaussians fall too steeply in the squared distance. Wider ones end with a step on the sphere, so
+        // the footprint falls vertically at its edge; spacing by squares has more entries there.
         assert_eq!(squared <= 2.0, [0.8, 0.85].contains(&sigma), "{sigma} {squared}");
         if sigma < 0.9 {
             // Half the difference of neighbours, exp(-u R^2 / 2 sigma^2) being steepest at u = 0, and half a level.

@@ -104,7 +104,7 @@ fn cloud(position: DVec3, linear: DMat3) -> SplatCloud {
     }
 }
 
-/// With true rays the closed form is exact for whatever motion in space, towards the eye as well.
+/// With true rays the closed form is exact for any motion in space, including towards the eye.
 #[test]
 fn true_rays_see_the_mean_of_the_moving_gaussian() {
     let size = ImageSize::new(200, 160).unwrap();
@@ -167,7 +167,8 @@ fn true_rays_see_the_mean_of_the_moving_gaussian() {
     println!("worst error: {worst:e} of the moving footprint's peak");
 }
 
-/// Energy of the exact footprint is the still one's; that of the capsule grows as `(1 + L l / E) / (1 + 2 L / pi s)`.
+/// The energy of the exact footprint is the still one's; that of the capsule grows as
+/// `(1 + L l / E) / (1 + 2 L / pi s)`.
 #[test]
 fn energies_are_as_stated() {
     for cut in [2.0, 3.125, 4.05] {

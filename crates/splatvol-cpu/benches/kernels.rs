@@ -6,10 +6,10 @@
 //!
 //! With `--features scalar` code without SIMD is measured as well; compiling it for release takes a quarter of an hour.
 //!
-//! A voxel is splatted into four interleaved sheets at once. An item is a pixel of one of them: `4 pi r^2` per voxel, r the
-//! radius of its footprint. Centres are random in a tile of 64 x 64 pixels; footprints are Gaussians cut at 3.4 standard
-//! deviations, and the engine splats none on more than 16 blocks of 2 x 2 pixels along an edge: wider ones go on coarser
-//! rasters.
+//! A voxel is splatted into four interleaved sheets at once. An item is a pixel of one of them: `4 pi r^2` per
+//! voxel, r the radius of its footprint. Centres are random in a tile of 64 x 64 pixels; footprints are Gaussians
+//! cut at 3.4 standard deviations. The engine splats none on more than 16 blocks of 2 x 2 pixels along an edge;
+//! wider ones go on coarser rasters.
 
 use std::fmt;
 

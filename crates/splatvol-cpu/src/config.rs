@@ -82,6 +82,14 @@ pub enum EngineError {
         /// Message of the operating system.
         reason: String,
     },
+    /// More threads than any picture gains from.
+    #[error("threads: {threads} is not allowed (at most {most} on this machine)")]
+    TooManyThreads {
+        /// Threads asked for.
+        threads: usize,
+        /// Threads that are allowed.
+        most: usize,
+    },
     /// A thread count that differs from the pool's.
     #[error("threads: {threads} is not allowed (the pool that was given has {there})")]
     Pool {

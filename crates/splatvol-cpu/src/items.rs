@@ -167,13 +167,17 @@ fn completed(item: &Item, lit: bool, patience: &Patience) -> Option<Item> {
     if radii && normals && look.radius.is_none() {
         return Some(item.clone());
     }
+    let up = (item.world_from_item * *points.world_from_local())
+        .matrix3
+        .inverse()
+        * DVec3::Z;
     let neighbors = (!normals || (!radii && look.radius.is_none()))
         .then(|| Neighborhoods::new(points.positions(), NEIGHBORS));
     patience.go_on()?;
     let attributes = PointAttributes {
         colors: own.colors.clone(),
         normals: match &neighbors {
-            Some(neighbors) if !normals => neighbors.normals(Orientation::Outward),
+            Some(neighbors) if !normals => neighbors.normals(Orientation::of(points.positions(), up)),
             _ => own.normals.clone(),
         },
         radii: match (look.radius, &neighbors) {

@@ -47,4 +47,4 @@ pub use clock::set_clock;
 pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
 pub use engine::CpuEngine;
-pub use pool::Pool;
+pub use pool::{Pool, most_threads};

@@ -11,9 +11,9 @@ use splatvol_scene::Lighting;
 
 use crate::simd::math::{LEAST_EXPONENT, exp2, log2};
 
-/// Least squared gradient, in value ranges per voxel: what is less has no direction.
+/// Least squared gradient, in value ranges per voxel: smaller ones have no direction.
 const LEAST_SQUARED: f32 = 1e-12;
-/// Squared gradient, in those of half a surface, below which light finds no surface at all.
+/// Squared gradient, relative to that of half a surface, below which light finds no surface at all.
 const FLAT: f32 = 1e-6;
 /// Largest whole power that is raised by squaring; beyond, logarithms are as fast.
 const MOST_SQUARED: f32 = 256.0;

@@ -1,8 +1,14 @@
 //! Thread pools of renderers: their own, or one provided by the caller.
 
+use std::num::NonZero;
 use std::sync::Arc;
 
 use crate::EngineError;
+
+/// More threads than this on a processor only wait for each other.
+const THREADS_PER_PROCESSOR: usize = 16;
+/// Any machine may start as many: a container may see fewer processors than its machine has.
+const LEAST_MOST_THREADS: usize = 64;
 
 /// Worker threads. Clones share them: any number of renderers can use one pool, one after the other or at the same
 /// time.
@@ -16,8 +22,14 @@ enum Threads {
     Calling,
 }
 
+/// Threads that [`Pool::new`] starts at most: enough for every use, and few enough for every system.
+pub fn most_threads() -> usize {
+    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    (THREADS_PER_PROCESSOR * processors).max(LEAST_MOST_THREADS)
+}
+
 impl Pool {
-    /// So many threads, or one per logical processor. Where the platform cannot start any (WebAssembly without
+    /// So many threads, [`most_threads`] at most, or one per logical processor. Where the platform cannot start any (WebAssembly without
     /// threads), the calling thread does the work.
     ///
     /// # Errors
@@ -25,6 +37,12 @@ impl Pool {
     pub fn new(threads: Option<usize>) -> Result<Self, EngineError> {
         if cfg!(target_family = "wasm") && threads.is_none_or(|count| count <= 1) {
             return Ok(Self(Threads::Calling));
+        }
+        if let Some(count) = threads.filter(|&count| count > most_threads()) {
+            return Err(EngineError::TooManyThreads {
+                threads: count,
+                most: most_threads(),
+            });
         }
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.unwrap_or(0))

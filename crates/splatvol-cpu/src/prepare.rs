@@ -38,7 +38,7 @@ impl Pool {
         let (sender, receiver) = sync_channel(1);
         self.spawn(move || {
             let result = catch_unwind(AssertUnwindSafe(|| work(&own)));
-            // Nobody listens where the picture was given up.
+            // Nobody listens if the picture was cancelled.
             let _ = sender.send(result);
         });
         loop {

@@ -1,7 +1,7 @@
 //! Which cameras see which frame.
 //!
-//! Frame i of N is in the middle of its time: at `t = i / N` of a closed path, whose end would be its first frame
-//! again, and at `t = i / (N - 1)` of an open one, which shows both ends. The shutter, open for the share S of the
+//! Frame i of N is in the middle of its time: at `t = i / N` on a closed path, whose end would repeat its first
+//! frame, and at `t = i / (N - 1)` on an open one, which shows both ends. The shutter, open for the share S of the
 //! time between frames, sees the n sub-frames at `t + (S (k + 1/2) / n - S/2) / N`, k from 0; footprints in motion
 //! move as between the cameras at `t -+ S / (2 N)`.
 
@@ -113,11 +113,11 @@ impl AnimationKeys {
 }
 
 impl Plan {
-    /// For key frames, which have been read ([`AnimationKeys::loaded`]), or a turntable, whose camera is `start`, which also
-    /// says what key frames leave out. `blur` is how footprints are blurred.
+    /// For key frames that have been read ([`AnimationKeys::loaded`]), or for a turntable that starts at the camera
+    /// `start`, which also gives what key frames leave out. `blur` is how footprints are blurred.
     ///
     /// # Errors
-    /// Key frames that make no path or no camera; a path that no frame can be rendered of.
+    /// Key frames that do not make a path or a camera; a path with a frame that cannot be rendered.
     pub fn new(
         keys: &AnimationKeys,
         motion: &MotionKeys,
@@ -188,7 +188,7 @@ impl Plan {
         self.at(frame, 0.0)
     }
 
-    /// The cameras of a frame's sub-frames; none where the shutter is open for no time.
+    /// The cameras of a frame's sub-frames; none if the shutter is open for no time.
     pub fn sub_frames(&self, frame: u32) -> Result<Vec<Camera>, DocumentError> {
         let MotionBlur::Subframes { count: count @ 2.. } = self.blur else {
             return Ok(Vec::new());
@@ -203,7 +203,7 @@ impl Plan {
             .collect()
     }
 
-    /// The camera's motion while the shutter is open, where it blurs footprints.
+    /// The camera's motion while the shutter is open, if it blurs footprints.
     pub fn motion(&self, frame: u32) -> Result<Option<CameraSweep>, DocumentError> {
         if !self.blur.moves_footprints() {
             return Ok(None);
@@ -236,7 +236,7 @@ impl Plan {
     }
 }
 
-/// Whether two projections are the same but for rounding.
+/// Whether two projections are the same except for rounding.
 fn is_near(a: Projection, b: Projection) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
     match (a, b) {

@@ -55,12 +55,12 @@ impl CameraPose {
     }
 }
 
-/// A projection as it is asked for.
+/// A requested projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Lens {
     /// Perspective, with a vertical field of view in degrees.
     FieldOfView(f64),
-    /// Parallel, showing this world height; one that fits by default.
+    /// Parallel, showing this world height; by default a height that fits.
     Parallel(Option<f64>),
 }
 
@@ -96,7 +96,7 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    /// The same, for a camera that turns around its target if so said.
+    /// The same, for a camera that may turn around its target.
     #[must_use]
     pub fn turning(self, turns: bool) -> Self {
         Self { turns, ..self }
@@ -145,7 +145,7 @@ impl CameraKeys {
         }
     }
 
-    /// The projection that is asked for; a height of `None` is what fits.
+    /// The requested projection; a height of `None` is one that fits.
     fn lens(&self) -> Option<Lens> {
         match (self.fov, self.orthographic) {
             (Some(degrees), _) => Some(Lens::FieldOfView(degrees)),
@@ -155,7 +155,7 @@ impl CameraKeys {
         }
     }
 
-    /// The camera of which everything is said.
+    /// The camera, if everything about it is given.
     fn placed(&self) -> Result<Option<Camera>, SceneError> {
         let (Some(position), Some(target), Some(up)) = (self.position, self.target, self.up) else {
             return Ok(None);
@@ -238,7 +238,7 @@ impl CameraKeys {
     }
 }
 
-/// +z, or +y where one looks along z.
+/// +z, or +y if the camera looks along z.
 fn upright(forward: DVec3) -> DVec3 {
     let along_z = forward.truncate().length() < 1e-6 * forward.length();
     if along_z { DVec3::Y } else { DVec3::Z }
@@ -252,7 +252,7 @@ pub fn orbited(camera: Camera, azimuth: f64, elevation: f64) -> Result<Camera, S
     if azimuth == 0.0 && elevation == 0.0 {
         return Ok(camera);
     }
-    // The camera's own axes, not its up vector: a camera that passes over a pole keeps its head.
+    // The camera's own axes, not its up vector: a camera that passes over a pole does not flip.
     let axes = camera.camera_from_world().matrix3;
     let (right, down) = (axes.row(0), axes.row(1));
     let turn = about(camera.up().normalize(), azimuth.to_radians()) * about(right, -elevation.to_radians());

@@ -1,4 +1,4 @@
-//! The document: everything about a picture but its data and its pixels.
+//! The document: everything about a picture except its data and its pixels.
 //!
 //! ```toml
 //! version = 2
@@ -23,10 +23,10 @@
 //! sheet-thickness = 0.5
 //! ```
 //!
-//! A document of a user says little, and the rest is chosen when it is resolved ([`crate::resolve`]). The document of a
-//! picture, which is in its PNG, says everything, so that the same picture can be made again. They are one type: a
-//! document over another ([`Document::over`]) is what the command's flags are over a scene file, or over an earlier
-//! picture.
+//! A user's document says little, and the rest is chosen when it is resolved ([`crate::resolve`]). A picture's
+//! document, which is in its PNG, says everything, so that the same picture can be made again. They are one type.
+//! Documents can be laid over each other ([`Document::over`]), as the command's flags are laid over a scene file or an
+//! earlier picture.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -114,8 +114,8 @@ impl Document {
         }
     }
 
-    /// This document over an earlier one: what it says, and elsewhere what the earlier one says. An item of its own is
-    /// asked of the earlier document's only item; of several it replaces all.
+    /// This document over an earlier one: its own keys, and elsewhere those of the earlier one. If the earlier
+    /// document has one item, this document's item is laid over it; if it has several, it replaces all of them.
     #[must_use]
     pub fn over(self, below: &Self) -> Self {
         let asked = self.items.first().cloned().unwrap_or_default();
@@ -134,7 +134,7 @@ impl Document {
             }
         }
         if self.settings.classification == Some(ClassificationName::Post) {
-            // Who asks for data to be interpolated gets names interpolated.
+            // A request to interpolate data also interpolates names.
             for item in &mut items {
                 item.labels = item.labels.map(|_| false);
             }

@@ -1,7 +1,8 @@
 //! Edits of a document, and their undoing.
 //!
-//! An edit names a key by its path, `camera.azimuth` or `item[2].cmap`, and gives it a value, or none; or it adds, removes or
-//! moves an item. Every edit that is made has an inverse, which is an edit too: undoing makes it, and redoing undoes that.
+//! An edit names a key by its path, `camera.azimuth` or `item[2].cmap`, and gives it a value, or none; or it adds,
+//! removes or moves an item. Every edit has an inverse, which is an edit too: undoing applies it, and redoing undoes
+//! that.
 
 use serde_json::Value;
 
@@ -18,7 +19,7 @@ pub enum Edit {
         /// The value; `None` removes the key.
         value: Option<Value>,
     },
-    /// Puts an item in this place, those after it one place further.
+    /// Inserts an item in this place; those after it move one place on.
     Insert(usize, Box<ItemKeys>),
     /// Removes the item in this place.
     Remove(usize),
@@ -81,7 +82,7 @@ impl History {
         Ok(())
     }
 
-    /// Makes an edit that belongs to the last one, as while something is dragged: both are undone at once, where they are of
+    /// Makes an edit that continues the last one, as while something is dragged: both are undone at once if they change
     /// the same key.
     ///
     /// # Errors
@@ -99,7 +100,7 @@ impl History {
         Ok(())
     }
 
-    /// Undoes the last edit; says whether there was one.
+    /// Undoes the last edit; returns whether there was one.
     ///
     /// # Errors
     /// Never: inverses can be made.
@@ -112,7 +113,7 @@ impl History {
         Ok(true)
     }
 
-    /// Makes the edit again that was undone last; says whether there was one.
+    /// Repeats the edit that was undone last; returns whether there was one.
     ///
     /// # Errors
     /// Never: inverses can be made.
@@ -127,7 +128,7 @@ impl History {
 }
 
 impl Document {
-    /// Makes an edit, and gives the one that undoes it.
+    /// Makes an edit, and returns the one that undoes it.
     ///
     /// # Errors
     /// Keys that do not exist, values of the wrong kind, items that are not there; the document is then as before.
@@ -193,7 +194,7 @@ impl Document {
     }
 }
 
-/// The table of a name, made where it is not there: `settings`, or `item[2]`.
+/// The table of this name, created if absent: `settings`, or `item[2]`.
 fn entry<'a>(table: &'a mut Value, name: &str) -> Option<&'a mut Value> {
     let entries = table.as_object_mut()?;
     match name.strip_suffix(']').and_then(|name| name.split_once('[')) {

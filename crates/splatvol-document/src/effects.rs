@@ -28,7 +28,7 @@ pub(crate) struct Effects {
     isosurface: Option<f64>,
 }
 
-/// The two-dimensional transfer function that is asked for, of an item whose voxels are `spacing` apart.
+/// The requested two-dimensional transfer function of an item whose voxels are `spacing` apart.
 pub(crate) fn transfer_function_2d(
     keys: &EffectKeys,
     item: &ItemKeys,
@@ -75,7 +75,7 @@ pub(crate) fn resolve(
     Ok(effects)
 }
 
-/// Keys that mean nothing without another.
+/// Refuses keys that mean nothing without another.
 fn check(keys: &EffectKeys, item: &ItemKeys) -> Result<(), DocumentError> {
     let lone = [
         (
@@ -147,7 +147,8 @@ impl Effects {
         self.operators.is_empty() && self.clips.is_empty() && self.isosurface.is_none()
     }
 
-    /// Does it to a scene: clips cut all of it, everything else is of a volume or a mesh alone.
+    /// Applies the effects to a scene: clips cut all of it, everything else applies to a single volume or
+    /// mesh.
     pub(crate) fn apply(self, mut scene: Scene) -> Result<Scene, DocumentError> {
         scene.clips.extend(self.clips);
         if self.operators.is_empty() && self.isosurface.is_none() {

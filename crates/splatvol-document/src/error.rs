@@ -20,7 +20,7 @@ pub enum DocumentError {
         /// A remedy.
         hint: Option<String>,
     },
-    /// Text that is no document.
+    /// Text that is not a document.
     #[error("{}: {message}", path.display())]
     Malformed {
         /// The file that holds it.
@@ -39,7 +39,7 @@ pub enum DocumentError {
     /// A built-in sample that does not exist, or not in this size.
     #[error(transparent)]
     Sample(#[from] SampleError),
-    /// Data, cameras or settings that cannot be.
+    /// Invalid data, cameras or settings.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
@@ -54,7 +54,7 @@ impl From<IoError> for DocumentError {
 }
 
 impl DocumentError {
-    /// A message that speaks of keys between backquotes.
+    /// A message that names keys between backquotes.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::Refused {
             message: message.into(),

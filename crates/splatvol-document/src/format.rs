@@ -1,11 +1,12 @@
 //! The document as text: TOML, JSON, and the text in a PNG, which is JSON.
 //!
-//! All three hold the same keys, and numbers come back bit for bit. Unknown keys are refused, so that a misspelt one is not
-//! silently ignored. Version 1 is still read: scene files whose `[settings]` have values with parts, and pictures of splatvol
-//! before the document.
+//! All three hold the same keys, and numbers come back bit for bit. Unknown keys are refused, so that a misspelt one is
+//! not silently ignored. Version 1 is still read: scene files whose `[settings]` have values with parts, and pictures
+//! of splatvol before the document.
 
 mod files;
 mod message;
+mod paths;
 
 use std::path::Path;
 
@@ -14,13 +15,14 @@ use splatvol_io::image::metadata;
 
 use crate::{Document, DocumentError, VERSION, version1};
 pub use files::{is_scene, read_scene};
+pub use paths::shortened;
 
 /// A document, and the command line that made its picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// The document, with nothing left open.
     pub document: Document,
-    /// The command line, or what another program says of itself.
+    /// The command line, or another program's description of itself.
     pub command: String,
 }
 
@@ -28,13 +30,13 @@ impl Document {
     /// The document as TOML, with its version first.
     ///
     /// # Errors
-    /// Numbers that TOML has not: integers above 2^63 - 1.
+    /// Numbers that TOML cannot hold: integers above 2^63 - 1.
     pub fn to_toml(&self) -> Result<String, DocumentError> {
         toml::to_string_pretty(self)
             .map_err(|error| DocumentError::usage(format!("the document is no TOML: {error}")))
     }
 
-    /// The document as JSON, in lines where a person is to read it.
+    /// The document as JSON; if `pretty`, in lines for a person to read.
     ///
     /// # Errors
     /// Never for documents whose numbers are finite.
@@ -66,7 +68,7 @@ impl Document {
         Self::versioned(path, serde_json::from_str(text).ok(), || read(text), || old(text))
     }
 
-    /// Reads what has this version by one form or the other. Text without a version is of the current form unless only the
+    /// Reads text of this version in one form or the other. Text without a version has the current form unless only the
     /// former one fits.
     fn versioned(
         path: &Path,
@@ -122,8 +124,7 @@ impl Record {
     /// # Errors
     /// Pictures that cannot be read, that say nothing, or that a later version made.
     pub fn of_picture(path: &Path) -> Result<Self, DocumentError> {
-        let picture = splatvol_io::read_image(path)?;
-        Self::of_metadata(&picture.metadata, path)
+        Self::of_metadata(&splatvol_io::read_image_metadata(path)?, path)
     }
 
     /// The record in a picture's texts.

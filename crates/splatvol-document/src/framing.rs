@@ -7,11 +7,11 @@
 use glam::DVec3;
 use splatvol_scene::{Bounds, Camera, Projection, SceneError, View};
 
-/// Space around what is shown.
+/// Space around the shown points.
 const MARGIN: f64 = 1.06;
 
-/// Camera from a named side that shows all `points` (world) of a picture `aspect` as wide as high. A perspective
-/// camera keeps its field of view; an orthographic one fits its height.
+/// Camera from a named side that shows all `points` (world) in a picture `aspect` times as wide as high. A
+/// perspective camera keeps its field of view; an orthographic one fits its height.
 pub(crate) fn framing(
     points: &[DVec3],
     view: View,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
-use splatvol_io::{Description, Endian, RawLayout, ReadOptions};
+use splatvol_io::{Description, Endian, IoError, RawLayout, ReadOptions};
 use splatvol_samples::Sample;
 use splatvol_scene::{Mesh, Volume};
 
@@ -19,15 +19,27 @@ pub struct Input {
     pub description: Description,
     /// Which sample it is, if it is one.
     pub sample: Option<Sample>,
-    /// The mesh that the samples are the values of, if they are.
+    /// The mesh whose values the samples are, if there is one.
     pub mesh: Option<Arc<Mesh>>,
+}
+
+/// What is refused when files are read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ReadRules {
+    /// Whether warnings are errors.
+    pub strict: bool,
+    /// Whether links are followed that lead out of the folder of the file that is read, and whether a picture's record
+    /// may name files elsewhere.
+    pub allow_outside: bool,
+    /// Most bytes that an item's samples may take; if absent, half of the memory that the machine or container grants.
+    pub max_bytes: Option<u64>,
 }
 
 /// Where and how files are read.
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {
-    /// Whether warnings are errors.
-    pub strict: bool,
+    /// What is refused.
+    pub rules: ReadRules,
     /// Folder in which relative paths are tried next.
     pub folder: Option<&'a Path>,
     /// Listener to warnings and choices.
@@ -35,7 +47,7 @@ pub struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// A path, or if it leads nowhere and one in the folder does, that.
+    /// The path, or, if it does not exist but a path in the folder does, that one.
     pub fn locate(&self, path: impl AsRef<Path>) -> PathBuf {
         let path = path.as_ref();
         let there = self.folder.map(|folder| folder.join(path));
@@ -46,7 +58,7 @@ impl Reading<'_> {
     }
 }
 
-/// Reads or generates a volume as it is stored, with the axes that its file says.
+/// Reads or generates a volume as it is stored, with its file's axes.
 ///
 /// # Errors
 /// Files that cannot be read, samples that do not exist.
@@ -56,8 +68,8 @@ pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentErro
         return generate(name);
     }
     let path = reading.locate(&item.file);
-    let loaded = splatvol_io::read_volume(&path, &options(item, reading.strict)?);
-    let loaded = loaded.map_err(|error| hinting(error.into(), item, &path))?;
+    let loaded = splatvol_io::read_volume(&path, &options(item, reading.rules)?);
+    let loaded = loaded.map_err(|error| hinting(refused(error), item, &path))?;
     for warning in &loaded.description.warnings {
         reading.listener.warn(&format!("{}: {warning}", item.file));
     }
@@ -67,6 +79,20 @@ pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentErro
         sample: None,
         mesh: None,
     })
+}
+
+/// An error of a reader, with a hint where a rule can be changed.
+pub(crate) fn refused(error: IoError) -> DocumentError {
+    let hint = match error {
+        IoError::Outside { .. } => Some("--allow-outside follows such links"),
+        IoError::Limit { .. } => Some("--max-memory sets the limit; by default half of the machine's"),
+        _ => None,
+    };
+    let error = DocumentError::from(error);
+    match hint {
+        Some(hint) => error.hinting(hint),
+        None => error,
+    }
 }
 
 fn hinting(error: DocumentError, item: &ItemKeys, path: &Path) -> DocumentError {
@@ -113,8 +139,9 @@ fn generate(text: &str) -> Result<Input, DocumentError> {
 /// Options for the readers of volumes.
 ///
 /// # Errors
-/// Keys that make no layout, by name.
-pub fn options(item: &ItemKeys, strict: bool) -> Result<ReadOptions, DocumentError> {
+/// Keys that do not make a layout, by name.
+pub fn options(item: &ItemKeys, rules: ReadRules) -> Result<ReadOptions, DocumentError> {
+    let automatic = ReadOptions::default();
     Ok(ReadOptions {
         raw: layout(item)?,
         array: item.array.clone(),
@@ -123,8 +150,10 @@ pub fn options(item: &ItemKeys, strict: bool) -> Result<ReadOptions, DocumentErr
         channel: item.channel,
         level: item.level.unwrap_or(0),
         series: item.series.clone(),
-        strict,
-        ..ReadOptions::default()
+        solution: item.solution.as_ref().map(PathBuf::from),
+        strict: rules.strict,
+        allow_outside: rules.allow_outside,
+        max_bytes: rules.max_bytes.unwrap_or(automatic.max_bytes),
     })
 }
 

@@ -4,27 +4,28 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use splatvol_io::{Data, DataKind, DataOptions, Description, LoadedData, data_kind, read_data};
+use splatvol_io::{DataKind, DataOptions, Description, data_kind};
 use splatvol_scene::{
     Compositing, GradientOpacityPoint, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples,
     TransferFunction2d, View, Volume,
 };
 
 use crate::effects::transfer_function_2d;
+use crate::held::{Held, HeldContent};
 use crate::input::{self, Input, Reading};
 use crate::keys::names::UpAxis;
 use crate::keys::{EffectKeys, ItemKeys, Opacity};
 use crate::look::{self, Look, Wishes};
 use crate::upright::{self, Up};
-use crate::{DocumentError, meaning, spelling, standing};
+use crate::{DocumentError, ReadRules, meaning, spelling, standing};
 
-/// An item, and what its data want.
+/// An item, and the wishes of its data.
 pub(crate) struct Loaded {
     pub(crate) item: Item,
     /// Its keys, with what was chosen.
     pub(crate) keys: ItemKeys,
     pub(crate) wishes: Wishes,
-    /// Where to look from unless asked otherwise.
+    /// Side to look from unless asked otherwise.
     pub(crate) preferred: Option<View>,
     /// Files that it was read from.
     pub(crate) files: Vec<PathBuf>,
@@ -34,7 +35,7 @@ pub(crate) struct Loaded {
     pub(crate) tf2d: Option<TransferFunction2d>,
 }
 
-/// Surroundings that an item's look and place depend on, besides its keys.
+/// The context on which an item's look and place depend, besides its keys.
 #[derive(Clone, Copy)]
 pub(crate) struct Among<'a> {
     /// How the sheets are composited: an automatic look depends on it.
@@ -54,67 +55,64 @@ pub fn kind(item: &ItemKeys, reading: Reading<'_>) -> Result<(DataKind, PathBuf)
     if item.file.starts_with("sample:") {
         return Ok((DataKind::Volume, path));
     }
-    let kind = data_kind(&path, &options(item, reading.strict)?)?;
+    let kind = data_kind(&path, &options(item, reading.rules)?)?;
     Ok((kind, path))
 }
 
-/// How the file of an item is read.
+/// Options for reading an item's file.
 ///
 /// # Errors
-/// Keys that say no kind or layout, by name.
-pub fn options(item: &ItemKeys, strict: bool) -> Result<DataOptions, DocumentError> {
+/// Keys that do not make a kind or a layout, by name.
+pub fn options(item: &ItemKeys, rules: ReadRules) -> Result<DataOptions, DocumentError> {
     let kind = item.kind.as_deref().map(spelling::kind).transpose();
     let kind =
         kind.map_err(|why| DocumentError::refused("item.kind", format!(": {why}")).of_item(&item.file))?;
     Ok(DataOptions {
         kind,
-        read: input::options(item, strict)?,
+        read: input::options(item, rules)?,
         drape: item.drape.as_ref().map(PathBuf::from),
         posts: item.posts,
     })
 }
 
-/// Reads an item.
-pub(crate) fn load(keys: &ItemKeys, among: Among<'_>) -> Result<Loaded, DocumentError> {
+/// An item, from its file or from the data that are held for it.
+pub(crate) fn load(keys: &ItemKeys, held: Option<&Held>, among: Among<'_>) -> Result<Loaded, DocumentError> {
     let place = keys.world_from_file()?;
-    // What cannot be recognised is for the reader of volumes to say, in its words.
-    let known = kind(keys, among.reading);
-    let (kind, path) = match known {
-        Err(DocumentError::Input { .. }) => (DataKind::Volume, among.reading.locate(&keys.file)),
-        known => known?,
+    let held = match held {
+        Some(held) => {
+            meaning::check(keys, held.kind())?;
+            held.clone()
+        }
+        None => Held::read(keys, among.reading)?,
     };
-    meaning::check(keys, kind)?;
-    if kind == DataKind::Volume {
-        return volume(keys, place, among);
+    match held.content() {
+        HeldContent::Volume(stored) if held.kind() == DataKind::Volume => {
+            volume(keys, place, (stored, &held), among)
+        }
+        _ => other(keys, place, &held, among),
     }
-    let loaded = {
-        let _busy = among.reading.listener.reading(&keys.file);
-        let mut options = options(keys, among.reading.strict)?;
-        options.kind = Some(kind);
-        options.drape = options.drape.map(|drape| among.reading.locate(drape));
-        read_data(&path, &options)?
-    };
-    for warning in &loaded.description.warnings {
-        among.reading.listener.warn(&format!("{}: {warning}", keys.file));
-    }
-    other(keys, place, (kind, loaded), among)
 }
 
-/// Whether it is a question which way an item is up: not if something else stands beside it, or it was given a place.
+/// Whether the way up of an item is open: not if something else stands beside it, or it was given a place.
 fn stands(keys: &ItemKeys, among: Among<'_>) -> bool {
     among.alone && keys.up.is_none() && !keys.is_placed()
 }
 
-/// A volume is turned before it looks like anything: the choice of a transfer function goes by the axes in which it is
+/// A volume is turned before it gets a look: the choice of a transfer function depends on the axes in which it is
 /// rendered.
-fn volume(keys: &ItemKeys, place: DAffine3, among: Among<'_>) -> Result<Loaded, DocumentError> {
-    let mut input = input::load(keys, among.reading)?;
+fn volume(
+    keys: &ItemKeys,
+    place: DAffine3,
+    (stored, held): (&Arc<Volume>, &Held),
+    among: Among<'_>,
+) -> Result<Loaded, DocumentError> {
+    let mut input = input_of(Arc::clone(stored), held);
     let mut keys = keys.clone();
     if stands(&keys, among) {
         keys.up = Up::of(&input).said(&keys.file, among.reading.listener);
     }
     if let Some(axis) = keys.up {
-        input.turn(axis)?;
+        input.volume = held.turned(stored, axis)?;
     }
     let preferred = input.sample.and_then(|sample| sample.preferred_view());
     let files = input.description.files.clone();
@@ -128,43 +126,41 @@ fn volume(keys: &ItemKeys, place: DAffine3, among: Among<'_>) -> Result<Loaded, 
     })
 }
 
-fn other(
-    keys: &ItemKeys,
-    place: DAffine3,
-    (kind, loaded): (DataKind, LoadedData),
-    among: Among<'_>,
-) -> Result<Loaded, DocumentError> {
+fn input_of(volume: Arc<Volume>, held: &Held) -> Input {
+    Input {
+        volume,
+        description: held.description().clone(),
+        sample: held.sample(),
+        mesh: None,
+    }
+}
+
+fn other(keys: &ItemKeys, place: DAffine3, held: &Held, among: Among<'_>) -> Result<Loaded, DocumentError> {
     let mut keys = keys.clone();
-    let files = loaded.description.files.clone();
-    let frameless = kind == DataKind::Points && loaded.description.format.starts_with("PLY");
+    let description = held.description();
+    let frameless = held.kind() == DataKind::Points && description.format.starts_with("PLY");
     let mut frame = DAffine3::IDENTITY;
     let mut known_look = None;
-    let item = match loaded.data {
-        Data::Points(points) => {
+    let item = match held.content() {
+        HeldContent::Points(points) => {
             if frameless && stands(&keys, among) && standing::is_y_up(points.positions()) {
                 let note = format!("{}: it stands with y up; --up says otherwise", keys.file);
                 among.reading.listener.detail(&note);
                 keys.up = Some(UpAxis::Y);
             }
-            Item::points(points, point_look(&keys)?)
+            Item::points(Arc::clone(points), point_look(&keys)?)
         }
-        Data::Gaussians(gaussians) => {
+        HeldContent::Gaussians(gaussians) => {
             frame = gaussians.world_from_local().inverse();
-            Item::gaussians(gaussians)
+            Item::gaussians(Arc::clone(gaussians))
         }
-        Data::Mesh(mesh) => {
-            let mesh = Arc::new(mesh);
-            let input = values_of(&mesh, loaded.description)?;
+        HeldContent::Mesh(mesh) => {
+            let input = values_of(mesh, description.clone())?;
             let (look, _) = known_look.insert(look_of(&keys, &input, among)?);
-            Item::mesh(mesh, look.transfer_function.clone())
+            Item::mesh(Arc::clone(mesh), look.transfer_function.clone())
         }
-        Data::Volume(volume) => {
-            let input = Input {
-                volume: Arc::new(volume),
-                description: loaded.description,
-                sample: None,
-                mesh: None,
-            };
+        HeldContent::Volume(volume) => {
+            let input = input_of(Arc::clone(volume), held);
             let (look, _) = known_look.insert(look_of(&keys, &input, among)?);
             look.clone().item(input.volume)
         }
@@ -172,7 +168,7 @@ fn other(
     let up = keys
         .up
         .map_or(DAffine3::IDENTITY, |axis| upright::rotation(axis) * frame);
-    let loaded = Loaded::new(item.at(place * up), keys, files);
+    let loaded = Loaded::new(item.at(place * up), keys, description.files.clone());
     Ok(match known_look {
         Some((look, tf2d)) => loaded.looking(&look, tf2d),
         None => loaded,
@@ -192,7 +188,7 @@ impl Loaded {
         }
     }
 
-    /// With a look that was chosen, or said.
+    /// With a look that was chosen or given.
     fn looking(self, look: &Look, tf2d: Option<TransferFunction2d>) -> Self {
         Self {
             keys: ItemKeys {
@@ -235,7 +231,7 @@ fn point_look(keys: &ItemKeys) -> Result<PointLook, DocumentError> {
     }
 }
 
-/// The look of values, and the transfer function of value and gradient that it is the marginal of.
+/// The look of values, and the transfer function of value and gradient whose marginal it is.
 fn look_of(
     keys: &ItemKeys,
     input: &Input,
@@ -253,13 +249,13 @@ fn look_of(
     Ok((look, tf2d))
 }
 
-/// Samples of a row at most.
+/// Largest number of samples of a row.
 const ROW: usize = 32_768;
 
-/// A mesh's values as rows of samples: what a transfer function is chosen by.
+/// A mesh's values as rows of samples, from which a transfer function is chosen.
 fn values_of(mesh: &Arc<Mesh>, description: Description) -> Result<Input, DocumentError> {
     let mut values = mesh.field().values.clone();
-    // Rows of a grid are not endless; what is missing in the last one does not count.
+    // Rows of a grid have a longest length; missing samples in the last one do not count.
     let width = values.len().clamp(1, ROW);
     let rows = values.len().div_ceil(width);
     values.resize(rows * width, f32::NAN);

@@ -1,17 +1,17 @@
 //! The description of a picture as one [`Document`], and the decisions that it leaves open.
 //!
-//! A document describes a picture for the command's flags, a scene file, the text in a PNG, a notebook or a viewer alike: by
-//! a few keys of a user, or by all of them. [`Document::resolve`] reads the data and decides the rest: which way is up, how values
-//! look, where the camera stands, which method suits. Everybody decides by this crate, so everybody makes the same picture of
-//! the same data.
+//! A document describes a picture by a few keys of a user, or by all keys: for the command's flags, a scene file, the
+//! text in a PNG, a notebook or a viewer alike. [`Document::resolve`] reads the data and decides the rest: which way is
+//! up, how values look, where the camera stands, which method suits. All programs decide by this crate, so all make the
+//! same picture of the same data.
 //!
 //! ```
-//! use splatvol_document::{Document, Reading, Resolving, Silent};
+//! use splatvol_document::{Document, ReadRules, Reading, Resolving, Silent};
 //!
 //! let text = "[[item]]\nfile = \"sample:head:16\"\n[camera]\nview = \"front\"\n";
 //! let asked = Document::from_toml(text, "scene.toml".as_ref())?;
-//! let reading = Reading { strict: false, folder: None, listener: &Silent };
-//! let resolving = Resolving { reading, moves: Default::default(), keeps_alpha: false };
+//! let reading = Reading { rules: ReadRules::default(), folder: None, listener: &Silent };
+//! let resolving = Resolving { reading, held: &[], moves: Default::default(), keeps_alpha: false };
 //! let picture = asked.resolve(resolving)?;
 //! assert!(picture.document.camera.position.is_some() && picture.scene.items.len() == 1);
 //! # Ok::<(), splatvol_document::DocumentError>(())
@@ -24,13 +24,13 @@
 //! | [`edit`] | edits, undo and redo |
 //! | `schema` | the JSON schema |
 //! | `resolve` | from a document to a picture that can be rendered |
-//! | [`items`], [`input`], [`meaning`] | reading an item; which keys it can have |
+//! | [`items`], [`input`], [`held`], [`meaning`] | reading an item, or taking it from memory; which keys it can have |
 //! | [`look`], [`settings`], `effects`, [`motion`] | transfer function, method, operators and clips, motion blur |
-//! | [`upright`], [`standing`] | which way is up, as said, or where no file says so |
-//! | [`camera`], `framing`, `turning` | the camera: asked for, or where an outline fills the picture, still or turning |
+//! | [`upright`], [`standing`] | which way is up: as given, or as the data suggest |
+//! | [`camera`], `framing`, `turning` | the camera: as requested, or so that an outline fills the picture, still or turning |
 //! | [`mod@outline`], `mesh_outline`, [`visible`] | what an automatic camera shows of an item: voxels and cells that can be seen |
 //! | [`animation`] | which cameras see which frame |
-//! | [`listener`], `error` | who hears of choices; what goes wrong |
+//! | [`listener`], `error` | listeners to choices and warnings; errors |
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -42,6 +42,7 @@ mod effects;
 mod error;
 pub mod format;
 mod framing;
+pub mod held;
 pub mod input;
 pub mod items;
 pub mod keys;
@@ -67,7 +68,8 @@ pub use document::{Document, VERSION};
 pub use edit::{Edit, History};
 pub use error::DocumentError;
 pub use format::Record;
-pub use input::Reading;
+pub use held::Held;
+pub use input::{ReadRules, Reading};
 pub use listener::{Listener, Silent};
 pub use motion::CameraMotion;
 pub use outline::outline;

@@ -1,4 +1,4 @@
-//! The transfer function: as said, from a file, from names, or chosen from the data.
+//! The transfer function: as given, from a file, from names, or chosen from the data.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ pub struct Wishes {
 }
 
 impl Look {
-    /// A volume that looks so.
+    /// A volume with this look.
     pub fn item(self, volume: Arc<Volume>) -> Item {
         match self.wishes.labels {
             true => Item::labels(volume, self.transfer_function),
@@ -66,7 +66,7 @@ impl From<TransferFunction> for Look {
 /// The look of a volume, or of the values of a mesh, that is composited in a certain way.
 ///
 /// # Errors
-/// Names that are not known, files that cannot be read, curves that cannot be.
+/// Unknown names, files that cannot be read, invalid curves.
 pub fn resolve(
     keys: &ItemKeys,
     input: &Input,
@@ -84,6 +84,9 @@ pub fn resolve(
     }
     if let Some(labels) = keys.labels {
         look.wishes.labels = labels;
+        // Names of kinds have no values between them: each is coloured before it is spread.
+        let first = Some(Classification::Pre).filter(|_| labels);
+        look.wishes.classification = first.or(look.wishes.classification);
     }
     Ok(look)
 }
@@ -157,7 +160,8 @@ fn named<T>(
     })
 }
 
-/// A file's transfer function. `clim` is what its 0..1 stand for, or where its ends are moved to if it has data values.
+/// A file's transfer function. `clim` is the range that its 0..1 stands for, or to which its ends are moved if it has
+/// data values.
 fn from_file(
     path: &Path,
     keys: &ItemKeys,
@@ -166,7 +170,7 @@ fn from_file(
 ) -> Result<TransferFunction, DocumentError> {
     let read = |range| splatvol_io::read_transfer_function(path, range);
     let (own, warnings) = read(value_range)?;
-    // Gradient opacity is read besides.
+    // Gradient opacity is read separately.
     for warning in warnings.into_iter().filter(|w| w != GRADIENT_OPACITY_LEFT_OUT) {
         listener.warn(&format!("{}: {warning}", path.display()));
     }
@@ -261,7 +265,43 @@ mod tests {
     use splatvol_scene::{Association, Grid, LengthUnit, Mesh, MeshField, Rescale, Samples, Topology};
 
     use super::*;
-    use crate::Silent;
+    use crate::{ReadRules, Silent};
+
+    #[test]
+    fn labels_are_classified_first_whatever_colours_they_are_given() {
+        let grid = Grid::centred([2, 1, 1], [1.0; 3]).unwrap();
+        let samples = Samples::U8(vec![1, 9].into());
+        let volume = Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown).unwrap();
+        let input = Input {
+            volume: Arc::new(volume),
+            description: Description::default(),
+            sample: None,
+            mesh: None,
+        };
+        let reading = Reading {
+            rules: ReadRules::default(),
+            folder: None,
+            listener: &Silent,
+        };
+        let colors = vec![
+            ColorPoint::new(1.0, [1.0, 0.0, 0.0]),
+            ColorPoint::new(9.0, [0.0, 0.0, 1.0]),
+        ];
+        let opacities = vec![OpacityPoint::new(0.0, 0.0), OpacityPoint::new(1.0, 1.0)];
+        let given = TransferFunction::new(colors, opacities, None).unwrap();
+        let classified = |labels: Option<bool>| {
+            let keys = ItemKeys {
+                labels,
+                transfer_function: Some(given.clone()),
+                ..ItemKeys::of_file("a.nrrd")
+            };
+            let look = resolve(&keys, &input, Compositing::default(), reading).unwrap();
+            look.wishes.classification
+        };
+        assert_eq!(classified(Some(true)), Some(Classification::Pre));
+        assert_eq!(classified(Some(false)), None);
+        assert_eq!(classified(None), None);
+    }
 
     #[test]
     fn meshes_that_are_plates_show_their_body() {

@@ -23,6 +23,7 @@ pub fn check(item: &ItemKeys, kind: DataKind) -> Result<(), DocumentError> {
         ("time", item.time.is_some()),
         ("level", item.level.is_some()),
         ("series", item.series.is_some()),
+        ("solution", item.solution.is_some()),
         ("drape", item.drape.is_some()),
         ("posts", item.posts.is_some()),
         ("tf", item.tf.is_some()),
@@ -37,9 +38,15 @@ pub fn check(item: &ItemKeys, kind: DataKind) -> Result<(), DocumentError> {
         ("color", item.color.is_some()),
         ("radius", item.radius.is_some()),
     ];
-    match given.iter().find(|(key, given)| *given && !known.contains(key)) {
+    // A built-in sample is one array: no key of a file chooses in it.
+    let of_sample = |key: &&str| item.file.starts_with("sample:") && OF_FILES.contains(key);
+    let has_meaning = |key: &&str| known.contains(key) && !of_sample(key);
+    match given.iter().find(|(key, given)| *given && !has_meaning(key)) {
         Some((key, _)) => {
-            let why = format!("has no meaning for data of this kind: {}", kind.name());
+            let why = match known.contains(key) {
+                true => "has no meaning for a built-in sample".to_owned(),
+                false => format!("has no meaning for data of this kind: {}", kind.name()),
+            };
             Err(DocumentError::refused(&format!("item.{key}"), why).of_item(&item.file))
         }
         None => Ok(()),
@@ -57,6 +64,21 @@ fn known_keys(kind: DataKind) -> &'static [&'static str] {
     }
 }
 
+/// Keys that say how a file is read.
+const OF_FILES: [&str; 12] = [
+    "dims",
+    "type",
+    "spacing",
+    "endian",
+    "offset",
+    "array",
+    "component",
+    "channel",
+    "time",
+    "level",
+    "series",
+    "solution",
+];
 /// Keys of volumes.
 const VOLUMES: [&str; 19] = [
     "dims",
@@ -80,8 +102,9 @@ const VOLUMES: [&str; 19] = [
     "labels",
 ];
 /// Keys of meshes.
-const MESHES: [&str; 8] = [
+const MESHES: [&str; 9] = [
     "array",
+    "solution",
     "tf",
     "transfer-function",
     "cmap",

@@ -1,18 +1,18 @@
-//! The part of a mesh that can be seen: the cells whose values have some opacity, and the border that their samples' kernels
-//! blur.
+//! The part of a mesh that can be seen: the cells whose values have some opacity, and the border that their samples'
+//! kernels blur.
 
 use glam::DVec3;
 use splatvol_scene::{Association, Mesh, Topology, TransferFunction};
 
-/// Cells looked at, at most.
+/// Maximum number of examined cells.
 const MOST_CELLS: usize = 100_000;
-/// Opacity per unit distance from which on a value can be seen.
+/// Least opacity per unit distance at which a value can be seen.
 const SEEN: f64 = 0.01;
-/// Distance of a cell's visible border from its middle, relative to that of its points: kernels fade over about a cell beyond
-/// the faces.
+/// Distance of a cell's visible border from its middle, relative to that of its points: kernels fade over about a cell
+/// beyond the faces.
 const BORDER: f64 = 3.0;
 
-/// World positions around the visible cells; none where nothing can be seen.
+/// World positions around the visible cells; none if nothing can be seen.
 pub(crate) fn visible_cells(mesh: &Mesh, transfer_function: &TransferFunction) -> Vec<DVec3> {
     let mut places = Vec::new();
     let stride = mesh.cell_count().div_ceil(MOST_CELLS).max(1);

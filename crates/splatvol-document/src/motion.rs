@@ -27,17 +27,17 @@ pub(crate) struct Shot<'a> {
     pub(crate) camera: &'a Camera,
     /// Centre of what is shown, world.
     pub(crate) centre: DVec3,
-    /// Whether it is a volume as it is: footprints in motion are of one, and know neither operators nor clips.
+    /// Whether it is a volume alone: footprints in motion need one, without operators and clips.
     pub(crate) plain: bool,
     /// Whether the camera's own motion is seen through a shutter.
     pub(crate) shutter: bool,
 }
 
 impl MotionKeys {
-    /// The motion of the keys, none of which is left open.
+    /// The motion of complete keys.
     ///
     /// # Errors
-    /// Poses that make no camera.
+    /// Poses that do not make a camera.
     pub fn motion(&self) -> Result<Option<Motion>, SceneError> {
         if let Some(velocity) = self.velocity {
             return Ok(Some(Motion::Linear(DVec3::from_array(velocity))));
@@ -57,7 +57,7 @@ impl CameraSweep {
     /// The motion of everything as this camera sees it.
     ///
     /// # Errors
-    /// Poses that make no camera.
+    /// Poses that do not make a camera.
     pub fn motion(&self) -> Result<Motion, SceneError> {
         Ok(Motion::Camera {
             opening: self.opening.camera()?,
@@ -66,11 +66,11 @@ impl CameraSweep {
     }
 }
 
-/// The motion, with nothing left open; sets how it is blurred: by the key's method, or that of `settings`, where a preset
-/// says so. What does not move is not blurred.
+/// The motion, with nothing left open; sets how it is blurred: by the key's method, or by that of `settings` if a
+/// preset has one. A scene at rest is not blurred.
 ///
-/// Where the shutter sees the camera move, frames know their own motion, and sub-frames are theirs too: then there is no
-/// motion here, and no blur but that of footprints.
+/// If the shutter sees the camera move, frames have their own motion and their own sub-frames: then there is no motion
+/// here, and no blur but that of footprints.
 pub(crate) fn resolve(
     keys: &MotionKeys,
     shot: Shot<'_>,
@@ -121,7 +121,7 @@ pub(crate) fn resolve(
     })
 }
 
-/// Refuses motions that exclude each other, and more pictures than anybody averages.
+/// Refuses motions that exclude each other, and too many pictures to average.
 fn check(keys: &MotionKeys) -> Result<(), DocumentError> {
     if keys.spin.is_some() && keys.velocity.is_some() {
         return Err(DocumentError::usage(
@@ -140,7 +140,8 @@ fn check(keys: &MotionKeys) -> Result<(), DocumentError> {
     }
 }
 
-/// The settings with another blur: what was splatted one by one for the sake of one alone is on sheets without it.
+/// The settings with another blur: footprints that were drawn one by one only for their blur are on sheets without
+/// it.
 fn with_blur(settings: &RenderSettings, motion_blur: MotionBlur) -> Result<RenderSettings, SceneError> {
     let settings = RenderSettings::try_from(FlatSettings {
         motion_blur,
@@ -150,7 +151,7 @@ fn with_blur(settings: &RenderSettings, motion_blur: MotionBlur) -> Result<Rende
     Ok(settings)
 }
 
-/// How a camera's motion is blurred, where the method blurs motion like this.
+/// How a camera's motion is blurred if the method blurs motion in this way.
 ///
 /// # Errors
 /// Keys that exclude each other.
@@ -192,7 +193,7 @@ fn named(keys: &MotionKeys, name: MotionBlurName) -> Result<MotionBlur, Document
     }
 }
 
-/// A blur as keys say it.
+/// A blur as keys.
 pub fn named_blur(blur: MotionBlur) -> (MotionBlurName, Option<u32>) {
     match blur {
         MotionBlur::None => (MotionBlurName::None, None),
@@ -202,7 +203,7 @@ pub fn named_blur(blur: MotionBlur) -> (MotionBlurName, Option<u32>) {
     }
 }
 
-/// One picture where that is enough.
+/// One picture if that is enough.
 fn automatic(settings: &RenderSettings, shot: &Shot<'_>) -> MotionBlurName {
     if shot.plain && with_blur(settings, MotionBlur::Exact).is_ok() {
         MotionBlurName::Exact

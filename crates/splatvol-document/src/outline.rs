@@ -1,7 +1,7 @@
 //! Outlines of items: the world positions that an automatic camera brings into the picture.
 //!
-//! Scans and captures have strays far from everything else, which would shrink the picture: what lies further from the
-//! innermost 99 % than a share of its size is left out of the outline (not out of the picture).
+//! Scans and captures have strays far from everything else, which would shrink the picture. Places farther from the
+//! innermost 99 % than a share of its size are left out of the outline (not out of the picture).
 
 use glam::{DAffine3, DVec3};
 use splatvol_scene::{Content, Gaussians, Item};
@@ -10,24 +10,26 @@ use crate::keys::names::Fit;
 use crate::mesh_outline::visible_cells;
 use crate::visible::visible_outline;
 
-/// Places looked at per item.
+/// Maximum number of places examined per item.
 const MOST: usize = 50_000;
 /// Share of places on either side of each axis that may be strays...
 const STRAYS: f64 = 0.005;
-/// ...where they lie further out than this share of the others' size.
+/// ...if they lie farther out than this share of the others' size.
 const REACH: f64 = 0.1;
 /// Radius of Gaussians, standard deviations.
 const SIGMAS: f64 = 2.0;
-/// Share of Gaussians that have their radius; larger ones have that of the last of these.
+/// Share of Gaussians that keep their own radius; larger ones get that of the last of these.
 const USUAL: f64 = 0.95;
 
-/// Radius of what is framed of Gaussians, at least, in their own lengths: as published, none is drawn that is nearer to the
-/// camera than 0.2, and a camera of the usual field of view is four radii away.
+/// Least radius of the framed part of Gaussians, in their own lengths: as published, none nearer to the camera than 0.2
+/// is drawn, and a camera with the usual field of view is four radii away.
 const LEAST: f64 = 0.08;
 
-/// Gaussians that are few...
+/// Most points of a cloud that is sparse: its discs reach visibly beyond their middles.
+const SPARSE: usize = 20_000;
+/// A number of Gaussians that are few...
 const FEW: usize = 100;
-/// ...and share of the square of their cloud's size below which what they show is specks.
+/// ...and the share of the square of their cloud's size below which they look like specks.
 const SPECKS: f64 = 1e-3;
 
 /// World positions that bound an item.
@@ -71,8 +73,12 @@ pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
                 .map(|place| item.world_from_item.transform_point3(place))
                 .collect()
         }
-        Content::Points { points, .. } => {
-            without_strays(world(points.world_from_local(), points.positions()))
+        Content::Points { points, look } => {
+            let places = without_strays(world(points.world_from_local(), points.positions()));
+            match points.len() {
+                count if count > SPARSE => places,
+                _ => with_discs(places, look.radius),
+            }
         }
         Content::Gaussians(gaussians) => {
             let means = world(gaussians.world_from_local(), &gaussians.attributes().means);
@@ -111,7 +117,7 @@ fn around(mean: DVec3, radius: f64) -> impl Iterator<Item = DVec3> {
         .flat_map(move |axis| [mean - axis * radius, mean + axis * radius])
 }
 
-/// Of a few Gaussians too small for a picture of them all, which would be black but for specks, the one that shows most.
+/// If a few Gaussians are so small that a picture of all would be black but for specks, the one that shows most.
 fn alone(gaussians: &Gaussians, means: &[DVec3], radii: &[f64]) -> Option<usize> {
     if gaussians.len() > FEW {
         return None;
@@ -131,11 +137,24 @@ fn alone(gaussians: &Gaussians, means: &[DVec3], radii: &[f64]) -> Option<usize>
     empty.then_some(most)
 }
 
+/// Places of a few points, and what their discs cover around them: with a known radius, or where each has its share of
+/// a surface as large as they reach.
+fn with_discs(places: Vec<DVec3>, radius: Option<f64>) -> Vec<DVec3> {
+    let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let share = 0.5 * (high - low).length() / (places.len().max(1) as f64).sqrt();
+    let radius = radius.unwrap_or(share);
+    places
+        .into_iter()
+        .flat_map(|place| around(place, radius))
+        .collect()
+}
+
 fn sampled(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 3]> {
     places.iter().copied().step_by(places.len().div_ceil(MOST).max(1))
 }
 
-/// Radii of the sampled Gaussians, world; huge ones, such as those of a sky, are not taken at their word.
+/// Radii of the sampled Gaussians, world; huge ones, such as those of a sky, are limited.
 fn radii(gaussians: &Gaussians, world_from_item: &DAffine3) -> Vec<f64> {
     let frame = *world_from_item * *gaussians.world_from_local();
     let factor = SIGMAS * libm::cbrt(frame.matrix3.determinant().abs());
@@ -148,7 +167,7 @@ fn radii(gaussians: &Gaussians, world_from_item: &DAffine3) -> Vec<f64> {
     radii.into_iter().map(|radius| radius.min(most)).collect()
 }
 
-/// The places that are no strays.
+/// The places that are not strays.
 fn without_strays(places: Vec<DVec3>) -> Vec<DVec3> {
     let [low, high] = reach(&places);
     places
@@ -195,14 +214,38 @@ mod tests {
             let places = outline(item, fit).into_iter().map(|place| place.x);
             places.fold(f64::NEG_INFINITY, f64::max)
         };
-        assert_eq!(last(&item(positions.clone()), Fit::Visible), 199.0);
+        // The last point, and the radius of a disc around it.
+        let shown = last(&item(positions.clone()), Fit::Visible);
+        assert!((206.0..206.1).contains(&shown), "{shown}");
         positions.push([5000.0, 0.0, 0.0]);
         let mut strayed = item(positions);
-        assert_eq!(last(&strayed, Fit::Visible), 199.0);
+        assert_eq!(last(&strayed, Fit::Visible), shown);
         assert_eq!(last(&strayed, Fit::Volume), 5000.0);
         strayed.world_from_item = DAffine3::from_translation(DVec3::X);
-        assert_eq!(last(&strayed, Fit::Visible), 200.0);
-        assert_eq!(outline(&item(vec![[1.0; 3]]), Fit::Visible), [DVec3::ONE]);
+        assert_eq!(last(&strayed, Fit::Visible), shown + 1.0);
+        let one = outline(&item(vec![[1.0; 3]]), Fit::Visible);
+        assert!(one.iter().all(|&place| place == DVec3::ONE), "{one:?}");
+    }
+
+    #[test]
+    fn discs_of_a_few_points_are_in_the_picture_and_those_of_many_are_points() {
+        let corners = |count: usize| (0..count).map(|i| [(i % 2) as f32, (i / 2 % 2) as f32, 0.0]);
+        let greatest = |item: &Item| {
+            outline(item, Fit::Visible)
+                .into_iter()
+                .reduce(DVec3::max)
+                .unwrap()
+        };
+        let mut few = item(corners(400).collect());
+        assert!((greatest(&few).x - 1.0 - 0.5 * 2f64.sqrt() / 20.0).abs() < 1e-12);
+        if let Content::Points { look, .. } = &mut few.content {
+            look.radius = Some(0.25);
+        }
+        assert_eq!(greatest(&few), DVec3::new(1.25, 1.25, 0.25));
+        assert_eq!(
+            greatest(&item(corners(SPARSE + 1).collect())),
+            DVec3::new(1.0, 1.0, 0.0)
+        );
     }
 
     /// Gaussians on a line, of these standard deviations and opacities.

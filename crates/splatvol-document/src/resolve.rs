@@ -1,18 +1,21 @@
-//! From a document to a picture that can be rendered: what it leaves open is decided here, for everybody alike.
+//! From a document to a picture that can be rendered: everything that it leaves open is decided here, for all
+//! programs alike.
 //!
-//! The order is that of dependence: the items are read, each looks as it says or as its data suggest; the method follows
-//! from keys and from what the data want; then effects, camera and motion.
+//! Decisions are made in the order of their dependence. The items are read, and each gets the look of its keys or one
+//! that its data suggest. The method follows from keys and from the wishes of the data; then come effects, camera and
+//! motion.
 
 use std::path::PathBuf;
 
 use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{
-    Camera, Classification, Compositing, Content, FlatSettings, Gradient, RenderSettings, Scene,
+    Camera, Classification, Compositing, Content, FlatSettings, Gradient, ImageSize, RenderSettings, Scene,
     SheetSettings, Shows, TransferFunction2d, View,
 };
 
 use crate::camera::{CameraPose, Surroundings};
 use crate::effects::{self, Effects};
+use crate::held::Held;
 use crate::input::Reading;
 use crate::items::{self, Among, Loaded};
 use crate::keys::names::ClassificationName;
@@ -26,7 +29,7 @@ use crate::{Document, DocumentError, Listener};
 /// Bits per channel unless asked otherwise.
 const BITS: u8 = 8;
 
-/// All that rendering needs, and the document that says all of it.
+/// Everything that rendering needs, and the document that describes all of it.
 #[derive(Debug)]
 pub struct Picture {
     /// The document, with nothing left open.
@@ -35,7 +38,7 @@ pub struct Picture {
     pub scene: Scene,
     /// Where it is seen from.
     pub camera: Camera,
-    /// Cameras of the pictures of which this is the mean, where it is one.
+    /// Cameras of the pictures of which this is the mean, if it is one.
     pub sub_frames: Vec<Camera>,
     /// How it is rendered.
     pub settings: RenderSettings,
@@ -48,6 +51,8 @@ pub struct Picture {
 pub struct Resolving<'a> {
     /// Where and how files are read.
     pub reading: Reading<'a>,
+    /// Data that need not be read, each of the item with the same number.
+    pub held: &'a [Option<Held>],
     /// Motion of the camera from frame to frame.
     pub moves: CameraMotion,
     /// Whether the output keeps its alpha, whatever the background.
@@ -55,7 +60,7 @@ pub struct Resolving<'a> {
 }
 
 impl Picture {
-    /// Background: sRGB and straight alpha; `None` where the picture keeps its alpha.
+    /// Background: sRGB and straight alpha; `None` if the picture keeps its alpha.
     pub fn background(&self) -> Option<[f64; 4]> {
         self.document.background.and_then(Background::color)
     }
@@ -66,8 +71,30 @@ impl Picture {
     }
 }
 
+/// Bytes of a pixel while a picture is made: colour and alpha, depth, optical depth, and the codes of its file.
+const BYTES_PER_PIXEL: u64 = 32;
+
+/// Refuses pictures that do not fit into the memory that there is.
+fn check_size(size: ImageSize) -> Result<(), DocumentError> {
+    let needed = size.pixel_count() as u64 * BYTES_PER_PIXEL;
+    let granted = splatvol_io::memory::granted();
+    match needed <= granted {
+        true => Ok(()),
+        false => Err(DocumentError::refused(
+            "size",
+            format!(
+                "{}x{}: it takes {} MiB, and the machine grants {} MiB",
+                size.width(),
+                size.height(),
+                needed >> 20,
+                granted >> 20
+            ),
+        )),
+    }
+}
+
 impl Document {
-    /// Reads the items, and decides what is left open.
+    /// Reads the items, and decides everything that is left open.
     ///
     /// # Errors
     /// Files that cannot be read; keys that have no meaning for the data or for each other, by name.
@@ -79,10 +106,11 @@ impl Document {
                 format!("{bits}: expected 8 or 16"),
             ));
         }
-        let mut loaded = self.load(reading)?;
+        let mut loaded = self.load(resolving)?;
         let settings = self
             .settings
             .resolve(self.size.map(|size| size.0), loaded.wishes)?;
+        check_size(settings.size)?;
         self.keep_names(&mut loaded, &settings);
         let mut effects = self.effects.clone();
         add_gradient_opacity(&mut effects, &mut loaded, &settings, reading.listener);
@@ -132,12 +160,12 @@ impl Document {
     }
 
     /// Reads the items that are visible.
-    fn load(&self, reading: Reading<'_>) -> Result<All, DocumentError> {
+    fn load(&self, resolving: Resolving<'_>) -> Result<All, DocumentError> {
         let among = Among {
             compositing: self.settings.compositing(),
             alone: self.items.iter().filter(|item| item.is_visible()).count() == 1,
             effects: &self.effects,
-            reading,
+            reading: resolving.reading,
         };
         let mut all = Vec::new();
         let mut keys = Vec::new();
@@ -147,7 +175,8 @@ impl Document {
                 keys.push(item.clone());
                 continue;
             }
-            let loaded = items::load(item, among).map_err(|error| match several {
+            let held = resolving.held.get(index).and_then(Option::as_ref);
+            let loaded = items::load(item, held, among).map_err(|error| match several {
                 true => error.of_index(index),
                 false => error,
             })?;
@@ -160,7 +189,7 @@ impl Document {
         })
     }
 
-    /// Stops treating values as labels where data are to be interpolated.
+    /// Stops treating values as labels if data are to be interpolated.
     fn keep_names(&self, all: &mut All, settings: &RenderSettings) {
         let method = &settings.method;
         let is_data = method.compositing() == Compositing::ImageSheets && !method.splats_colors();
@@ -175,7 +204,7 @@ impl Document {
         }
     }
 
-    /// The effects that are asked for.
+    /// The requested effects.
     fn effects_of(
         &self,
         effects: &EffectKeys,
@@ -194,7 +223,7 @@ impl Document {
         effects::resolve(effects, &first, &bounds, (all.tf2d.take(), reading))
     }
 
-    /// The camera that is asked for, or one that shows everything.
+    /// The requested camera, or one that shows everything.
     fn framed(
         &self,
         scene: &Scene,
@@ -210,7 +239,7 @@ impl Document {
     }
 }
 
-/// The keys of settings that are known, but for a classification that means nothing.
+/// The keys of known settings, without a classification that means nothing.
 fn recorded(settings: &RenderSettings, wishes: Wishes) -> SettingKeys {
     let keys = written(&FlatSettings::from(*settings));
     SettingKeys {
@@ -219,7 +248,7 @@ fn recorded(settings: &RenderSettings, wishes: Wishes) -> SettingKeys {
     }
 }
 
-/// The gradient opacity of a transfer function's file, where nothing else is asked for and it can be shown.
+/// Adds the gradient opacity of a transfer function's file if nothing else is requested and it can be shown.
 fn add_gradient_opacity(
     effects: &mut EffectKeys,
     all: &mut All,
@@ -246,7 +275,7 @@ fn shows_gradients(settings: &RenderSettings) -> bool {
     sheets.is_some_and(|sheets| sheets.gradient == Gradient::Differences)
 }
 
-/// The items, and what they want.
+/// The items, and their wishes.
 struct All {
     scene: Scene,
     /// Keys of all items, with what was chosen; also of those that are not visible.
@@ -259,7 +288,7 @@ struct All {
 }
 
 impl All {
-    /// Collects items. A single item keeps the wishes of its data; several share one method. `None` as an error: there is no item.
+    /// Collects items. A single item keeps the wishes of its data; several share one method. Fails if there is no item.
     fn of(mut loaded: Vec<Loaded>, keys: Vec<ItemKeys>) -> Result<Self, Option<DocumentError>> {
         let (mut wishes, preferred) = match &loaded[..] {
             [] => return Err(None),

@@ -14,7 +14,7 @@ fn expected<Name: AsRef<str>>(what: &str, name: &str, known: impl IntoIterator<I
     }
 }
 
-/// A colour map of matplotlib's name, `_r` behind it for the reversed one.
+/// A colour map by matplotlib's name; `_r` at its end reverses it.
 ///
 /// # Errors
 /// The expected names, as a message.

@@ -1,13 +1,13 @@
-//! Which way a scan is up, where its file does not say.
+//! Which way is up in a scan whose file does not say.
 //!
 //! A thing stands where the points of its lowest three percent enclose its centre, seen from above. PLY files have no
-//! frame: z is up unless the points stand on y and not on z. What neither stands nor lies stays as it is.
+//! frame: z is up unless the points stand on y and not on z. A thing that neither stands nor lies stays as it is.
 //!
-//! Volumes show more than a surface, and are often cut off by their grid, which makes flat ends of what is none. They stand
-//! where they are heavy below: a pot, a plate or a table takes up the lowest tenth of the height and holds a third of the
-//! opacity, its centre of mass lies in the lowest quarter (that of a full cone is a quarter up), and the base is below it
-//! and wide. Patients, who lie on tables, and molecules do not. Upside down (-y) is not considered: slices of patients are
-//! often stored so, with the table at the end.
+//! Volumes show more than a surface, and their grid often cuts things off, which makes flat ends where there are none.
+//! A volume stands on its bottom if it is heavy there. A pot, a plate or a table in the lowest tenth of the height
+//! holds a third of the opacity. The centre of mass lies in the lowest quarter (that of a full cone is a quarter up),
+//! and the base is below it and wide. Patients, who lie on tables, and molecules do not. Upside down (-y) is not
+//! considered: slices of patients are often stored so, with the table at the end.
 
 use std::ops::Range;
 
@@ -68,7 +68,7 @@ pub fn is_volume_y_up(volume: &Volume) -> bool {
     let grid = volume.grid();
     let direction = grid.direction();
     let along = [direction.x_axis.x, direction.y_axis.y, direction.z_axis.z];
-    // Directions that the file turns are its own business.
+    // Oblique directions are left to the file.
     if along.iter().any(|cosine| cosine.abs() < 1.0 - 1e-6) {
         return false;
     }
@@ -95,7 +95,7 @@ pub fn is_volume_y_up(volume: &Volume) -> bool {
 
 /// How the opacity of a volume is spread along an axis.
 struct Extent {
-    /// Slices that are seen, but for specks.
+    /// Slices that are seen, without specks.
     slices: Range<usize>,
     /// Slices of the lowest tenth.
     base: Range<usize>,
@@ -132,7 +132,7 @@ impl Extent {
     }
 
     fn is_heavy_below(&self) -> bool {
-        // What is empty has no share.
+        // An empty volume has no share.
         self.slices.len() >= SLICES && self.base_share >= HEAVY && self.height <= LOW
     }
 }
@@ -167,7 +167,7 @@ mod tests {
         assert!(!is_y_up(&pyramid(0)));
     }
 
-    /// A volume of 30 samples along each axis, brighter to one side so that it is no label volume.
+    /// A volume of 30 samples along each axis, brighter to one side so that it is not a label volume.
     fn volume(is_there: impl Fn([usize; 3]) -> bool, direction: DMat3) -> Volume {
         let value = |i: usize| {
             let place = [i % 30, i / 30 % 30, i / 900];
@@ -228,7 +228,7 @@ mod tests {
         };
         assert!(!is_y_up(&patient), "patient");
         assert!(!is_y_up(&plant(1, false, 11..18)), "light base");
-        // Twigs further out than the base make it a small one.
+        // Twigs farther out than the base make it a small one.
         let trunk = plant(1, false, 5..24);
         let twigs = |[x, y, z]: [usize; 3]| y == 28 && (x == 14 || z == 14);
         assert!(is_y_up(&trunk));

@@ -1,7 +1,8 @@
-//! Which way a volume is up: as it is said, as its file says, or as its data suggest; turned so that z is.
+//! Which way is up in a volume: as given, as its file says, or as its data suggest; the volume is turned so
+//! that z is up.
 //!
-//! An explicit axis overrides the file, as it does for other data: many programs write axes that they do not know. Axes are those
-//! of the world as the file has it, in which the command `info` gives origin and directions.
+//! An explicit axis overrides the file, as it does for other data: many programs write axes that they do not know. Axes
+//! are those of the world as the file has it, in which the command `info` gives origin and directions.
 
 use std::sync::Arc;
 
@@ -12,17 +13,17 @@ use crate::input::Input;
 use crate::keys::names::UpAxis;
 use crate::{DocumentError, Listener, standing};
 
-/// The axis that is up, and how it is known.
+/// The axis that is up, and the reason for it.
 #[derive(Debug, Serialize)]
 pub struct Up {
     /// The axis.
     pub axis: UpAxis,
-    /// How it is known.
+    /// The reason for it.
     pub reason: String,
 }
 
 impl Up {
-    /// That of a volume as it was stored, unless something else is said.
+    /// That of a volume as it was stored, unless an axis is given.
     pub fn of(input: &Input) -> Self {
         let (axis, reason) = if input.sample.is_some() {
             (UpAxis::Z, "by construction")
@@ -41,7 +42,7 @@ impl Up {
         }
     }
 
-    /// The axis, where it is not z; says so.
+    /// The axis if it is not z; tells the listener.
     pub fn said(&self, file: &str, listener: &dyn Listener) -> Option<UpAxis> {
         if self.axis == UpAxis::Z {
             return None;

@@ -1,4 +1,4 @@
-//! Which part of a grid can be seen: what an automatic camera shows.
+//! The part of a grid that can be seen, which an automatic camera shows.
 //!
 //! Two passes over the samples: the opacity in every slice along each axis says where the specks are (a holder, noise)
 //! that would shrink the picture, and what remains is bounded by the extremes of its slices.
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{TransferFunction, Volume, with_samples};
 
-/// Opacity per unit distance from which a voxel counts as seen: this, or this share of the largest one.
+/// Least opacity per unit distance at which a voxel counts as seen: this, or this share of the largest one.
 const SEEN: [f64; 2] = [0.004, 0.01];
 /// A slice with less than this share of the fullest slice's opacity may be a speck's...
 const SPECK: f64 = 0.005;
@@ -22,8 +22,8 @@ const ENTRIES: usize = 4096;
 /// `1 - cos(pi / 32)`, half a per cent of its radius.
 const DIRECTIONS: usize = 32;
 
-/// World positions that bound the voxels with some opacity as a convex hull would: the extremes of every slice. The
-/// grid's corners where nothing is seen.
+/// World positions that bound the voxels with some opacity as a convex hull would: the extremes of every slice. If
+/// nothing is seen, the grid's corners.
 pub fn visible_outline(volume: &Volume, transfer_function: &TransferFunction) -> Vec<DVec3> {
     let seen = SeenValues::new(volume, transfer_function);
     let rows = 0..volume.grid().dims()[1];
@@ -65,8 +65,8 @@ pub fn visible_outline(volume: &Volume, transfer_function: &TransferFunction) ->
     world
 }
 
-/// Sums of the seen voxels' opacities, in whole steps, in the slices across x, y and z; of those voxels whose y is one of
-/// `rows`.
+/// Sums of the seen voxels' opacities, in whole steps, in the slices across x, y and z; of those voxels whose y is one
+/// of `rows`.
 pub(crate) fn opacity_per_slice(volume: &Volume, seen: &SeenValues, rows: &Range<usize>) -> [Vec<u64>; 3] {
     let rescale = volume.rescale();
     let dims = volume.grid().dims();
@@ -125,7 +125,7 @@ pub(crate) fn without_specks(weights: &[u64]) -> Range<usize> {
     start..end
 }
 
-/// A table of the opacity of values in steps of 1/65535, 0 where they are not seen.
+/// A table of the opacity of values in steps of 1/65535, 0 if they are not seen.
 pub(crate) struct SeenValues {
     weights: Vec<u16>,
     low: f64,
@@ -168,7 +168,7 @@ impl SeenValues {
     }
 }
 
-/// The seen voxels of a slice that lie furthest in each direction.
+/// The seen voxels of a slice that lie farthest in each direction.
 struct SliceOutline<'a> {
     z: usize,
     directions: &'a [[f64; 2]; DIRECTIONS],
@@ -261,7 +261,7 @@ mod tests {
         assert_eq!(outline(&specks), expected);
         let tip = |voxel| block(voxel) || voxel == [30, 20, 20];
         assert_eq!(outline(&tip), ([9.5; 3], [30.5, 29.5, 29.5]));
-        // What is thin all along is no speck.
+        // A thing that is thin along its whole length is not a speck.
         let rod = |[x, y, z]: [usize; 3]| x == 5 && y == 7 && z > 3;
         assert_eq!(outline(&rod), ([4.5, 6.5, 3.5], [5.5, 7.5, 39.5]));
     }

@@ -40,8 +40,8 @@ pub struct StoredCameraKey {
     pub projection: Option<Projection>,
 }
 
-/// Reads key frames, at least two. Numbers are finite and times increase; whether a key makes a camera is for
-/// [`splatvol_scene::Camera::new`] to say.
+/// Reads key frames, at least two. Numbers are finite and times increase; [`splatvol_scene::Camera::new`]
+/// decides whether a key makes a camera.
 ///
 /// # Errors
 /// See [`IoError`]; fields are named `key[2].position[0]`, keys counting from 0.

@@ -8,12 +8,13 @@
 //! | a folder | Gaussians (SOG), or a volume: OME-Zarr, DICOM, slices |
 //! | `.toml`, `.json` with `frame` | frames of depth cameras |
 //! | recognised by [`is_gaussians`] | Gaussians |
+//! | polygonal data of VTK | points: surfels |
 //! | recognised by [`is_mesh`] | a mesh |
 //! | USGS DEM; a georeferenced TIFF; a table of very many columns | terrain |
 //! | recognised by [`read_volume`], by its first bytes or its extension | a volume |
 //! | anything else that is text, PLY, LAS or PCD | points |
 //!
-//! Only starts of files are read to decide.
+//! Only the starts of files are read to decide.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -160,11 +161,14 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
     if extension == "toml" || extension == "json" {
         return Ok(DataKind::DepthImages);
     }
+    if points::is_poly_data(path)? {
+        return Ok(DataKind::Points);
+    }
     if is_mesh(path)? {
         return Ok(DataKind::Mesh);
     }
     let volume = volume::known(path);
-    // Numbers of a text volume may stand where a DEM has its own.
+    // The numbers of a text volume may stand at the columns where a DEM has its own.
     if height_field::is_terrain(path, volume.is_ok())? {
         return Ok(DataKind::Terrain);
     }
@@ -202,6 +206,7 @@ pub fn read_data(path: impl AsRef<Path>, options: &DataOptions) -> Result<Loaded
         DataKind::DepthImages => {
             let frames = DepthImageOptions {
                 strict: read.strict,
+                allow_outside: read.allow_outside,
                 max_bytes: read.max_bytes,
                 ..DepthImageOptions::default()
             };

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use splatvol_scene::SceneError;
 
+use crate::ReadOptions;
+
 /// Longest excerpt of a bad value that a message repeats.
 const SHOWN: usize = 80;
 
@@ -23,6 +25,17 @@ pub enum IoError {
     /// A field of the file is malformed or contradicts another.
     #[error(transparent)]
     Format(#[from] Box<FormatError>),
+    /// A link leads out of the folder of the file or folder that is read.
+    #[error("{link} leads out of its folder, to {target}, in {path}",
+            link = link.display(), target = target.display(), path = path.display())]
+    Outside {
+        /// The link.
+        link: PathBuf,
+        /// Where it leads.
+        target: PathBuf,
+        /// The folder, or the header that names the link.
+        path: PathBuf,
+    },
     /// A header names a data file that does not exist.
     #[error("data file {data} does not exist, named in {path}", data = data.display(), path = path.display())]
     MissingDataFile {
@@ -138,11 +151,26 @@ pub(crate) struct Context<'a> {
     pub(crate) format: &'static str,
     /// The file.
     pub(crate) path: &'a Path,
+    /// Whether links that lead out of the file's folder are followed.
+    pub(crate) allow_outside: bool,
 }
 
 impl<'a> Context<'a> {
+    /// Links that lead out of the file's folder are refused.
     pub(crate) fn new(format: &'static str, path: &'a Path) -> Self {
-        Self { format, path }
+        Self {
+            format,
+            path,
+            allow_outside: false,
+        }
+    }
+
+    /// Links that lead out of the file's folder are followed where the options say so.
+    pub(crate) fn following(self, options: &ReadOptions) -> Self {
+        Self {
+            allow_outside: options.allow_outside,
+            ..self
+        }
     }
 
     /// A malformed field. `expected` completes "expected ...".
@@ -183,7 +211,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Compressed data that cannot hold as much as declared, whatever they contain.
+    /// Compressed data that are too short to hold what the header declares.
     pub(crate) fn too_small(&self, what: &'static str, expected: u64, at_most: u64) -> IoError {
         IoError::Truncated {
             format: self.format,

@@ -7,10 +7,10 @@ use splatvol_scene::{Item, PointLook};
 use crate::error::Context;
 use crate::{Data, DataOptions, IoError, read_data};
 
-/// Reads a file or folder of any supported format as a thing to look at: volumes and meshes get a transfer function that is
-/// chosen from their values ([`Item::automatic`]), points their own colours.
+/// Reads a file or folder of any supported format as a thing to look at: volumes and meshes get a transfer function
+/// that is chosen from their values ([`Item::automatic`]), points their own colours.
 ///
-/// Whoever wants to know what was odd in the file, or to choose among its contents, takes [`read_data`].
+/// [`read_data`] also reports oddities of the file, and can choose among its contents.
 ///
 /// # Errors
 /// See [`IoError`].

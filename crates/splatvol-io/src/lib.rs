@@ -2,7 +2,7 @@
 //!
 //! | module | formats |
 //! |---|---|
-//! | [`data`] | all of the following: which reader a file is for |
+//! | [`data`] | all of the following: chooses the reader for a file |
 //! | [`item`] | the same, with a look that suits it |
 //! | [`gaussians`] | `.ply` of 3-D Gaussians, compressed `.ply`, `.splat`, `.ksplat`, `.spz`, `.sog`, glTF |
 //! | [`points`] | PLY, LAS, LAZ, COPC, PCD, tables of text; terrain; frames of depth cameras |
@@ -27,6 +27,7 @@ pub mod gaussians;
 pub mod image;
 pub mod item;
 mod json;
+pub mod memory;
 pub mod mesh;
 mod ply;
 pub mod points;
@@ -34,6 +35,7 @@ mod samples;
 mod source;
 pub mod transfer_function;
 pub mod volume;
+mod xml;
 
 pub use animation::{AnimationSettings, ApngWriter, GifWriter};
 pub use camera_keys::{StoredCameraKey, read_camera_keys};
@@ -41,7 +43,10 @@ pub use data::{Data, DataKind, DataOptions, LoadedData, data_kind, read_data};
 pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
-pub use image::{ImageFormat, LoadedImage, decode_image, encode_image, read_image, write_frame, write_image};
+pub use image::{
+    ImageFormat, LoadedImage, decode_image, encode_image, read_image, read_image_metadata, write_frame,
+    write_image,
+};
 pub use item::read_item;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use points::depth_image::{DepthImageOptions, read_depth_images};

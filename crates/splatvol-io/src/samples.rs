@@ -1,8 +1,8 @@
 //! Stored sample types and their decoding.
 //!
-//! Bytes are read straight into the typed vector that the volume keeps and swapped in place, so that a volume is in
-//! memory once. 64-bit integers, which [`Samples`] does not have, become `f64`; values beyond 2^53 lose digits there
-//! and are reported.
+//! Bytes are read straight into the typed vector that the volume keeps, and are swapped in place, so that a volume
+//! is in memory only once. 64-bit integers, which [`Samples`] does not have, become `f64`; values beyond 2^53 lose
+//! digits there and are reported.
 
 mod text;
 
@@ -149,7 +149,7 @@ impl SampleType {
     }
 }
 
-/// Samples on their way into memory; several sources may follow each other (slice files, compressed blocks).
+/// Samples while they are read; several sources may follow each other (slice files, compressed blocks).
 pub(crate) struct SampleBuffer {
     buffer: Buffer,
     endian: Endian,
@@ -174,7 +174,7 @@ impl SampleBuffer {
     }
 
     /// Appends `count` numbers written as text, after skipping `skip` of them; the buffer must be of native order. A
-    /// number outside the type's range is an error. Gives the number of bytes used.
+    /// number outside the type's range is an error. Returns the number of bytes used.
     pub(crate) fn read_text(
         &mut self,
         numbers: &TextNumbers<'_>,

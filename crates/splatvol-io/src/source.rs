@@ -1,7 +1,7 @@
 //! Byte sources: regular files, slices, and the deflate family, with a bound on their length.
 //!
 //! [`Source::at_most`] is known before anything is read: the length of the rest of the file, times 1032 (the best
-//! ratio that deflate can reach, RFC 1951) where it is compressed. What a header declares is held against it, so that
+//! ratio that deflate can reach, RFC 1951) where it is compressed. A header's claims are checked against it, so that
 //! a hundred bytes that claim 17 GB are refused without an allocation.
 
 use std::fs::File;
@@ -86,7 +86,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// A stream of `declared` bytes that another decoder of the deflate family makes from `compressed` bytes.
+    /// A stream of `declared` bytes that another decoder of the deflate family produces from `compressed`
+    /// bytes.
     pub(crate) fn from_decoder(reader: impl Read + 'a, compressed: u64, declared: u64) -> Self {
         let at_most = compressed
             .saturating_mul(DEFLATE_RATIO)
@@ -224,8 +225,8 @@ impl BufRead for Source<'_> {
     }
 }
 
-/// Lengthens `buffer` towards `length` by at most its own length (at least one chunk): memory follows the data that
-/// have arrived, not the data that are promised.
+/// Lengthens `buffer` towards `length` by at most its own length (at least one chunk): memory grows with the data
+/// that have arrived, not with the data that are promised.
 pub(crate) fn grow<T: Copy + Default>(
     buffer: &mut Vec<T>,
     length: usize,
@@ -313,8 +314,8 @@ pub fn read_text(format: &'static str, path: impl AsRef<Path>) -> Result<String,
 
 /// The path of a data file that the header at `context.path` names in `field`.
 ///
-/// Only names inside the header's folder are followed: no absolute path, no `..`, no link that leads out, not the
-/// header itself; and it must be a regular file.
+/// Only names inside the header's folder are followed: no absolute path, no `..`, not the header itself, and no link
+/// that leads out unless the context allows that; and it must be a regular file.
 pub(crate) fn companion(
     name: &str,
     field: &'static str,
@@ -345,9 +346,12 @@ pub(crate) fn companion(
         })
     };
     let (real_data, real_folder, real_header) = (real(&data)?, real(folder)?, real(context.path)?);
-    if !real_data.starts_with(real_folder) {
-        let expected = "a file inside the header's folder (this is a link that leads out)";
-        return Err(context.field(field, name, offset, expected));
+    if !real_data.starts_with(real_folder) && !context.allow_outside {
+        return Err(IoError::Outside {
+            link: data,
+            target: real_data,
+            path: context.path.to_owned(),
+        });
     }
     if real_data == real_header {
         return Err(context.field(field, name, offset, "a data file, not the header itself"));
@@ -356,6 +360,24 @@ pub(crate) fn companion(
         return Err(context.field(field, name, offset, "a regular file"));
     }
     Ok(data)
+}
+
+/// Refuses a link inside a folder that leads out of it, unless the context allows that. What does not exist passes.
+pub(crate) fn check_inside(link: &Path, folder: &Path, context: &Context<'_>) -> Result<(), IoError> {
+    if context.allow_outside {
+        return Ok(());
+    }
+    let (Ok(target), Ok(folder)) = (link.canonicalize(), folder.canonicalize()) else {
+        return Ok(());
+    };
+    match target.starts_with(folder) {
+        true => Ok(()),
+        false => Err(IoError::Outside {
+            link: link.to_owned(),
+            target,
+            path: context.path.to_owned(),
+        }),
+    }
 }
 
 #[cfg(test)]
@@ -473,7 +495,12 @@ mod tests {
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink("/etc/passwd", folder.path().join("link")).unwrap();
-            assert!(matches!(find("link"), Err(IoError::Format(_))));
+            assert!(matches!(find("link"), Err(IoError::Outside { .. })));
+            let allowed = Context {
+                allow_outside: true,
+                ..Context::new("test", &header)
+            };
+            assert!(companion("link", "file", 3, &allowed).is_ok());
         }
     }
 }

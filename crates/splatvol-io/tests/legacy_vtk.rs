@@ -66,7 +66,7 @@ fn with_array(path: &Path, array: &str) -> Result<Loaded, IoError> {
     read_volume(path, &options)
 }
 
-/// Pieces of a file: text, and numbers in the coding asked for.
+/// Pieces of a file: text, and numbers in the requested coding.
 #[derive(Clone)]
 enum Part {
     Text(&'static str),
@@ -181,7 +181,7 @@ fn what_follows_the_scalars_does_not_disturb() {
         assert_eq!(loaded.volume.samples(), &Samples::I16(SCALARS.to_vec().into()));
         assert!(loaded.description.warnings.is_empty());
     }
-    // Cells that come first are no stand-in for points that cannot be read, unless they are asked for.
+    // Cells that come first do not replace points that cannot be read, unless they are requested.
     let mut parts = parts();
     parts.truncate(5);
     let mut bytes = build(true, &parts);
@@ -342,4 +342,15 @@ fn a_last_number_that_may_be_cut_is_worth_a_warning() {
     assert!(loaded.description.warnings[0].contains("right after the last number"));
     let loaded = read_bytes(folder.path(), "a.vtk", format!("{text}\n").as_bytes()).unwrap();
     assert!(loaded.description.warnings.is_empty());
+}
+
+#[test]
+fn an_axis_with_one_sample_needs_no_spacing() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# vtk DataFile Version 3.4\nflat\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 1\n\
+        ORIGIN 0 0 3\nSPACING 0.5 2 0\nPOINT_DATA 4\nSCALARS a float 1\nLOOKUP_TABLE default\n1 2 3 4\n";
+    let loaded = read_bytes(folder.path(), "a.vtk", text.as_bytes()).unwrap();
+    let map = loaded.volume.grid().world_from_voxel();
+    assert_eq!(map.matrix3.z_axis.z, 0.5);
+    assert_eq!(map.translation.z, 3.0);
 }

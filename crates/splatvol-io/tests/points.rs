@@ -43,49 +43,43 @@ struct Known {
     normals: bool,
 }
 
-/// The table that comes with the files; bounds have six digits.
-const KNOWN: &[Known] = &[
-    Known {
-        name: "ankylosaurus_mesh.ply",
-        count: 34_820,
-        bounds: [[-0.430782, 0.948018, 2.60685], [0.579267, 1.29069, 3.21088]],
-        colors: Some([8, 168]),
-        normals: true,
-    },
-    Known {
-        name: "bunny.ply",
-        count: 35_947,
-        bounds: [
+/// Meshes, with the numbers of their triangles and the boxes of their vertices.
+const MESHES: &[(&str, usize, [[f64; 3]; 2])] = &[
+    (
+        "ankylosaurus_mesh.ply",
+        69_636,
+        [[-0.430782, 0.948018, 2.60685], [0.579267, 1.29069, 3.21088]],
+    ),
+    (
+        "bunny.ply",
+        69_451,
+        [
             [-0.0946899, 0.0329874, -0.0618736],
             [0.0610091, 0.187321, 0.0587997],
         ],
-        colors: None,
-        normals: false,
-    },
-    Known {
-        name: "horse.ply",
-        count: 48_485,
-        bounds: [
+    ),
+    (
+        "horse.ply",
+        96_966,
+        [
             [-0.042003, -0.0916705, -0.076418],
             [0.042003, 0.0916705, 0.076418],
         ],
-        colors: Some([255, 255]),
-        normals: false,
-    },
-    Known {
-        name: "beetle.ascii.ply",
-        count: 1148,
-        bounds: [[-0.216734, 0.306086, -0.253812], [0.143533, 0.60904, 0.637839]],
-        colors: None,
-        normals: true,
-    },
-    Known {
-        name: "beetle.binary.ply",
-        count: 1148,
-        bounds: [[-0.216734, 0.306086, -0.253812], [0.143533, 0.60904, 0.637839]],
-        colors: None,
-        normals: true,
-    },
+    ),
+    (
+        "beetle.ascii.ply",
+        2053,
+        [[-0.216734, 0.306086, -0.253812], [0.143533, 0.60904, 0.637839]],
+    ),
+    (
+        "beetle.binary.ply",
+        2053,
+        [[-0.216734, 0.306086, -0.253812], [0.143533, 0.60904, 0.637839]],
+    ),
+];
+
+/// The table that comes with the files; bounds have six digits.
+const KNOWN: &[Known] = &[
     Known {
         name: "autzen_trim.laz",
         count: 110_000,
@@ -141,6 +135,34 @@ fn real_files_hold_what_is_known_of_them() {
         assert_eq!(
             points.attributes().normals.len(),
             if known.normals { known.count } else { 0 },
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn real_meshes_become_surfels_inside_their_boxes() {
+    let Some(folder) = shared("points") else { return };
+    for &(name, triangles, [low, high]) in MESHES {
+        let loaded = load(&folder.join(name));
+        let stored = &loaded.description.stored_type;
+        assert!(
+            stored.contains(&format!("; {triangles} triangles as ")),
+            "{name}: {stored}"
+        );
+        assert!(loaded.description.warnings.is_empty(), "{name}");
+        let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
+        let bounds = loaded.points.bounds();
+        let near = 0.01 * low.distance(high);
+        let inside = (bounds.min - low).min_element() >= -1e-6 && (high - bounds.max).min_element() >= -1e-6;
+        assert!(inside, "{name}: {bounds:?}");
+        let reach = (bounds.min - low)
+            .max_element()
+            .max((high - bounds.max).max_element());
+        assert!(reach < near, "{name}: {bounds:?}");
+        assert_eq!(
+            loaded.points.attributes().normals.len(),
+            loaded.points.len(),
             "{name}"
         );
     }
@@ -307,6 +329,38 @@ fn ply_of_any_order_and_type_is_read() {
         .replace("float radius", "float scale_0");
     let text = read_as("a.ply", gaussians.as_bytes()).unwrap_err().to_string();
     assert!(text.contains("Gaussians"), "{text}");
+}
+
+#[test]
+fn faces_of_ply_are_a_surface_without_those_whose_corners_have_no_place() {
+    let text = |faces: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 2\nproperty list uchar int vertex_index\nproperty uchar red\nproperty uchar green\n\
+             property uchar blue\nend_header\n0 0 5\n1 0 5\nnan 1 5\n0 1 5\n{faces}"
+        )
+    };
+    let loaded = read_as("a.ply", text("3 0 1 3 10 20 30\n3 1 2 3 9 9 9\n").as_bytes()).unwrap();
+    let attributes = loaded.points.attributes();
+    let area: f64 = attributes.radii.iter().map(|r| f64::from(*r).powi(2)).sum();
+    assert!((area - 0.5).abs() < 1e-4, "{area}");
+    assert!(attributes.colors.iter().all(|c| *c == [10, 20, 30, 255]));
+    assert!(attributes.normals.iter().all(|n| *n == [0.0, 0.0, 1.0]));
+    assert!(world(&loaded).iter().all(|p| p.z == 5.0));
+
+    for (bad, words) in [
+        ("4", "corner of face 0"),
+        ("-1", "corner of face 0"),
+        ("0.5", "a number of type I32"),
+    ] {
+        let error = read_as(
+            "a.ply",
+            text(&format!("3 0 1 {bad} 1 2 3\n3 0 0 0 1 2 3\n")).as_bytes(),
+        )
+        .unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains(words), "{text}");
+    }
 }
 
 #[test]

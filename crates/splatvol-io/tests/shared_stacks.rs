@@ -1,4 +1,5 @@
-//! TIFF, OME-Zarr, MGH and SLC: the shared data against what tifffile, zarr-python, nibabel and VTK read of them.
+//! TIFF, OME-Zarr, MGH and SLC: the shared data against what tifffile, zarr-python, nibabel and VTK read from
+//! them.
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 mod common;

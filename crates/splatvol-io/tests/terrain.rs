@@ -98,8 +98,8 @@ fn pictures_lie_on_their_terrain() {
         "{bounds:?}"
     );
 
-    // The sun of the photograph shades slopes: with rows and picture the right way round brightness depends on the slope,
-    // upside down it does not.
+    // The sun of the photograph shades slopes: with rows and picture the right way round brightness depends on the
+    // slope, upside down it does not.
     let correlation = |rows| {
         let options = HeightFieldOptions {
             rows: Some(rows),
@@ -279,7 +279,7 @@ fn geotiff_lies_where_its_tags_say() {
     assert_eq!(places.len(), 5);
 }
 
-/// A camera that looks down on a tilted plane, and a second one from elsewhere: all points lie on the plane.
+/// Two cameras look at a tilted plane from different places: all points lie on the plane.
 #[test]
 fn depth_frames_meet_in_the_world() {
     let folder = tempfile::tempdir().unwrap();

@@ -196,3 +196,72 @@ fn cut_files_are_refused() {
     common::truncations("cut.tif", &bytes, 64);
     common::flips("changed.tif", &bytes, bytes.len());
 }
+
+/// A page of 3 x 2 words in one strip.
+fn page(compression: u16, photometric: u16, predictor: u16, strip: &[u8]) -> Vec<u8> {
+    let tags: [(u16, u16, u32); 10] = [
+        (256, 3, 3),
+        (257, 3, 2),
+        (258, 3, 16),
+        (259, 3, compression.into()),
+        (262, 3, photometric.into()),
+        (273, 4, 8 + 2 + 10 * 12 + 4),
+        (277, 3, 1),
+        (278, 3, 2),
+        (279, 4, strip.len() as u32),
+        (317, 3, predictor.into()),
+    ];
+    let mut bytes = b"II*\0\x08\0\0\0".to_vec();
+    bytes.extend((tags.len() as u16).to_le_bytes());
+    for (tag, kind, value) in tags {
+        bytes.extend(tag.to_le_bytes());
+        bytes.extend(kind.to_le_bytes());
+        bytes.extend(1u32.to_le_bytes());
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend([0; 4]);
+    bytes.extend(strip);
+    bytes
+}
+
+/// A frame of Zstandard that holds the bytes as they are (RFC 8878, section 3.1.1).
+fn zstd(bytes: &[u8]) -> Vec<u8> {
+    let length = bytes.len() as u8;
+    let mut frame = vec![0x28, 0xb5, 0x2f, 0xfd, 0x20, length, length << 3 | 1, 0, 0];
+    frame.extend(bytes);
+    frame
+}
+
+#[test]
+fn zstd_and_palettes_are_read_with_their_predictors() {
+    let words = |words: [u16; 6]| {
+        words
+            .iter()
+            .flat_map(|word| word.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let samples = [7, 300, 299, 65_535, 0, 1];
+    let differences = words([7, 293, 65_535, 65_535, 1, 1]);
+    for (bytes, coding) in [
+        (page(50_000, 1, 1, &zstd(&words(samples))), "zstd"),
+        (page(50_000, 1, 2, &zstd(&differences)), "zstd"),
+        (
+            page(1, 3, 1, &words(samples)),
+            "uncompressed, places in a palette",
+        ),
+    ] {
+        let loaded = read_bytes(&bytes, |_| ()).unwrap();
+        let Samples::U16(found) = loaded.volume.samples() else {
+            panic!("words")
+        };
+        assert_eq!(found[..], samples, "{coding}");
+        assert_eq!(
+            loaded.description.stored_type,
+            format!("u16, little-endian, {coding}")
+        );
+        // Cut in the strip, at every byte.
+        for cut in bytes.len() - 12..bytes.len() {
+            assert!(read_bytes(&bytes[..cut], |_| ()).is_err(), "{cut}");
+        }
+    }
+}

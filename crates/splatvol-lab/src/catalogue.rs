@@ -26,7 +26,7 @@ pub fn experiments() -> impl Iterator<Item = &'static Experiment> {
     .flatten()
 }
 
-/// The experiment of a name.
+/// The experiment with this name.
 ///
 /// # Errors
 /// No experiment has this name; the error suggests one that begins alike.

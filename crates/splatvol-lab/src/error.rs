@@ -49,7 +49,7 @@ pub enum LabError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A measurement made no sense, which is an error of the experiment.
+    /// A measurement makes no sense: an error in the experiment.
     #[error("{0}")]
     Measurement(String),
 }

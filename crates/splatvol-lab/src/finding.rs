@@ -75,7 +75,7 @@ impl fmt::Display for Published {
 /// A reason for a difference, which is a measurement too: it is given only if it holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Explanation {
-    /// The reason, in words that are true exactly if the expectation holds.
+    /// The reason, in words that are true if and only if the expectation holds.
     pub reason: String,
     /// The number that decides.
     pub measured: f64,
@@ -111,7 +111,7 @@ pub struct Finding {
     pub published: Published,
     /// Measured value.
     pub measured: f64,
-    /// More about what came out, such as the order that a count of swaps sums up.
+    /// More about the result, such as the order that a count of swaps sums up.
     pub detail: String,
     /// Condition that must hold for the result to count as reproduced.
     pub expected: Expectation,
@@ -183,7 +183,7 @@ impl Finding {
         self
     }
 
-    /// Sets more words about what came out.
+    /// Sets more words about the result.
     #[must_use]
     pub fn detail(mut self, detail: impl Into<String>) -> Self {
         self.detail = detail.into();
@@ -268,7 +268,7 @@ fn in_order(sorted: &[(&str, f64)], tie: f64) -> String {
     text
 }
 
-/// A number in as few digits as tell it: four that count.
+/// A number in few digits: about four significant ones.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

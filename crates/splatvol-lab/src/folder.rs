@@ -7,7 +7,7 @@ use splatvol_io::{ImageFormat, encode_image};
 
 use crate::{Cell, Finding, LabError, Outcome, Run, Table};
 
-/// Writes the results of a run into `folder/NAME/`, which is made; files of these names are overwritten.
+/// Writes the results of a run into `folder/NAME/`, which is created; files of these names are overwritten.
 ///
 /// # Errors
 /// A file cannot be written.

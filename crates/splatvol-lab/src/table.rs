@@ -97,7 +97,7 @@ impl Table {
         };
         let rows = self.rows.iter().map(|row| row.iter().map(exact).collect());
         for record in std::iter::once(self.columns.clone()).chain(rows) {
-            // Memory takes every byte, and rows as long as the head are no error.
+            // Memory takes every byte, and rows as long as the head give no error.
             let _ = writer.write_record(&record);
         }
         let bytes = writer.into_inner().unwrap_or_default();

@@ -51,7 +51,7 @@ impl Workbench<'_> {
     /// A file of the folder of data.
     ///
     /// # Errors
-    /// [`LabError::NoData`] where there is no folder, or no such file in it.
+    /// [`LabError::NoData`] if there is no folder, or no such file in it.
     pub fn data(&self, file: &'static str) -> Result<PathBuf, LabError> {
         let path = self.data.map(|folder| folder.join(file));
         path.filter(|path| path.is_file())
@@ -61,7 +61,7 @@ impl Workbench<'_> {
             })
     }
 
-    /// Says that step `done` of `of` begins.
+    /// Reports that step `done` of `of` begins.
     pub fn step(&self, done: usize, of: usize, what: &str) {
         (self.progress)(done as f64 / of.max(1) as f64, what);
     }

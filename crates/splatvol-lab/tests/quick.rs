@@ -1,5 +1,5 @@
-//! Every experiment with `--quick`: its numbers lie in stored ranges, `ranges/PAPER.toml`, whose keys are experiment and
-//! finding. What a clock measured must only be a number. Experiments whose data are not there are skipped. A finding
+//! Every experiment with `--quick`: its numbers lie in stored ranges, `ranges/PAPER.toml`, whose keys are experiment
+//! and finding. A timed finding must only be a number. Experiments whose data are missing are skipped. A finding
 //! without a range, and a range without a finding, fail.
 
 use std::collections::BTreeMap;

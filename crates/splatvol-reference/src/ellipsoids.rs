@@ -2,13 +2,14 @@
 //!
 //! Along the ray `x(t)` through a pixel's centre
 //!
-//! `C = int e(t) exp(-int_0^t k(s) ds) dt`, `k(t) = sum_i m_i N(x(t); u_i, V_i)`, `e(t) = sum_i m_i c_i N(x(t); u_i, V_i)`,
+//! `C = int e(t) exp(-int_0^t k(s) ds) dt`, `k(t) = sum_i m_i N(x(t); u_i, V_i)`,
+//! `e(t) = sum_i m_i c_i N(x(t); u_i, V_i)`,
 //!
-//! by the midpoint rule with steps that are short against the narrowest kernel on the ray (zwicker2001 eq. 1 and 9, with no
-//! low-pass, no footprint and no order of splats).
+//! by the midpoint rule with steps that are short against the narrowest kernel on the ray (zwicker2001 eq. 1 and 9,
+//! with no low-pass, no footprint and no order of splats).
 //!
 //! Samples of a field, of mass m and coefficient a, are integrated the same way ([`field_picture`]): with
-//! `W = sum_i m_i N(x; u_i, V_i)` and `S = sum_i m_i a_i N(x; u_i, V_i)` the field is `v = S / W`, and there are
+//! `W = sum_i m_i N(x; u_i, V_i)` and `S = sum_i m_i a_i N(x; u_i, V_i)` the field is `v = S / W`, with
 //! `k = min(W, 1) kappa(v)` and `e = k c(v)`.
 
 use glam::{DMat3, DVec2, DVec3};
@@ -55,7 +56,8 @@ struct OnRay {
 }
 
 impl Ellipsoid {
-    /// The mass of a kernel whose line integral through its centre, along a direction of length one, is `optical_depth`.
+    /// The mass of a kernel whose line integral through its centre, along a direction of length one, is
+    /// `optical_depth`.
     pub fn mass_of_peak(covariance: DMat3, direction: DVec3, optical_depth: f64) -> f64 {
         let along = direction.dot(covariance.inverse() * direction);
         // int N = 1 / (2 pi sqrt(|V| d^T V^-1 d)).

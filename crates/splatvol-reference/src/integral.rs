@@ -14,7 +14,7 @@ use crate::medium::MediumSample;
 const MAX_HALVINGS: u32 = 24;
 
 /// A transfer function may leave the straight line between samples by this many tolerances: the comparison of
-/// halves and whole sees what it samples, this only keeps it from missing what it does not.
+/// halves and whole sees what it samples; this only keeps it from missing what it does not.
 const FEATURE_TOLERANCES: f64 = 16.0;
 
 /// Whether material dims the light from behind it.

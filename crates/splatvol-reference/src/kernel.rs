@@ -25,7 +25,7 @@ pub(crate) struct GaussianKernel {
 
 impl GaussianKernel {
     /// # Errors
-    /// A kernel that is no Gaussian: the reference knows no other.
+    /// A kernel that is not a Gaussian: the reference knows no other.
     pub(crate) fn new(kernel: &Kernel) -> Result<Self, ReferenceError> {
         let name = kernel.name();
         let (sigma, radius) = kernel.gaussian().ok_or(ReferenceError::Kernel { name })?;

@@ -100,7 +100,7 @@ fn golden_section(at: &impl Fn(f64) -> RayValue, mut low: f64, mut high: f64) ->
     let mut left = at(high - ratio * (high - low));
     let mut right = at(low + ratio * (high - low));
     for _ in 0..ITERATIONS {
-        // Where neither counts the border of what counts is on either side of both; the sampled peak remains.
+        // Where neither counts, those that do may be on either side of both; the sampled peak remains.
         if left.value >= right.value {
             high = right.position;
             right = left;

@@ -60,7 +60,7 @@ impl Reconstruction {
     /// The field of a volume, with or without the interpolating prefilter.
     ///
     /// # Errors
-    /// A kernel that is no Gaussian; with the prefilter, one that cannot be inverted on this box.
+    /// A kernel that is not a Gaussian; with the prefilter, one that cannot be inverted on this box.
     pub fn new(volume: &Volume, kernel: &Kernel, prefilter: bool) -> Result<Self, ReferenceError> {
         let gaussian = GaussianKernel::new(kernel)?;
         let (dims, samples) = continued(&normalised_samples(volume), volume.grid().dims());

@@ -11,12 +11,12 @@ pub enum SampleError {
     UnknownName {
         /// The requested name.
         name: String,
-        /// The most similar known name, where one is similar.
+        /// The most similar known name, if one is similar.
         nearest: Option<&'static str>,
         /// All names, separated by commas.
         known: String,
     },
-    /// The size is not one that this sample can have.
+    /// This sample cannot have the requested size.
     #[error("sample {name}: size {size} is not allowed ({expected})")]
     InvalidSize {
         /// Name of the sample.

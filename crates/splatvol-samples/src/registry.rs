@@ -164,8 +164,8 @@ impl Sample {
         Ok(transfer::transfer_function(self)?)
     }
 
-    /// Classification in the paper that the sample comes from: colours, so that the dark squares' value between light
-    /// ones and air makes no dark rim, and palettes mix as colours, not as entries.
+    /// Classification in the paper that the sample comes from. With splatted colours, the dark squares' value, which
+    /// lies between light squares and air, makes no dark rim, and palettes mix as colours, not as entries.
     pub fn preferred_classification(self) -> Classification {
         match self {
             Self::CheckerSheet | Self::Tunnel | Self::Zebra | Self::Terrain => Classification::Pre,
@@ -178,7 +178,7 @@ impl Sample {
         self != Self::Terrain
     }
 
-    /// The direction to look from, where it matters.
+    /// The direction to look from, if it matters.
     pub fn preferred_view(self) -> Option<View> {
         match self {
             Self::Head | Self::Shells | Self::Terrain | Self::Tomato => Some(View::Iso),

@@ -1,4 +1,5 @@
-//! Directions and rotations with the same bits on every platform: glam's own call the sine and cosine of the C library.
+//! Directions and rotations with the same bits on every platform: glam's own functions call the sine and cosine of the
+//! C library.
 
 use glam::{Mat3, Vec2, Vec3};
 

@@ -1,9 +1,10 @@
-//! A landscape under a satellite photograph (swan1997 and mueller1998, figure 6: 512 x 512 x 103, every column of splats has
-//! the colour of its pixel in the photograph).
+//! A landscape under a satellite photograph (swan1997 and mueller1998, figure 6: 512 x 512 x 103, every column of
+//! splats has the colour of its pixel in the photograph).
 //!
 //! The papers' elevations and photograph are not published; both are drawn from noise here. A sample is an entry of a
-//! palette: 1 + kind of ground x [`SHADES`] + shade, 0 is air. Columns are filled from their own height down to below their
-//! neighbours', so that steep places have no holes, and no deeper, so that splats cost what the surface costs.
+//! palette: 1 + kind of ground x [`SHADES`] + shade, 0 is air. Columns are filled from their own height down to below
+//! their neighbours', so that steep places have no holes, but no deeper, so that the splats cost no more than the
+//! surface.
 
 use glam::{Vec2, Vec3};
 
@@ -150,7 +151,7 @@ fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Height at a point of 512 x 512: hills, and ridges where the country is mountainous.
+/// Height at a point of 512 x 512: hills, and ridges where the land is mountainous.
 fn height(p: Vec2) -> f32 {
     let warp = Vec2::new(octaves(p, 90.0, 3, 101), octaves(p, 90.0, 3, 111));
     let q = p + 18.0 * warp;
@@ -187,7 +188,7 @@ fn color(p: Vec2, column: [usize; 2], bed: f32, rise: Vec2) -> u8 {
     (1 + kind * SHADES + shade) as u8
 }
 
-/// Kind of ground, and how much lighter this column is than it usually is.
+/// Kind of ground, and how much lighter this column is than usual.
 fn ground(p: Vec2, bed: f32, slope: f32, grain: f32) -> (usize, f32) {
     let fine = octaves(p, 9.0, 3, 161);
     let depth = WATER - bed;

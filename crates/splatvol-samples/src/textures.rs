@@ -54,7 +54,7 @@ fn shade(square: usize) -> u8 {
 }
 
 /// Three nested shells with noisy radii, 0 between them: about a tenth of the voxels are not empty, as in the
-/// scenes that renderers are measured with.
+/// usual benchmark scenes for renderers.
 pub(crate) fn shells(dims: [usize; 3]) -> Vec<u8> {
     /// Radius, share of the half side; thickness in voxels of 256; peak.
     const SHELLS: [(f32, f32, f32); 3] = [(0.86, 4.0, 110.0), (0.60, 4.5, 180.0), (0.34, 5.0, 250.0)];

@@ -1,6 +1,6 @@
-//! A tomato as magnetic resonance sees it (256 x 256 x 256, as the papers' tests of semi-transparent fruit): soft flesh, gel
-//! in chambers between walls, seeds around the core. The original data are not published; this one is built from implicit
-//! shapes, z along the stem.
+//! A tomato as magnetic resonance sees it (256 x 256 x 256, as the papers' tests of semi-transparent fruit): soft
+//! flesh, gel in chambers between walls, seeds around the core. The original data are not published; this one is built
+//! from implicit shapes, z along the stem.
 
 use glam::{Vec2, Vec3};
 
@@ -24,7 +24,7 @@ pub(crate) const SEED: f32 = 230.0;
 #[derive(Debug, Clone, Copy, Default)]
 struct Seed {
     centre: Vec3,
-    /// Long axis; the other two are half as long and a third.
+    /// Long axis; the other two are half and a third as long.
     along: Vec3,
     across: Vec3,
     length: f32,
@@ -36,7 +36,7 @@ impl Seed {
         let middle = (chamber as f32 + 0.5) / CHAMBERS as f32;
         let angle = (middle + 0.27 / CHAMBERS as f32 * random(0)) * std::f32::consts::TAU;
         let radius = 0.42 + 0.11 * random(1);
-        // From below to above, so that they keep apart.
+        // From bottom to top, so that they stay apart.
         let height = -0.36 + 0.72 * (index as f32 + 0.5 + 0.3 * random(2)) / SEEDS as f32;
         let outwards = direction(angle);
         let along =

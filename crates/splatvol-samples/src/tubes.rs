@@ -1,9 +1,9 @@
-//! Volumes of bent and branching tubes, as microscopes see them: microtubules (mueller1998 and huang2000 render 420 x 468 x
-//! 62) and a nerve cell (512 x 512 x 76, voxels 1:1:5). The papers' data are not published; these grow from seeded random
-//! walks.
+//! Volumes of bent and branching tubes, as microscopes see them: microtubules (mueller1998 and huang2000 render 420 x
+//! 468 x 62) and a nerve cell (512 x 512 x 76, voxels 1:1:5). The papers' data are not published; these grow from
+//! seeded random walks.
 //!
-//! A tube is a chain of tapered pieces; a voxel's value depends on its distance from the axis and surface of the piece that is
-//! brightest there.
+//! A tube is a chain of tapered pieces; a voxel's value depends on its distance from the axis and surface of the piece
+//! that is brightest there.
 
 use glam::Vec3;
 
@@ -125,7 +125,7 @@ pub(crate) fn microtubules(dims: [usize; 3]) -> Vec<u8> {
     let full = Vec3::new(420.0, 468.0, 62.0);
     let scale = Vec3::from_array(dims.map(|n| n as f32)) / full;
     let spacing = scale.recip();
-    // Thinner than a voxel and a half they would break up.
+    // If thinner than a voxel and a half, they would break up.
     let radius = (2.3f32).max(1.2 * spacing.x.max(spacing.y));
     let pieces: Vec<Piece> = (0..TUBES)
         .flat_map(|tube| microtubule(tube, full, radius))
@@ -302,7 +302,7 @@ impl Arms {
 mod tests {
     use super::*;
 
-    /// Share of voxels at `threshold` and above, and of those the share in the largest connected piece.
+    /// Share of voxels at `threshold` and above, and the share of those in the largest connected piece.
     fn connected(values: &[u8], [nx, ny, nz]: [usize; 3], threshold: u8) -> [f64; 2] {
         let mut seen: Vec<bool> = values.iter().map(|&v| v < threshold).collect();
         let (mut count, mut largest) = (0usize, 0usize);
@@ -341,7 +341,7 @@ mod tests {
         let values = microtubules(dims);
         let [filled, _] = connected(&values, dims, 90);
         assert!((0.02..0.15).contains(&filled), "{filled}");
-        // Nowhere but at the centre is a disc of 11 voxels filled.
+        // Only at the centre is a disc of 11 voxels filled.
         let slice = &values[15 * 210 * 234..16 * 210 * 234];
         let thick = (6..228)
             .flat_map(|y| (6..204).map(move |x| (x, y)))

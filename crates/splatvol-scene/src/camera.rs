@@ -24,9 +24,10 @@ pub enum Projection {
     },
 }
 
-/// From the target to a camera in front, on one side and above: three faces of a box, none of them like another.
+/// From the target to a camera in front, on one side and above: it shows three faces of a box, none of which looks
+/// like another.
 const ISO: DVec3 = DVec3::new(-0.62, 0.70, 0.36);
-/// Sine of the least angle between the view and the up direction; below, the picture's turn would be rounding.
+/// Sine of the least angle between the view and the up direction; below it, the picture's turn would be rounding.
 const LEAST_TILT: f64 = 1e-9;
 
 impl Default for Projection {

@@ -1,12 +1,13 @@
 //! Cameras that move: around their target, or through key frames.
 //!
-//! Between key frames, positions, targets, up vectors and the logarithm of the enlargement follow Catmull-Rom splines
-//! with the knots at the keys' own times (Barry and Goldman, *A recursive evaluation algorithm for a class of
-//! Catmull-Rom splines*, SIGGRAPH 1988), written as cubic Hermite curves: with `t_i` the times, `h_i = t_{i+1} - t_i`
-//! and `d_i = (p_{i+1} - p_i) / h_i`, the velocity in key i is that of the parabola through it and its neighbours,
-//! `m_i = (h_i d_{i-1} + h_{i-1} d_i) / (h_{i-1} + h_i)`, and at the ends that of the outermost parabola,
-//! `m_0 = d_0 + (d_0 - d_1) h_0 / (h_0 + h_1)`. So velocities are continuous, straight and parabolic motion is
-//! reproduced exactly, and a path whose last key is its first is closed: it passes that key without a jolt.
+//! Between key frames, positions, targets, up vectors and the logarithm of the enlargement follow Catmull-Rom
+//! splines (Barry and Goldman, *A recursive evaluation algorithm for a class of Catmull-Rom splines*, SIGGRAPH
+//! 1988). The knots are at the keys' own times, and the splines are written as cubic Hermite curves. With `t_i` the
+//! times, `h_i = t_{i+1} - t_i` and `d_i = (p_{i+1} - p_i) / h_i`, the velocity in key i is that of the parabola
+//! through it and its neighbours, `m_i = (h_i d_{i-1} + h_{i-1} d_i) / (h_{i-1} + h_i)`. At the ends it is that of
+//! the outermost parabola, `m_0 = d_0 + (d_0 - d_1) h_0 / (h_0 + h_1)`. So velocities are continuous, straight and
+//! parabolic motion is reproduced exactly, and a path whose last key is its first is closed: it passes that key
+//! without a jolt.
 
 use glam::DVec3;
 
@@ -32,7 +33,7 @@ enum Motion {
 }
 
 impl CameraPath {
-    /// The camera `start` turned by `degrees` in all around its target and its up axis, to its right.
+    /// The camera `start` turned by `degrees` in total around its target and its up axis, to its right.
     ///
     /// # Errors
     /// An angle that is not finite.
@@ -90,8 +91,8 @@ impl CameraPath {
         }
     }
 
-    /// The camera at a time from 0 to 1. Times beyond are those of the next round of a closed path, of the end of an
-    /// open one.
+    /// The camera at a time from 0 to 1. Times beyond belong to the next round of a closed path, or to the end of
+    /// an open one.
     ///
     /// # Errors
     /// Between keys, a path through the target, or an up vector along the view.

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Bounds, SceneError};
 
-/// Error of a squared length up to which a normal is kept as it is: a plane that was written and read again is the same.
+/// Error of a squared length up to which a normal is kept as it is: a plane that was written and read again is the
+/// same.
 const UNIT: f64 = 1e-12;
 
 /// A plane; the half-space that its normal points to is inside.

@@ -6,8 +6,8 @@
 //! rgb(d) = max(0, 1/2 + sum_lm c_lm Y_lm(d)),          d from the camera to the mean, in the Gaussians' own frame
 //! ```
 //!
-//! Everything is kept in the frame of the file, *local*; `world_from_local` turns it upright. Harmonics are evaluated in
-//! local space, so that nothing has to be rotated.
+//! Everything is kept in the frame of the file, *local*; `world_from_local` turns it upright. Harmonics are
+//! evaluated in local space, so that nothing has to be rotated.
 
 use glam::DAffine3;
 
@@ -25,8 +25,8 @@ pub struct GaussianAttributes {
     pub rotations: Vec<[f32; 4]>,
     /// Opacities at the mean, 0..1 (not their logits).
     pub opacities: Vec<f32>,
-    /// Spherical harmonics: of each Gaussian `(degree + 1)^2` red, green and blue coefficients, in the order l = 0, 1, ...,
-    /// m = -l..l and with the signs of the published implementation; sRGB as it is displayed.
+    /// Spherical harmonics: `(degree + 1)^2` red, green and blue coefficients of each Gaussian, in the order l = 0,
+    /// 1, ..., m = -l..l and with the signs of the published implementation; sRGB as it is displayed.
     pub harmonics: Vec<[f32; 3]>,
 }
 

@@ -1,13 +1,14 @@
 //! Colours of Gaussians seen from a direction: `max(0, 1/2 + sum_lm c_lm Y_lm(d))`.
 //!
-//! Real spherical harmonics to degree 3 as polynomials of a unit vector, with the signs of the published implementation:
-//! those of quantum mechanics, with the Condon-Shortley phase. Sloan 2008, "Stupid Spherical Harmonics Tricks", appendix A2.
+//! Real spherical harmonics to degree 3 as polynomials of a unit vector, with the signs of the published
+//! implementation: those of quantum mechanics, with the Condon-Shortley phase. Sloan 2008, "Stupid Spherical
+//! Harmonics Tricks", appendix A2.
 
 use crate::Gaussians;
 
 /// Harmonics of the highest degree.
 const COUNT: usize = (Gaussians::MAX_DEGREE as usize + 1).pow(2);
-/// Colours beyond are no colours.
+/// Largest value of a colour; larger ones count as this.
 const BRIGHTEST: f32 = 1e4;
 
 /// Values of the harmonics in a direction (unit), in the order l = 0, 1, ..., m = -l..l; above `degree` left at zero.

@@ -275,8 +275,8 @@ impl Item {
         }
     }
 
-    /// Whether it is the same: the same data in memory, looking alike, at the same place. Operators, clips and motion
-    /// may differ.
+    /// Whether both items are the same: the same data in memory, looking alike, at the same place. Operators, clips
+    /// and motion may differ.
     pub fn is_same(&self, other: &Self) -> bool {
         let content = match (&self.content, &other.content) {
             (

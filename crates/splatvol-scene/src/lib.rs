@@ -5,7 +5,7 @@
 //! | [`grid`] | where samples lie: dimensions and `world_from_voxel` |
 //! | [`volume`] | samples on a grid, in their own type, with value range and statistics |
 //! | [`source`] | samples at levels of detail, read region by region |
-//! | [`storage`] | where these lie: in their own memory, or in shared |
+//! | [`storage`] | where these lie: in their own memory, or in shared memory |
 //! | [`camera`] | `camera_from_world` and the projection to pixels |
 //! | [`camera_path`] | cameras that move: turntables and key frames |
 //! | [`transfer_function`] | piecewise colour and opacity per unit distance; named maps; automatic choice |

@@ -1,7 +1,8 @@
 //! Meshes: one scalar on points or cells that do not form a regular grid.
 //!
-//! Structured blocks (rectilinear and curvilinear grids, one or several) know their neighbours by index, unstructured
-//! cells list their points in VTK's order. Coordinates are *local*, in 32 bits, as those of [`crate::Points`].
+//! Structured blocks (rectilinear and curvilinear grids, one or several) know their neighbours by index;
+//! unstructured cells list their points in VTK's order. Coordinates are *local*, in 32 bits, as those of
+//! [`crate::Points`].
 
 mod cells;
 mod thickness;
@@ -34,7 +35,7 @@ pub enum Topology {
 /// The scalar of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshField {
-    /// Name, as the file has it.
+    /// Name, as in the file.
     pub name: String,
     /// Whether the values belong to the points or to the cells.
     pub association: Association,
@@ -55,7 +56,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh of points at local positions. `blanked` marks points that are no part of the grid (IBLANK), or is empty.
+    /// A mesh of points at local positions. `blanked` marks points that are not part of the grid (IBLANK), or is
+    /// empty.
     ///
     /// # Errors
     /// No cells or points; a block with fewer than two points along an axis; numbers of points, values or marks that do
@@ -112,7 +114,7 @@ impl Mesh {
         &self.topology
     }
 
-    /// True for points that are no part of the grid; empty where all are.
+    /// True for points that are not part of the grid; empty where all are.
     pub fn blanked(&self) -> &[bool] {
         &self.blanked
     }

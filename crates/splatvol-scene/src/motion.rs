@@ -1,10 +1,10 @@
 //! Motion while the shutter is open.
 //!
-//! The shutter is open from t = -1/2 to t = 1/2; the scene and the camera of a frame are those of its middle, t = 0. As in
-//! mueller1998 section 5 every voxel moves linearly: at the time t a voxel at x is at `x + t d(x)`, d being its
-//! displacement while the shutter is open. A spin by the angle a about the axis n (unit) through c has, to first order
-//! at the middle, `d = a n x (x - c)`; a camera that moves from C0 to C1 displaces a voxel in camera space by
-//! `C1 x - C0 x`. Sub-frames need no such approximation: there, the spin is a rotation.
+//! The shutter is open from t = -1/2 to t = 1/2; the scene and the camera of a frame are those of its middle,
+//! `t = 0`. As in mueller1998 section 5, every voxel moves linearly: at the time t a voxel at x is at `x + t d(x)`,
+//! with d its displacement while the shutter is open. A spin by the angle a about the axis n (unit) through c has,
+//! to first order at the middle, `d = a n x (x - c)`; a camera that moves from C0 to C1 displaces a voxel in camera
+//! space by `C1 x - C0 x`. Sub-frames need no such approximation: there, the spin is a rotation.
 
 use std::sync::Arc;
 
@@ -128,8 +128,9 @@ impl Motion {
         }
     }
 
-    /// The cameras that see the volume at rest as `camera` sees it move: `count` of them, each in the middle of its share
-    /// of the time. The path of a camera in motion is the parabola through its opening, its middle and its closing.
+    /// The cameras that see the volume at rest as `camera` sees it move: `count` of them, each in the middle of its
+    /// share of the time. The path of a camera in motion is the parabola through its opening, its middle and its
+    /// closing.
     ///
     /// # Errors
     /// A field, whose voxels no camera can follow; a camera that passes its target.

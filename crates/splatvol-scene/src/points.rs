@@ -1,7 +1,7 @@
 //! Points: samples of a surface, each with a place and, where it is known, a size, a normal and a colour.
 //!
-//! Coordinates are *local*, in 32 bits; `world_from_local` holds what 32 bits cannot, such as the millions of metres of a
-//! map's projection. A reader subtracts an origin before it rounds.
+//! Coordinates are *local*, in 32 bits; `world_from_local` holds what 32 bits cannot, such as the millions of
+//! metres of a map's projection. A reader subtracts an origin before it rounds.
 
 use glam::{DAffine3, DVec3};
 
@@ -31,8 +31,8 @@ impl Points {
     /// Points at local positions. Normals are made unit vectors.
     ///
     /// # Errors
-    /// No points, coordinates or radii that are not finite, radii not above zero, a normal that is not finite, an attribute
-    /// of another length, or a `world_from_local` that cannot be inverted.
+    /// No points, coordinates or radii that are not finite, radii not above zero, a normal that is not finite, an
+    /// attribute of another length, or a `world_from_local` that cannot be inverted.
     pub fn new(
         positions: Vec<[f32; 3]>,
         mut attributes: PointAttributes,

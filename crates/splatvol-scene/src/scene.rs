@@ -54,7 +54,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// This scene with one more operator on everything, which runs after those that there are.
+    /// This scene with one more operator on everything, which runs after the existing ones.
     #[must_use]
     pub fn with_operator(mut self, operator: impl PixelOperator + 'static) -> Self {
         let operator: Arc<dyn PixelOperator> = Arc::new(operator);
@@ -128,7 +128,7 @@ impl Scene {
         self.items.iter().all(is)
     }
 
-    /// The volume of a scene of nothing else.
+    /// The volume of a scene that holds nothing else.
     ///
     /// # Errors
     /// Several items, or one of another kind.
@@ -195,7 +195,7 @@ pub struct SingleVolume<'a> {
     pub transfer_function: &'a TransferFunction,
     /// Surfaces to show instead of material, where there are any.
     pub isosurfaces: &'a [Isosurface],
-    /// Whether values are names of kinds.
+    /// Whether values are label numbers.
     pub labels: bool,
 }
 
@@ -207,7 +207,7 @@ impl SingleVolume<'_> {
         own * self.item.scale()
     }
 
-    /// The volume where it lies: itself where it was not moved.
+    /// The volume where it lies: the same one if it was not moved.
     ///
     /// # Errors
     /// A place that cannot be inverted.

@@ -55,10 +55,10 @@ pub struct Block<'a> {
     pub of: VoxelBox,
 }
 
-/// Samples on a grid, at levels of detail. Level 0 has them all; each further one covers the same box with about half as many
-/// along each axis. Any thread may read at any time.
+/// Samples on a grid, at levels of detail. Level 0 has them all; each further one covers the same box with about
+/// half as many along each axis. Any thread may read at any time.
 pub trait SampleSource: Debug + Send + Sync {
-    /// Levels that there are, one at least. Engines make further ones from the last.
+    /// Number of levels, at least one. Engines make further ones from the last.
     fn levels(&self) -> usize {
         1
     }
@@ -72,11 +72,11 @@ pub trait SampleSource: Debug + Send + Sync {
     /// Range, mean and missing samples of a level, real values.
     fn statistics(&self, level: usize) -> Statistics;
 
-    /// The samples of a region, or of a larger one that holds it. `memory` is for those that lie nowhere yet; what an earlier
-    /// call left there may be used again.
+    /// The samples of a region, or of a larger one that holds it. `memory` is for samples that are not in memory
+    /// yet; those that an earlier call left there may be used again.
     ///
     /// # Errors
-    /// Samples that cannot be had: [`SceneError::Source`].
+    /// Samples that cannot be read: [`SceneError::Source`].
     fn read<'a>(
         &'a self,
         level: usize,

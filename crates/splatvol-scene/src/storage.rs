@@ -28,6 +28,17 @@ impl<T> Storage<T> {
     }
 }
 
+impl<T: Send + Sync + 'static> Storage<T> {
+    /// The same samples, owned by all clones together: from here on a clone copies nothing.
+    #[must_use]
+    pub fn into_shared(self) -> Self {
+        match self.0 {
+            Place::Own(samples) => Self::shared(Arc::new(samples)),
+            shared => Self(shared),
+        }
+    }
+}
+
 impl<T: Clone> Storage<T> {
     /// The vector, to be changed; shared samples are copied first.
     pub fn to_mut(&mut self) -> &mut Vec<T> {

@@ -96,6 +96,21 @@ impl Samples {
         }
     }
 
+    /// The same samples, owned by all clones together: see [`Storage::into_shared`].
+    #[must_use]
+    pub fn into_shared(self) -> Self {
+        match self {
+            Self::U8(samples) => Self::U8(samples.into_shared()),
+            Self::I8(samples) => Self::I8(samples.into_shared()),
+            Self::U16(samples) => Self::U16(samples.into_shared()),
+            Self::I16(samples) => Self::I16(samples.into_shared()),
+            Self::U32(samples) => Self::U32(samples.into_shared()),
+            Self::I32(samples) => Self::I32(samples.into_shared()),
+            Self::F32(samples) => Self::F32(samples.into_shared()),
+            Self::F64(samples) => Self::F64(samples.into_shared()),
+        }
+    }
+
     /// Bytes per sample.
     pub fn bytes_per_sample(&self) -> usize {
         match self {
@@ -192,6 +207,15 @@ impl Volume {
     pub fn transform(&mut self, world_from_old: DAffine3) -> Result<(), SceneError> {
         self.grid = Grid::from_affine(self.grid.dims(), world_from_old * self.grid.world_from_voxel())?;
         Ok(())
+    }
+
+    /// The same volume, its samples owned by all clones together: see [`Storage::into_shared`].
+    #[must_use]
+    pub fn into_shared(self) -> Self {
+        Self {
+            samples: self.samples.into_shared(),
+            ..self
+        }
     }
 
     /// Grid of the samples.

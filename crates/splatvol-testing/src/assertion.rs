@@ -44,7 +44,7 @@ impl Tolerance {
         }
     }
 
-    /// Equal to the last bit (but for the sign of zero).
+    /// Equal to the last bit (except for the sign of zero).
     pub fn exact() -> Self {
         Self::psnr(f64::INFINITY)
     }
@@ -311,7 +311,7 @@ mod tests {
     fn a_shifted_picture_fails() {
         let (_folder, result) = check(&disc(1.0, 0.9), Tolerance::psnr(30.0));
         assert!(result.is_err());
-        // Also where the PSNR is asked too little, by each of the other figures.
+        // Even where the demanded PSNR is low: each of the other figures refuses it.
         let loose = Tolerance::psnr(5.0);
         for tolerance in [
             loose.max_error(0.3),

@@ -3,9 +3,10 @@
 //! All four channels count, as premultiplied linear floats with peak 1: a wrong alpha is as wrong as a wrong colour.
 //!
 //! PSNR measures the size of the difference, not its pattern. Rounding noise is harmless; the same energy in tile
-//! borders, rings or wood grain is a bug. So the difference picture has two figures of its own: its `autocorrelation`
-//! with its neighbours (0 for white noise, towards 1 for anything smooth) and the `coarse_share` of its energy that the
-//! means of 8 x 8 blocks hold (1/64 for white noise, towards 1 for large shapes).
+//! borders, rings or wood grain is a bug. So the difference picture has two figures of its own. Its
+//! `autocorrelation` is that of neighbouring pixels (0 for white noise, towards 1 for anything smooth). Its
+//! `coarse_share` is the share of its energy in the means of 8 x 8 blocks (1/64 for white noise, towards 1 for
+//! large shapes).
 
 use image_compare::Algorithm;
 use image_compare::prelude::{GrayImage, RgbImage};

@@ -1,4 +1,4 @@
-//! Settings of tests, which vary what different methods have from one base.
+//! Settings of tests, varied from one base for any method.
 
 use splatvol_scene::{FlatSettings, RenderSettings};
 

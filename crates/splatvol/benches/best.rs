@@ -1,5 +1,5 @@
 //! Cost of the exact method: first pictures of `best` against those of the default, projection by projection, at 512 x
-//! 512 on one thread, including preparation of the volume.
+//! 512 on one thread, including the preparation of the volume.
 //!
 //! ```text
 //! cargo bench -p splatvol --bench best
@@ -64,7 +64,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    // Test runners only ask what there is.
+    // Test runners only ask which benches there are.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

@@ -5,8 +5,8 @@
 //! cargo bench -p splatvol --bench cancel [-- NAME]
 //! ```
 //!
-//! A line has the time of the whole picture, and the middle one and the largest of the ten. *First* pictures have to prepare what
-//! later ones of the same scene find there.
+//! A line has the time of the whole picture, and the median and the largest of the ten. *First* pictures have to
+//! prepare what later ones of the same scene reuse.
 #![allow(clippy::unwrap_used, reason = "a bench")]
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,11 +1,12 @@
-//! A flight of ninety frames through a head, 128^3, at 512 x 512: before its face, through an eye, within it, and out again; with the
-//! default settings and with the best ones.
+//! A flight of ninety frames through a head, 128^3, at 512 x 512: before its face, through an eye, within it, and out
+//! again; with the default settings and with the best ones.
 //!
 //! ```text
 //! cargo bench -p splatvol --bench flight
 //! ```
 //!
-//! A line has the median of the frames, the slowest, and their ratio; each frame is rendered twice, and the shorter time counts.
+//! A line has the median of the frames, the slowest, and their ratio; each frame is rendered twice, and the shorter
+//! time counts.
 #![allow(clippy::unwrap_used, reason = "a bench")]
 
 use glam::DVec3;
@@ -43,7 +44,7 @@ fn flight(scene: &Scene, settings: &RenderSettings, fov_degrees: f64) -> Vec<f64
 }
 
 fn main() {
-    // Test runners only ask what there is.
+    // Test runners only ask which benches there are.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

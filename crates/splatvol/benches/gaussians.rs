@@ -1,11 +1,12 @@
-//! Time of a frame of 1024 x 1024 pixels: one figure, three by three of it (1.37 million), and these with a point beside.
+//! Time of a frame of 1024 x 1024 pixels: one figure, three by three of it (1.37 million), and these with a point
+//! beside them.
 //!
 //! ```text
 //! cargo bench -p splatvol --bench gaussians
 //! ```
 //!
-//! The figure is made up: 152,746 Gaussians on an upright cylinder, flat on it, with the quantiles of scales and opacities
-//! that a captured person has (`biker.spz` of `playcanvas`). An item is a Gaussian.
+//! The figure is made up: 152,746 Gaussians on an upright cylinder, flat on it, with the quantiles of scales and
+//! opacities that a captured person has (`biker.spz` of `playcanvas`). An item is a Gaussian.
 
 use std::fmt;
 

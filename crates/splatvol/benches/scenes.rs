@@ -27,7 +27,7 @@ fn head() -> Item {
     Item::volume(volume, Sample::Head.default_transfer_function().unwrap())
 }
 
-/// A sphere of so many surfels beside the head.
+/// A sphere of this many surfels beside the head.
 fn sphere(count: usize) -> Item {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     let positions: Vec<[f32; 3]> = (0..count)

@@ -1,7 +1,7 @@
 //! Teaches: a volume becomes a PNG in ten lines.
 //!
-//! `cargo run --release --example 01_volume_to_png [head.png] [SCAN]`, where SCAN is any file or folder that splatvol reads;
-//! without it a built-in sample is rendered.
+//! `cargo run --release --example 01_volume_to_png [head.png] [SCAN]`, where SCAN is any file or folder that splatvol
+//! reads; without it a built-in sample is rendered.
 
 use splatvol::samples::{Sample, SampleSize};
 use splatvol::{Camera, EngineConfig, Item, Projection, RenderSettings, Renderer, Scene, View, io};

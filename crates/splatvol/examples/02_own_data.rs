@@ -23,8 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let volume = orbital()?;
     let [_, densest] = volume.value_range();
 
-    // Colours by a map over the values. Opacity is what a length of one Bohr radius has: a faint outer surface, then nothing
-    // for a while, so that the dense inside is seen through it.
+    // Colours by a map over the values. Opacity is that of a length of one Bohr radius: a faint outer surface, then
+    // nothing for a while, so that the dense inside shows through.
     let colors = ColorMap::from_name("plasma")?.points([0.0, densest], 32);
     let opacities = [
         (0.00, 0.0),

@@ -1,4 +1,5 @@
-//! Teaches: the same volume by other settings and from other cameras: presets, X-ray, maxima, and a method of the papers.
+//! Teaches: the same volume with other settings and from other cameras: presets, X-ray, maxima, and a method of the
+//! papers.
 //!
 //! `cargo run --release --example 03_camera_and_settings [methods.png]` puts six pictures into one.
 
@@ -20,15 +21,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let size = ImageSize::new(SIDE, SIDE)?;
     let head = std::sync::Arc::new(Sample::Head.generate(Some(SampleSize::Longest(80)))?);
 
-    // Material, in the colours that suit its values; and for values along rays a ramp from black to white.
+    // Material, in the colours that suit its values; for values along rays, a ramp from black to white.
     let material = Scene::from(Item::automatic(head.clone()));
     let faint = Scene::new(head.clone(), TransferFunction::gray_ramp([-200.0, 1500.0], 0.06)?);
     let bright = Scene::new(head.clone(), TransferFunction::gray_ramp([-200.0, 1500.0], 1.0)?);
     // Means are low: most of a ray is air, which has -1000 HU.
     let dim = Scene::new(head, TransferFunction::gray_ramp([-1000.0, 200.0], 1.0)?);
 
-    // Named views show all of the scene. Parallel projections have a height instead of an angle, which framing chooses; a
-    // camera of one's own takes three points, as arrays or as vectors of `splatvol::glam`.
+    // Named views show all of the scene. Parallel projections have a height instead of an angle, which framing chooses;
+    // a camera of one's own takes three points, as arrays or as vectors of `splatvol::glam`.
     let bounds = material.bounds()?;
     let framed = |view, projection| Camera::framing(&bounds, view, projection, size.aspect());
     let front = framed(View::Front, Projection::default())?;
@@ -57,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         (&dim, front, balanced.with_shows(Shows::Mean)),
     ];
 
-    // One renderer for all: what it derives from a volume it keeps for the next picture.
+    // One renderer for all: it keeps what it derives from a volume for the next picture.
     let mut renderer = Renderer::new(EngineConfig::default())?;
     let mut frames = Vec::new();
     for (scene, camera, settings) in &pictures {

@@ -1,5 +1,5 @@
-//! Teaches: several things in one picture, each with its own look: an isosurface that is cut open, translucent material inside
-//! it, points, and 3-D Gaussians.
+//! Teaches: several things in one picture, each with its own look: an isosurface that is cut open, translucent material
+//! inside it, points, and 3-D Gaussians.
 //!
 //! `cargo run --release --example 04_scene [scene.png]`
 

@@ -1,4 +1,4 @@
-//! Teaches: an animation: a camera that goes round, frames that are written as they come, memory that is used again.
+//! Teaches: an animation: a camera that goes round, frames that are written as they come, memory that is reused.
 //!
 //! `cargo run --release --example 05_turntable [spin.gif]`, or `spin.png` for an animated PNG with all colours.
 

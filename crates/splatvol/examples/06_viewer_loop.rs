@@ -1,11 +1,11 @@
-//! Teaches: the loop of a viewer: a draft at once, tiles as they finish, progress, and a picture that is given up as soon as
-//! its user turns the view.
+//! Teaches: the loop of a viewer: a draft at once, tiles as they finish, progress, and a picture that is cancelled as
+//! soon as the user turns the view.
 //!
-//! `cargo run --release --example 06_viewer_loop [view.png]` plays a user who drags the view three times while it renders, and
-//! writes the picture that is there in the end.
+//! `cargo run --release --example 06_viewer_loop [view.png]` plays a user who drags the view three times while it
+//! renders, and writes the final picture.
 //!
-//! The renderer lives on a thread of its own. The thread of the window only sends views, which give up what is being made, and
-//! takes what comes: here it is this program's main thread.
+//! The renderer lives on a thread of its own. The window's thread (here this program's main thread) only sends views,
+//! which cancel the picture being made, and takes what comes.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,14 +18,14 @@ use splatvol::{
     RenderSettings, Renderer, Scene, SceneError, TileRect, View, io,
 };
 
-/// A view that the user wants, and the flag that gives it up.
+/// A view that the user wants, and the flag that cancels it.
 struct Wanted {
     number: usize,
     camera: Camera,
     stop: Arc<AtomicBool>,
 }
 
-/// What the renderer says of a view.
+/// What the renderer reports about a view.
 struct News {
     view: usize,
     what: What,
@@ -38,7 +38,7 @@ enum What {
     Share(f64),
     /// The picture is complete.
     Finished(Box<Frame>),
-    /// The picture was given up.
+    /// The picture was cancelled.
     GivenUp,
     /// There will be no picture.
     Failed(SceneError),
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut window = Image::filled(settings.size, [0.0; 4]);
     let mut view = send(&views, 0, &path)?;
     for News { view: of, what } in heard {
-        // News of views that are no longer wanted come late, and do not matter.
+        // News of views that are no longer wanted comes late, and does not matter.
         if of != view.number {
             continue;
         }
@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             What::Failed(error) => return Err(error.into()),
         }
     }
-    // Without anybody who wants views, the renderer's thread ends.
+    // When nobody wants views any more, the renderer's thread ends.
     drop(views);
     renderer.join().map_err(|_| "the renderer's thread panicked")??;
     println!("wrote {output}");
@@ -105,7 +105,7 @@ fn send(
     Ok(view)
 }
 
-/// The renderer's thread: of the views that wait only the last is wanted.
+/// The renderer's thread: only the last of the waiting views is wanted.
 fn render(
     scene: &Scene,
     settings: RenderSettings,
@@ -117,7 +117,7 @@ fn render(
         let view = wanted.try_iter().last().unwrap_or(first);
         let tell = |what| {
             let number = view.number;
-            // Nobody hears the last news: the window is closed.
+            // The window is closed, so nobody hears the last news.
             let _ = news.send(News { view: number, what });
         };
         let result = picture(&mut renderer, scene, &settings, &view, &tell);

@@ -5,8 +5,8 @@ use splatvol_scene::{Camera, Coverage, ImageSize, RenderSettings, Scene, SceneEr
 
 use crate::shutter;
 
-/// Checks that a scene can be rendered from a camera with these settings, by an engine as
-/// [`EngineConfig`](crate::EngineConfig) starts it. Rendering refuses nothing that passes here. `docs/scenes.md` has a
+/// Checks that a scene can be rendered from a camera with these settings, by an engine that
+/// [`EngineConfig`](crate::EngineConfig) starts. Rendering refuses nothing that passes here. `docs/scenes.md` has a
 /// table of the answers, made with this function.
 ///
 /// # Errors

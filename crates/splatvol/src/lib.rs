@@ -1,10 +1,10 @@
-//! Volume rendering by splatting, on the CPU: a scan, a simulation, points or 3-D Gaussians become a picture, the same to the
-//! bit for any number of threads.
+//! Volume rendering by splatting, on the CPU: a scan, a simulation, points or 3-D Gaussians become a picture, the same
+//! to the bit for any number of threads.
 #![doc = include_str!("../docs/picture.md")]
 //! *What [`examples/`][examples] 01, 03 and 04 make: a volume as it is read, its X-ray, and a scene of several things.*
 //!
-//! A [`Scene`] of [`Item`]s, a [`Camera`] and [`RenderSettings`] are plain, validated data; a [`Renderer`] makes a [`Frame`] of
-//! them, and keeps what it derives from the items for the next one.
+//! A [`Scene`] of [`Item`]s, a [`Camera`] and [`RenderSettings`] are plain, validated data; a [`Renderer`] makes a
+//! [`Frame`] of them, and keeps what it derives from the items for the next one.
 //!
 //! # From a file to a picture
 //!
@@ -24,8 +24,8 @@
 //!
 //! # Samples of your own, in colours of your own
 //!
-//! Samples are kept in the type they come in, x fastest. Opacity is per unit of length, so that it does not depend on the
-//! spacing of samples or sheets.
+//! Samples are kept in the type they come in, x fastest. Opacity is per unit of length, so that it does not depend on
+//! the spacing of samples or sheets.
 //!
 //! ```
 //! use splatvol::{
@@ -52,10 +52,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # A picture that can be given up
+//! # A picture that can be cancelled
 //!
-//! A [`Control`] hears of progress and of tiles as they finish, and gives a picture up within milliseconds: what the loop of a
-//! viewer needs.
+//! A [`Control`] hears of progress and of tiles as they finish, and stops a picture within milliseconds, as a viewer's
+//! loop needs.
 //!
 //! ```
 //! use std::sync::atomic::{AtomicBool, Ordering};
@@ -79,7 +79,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`volume`], [`grid`], [`storage`], [`source`] | samples, where they lie, in whose memory, and level by level |
+//! | [`volume`], [`grid`], [`storage`], [`source`] | samples, where they lie, whose memory holds them, and their levels |
 //! | [`mesh`], [`points`], [`gaussians`], [`harmonics`] | other data: irregular grids, points of surfaces, 3-D Gaussians and their colours |
 //! | [`transfer_function`] | colour and opacity of values: points, named maps, or chosen from the data |
 //! | [`item`], [`scene`], [`clip`], [`operator`], [`motion`] | things that are rendered together, what is cut away or done to them, how they move |
@@ -89,10 +89,10 @@
 //! | [`io`] | files: what is read, and how pictures and animations are written (feature `io`, on by default) |
 //! | [`samples`] | built-in volumes, generated on the spot (feature `samples`, on by default) |
 //! | [`radial`] | kernels of the distance and their footprints, to analyse and to tabulate |
-//! | [`glam`] | the vectors of signatures; where a program makes one, an array will do for most |
+//! | [`glam`] | the vectors of signatures; most functions take an array instead |
 //!
-//! The rest is the making of pictures, at the top of this crate: [`Renderer`], [`EngineConfig`], [`Control`], [`check`], and
-//! [`Engine`] for other engines than the CPU's.
+//! The rest is the making of pictures, at the top of this crate: [`Renderer`], [`EngineConfig`], [`Control`],
+//! [`check`], and [`Engine`] for engines other than the CPU's.
 //!
 //! Settings grow: start from a preset and change what differs, by `with_*` or `..`, and new fields break nothing
 //! ([`settings`]).
@@ -128,7 +128,7 @@ pub use splatvol_core::engine::{
 pub use splatvol_core::radial;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 pub use splatvol_cpu::set_clock;
-pub use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool, SimdLevel};
+pub use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool, SimdLevel, most_threads};
 pub use splatvol_scene::*;
 
 /// Files: readers of all kinds of data, writers of pictures and animations.

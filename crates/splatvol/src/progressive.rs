@@ -1,8 +1,8 @@
-//! Progressive rendering: a coarse picture at once, finer ones after it.
+//! Progressive rendering: a coarse picture at once, then finer ones.
 //!
 //! A pass renders the same view with every fourth, then every second, then every pixel. A coarser raster uses a coarser
-//! level of detail, so the first pass costs about a sixteenth of the last. Levels keep the data's mean: passes differ
-//! in sharpness and not in brightness.
+//! level of detail, so the first pass costs about a sixteenth of the last. Levels keep the data's mean, so passes
+//! differ in sharpness but not in brightness.
 
 use splatvol_scene::{Camera, Frame, ImageSize, RenderSettings, Scene, SceneError};
 

@@ -34,7 +34,7 @@ impl Renderer {
         CpuEngine::with_pool(pool, config).map(Self::with_engine)
     }
 
-    /// Renders with an engine that has been started elsewhere.
+    /// Renders with an engine that was started elsewhere.
     pub fn with_engine(engine: impl Engine + 'static) -> Self {
         Self {
             engine: Box::new(engine),
@@ -125,6 +125,36 @@ impl Renderer {
         task.show_all(frame);
         progress.report(1.0);
         Ok(())
+    }
+
+    /// Renders the mean of what several cameras see: the picture of a shutter that is open while the camera moves.
+    ///
+    /// # Errors
+    /// Same as [`Renderer::render_with`]; and no camera.
+    pub fn expose(
+        &mut self,
+        scene: &Scene,
+        cameras: &[Camera],
+        settings: &RenderSettings,
+        frame: &mut Frame,
+        control: &Control<'_>,
+    ) -> Result<(), SceneError> {
+        let mut exposure = Exposure::new(settings.size);
+        for (index, camera) in cameras.iter().enumerate() {
+            let report = |done: f64| {
+                if let Some(progress) = control.progress {
+                    progress((index as f64 + done) / cameras.len() as f64);
+                }
+            };
+            let control = Control {
+                progress: Some(&report),
+                tile: None,
+                ..*control
+            };
+            self.render_with(scene, camera, settings, frame, &control)?;
+            exposure.add(frame)?;
+        }
+        exposure.take(frame)
     }
 
     /// Times and counts of the last frame; if it is the mean of several pictures, their total times, and the counts of

@@ -80,7 +80,7 @@ fn frames_of_a_moving_camera_allocate_nothing_but_a_name() {
 }
 
 fn demand_no_allocations(mode: &str, scene: &Scene, settings: &RenderSettings) {
-    // Of several threads one may find no tile left in the first two frames, and make its memory later.
+    // One of several threads may find no tile left in the first two frames, and allocate its memory later.
     let config = EngineConfig {
         threads: Some(1),
         ..EngineConfig::default()
@@ -109,8 +109,9 @@ fn demand_no_allocations(mode: &str, scene: &Scene, settings: &RenderSettings) {
         .take(total)
         .collect();
     println!("{mode}: {total} allocations; after each frame {counts:?}, {bytes:?} bytes; sizes {sizes:?}");
-    // The statistics hold the instructions' name as a string of its own: one allocation per frame, of its length. Nothing
-    // else may be allocated; the queue of the thread pool takes a block every 63 frames, the first before these.
+    // The statistics hold the instructions' name as a string of its own: one allocation per frame, of its length.
+    // Nothing else may be allocated; the queue of the thread pool takes a block every 63 frames, the first before
+    // these.
     let name = renderer.statistics().simd.len();
     assert!(
         total <= 20 && sizes.iter().all(|&size| size == name),

@@ -184,7 +184,8 @@ fn colour_converges_with_the_square_of_the_sheet_thickness() {
             (squares.sum::<f64>() / 1024.0).sqrt()
         });
         println!("{classification:?}: errors {errors:?} at {thicknesses:?}");
-        // Second order: a quarter of the thickness leaves a sixteenth of the error; demanded is a twelfth.
+        // Second order: a quarter of the thickness leaves a sixteenth of the error; the test demands a
+        // twelfth.
         assert!(
             errors[1] < errors[0] && errors[2] < errors[0] / 12.0,
             "{errors:?}"

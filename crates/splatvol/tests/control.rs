@@ -29,7 +29,7 @@ struct Case {
     edge: u32,
 }
 
-/// Every engine, and everything that makes a picture of several.
+/// Every engine, and everything that combines several pictures into one.
 fn cases() -> Vec<Case> {
     let volume = Sample::Shells.generate(Some(SampleSize::Longest(48))).unwrap();
     let grid = volume.grid().clone();
@@ -188,12 +188,12 @@ fn renderer() -> Renderer {
 }
 
 impl Case {
-    /// Tiles at least.
+    /// The least number of tiles.
     fn tiles(&self) -> usize {
         (WIDTH.div_ceil(self.edge) * HEIGHT.div_ceil(self.edge)) as usize
     }
 
-    /// The largest share of the picture that is heard of before all of it.
+    /// The largest share of the picture that is reported before all of it.
     fn shares(&self) -> f64 {
         1.0 - 1.0 / self.tiles() as f64
     }
@@ -282,7 +282,7 @@ fn parts_that_are_put_together_are_the_whole_to_the_bit() {
     for case in cases() {
         let whole = case.render(&mut renderer(), &Control::default()).unwrap();
         let mut together = Frame::empty(case.settings.size);
-        // Borders of no tile, each part by a worker of its own.
+        // Parts that end at no tile's border, each by a worker of its own.
         for (columns, rows) in [(0..70, 0..height), (70..width, 0..50), (70..width, 50..height)] {
             let control = Control {
                 part: Some(TileRect {

@@ -95,7 +95,7 @@ fn a_constant_field_has_constant_optical_depth_per_length_in_every_view() {
 }
 
 /// Noise in a ball that fades out before the grid's border, as an object in air does. Its waves are longer than a
-/// pixel at zoom 1/8: of a wave as long as that the low-pass leaves 0.25 %, which the sum over pixels counts as mass.
+/// pixel at zoom 1/8: the low-pass leaves 0.25 % of a wave of that length, which the sum over pixels counts as mass.
 struct Cloud {
     noise: Noise,
     centre: DVec3,
@@ -216,7 +216,7 @@ fn a_quarter_turn_of_the_camera_turns_the_picture() {
                     &settings,
                 )
             });
-            // What was right is up: column x becomes row 95 - x.
+            // The right side is now the top: column x becomes row 95 - x.
             let mut worst = 0.0f32;
             for y in 0..96 {
                 for x in 0..96 {

@@ -1,4 +1,4 @@
-//! A renderer makes shutters, sampled edges, parts and progress of any engine's pictures.
+//! A renderer adds shutters, sampled edges, parts and progress to any engine's pictures.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -14,7 +14,8 @@ use splatvol_testing::checked;
 
 mod common;
 
-/// White left of a line through the picture's middle that leans by a pixel in ten, black right of it: one sample per pixel.
+/// White left of a line through the picture's middle that leans by a pixel in ten, black right of it: one sample per
+/// pixel.
 #[derive(Debug)]
 struct Edge;
 

@@ -1,4 +1,4 @@
-//! Flat settings and the methods that they stand for.
+//! Flat settings and the methods that they describe.
 
 use splatvol::{
     Absorption, Alignment, Classification, Compositing, Coverage, Extraction, Filter, FlatSettings, Kernel,

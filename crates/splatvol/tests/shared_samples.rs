@@ -1,4 +1,4 @@
-//! Volumes of somebody else's memory: nothing is copied, and the picture is the same.
+//! Volumes in somebody else's memory: nothing is copied, and the picture is the same.
 
 #![allow(unsafe_code, reason = "an allocator that counts can only be written so")]
 #![allow(clippy::unwrap_used, reason = "a test")]

@@ -79,7 +79,7 @@ fn twenty_renderers_share_one_pool() {
         }
     });
     assert_eq!(started.load(Ordering::Relaxed), 2);
-    // Those of the scope may take a moment to go.
+    // The scope's threads may take a moment to end.
     let settled = (0..100).any(|_| {
         std::thread::sleep(std::time::Duration::from_millis(20));
         threads_of_the_process() <= before

@@ -10,7 +10,7 @@ use super::{RenderArgs, values};
 /// Raw arguments of `animate`: those of `render`, which say what every frame shows, and those of the motion.
 #[derive(Debug, Clone, Args)]
 #[command(
-    mut_arg("output", |arg| arg.required(true).help(
+    mut_arg("output", |arg| arg.required_unless_present("list_methods").help(
         "Animation: .gif .apng .mp4 .webm .mov .mkv, or frames: NAME-####.png"
     ).long_help(
         "Animation: .gif, .apng, with ffmpeg .mp4 .webm .mov .mkv, or one file per frame: NAME-####.png, NAME-####.exr"
@@ -68,7 +68,7 @@ pub(crate) struct AnimateArgs {
     #[arg(long, value_name = "SHARE", help_heading = MOTION, value_parser = share)]
     pub(crate) shutter: Option<f64>,
     /// Continue an interrupted animation: keep the frames that are there and up to date, make the others
-    #[arg(long, help_heading = OUTPUT, conflicts_with = "overwrite")]
+    #[arg(long, help_heading = OUTPUT, conflicts_with_all = ["overwrite", "no_metadata"])]
     pub(crate) resume: bool,
 }
 

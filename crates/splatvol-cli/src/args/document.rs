@@ -1,4 +1,4 @@
-//! Flags as a document: every flag that says something of a picture is a key.
+//! Flags as a document: every flag about the picture is a key.
 
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ impl RenderArgs {
 }
 
 impl BenchArgs {
-    /// The keys of an item of this look.
+    /// The keys of an item with this look.
     pub(crate) fn item_keys(&self, file: &str) -> ItemKeys {
         self.look.over(of_input(&self.read, file))
     }
@@ -92,6 +92,7 @@ pub(crate) fn of_input(read: &InputArgs, file: &str) -> ItemKeys {
         time: read.time,
         level: read.level,
         series: read.series.clone(),
+        solution: read.solution.as_deref().map(text),
         ..ItemKeys::of_file(file)
     }
 }

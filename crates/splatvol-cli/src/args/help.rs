@@ -2,6 +2,7 @@
 //!
 //! The long help (`--help`) shows all.
 
+use std::ffi::OsString;
 use std::path::Path;
 
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
@@ -54,11 +55,10 @@ const LAST: usize = 1000;
 /// Widest line of the help, in columns.
 const WIDTH: usize = 100;
 
-/// The arguments as typed. Prints help or what is wrong, and exits, where there is nothing to run.
-pub(crate) fn parse() -> Cli {
-    let matches = command().try_get_matches().map_err(with_tip);
-    let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
-    cli.unwrap_or_else(|error| error.exit())
+/// The arguments as typed; help, or what is wrong, where there is nothing to run.
+pub(crate) fn parse(arguments: &[OsString]) -> Result<Cli, Error> {
+    let matches = command().try_get_matches_from(arguments).map_err(with_tip)?;
+    Cli::from_arg_matches(&matches)
 }
 
 /// Hints for a file where a command is due, which is to be rendered, and for `lab`, which needs a feature.

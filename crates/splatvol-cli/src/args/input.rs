@@ -1,6 +1,9 @@
 //! Flags about reading a volume.
 
+use std::path::PathBuf;
+
 use clap::Args;
+use splatvol_document::ReadRules;
 use splatvol_io::{Endian, SampleType};
 
 use super::help::{HEADERLESS, INPUT};
@@ -43,7 +46,27 @@ pub(crate) struct InputArgs {
     /// Series to read of a folder of several: its number, UID or description
     #[arg(long, value_name = "SERIES", help_heading = INPUT)]
     pub(crate) series: Option<String>,
+    /// Solution that belongs to a PLOT3D grid, where no file beside it has a matching name
+    #[arg(long, value_name = "FILE", help_heading = INPUT)]
+    pub(crate) solution: Option<PathBuf>,
     /// Refuse files that break the rules of their format in any way
     #[arg(long, help_heading = INPUT)]
     pub(crate) strict: bool,
+    /// Follow links that lead out of the folder of the input, and read files elsewhere that an earlier picture names
+    #[arg(long, help_heading = INPUT)]
+    pub(crate) allow_outside: bool,
+    /// Most memory for the samples of an input: bytes, or 500M, 8G [default: half of the machine's]
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = INPUT)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+impl InputArgs {
+    /// What is refused when files are read.
+    pub(crate) fn rules(&self) -> ReadRules {
+        ReadRules {
+            strict: self.strict,
+            allow_outside: self.allow_outside,
+            max_bytes: self.max_memory,
+        }
+    }
 }

@@ -1,5 +1,4 @@
-//! The raw arguments, exactly as typed: what was left out is `None`. [`crate::resolve`] turns them into what is
-//! rendered.
+//! The raw arguments, exactly as typed: what was left out is `None`. [`document`] turns them into a document.
 #![expect(
     clippy::doc_markdown,
     reason = "doc comments of arguments are the help's text, where backticks would show"

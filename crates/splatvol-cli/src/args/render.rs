@@ -81,6 +81,11 @@ pub(crate) struct RenderArgs {
     pub(crate) depth: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
+    /// Write no settings and no command line into the picture
+    ///
+    /// --like then cannot make it again. Without this flag, absolute paths are shortened.
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) no_metadata: bool,
     /// Make the picture as this PNG of splatvol, but for the flags given here
     #[arg(long, value_name = "PICTURE", help_heading = OUTPUT)]
     pub(crate) like: Option<PathBuf>,

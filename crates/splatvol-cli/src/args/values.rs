@@ -1,4 +1,4 @@
-//! Parsers of single values. Errors say what would be accepted.
+//! Parsers of single values. Errors name the accepted values.
 
 use std::str::FromStr;
 
@@ -47,6 +47,27 @@ pub(crate) fn rotation(text: &str) -> Result<Rotate, String> {
 
 pub(crate) fn picture_size(text: &str) -> Result<PictureSize, String> {
     text.parse()
+}
+
+/// A number of bytes, with K, M, G or T for powers of 1024.
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, unit) = match text.strip_suffix(['B', 'b']).unwrap_or(text) {
+        text if text.ends_with(|c: char| c.is_ascii_alphabetic()) => text.split_at(text.len() - 1),
+        text => (text, ""),
+    };
+    let power = ["", "K", "M", "G", "T"]
+        .iter()
+        .position(|name| name.eq_ignore_ascii_case(unit));
+    let number = digits
+        .parse::<f64>()
+        .ok()
+        .filter(|number| number.is_finite() && *number > 0.0);
+    let bytes = power
+        .zip(number)
+        .map(|(power, number)| number * f64::from(1u32 << 10).powi(power as i32));
+    bytes
+        .map(|bytes| bytes as u64)
+        .ok_or_else(|| "expected bytes, such as 500M or 8G".to_owned())
 }
 
 pub(crate) fn background(text: &str) -> Result<Background, String> {

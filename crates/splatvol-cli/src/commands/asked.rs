@@ -9,12 +9,13 @@ use splatvol_document::motion::CameraMotion;
 use splatvol_document::{Document, Picture, Reading, Record, Resolving};
 
 use super::render::describe;
+use super::studio::threads_within;
 use crate::args::{AnimateArgs, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::record;
 use crate::terminal::Terminal;
 
-/// A document that is complete but for what is decided by the data.
+/// A document that is complete except for what the data decide.
 pub(super) struct Asked {
     pub(super) document: Document,
     /// Whether a scene file says what is shown.
@@ -25,7 +26,7 @@ pub(super) struct Asked {
     folder: Option<PathBuf>,
 }
 
-/// A picture that can be rendered, and what its file says of it.
+/// A picture that can be rendered, and the record for its file.
 pub(super) struct Prepared {
     pub(super) picture: Picture,
     pub(super) record: Record,
@@ -69,6 +70,9 @@ impl Asked {
             return Err(Failure::usage("no input").hint("name a file, or sample:head"));
         }
         let folder = args.like.as_deref().filter(|_| args.input.is_none());
+        if let (Some(earlier), false) = (&earlier, args.read.allow_outside) {
+            refuse::outside((&document, &earlier.document), folder, file)?;
+        }
         Ok(Self {
             document,
             is_scene: scene.is_some(),
@@ -77,29 +81,30 @@ impl Asked {
         })
     }
 
-    /// An earlier frame's own camera has no motion in an animation, whose frames have theirs.
+    /// Drops the camera motion of an earlier frame: in an animation, frames have their own.
     pub(super) fn leave_motion_of_camera(&mut self) {
         self.document.motion.camera = None;
         self.document.motion.sub_frames = None;
     }
 
-    /// Where and how files are read.
+    /// The places and the way in which files are read.
     pub(super) fn reading<'a>(&'a self, args: &RenderArgs, terminal: &'a Terminal) -> Reading<'a> {
         Reading {
-            strict: args.read.strict,
+            rules: args.read.rules(),
             folder: self.folder.as_deref(),
             listener: terminal,
         }
     }
 
-    /// Reads the items, and decides what is left open. `keeps_alpha`: whether the output does, whatever the background.
+    /// Reads the items, and decides everything that is left open. `keeps_alpha`: whether the output does, whatever the
+    /// background.
     pub(super) fn prepare(
         &self,
         args: &RenderArgs,
         (moves, keeps_alpha): (CameraMotion, bool),
         terminal: &Terminal,
     ) -> Result<Prepared, Failure> {
-        let threads = args.threads.filter(|&n| n > 0);
+        let threads = args.threads.and_then(|asked| threads_within(asked, terminal));
         if let Some(threads) = threads {
             // Reading and generating use the global pool; it exists already only if this ran before.
             let _ = rayon::ThreadPoolBuilder::new()
@@ -108,6 +113,7 @@ impl Asked {
         }
         let picture = self.document.resolve(Resolving {
             reading: self.reading(args, terminal),
+            held: &[],
             moves,
             keeps_alpha,
         });
@@ -118,8 +124,13 @@ impl Asked {
         terminal.detail(format!("camera: {}", describe(&picture.camera)));
         refuse::gaussians(args, &picture.scene, &picture.settings)?;
         splatvol::check(&picture.scene, &picture.camera, &picture.settings).during(Step::Usage)?;
+        let folder = args
+            .output
+            .as_deref()
+            .and_then(Path::parent)
+            .unwrap_or(Path::new(""));
         Ok(Prepared {
-            record: record::of(picture.document.clone(), self.earlier.as_ref()),
+            record: record::of(picture.document.clone(), self.earlier.as_ref(), folder),
             picture,
             threads,
         })

@@ -1,12 +1,12 @@
-//! `splatvol compare`: how far two pictures or volumes are apart.
+//! `splatvol compare`: how much two pictures or volumes differ.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
 use splatvol::{Image, Volume};
-use splatvol_document::input;
 use splatvol_document::keys::ItemKeys;
+use splatvol_document::{ReadRules, input};
 use splatvol_io::{ImageFormat, encode_image, read_image};
 
 use crate::args::CompareArgs;
@@ -60,7 +60,7 @@ fn volumes(args: &CompareArgs, terminal: &Terminal) -> Result<(), Failure> {
         ));
     }
     let read = |name: &str| -> Result<Arc<Volume>, Failure> {
-        Ok(input::load(&ItemKeys::of_file(name), terminal.reads(false))?.volume)
+        Ok(input::load(&ItemKeys::of_file(name), terminal.reads(ReadRules::default()))?.volume)
     };
     let (a, b) = (read(&args.a)?, read(&args.b)?);
     if a.grid().dims() != b.grid().dims() {

@@ -44,7 +44,7 @@ fn volume(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure> {
     check_volume_extension(&args.output)?;
     let input = input::load(
         &of_input(&args.read, &args.input),
-        terminal.reads(args.read.strict),
+        terminal.reads(args.read.rules()),
     )?;
     if extension(&args.output) == "npy" {
         terminal.warn("NumPy files hold samples only: spacing, origin, direction and unit are lost");

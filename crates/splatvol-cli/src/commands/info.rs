@@ -23,10 +23,10 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
     if let Some(text) = data::text(name, args, terminal)? {
         return Target::Stdout.write(text.as_bytes(), false);
     }
-    let mut input = input::load(&of_input(&args.read, name), terminal.reads(args.read.strict))?;
+    let mut input = input::load(&of_input(&args.read, name), terminal.reads(args.read.rules()))?;
     let stored = input.volume.grid().clone();
     let up = Up::of(&input);
-    // The choice of a transfer function goes by the axes in which a volume is rendered.
+    // The choice of a transfer function depends on the axes in which a volume is rendered.
     input.turn(up.axis)?;
     let report = Report::new(name, &input, (&stored, up), usize::from(args.bins));
     let text = if args.json {
@@ -63,7 +63,7 @@ struct Report {
     max: f64,
     mean: f64,
     missing_samples: usize,
-    /// Names of channels, number of times, dims of levels, series: where there are several to choose from.
+    /// Names of channels, number of times, dims of levels, series: if there are several to choose from.
     channels: Vec<String>,
     times: usize,
     levels: Vec<[usize; 3]>,
@@ -221,7 +221,8 @@ fn bars(counts: &[u64], [low, high]: [f64; 2]) -> String {
     text
 }
 
-/// Where the voxel axes point, as letters: `RAS` means x to the right, y forward (anterior), z up (superior).
+/// The directions of the voxel axes as letters: `RAS` means x to the right, y forward (anterior), z up
+/// (superior).
 fn orientation_code(grid: &Grid) -> String {
     let direction = grid.direction();
     [direction.x_axis, direction.y_axis, direction.z_axis]

@@ -9,6 +9,7 @@ use splatvol_lab::{
 };
 
 use crate::args::LabArgs;
+use crate::commands::studio::threads_within;
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 use crate::terminal::Terminal;
@@ -43,7 +44,7 @@ pub(crate) fn run(args: &LabArgs, terminal: &Terminal) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The experiments of names, in the catalogue's order, each once.
+/// The experiments with these names, in the catalogue's order, each once.
 fn chosen(names: &[String]) -> Result<Vec<&'static Experiment>, Failure> {
     let is_group = |name: &str| name == "all" || experiments().any(|one| one.paper == name);
     for name in names.iter().filter(|name| !is_group(name)) {
@@ -67,7 +68,7 @@ fn refuse_existing(output: &Path, chosen: &[&Experiment], report: bool) -> Resul
     }
 }
 
-/// Where data lie that are not part of splatvol, unless told: beside a checkout that was given them.
+/// Default folder of data that are not part of splatvol, beside the checkout.
 const DATA: &str = "../shared/data";
 
 /// The folder of data, if there is one.
@@ -79,7 +80,7 @@ fn data(args: &LabArgs) -> Result<Option<&Path>, Failure> {
     }
 }
 
-/// Runs one; none where its data are missing and it was not asked for by its name.
+/// Runs one; `None` if its data are missing and it was not requested by name.
 fn run_one(
     one: &'static Experiment,
     (args, data): (&LabArgs, Option<&Path>),
@@ -93,7 +94,7 @@ fn run_one(
             true => Effort::Quick,
             false => Effort::Full,
         },
-        threads: args.threads.filter(|&threads| threads > 0),
+        threads: args.threads.and_then(|asked| threads_within(asked, terminal)),
         data,
         progress: &|share, what| bar.show(share, format!("{label}: {what}")),
     };

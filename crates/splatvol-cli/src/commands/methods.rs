@@ -1,6 +1,6 @@
 //! `splatvol render --list-methods`: every method, with the flag that selects it.
 //!
-//! The list is what the command line understands: it cannot name a method that does not exist.
+//! The list is made from the command line's own flags, so it cannot name a method that does not exist.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use clap::{Arg, Args, Command};
 
 use crate::args::{MethodArgs, MotionArgs};
 
-/// Headings of flags that are no methods.
+/// Headings of flags that are not methods.
 const NO_METHOD: &str = "Lighting";
 
 /// The methods as a table.

@@ -79,7 +79,7 @@ pub(crate) fn difference_picture(a: &Image, b: &Image) -> Result<Image, SceneErr
         .iter()
         .zip(&b.pixels)
         .map(|(a, b)| {
-            // What differs in alpha only shows as grey.
+            // Pixels that differ only in alpha show as grey.
             let alpha = (a[3] - b[3]).abs();
             let channel = |c: usize| (a[c] - b[c]).abs().max(alpha);
             [channel(0), channel(1), channel(2), 1.0]
@@ -109,7 +109,7 @@ pub(crate) struct VolumeDifference {
     rms_error: f64,
     /// Samples that differ.
     differing_samples: usize,
-    /// Samples that are missing in one volume only.
+    /// Samples that are missing in only one of the volumes.
     missing_in_one: usize,
     /// Largest difference of the maps from voxel to world, over the grid's corners.
     max_displacement: f64,

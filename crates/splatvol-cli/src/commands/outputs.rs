@@ -1,4 +1,4 @@
-//! Where `splatvol render` puts what it made.
+//! The output files of `splatvol render`.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,10 +8,10 @@ use splatvol_io::{DepthFormat, ImageFormat, encode_depth};
 
 use crate::args::RenderArgs;
 use crate::failure::{During, Failure, Step};
-use crate::output::{Target, encode_frame, picture_format};
+use crate::output::{Target, check_distinct, encode_frame, picture_format};
 use crate::terminal::Terminal;
 
-/// Where everything goes; made before the work, so that a refusal costs nothing.
+/// The destinations of everything; checked before the work, so that a refusal costs nothing.
 pub(super) struct Outputs {
     picture: Target,
     format: ImageFormat,
@@ -20,7 +20,7 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Where the flags say; the picture is named after the input otherwise.
+    /// As the flags say; without a flag, the picture is named after the input.
     pub(super) fn new(args: &RenderArgs, reference: &str) -> Result<Self, Failure> {
         let picture = match &args.output {
             Some(path) => Target::new(path),
@@ -31,19 +31,13 @@ impl Outputs {
             Target::File(path) => picture_format(path)?,
         };
         let stats = args.stats.as_deref().map(Target::new);
-        if picture == Target::Stdout && stats == Some(Target::Stdout) {
-            return Err(Failure::usage("picture and statistics cannot both go to stdout"));
-        }
         let depth = args.depth.as_deref().map(depth_target).transpose()?;
-        picture.check(args.write.overwrite)?;
-        if let Some((depth, _)) = &depth {
-            if *depth == picture {
-                return Err(Failure::usage("picture and depth cannot go to the same file"));
-            }
-            depth.check(args.write.overwrite)?;
-        }
-        if let Some(stats) = &stats {
-            stats.check(args.write.overwrite)?;
+        let mut results = vec![("picture", &picture)];
+        results.extend(depth.iter().map(|(target, _)| ("depth", target)));
+        results.extend(stats.iter().map(|target| ("statistics", target)));
+        check_distinct(&results)?;
+        for (_, target) in results {
+            target.check(args.write.overwrite)?;
         }
         Ok(Self {
             picture,
@@ -106,7 +100,7 @@ impl Outputs {
     }
 }
 
-/// A frame as a picture file of so many bits per channel.
+/// A frame as a picture file with this many bits per channel.
 pub(super) fn encode_with_bits(
     frame: &Frame,
     (format, bits): (ImageFormat, u8),

@@ -30,7 +30,12 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     let Prepared { picture, record, .. } = &prepared;
     let overwrite = args.write.overwrite;
     let look = (picture.background(), picture.bits());
-    outputs.write(&frame, look, &record.metadata()?, overwrite)?;
+    let metadata = if args.no_metadata {
+        Vec::new()
+    } else {
+        record.metadata()?
+    };
+    outputs.write(&frame, look, &metadata, overwrite)?;
     outputs.finish(&statistics, picture.settings.size, (overwrite, start), terminal)
 }
 

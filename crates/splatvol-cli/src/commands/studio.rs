@@ -1,19 +1,30 @@
 //! The renderer, and the frames in which it works: single pictures and means of several.
 
-use splatvol::{Camera, EngineConfig, Exposure, Frame, Motion, RenderSettings, Renderer, Scene};
+use splatvol::{Camera, Control, EngineConfig, Frame, Motion, RenderSettings, Renderer, Scene, most_threads};
 
 use crate::failure::{During, Failure, Step};
+use crate::terminal::Terminal;
 
-/// One renderer for all frames of a scene: what it can keep between frames, it keeps.
+/// One renderer for all frames of a scene: it keeps whatever it can between frames.
 pub(crate) struct Studio {
     scene: Scene,
     settings: RenderSettings,
     renderer: Renderer,
-    exposure: Option<Exposure>,
     frame: Frame,
 }
 
-/// An engine with so many threads, or one per processor.
+/// The threads to start: those asked for, where 0 is one per processor, with a warning if they are too many.
+pub(crate) fn threads_within(asked: usize, terminal: &Terminal) -> Option<usize> {
+    let most = most_threads();
+    if asked > most {
+        terminal.warn(format!(
+            "--threads {asked}: {most} are started, the most on this machine"
+        ));
+    }
+    Some(asked.min(most)).filter(|&threads| threads > 0)
+}
+
+/// An engine with this many threads, or one per processor.
 pub(crate) fn engine(threads: Option<usize>) -> Result<Renderer, Failure> {
     Renderer::new(EngineConfig {
         threads,
@@ -32,7 +43,6 @@ impl Studio {
             scene: scene.clone(),
             settings,
             renderer: engine(threads)?,
-            exposure: None,
             frame: Frame::empty(settings.size),
         })
     }
@@ -44,22 +54,20 @@ impl Studio {
         }
     }
 
-    /// The picture of a camera, or the mean of those of several: all that a shutter sees while it is open.
+    /// The picture of one camera, or the mean of the pictures of several: all that a shutter sees while it is
+    /// open.
     pub(crate) fn expose(&mut self, cameras: &[Camera]) -> Result<&Frame, Failure> {
-        for camera in cameras {
-            self.renderer
-                .render_into(&self.scene, camera, &self.settings, &mut self.frame)
-                .during(Step::Render)?;
-            if cameras.len() > 1 {
-                let exposure = self
-                    .exposure
-                    .get_or_insert_with(|| Exposure::new(self.settings.size));
-                exposure.add(&self.frame).during(Step::Render)?;
-            }
+        let Self {
+            scene,
+            settings,
+            renderer,
+            frame,
+        } = self;
+        match cameras {
+            [camera] => renderer.render_into(scene, camera, settings, frame),
+            cameras => renderer.expose(scene, cameras, settings, frame, &Control::default()),
         }
-        if let Some(exposure) = self.exposure.as_mut().filter(|_| cameras.len() > 1) {
-            exposure.take(&mut self.frame).during(Step::Render)?;
-        }
+        .during(Step::Render)?;
         Ok(&self.frame)
     }
 

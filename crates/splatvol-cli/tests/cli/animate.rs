@@ -142,7 +142,7 @@ fn sub_frames_average_linear_premultiplied_light() {
         for (c, &value) in mean.iter().enumerate() {
             let expected = 0.5 * (f64::from(before.pixels[i][c]) + f64::from(after.pixels[i][c]));
             let error = (f64::from(value) - expected).abs();
-            // The cameras agree but for rounding.
+            // The cameras agree except for rounding.
             assert!(error < 1e-4, "pixel {i} channel {c}: off by {error}");
         }
     }
@@ -158,7 +158,7 @@ fn a_frames_output_continues_where_it_stopped() {
     let whole = names.map(|name| png(&sandbox.path(name)));
     let modified = |name: &str| std::fs::metadata(sandbox.path(name)).unwrap().modified().unwrap();
     let before = names.map(modified);
-    // One is missing, one is of another method, one no splatvol picture.
+    // One is missing, one was made by another method, one is not a splatvol picture.
     std::fs::remove_file(sandbox.path("f-3.png")).unwrap();
     sandbox
         .run("render --like f-2.png --no-shade -o f-2.png -w")
@@ -264,7 +264,7 @@ fn cameras_follow_key_frames() {
             "{i}"
         );
     }
-    // Times say how many frames there are.
+    // Times determine the number of frames.
     sandbox.write(
         "b.json",
         r#"{"key": [{"time": 1, "position": [40, 0, 0]}, {"time": 1.5, "position": [0, 40, 0], "fov": 20}]}"#,
@@ -325,7 +325,7 @@ fn malformed_paths_are_refused_by_file_and_key() {
     sandbox
         .run(&format!("{TINY} --path absent.toml -o a.gif"))
         .fails(3, &["absent.toml"]);
-    // Through the target, where no camera looks anywhere.
+    // Through the target, where a camera has no direction.
     sandbox.write("c.toml", format!("{first}[[key]]\nposition = [-40, 0, 0]\n"));
     sandbox
         .run(&format!(
@@ -372,7 +372,7 @@ fn films_need_ffmpeg() {
     assert!(sandbox.files().is_empty());
 }
 
-/// A program `ffmpeg` in the sandbox, which does as the script says.
+/// A program `ffmpeg` in the sandbox that runs this script.
 #[cfg(unix)]
 fn ffmpeg(sandbox: &Sandbox, script: &str) -> String {
     use std::os::unix::fs::PermissionsExt;

@@ -80,7 +80,7 @@ fn other_pictures_than_recorded_fail_by_name() {
         .run(&format!("{ONE_SCENE} --expected e.json --update-expected e.json"))
         .succeeds();
     sandbox.run(&run).succeeds();
-    // A brighter middle: cell 3, 4.
+    // A brighter cell in the middle: 3, 4.
     let mut recorded = json(&String::from_utf8(sandbox.bytes("e.json")).unwrap());
     let mean = &mut recorded["shells:64/opaque/pre/orthographic"][3 * (4 * 8 + 3)];
     *mean = Value::from(mean.as_f64().unwrap() - 0.25);

@@ -138,7 +138,7 @@ fn pictures_survive_conversion() {
     sandbox.run("convert b.exr c.png").succeeds();
     let difference = json(&sandbox.run("compare a.png c.png --json").succeeds().stdout());
     assert_eq!(difference["psnr"], serde_json::Value::Null);
-    // The recipe travels along.
+    // The settings are copied along.
     sandbox.run("render --like c.png -o d.png").succeeds();
     assert_eq!(sandbox.bytes("a.png"), sandbox.bytes("d.png"));
 }

@@ -118,7 +118,7 @@ fn the_axis_that_is_up_is_up() {
     }
 }
 
-/// A headerless volume of 24 samples along each axis, and the flags that say so.
+/// A headerless volume of 24 samples along each axis, and the flags that describe it.
 fn raw(sandbox: &Sandbox, value: impl Fn([usize; 3]) -> u8) -> &'static str {
     let places = (0..24 * 24 * 24).map(|i| [i % 24, i / 24 % 24, i / 576]);
     sandbox.write("a.raw", places.map(value).collect::<Vec<_>>());
@@ -154,7 +154,7 @@ fn the_axis_of_a_volume_that_is_up_is_up() {
         assert_eq!(stands(&format!("{file} --up {up}")), expected, "{up}");
     }
     assert!(!stands(file));
-    // A file that says how it lies is turned as well, and so is an item of a scene.
+    // A file that gives its orientation is turned as well, and so is an item of a scene.
     sandbox.run(&format!("convert {file} a.nrrd")).succeeds();
     assert!(!stands("a.nrrd") && stands("a.nrrd --up -y"));
     let item = "[[item]]\nfile = 'a.nrrd'\n";
@@ -176,7 +176,7 @@ fn a_volume_that_stands_on_y_is_turned_and_stays_so() {
     let own = picture("", "own");
     assert_eq!(own, picture("--up y", "turned"));
     assert_ne!(own, picture("--up z", "lying"));
-    // What was decided, or said, is decided.
+    // Whether it was decided or given, the picture records it.
     for name in ["own", "turned", "lying"] {
         sandbox
             .run(&format!("render --like {name}.png -w -o again.png"))
@@ -187,7 +187,7 @@ fn a_volume_that_stands_on_y_is_turned_and_stays_so() {
             "{name}"
         );
     }
-    // Another look does not turn it.
+    // A different look does not turn it.
     let [own, turned] = ["", "--up y"].map(|up| picture(&format!("--iso 100 -w {up}"), "iso"));
     assert_eq!(own, turned);
 
@@ -248,7 +248,7 @@ fn a_picture_is_made_again_from_its_settings() {
         .run("render --like red.png --size 32 -o small.png")
         .succeeds();
     assert_eq!(png(&sandbox.path("small.png")).0, 32);
-    // Another file in the same way.
+    // Another file, shown in the same way.
     sandbox.write("green.txt", sphere(500, [0.0; 3], Some([0, 255, 0])));
     sandbox
         .run("render green.txt --like red.png -o green.png")

@@ -144,7 +144,7 @@ fn gradient_opacity_of_slicers_files_is_used() {
         assert!(!run.stderr().contains("gradientOpacity"), "{}", run.stderr());
     }
     assert_ne!(png(&sandbox.path("full.png")), png(&sandbox.path("thin.png")));
-    // Remembered without the file.
+    // The picture remembers it without the file.
     std::fs::remove_file(sandbox.path("thin.vp.json")).unwrap();
     sandbox.run("render --like thin.png -o again.png").succeeds();
     assert_eq!(sandbox.bytes("thin.png"), sandbox.bytes("again.png"));

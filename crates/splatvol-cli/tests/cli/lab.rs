@@ -49,7 +49,7 @@ fn an_experiment_leaves_pictures_plots_and_numbers() {
         })
         .collect();
     assert!(names.iter().any(|name| name.ends_with(".svg")), "{names:?}");
-    // What is there is not overwritten unasked.
+    // Existing files are not overwritten without a request.
     sandbox
         .run(&format!("lab {NAME} --quick -o out"))
         .fails(5, &["exists"]);

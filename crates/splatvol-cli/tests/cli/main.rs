@@ -11,6 +11,7 @@ mod kernels;
 mod lab;
 mod motion;
 mod orientation;
+mod outputs;
 mod render;
 mod sandbox;
 mod scenes;

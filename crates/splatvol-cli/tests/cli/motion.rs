@@ -4,12 +4,12 @@ use crate::sandbox::{Sandbox, png};
 
 const TUNNEL: &str = "render sample:tunnel:20 --size 32 --view iso";
 const TURNING: &str = "animate sample:tunnel:20 --size 32 --view iso --frames 12";
-/// Classified first. The same engine renders what moves and what does not.
+/// Classified first. The same engine renders scenes in motion and at rest.
 const PRE: &str = "--classification pre --alignment affine";
 /// Classified last: the sample's own wish is to be classified first.
 const POST: &str = "--classification post";
 
-/// Root of the mean square difference of two pictures' codes.
+/// Root mean square difference of two pictures' codes.
 fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
     let [a, b] = [a, b].map(|name| png(&sandbox.path(name)).2);
     assert_eq!(a.len(), b.len());
@@ -76,7 +76,7 @@ fn a_spin_is_the_mean_of_turned_cameras() {
         for (c, &value) in mean.iter().enumerate() {
             let expected = 0.5 * (f64::from(a.pixels[i][c]) + f64::from(b.pixels[i][c]));
             let error = (f64::from(value) - expected).abs();
-            // The cameras agree but for rounding.
+            // The cameras agree except for rounding.
             assert!(error < 1e-3, "pixel {i} channel {c}: off by {error}");
         }
     }

@@ -1,4 +1,4 @@
-//! Scans of one object, stored in several formats and voxel orders, make one picture without being asked anything.
+//! Scans of one object, stored in several formats and voxel orders, make the same picture without any flags.
 
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ fn eight_voxel_orders_of_a_head_make_one_picture() {
     let first = of(ORDERS[0]);
     for order in &ORDERS[1..] {
         let psnr = psnr(&of(order), &first);
-        // Sums in another order round to another code in one channel of a thousand.
+        // Sums in another order round to a different code in one of a thousand channels.
         assert!(psnr >= 60.0, "{order}: {psnr:.2} dB");
     }
 }

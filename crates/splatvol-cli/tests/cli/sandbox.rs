@@ -2,23 +2,35 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Arc;
 
 use tempfile::TempDir;
 
 /// A folder for one test's files.
 pub(crate) struct Sandbox {
-    folder: TempDir,
+    folder: Arc<TempDir>,
+    /// Where commands run, below it.
+    below: PathBuf,
 }
 
 impl Sandbox {
     pub(crate) fn new() -> Self {
         Self {
-            folder: tempfile::tempdir().expect("the system has a temporary folder"),
+            folder: Arc::new(tempfile::tempdir().expect("the system has a temporary folder")),
+            below: PathBuf::new(),
+        }
+    }
+
+    /// A folder inside, in which commands run.
+    pub(crate) fn below(&self, name: &str) -> Self {
+        Self {
+            folder: Arc::clone(&self.folder),
+            below: self.below.join(name),
         }
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.folder.path().join(&self.below).join(name)
     }
 
     pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
@@ -47,7 +59,7 @@ impl Sandbox {
     fn output_of(&self, arguments: &str, command: &mut Command) -> Run {
         let output = command
             .args(arguments.split_whitespace())
-            .current_dir(self.folder.path())
+            .current_dir(self.path(""))
             .output()
             .expect("the command was built");
         Run {
@@ -109,7 +121,7 @@ impl Run {
         self
     }
 
-    /// Fails with `code`, and says all of `words` on stderr.
+    /// Asserts that it failed with `code`, with all of `words` on stderr.
     #[track_caller]
     pub(crate) fn fails(self, code: i32, words: &[&str]) -> Self {
         let run = self.exits(code);

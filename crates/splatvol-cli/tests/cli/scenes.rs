@@ -6,7 +6,7 @@ use crate::sandbox::{Sandbox, png as picture};
 const RED: fn([u8; 3]) -> bool = |[r, g, b]| r > 60 && u16::from(r) > 2 * u16::from(g.max(b));
 const GREEN: fn([u8; 3]) -> bool = |[r, g, b]| g > 60 && u16::from(g) > 2 * u16::from(r.max(b));
 
-/// A red and a green sphere, the second moved; whatever else is said of it goes to its end.
+/// A red and a green sphere, the second moved; `more` is appended to its keys.
 fn two(sandbox: &Sandbox, more: &str) {
     sandbox.write("red.txt", sphere(2000, [0.0; 3], Some([255, 0, 0])));
     sandbox.write("bare.txt", sphere(2000, [0.0; 3], None));
@@ -320,7 +320,7 @@ fn channels_have_transfer_functions_of_their_own() {
     assert!(both[0] > first[0] / 2 && both[1] > second[1] / 2, "{both:?}");
 }
 
-/// The example of docs/scenes.md is what it says: it is run.
+/// The example of docs/scenes.md runs.
 #[test]
 fn the_documented_example_renders() {
     let text = include_str!("../../../../docs/scenes.md");

@@ -1,4 +1,5 @@
-//! Acquired data of every kind: each file renders with no option but its name, and the same data in other formats look alike.
+//! Acquired data of every kind: each file renders with no option but its name, and the same data in other formats look
+//! alike.
 
 use std::path::{Path, PathBuf};
 

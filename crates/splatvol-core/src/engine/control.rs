@@ -18,8 +18,8 @@ pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
     /// Cancellation flag: any thread may set it at any time, and the result is [`SceneError::Stopped`]. It is
-    /// checked once per sheet of a tile, or every few thousand splats, which takes some milliseconds at most once
-    /// an engine has prepared the scene's data.
+    /// checked once per sheet of a tile, or every few thousand splats: after some milliseconds at most, once an
+    /// engine has prepared the scene's data.
     pub stop: Option<&'a AtomicBool>,
     /// Called by any thread, one at a time, with shares that increase from 0 to 1 once per picture.
     pub progress: Option<OnProgress<'a>>,
@@ -77,7 +77,7 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// The rendering of a picture, or of one of several that are combined to a picture.
+/// The rendering of a picture, or of one of several that are combined into a picture.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// Cancellation flag.

@@ -1,8 +1,8 @@
 //! Coverage: edges are rendered with several samples per pixel.
 //!
-//! A frame is first rendered with one sample per pixel. Pixels that differ from a neighbour are edges. Of a picture
-//! several times as large, only the tiles with edges are rendered, and an edge becomes the mean of its samples
-//! there:
+//! A frame is first rendered with one sample per pixel. Pixels that differ from a neighbour are edges. Then the
+//! tiles with edges, and no others, are rendered in a picture several times as large. An edge becomes the mean of
+//! its samples there:
 //!
 //! ```text
 //! C = 1/n^2 sum_i C_i,   T = 1/n^2 sum_i exp(-tau_i)

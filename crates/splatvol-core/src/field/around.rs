@@ -259,7 +259,7 @@ impl Points {
             gaps: [[[0; ROW]; EDGE]; EDGE],
         };
         let before = REACH - 1;
-        // A brick is wider than what kernels reach before it: of the first one it is nothing.
+        // Kernels reach less than a brick's width before it, so only the first brick lacks points there.
         let skipped = if first[0] == 0 { before } else { 0 };
         let start = (first[0] + skipped).saturating_sub(before);
         for z in 0..EDGE {

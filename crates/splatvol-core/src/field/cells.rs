@@ -67,7 +67,7 @@ pub(super) fn existing(lattice: &Lattice, first: [usize; 3]) -> CellBits {
     within(cells, first)
 }
 
-/// Which of the brick at `first` are within a box of so many along x, y, z.
+/// Cells of the brick at `first` that are within a box of so many cells along x, y, z.
 pub(super) fn within(counts: [usize; 3], first: [usize; 3]) -> CellBits {
     let [x, y, z]: [usize; 3] = std::array::from_fn(|a| counts[a].saturating_sub(first[a]).min(BRICK));
     let row = (1u64 << x) - 1;
@@ -138,7 +138,7 @@ const PADDED: usize = (POINTS * POINTS * POINTS).next_multiple_of(32);
 /// Levels of the lattice points around a brick's cells, rows of nine.
 pub(super) type PointLevels = [i16; PADDED];
 
-/// Reads the points around a brick's cells; beyond the lattice its last points again.
+/// Reads the points around a brick's cells; beyond the lattice, its last points repeat.
 #[inline(always)]
 pub(super) fn read<T: StoredSample>(
     lattice: &Lattice,

@@ -129,7 +129,7 @@ impl StoredBrick {
     }
 }
 
-/// A bit for each of the 8 x 8 values that hold.
+/// A bit for each of the 8 x 8 values, set where `holds` is true.
 #[inline(always)]
 fn slice_bits(slice: &[u16; BRICK * BRICK], holds: impl Fn(u16) -> bool) -> u64 {
     let mut bits = 0;
@@ -213,7 +213,7 @@ impl ChunkSolver {
         })
     }
 
-    /// The samples that the chunk which begins at lattice point `first` is solved from.
+    /// The samples from which the chunk that begins at lattice point `first` is solved.
     pub(super) fn region(&self, lattice: &Lattice, first: [usize; 3]) -> VoxelBox {
         let extents = self.extents(lattice, first);
         lattice.region(extents.map(|e| e.outer_from), extents.map(|e| e.outer_to))

@@ -91,7 +91,7 @@ impl<'a, T: Copy> Row<'a, T> {
         self.samples[x - self.first]
     }
 
-    /// Samples from one on, if there are N. A start before the very first sample may have wrapped.
+    /// N samples from `start` on, if there are as many. A start before the very first sample may have wrapped.
     #[inline(always)]
     pub(super) fn chunk<const N: usize>(&self, start: usize) -> Option<&'a [T; N]> {
         self.samples.get(start.wrapping_sub(self.first)..)?.first_chunk()
@@ -142,7 +142,7 @@ impl Lattice {
         }
     }
 
-    /// The sample that a lattice point is, along one axis.
+    /// The sample at a lattice point, along one axis.
     #[inline]
     fn sample(&self, axis: usize, point: usize) -> usize {
         let last = self.own[axis] - 1;
@@ -152,7 +152,7 @@ impl Lattice {
 
     /// The samples that determine a range of lattice points (end excluded), and the neighbours of these samples.
     pub(super) fn region(&self, from: [usize; 3], to: [usize; 3]) -> VoxelBox {
-        // Points beyond a face are samples before it, missing ones the means of their neighbours.
+        // Points beyond a face are samples before it; missing ones are the means of their neighbours.
         const AROUND: usize = 3;
         let first: [usize; 3] = std::array::from_fn(|a| {
             from[a]
@@ -172,7 +172,7 @@ impl Lattice {
         data.row([self.sample(1, y), self.sample(2, z)])
     }
 
-    /// Lattice points `start ..` of a row of samples; beyond the lattice its last point.
+    /// Lattice points `start ..` of a row of samples; beyond the lattice, its last point repeats.
     #[inline(always)]
     pub(super) fn points<T: Copy>(&self, row: Row<'_, T>, start: usize, out: &mut [T]) {
         let (margin, count) = (self.margin[0], self.own[0]);

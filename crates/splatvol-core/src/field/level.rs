@@ -47,7 +47,7 @@ impl SourceLevel {
     /// The samples of a region, or of a larger one.
     ///
     /// # Errors
-    /// Samples that cannot be had.
+    /// Samples that cannot be read.
     pub fn read<'a>(
         &'a self,
         region: VoxelBox,

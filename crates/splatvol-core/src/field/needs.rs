@@ -22,7 +22,7 @@ const FIRST: [u64; 3] = [
     0x0707_0707_0707_0707,
 ];
 
-/// Slices of cells that a brick's voxels need: three before it to two behind.
+/// Slices of cells that a brick's voxels need: from three before it to two behind it.
 const SLICES: usize = BRICK + 5;
 
 impl Needs {

@@ -159,7 +159,7 @@ fn all_that_each_cell_by_itself_needs_is_there_and_little_else() {
             }
             let mut borderline = 0;
             for (i, (new, old)) in dense(&store).iter().zip(&all).enumerate() {
-                // In the outer half a difference at the tolerance itself may fall on either side of it.
+                // In the outer half, a difference at the tolerance itself may fall on either side of it.
                 let decided = (old.abs() - crate::visibility::TOLERANCE).abs() > 1e-4;
                 assert!(
                     new.is_finite() || old.is_nan() || !decided,
@@ -333,7 +333,7 @@ fn what_can_be_seen_beside_missing_samples_and_without_the_prefilter_is_there() 
             for _ in 0..40_000 {
                 let at: [f64; 3] = std::array::from_fn(|a| 1.0 + random.unit() * (dims[a] - 1) as f64);
                 let [value, share] = value_at(&field, 0.605, at);
-                // What is left over of less hardly covers anything.
+                // Remaining samples with a smaller share hardly cover anything.
                 if share < 0.05 || !levels.any(value as f32, value as f32) {
                     continue;
                 }
@@ -345,7 +345,7 @@ fn what_can_be_seen_beside_missing_samples_and_without_the_prefilter_is_there() 
                 needed += usize::from(all);
             }
             println!("{interpolates} {holes} {band:?}: {needed} of {seen}");
-            // Coefficients of noise that are left alone may be further outside than is allowed for.
+            // Isolated coefficients of noise may lie further outside than the overshoot allows for.
             assert!(
                 seen > 50 && needed * 100 >= seen * 98,
                 "{interpolates} {holes} {band:?}: {needed} of {seen}"

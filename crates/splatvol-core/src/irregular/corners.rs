@@ -107,7 +107,7 @@ impl Regions for CornerRegions<'_> {
             .iter()
             .map(|nodes| lengths(nodes, spacings_from_local))
             .collect();
-        // Half of a cell is in a part.
+        // A part is half a cell wide.
         if !sides.iter().flatten().any(|&side| 2.0 * side > UNCUT) {
             return Vec::new();
         }

@@ -48,7 +48,8 @@ impl<'a> LatticeKernels<'a> {
         sum_at(self.level, place, &around.packets, &around.weights)
     }
 
-    /// The parts of the sums at places amid a sample's region that are from beyond the border and from blanked parts.
+    /// The parts of the sums at places inside a sample's region that come from beyond the border and from blanked
+    /// parts.
     pub(super) fn sums_beyond(&self, index: usize, places: &[Sample], masses: &[f64]) -> Vec<f64> {
         let (at, dims) = (index_of(index, self.lattice.dims), self.lattice.dims);
         let is_inside = (0..3).all(|axis| at[axis] >= REACH && at[axis] + REACH < dims[axis]);

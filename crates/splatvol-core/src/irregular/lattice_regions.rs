@@ -124,7 +124,7 @@ impl LatticeRegions<'_> {
         std::array::from_fn(|n| {
             let offset = offset_of(n);
             let (mut place, mut value) = (DVec3::ZERO, 0.0);
-            // The mean of the corners that a half index is amid.
+            // The mean of the corners around a half index.
             for corner in 0..8usize {
                 let at: [usize; 3] =
                     std::array::from_fn(|axis| (1 + offset[axis] * (corner as i32 >> axis & 1)) as usize);

@@ -18,10 +18,10 @@
 //! and 0.25 of it: tetrahedra 1.3 and 1.9 % (points), 1.3 and 2.4 % (cells), hexahedra 0.9 and 1.5 %, 1.6 and 2.5
 //! %.
 //!
-//! Resampled, points, in brackets with one kernel per sample: spacing that jumps from 1 to 8 along two axes 0.9 %
-//! (49), layers that double from 1:50 on 0.9 % (25; cells 1.2, 23), shear of 70 degrees that sets in at once 0.4 %
-//! (0.4), that turns over at each layer 1.2 % (3.9); tetrahedra whose spacing jumps from 1 to 8 0.6 % (6.6; cells
-//! 0.4, 35), hexahedra 0.9 % (7.3).
+//! Resampled, with values on points, and in brackets with one kernel per sample: spacing that jumps from 1 to 8
+//! along two axes 0.9 % (49), layers that double from 1:50 on 0.9 % (25; cells 1.2, 23), shear of 70 degrees that
+//! sets in at once 0.4 % (0.4), that turns over at each layer 1.2 % (3.9); tetrahedra whose spacing jumps from 1 to
+//! 8 0.6 % (6.6; cells 0.4, 35), hexahedra 0.9 % (7.3).
 //!
 //! Structured points moved at random have the largest errors: moved by up to 0.05, 0.1 and 0.25 of their spacing,
 //! 4, 8 and 6 % (22 % with one kernel per sample). Unlike those of unstructured cells, their covariances are not

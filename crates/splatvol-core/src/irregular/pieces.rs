@@ -94,8 +94,8 @@ pub(super) fn cut(nodes: &Hexahedron, counts: [usize; 3], pieces: &mut Vec<Piece
     }
 }
 
-/// Gathers the pieces in each box of a lattice of spacing [`LONGEST`] around a place to one: their means by volume.
-/// If the pieces lie on a linear field, so do the means.
+/// Gathers the pieces in each box of a lattice of spacing [`LONGEST`] around a place into one: their mean by
+/// volume. If the pieces lie on a linear field, so does the mean.
 pub(super) fn gather(pieces: &[Piece], centre: DVec3, spacings_from_local: &DMat3) -> Vec<Piece> {
     let mut boxes: BTreeMap<[i64; 3], Piece> = BTreeMap::new();
     for piece in pieces.iter().filter(|piece| piece.volume > 0.0) {
@@ -122,8 +122,8 @@ pub(super) fn gather(pieces: &[Piece], centre: DVec3, spacings_from_local: &DMat
 /// The hexahedron of a corner of a cell, as the lists of points whose means its nodes are.
 pub(super) type Region = [Vec<usize>; 8];
 
-/// The regions of a cell's points: point, and hexahedron. Of the quadratic kinds tetrahedra alone, as eight linear
-/// ones.
+/// The regions of a cell's points: point, and hexahedron. Tetrahedra are the only quadratic kind that has them, as
+/// eight linear ones.
 pub(super) fn regions(kind: CellKind) -> Vec<(usize, Region)> {
     match kind {
         CellKind::Tetra => of_tetra([0, 1, 2, 3]),
@@ -131,13 +131,13 @@ pub(super) fn regions(kind: CellKind) -> Vec<(usize, Region)> {
         CellKind::Wedge => of_wedge(),
         CellKind::Hexahedron => of_cube([0, 1, 3, 2, 4, 5, 7, 6]),
         CellKind::Voxel => of_cube([0, 1, 2, 3, 4, 5, 6, 7]),
-        // A cube whose upper corners are one.
+        // A cube whose upper corners are one point.
         CellKind::Pyramid => of_cube([0, 1, 3, 2, 4, 4, 4, 4]),
         _ => Vec::new(),
     }
 }
 
-/// Points 4 to 9 are amid the edges 01, 12, 20, 03, 13, 23; the octahedron between is cut along 4 to 9.
+/// Points 4 to 9 are the midpoints of the edges 01, 12, 20, 03, 13, 23; the octahedron between is cut along 4 to 9.
 const QUADRATIC_TETRA: [[usize; 4]; 8] = [
     [0, 4, 6, 7],
     [4, 1, 5, 8],
@@ -188,7 +188,7 @@ fn of_wedge() -> Vec<(usize, Region)> {
     (0..6).map(region).collect()
 }
 
-/// Node by node the means of points.
+/// A hexahedron whose nodes are means of points.
 pub(super) fn hexahedron(region: &Region, point: impl Fn(usize) -> Node) -> Hexahedron {
     std::array::from_fn(|n| {
         let own = &region[n];

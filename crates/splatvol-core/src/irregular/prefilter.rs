@@ -11,20 +11,25 @@ use rayon::prelude::*;
 use super::tree::Tree;
 use super::{MeshKernels, Sample};
 
-/// Steps: the error of a detail that kernels halve is a sixteenth after them.
+/// Steps: after them, a detail that kernels halve has an error of a sixteenth.
 const STEPS: usize = 3;
 
 impl MeshKernels {
-    /// Coefficients in place of the values, one per kernel, the same for any number of threads.
+    /// Coefficients in place of the values, one per kernel, the same for any number of threads. Where cells are so
+    /// degenerate that all kernels overlap, they are the values.
     pub fn coefficients(&self) -> Vec<f32> {
         let samples: Vec<Sample> = (0..self.len()).into_par_iter().map(|i| self.sample(i)).collect();
         let tree = Tree::new(&samples);
+        if !tree.is_affordable() {
+            return self.values.clone();
+        }
         let places = tree.places(|_| true);
         let masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
         let weights = tree.sums(&places, &masses);
         let mut found: Vec<f64> = self.values.iter().map(|&value| f64::from(value)).collect();
         for _ in 0..STEPS {
-            // Sums are of positive kernels, and a mean moves with its values.
+            // The tree sums positive kernels only. A mean shifts with its values, so these are counted from the
+            // least.
             let least = found.iter().copied().fold(f64::INFINITY, f64::min);
             let above = |(mass, value): (&f64, &f64)| mass * (value - least);
             let carried: Vec<f64> = masses.iter().zip(&found).map(above).collect();

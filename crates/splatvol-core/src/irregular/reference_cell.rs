@@ -1,8 +1,8 @@
 //! Reference cells: 64 small parts of each kind in the cell's own coordinates, each with its nearest point.
 //!
 //! A part's place in space is `x = sum_n c_n(xi) p_n`, with the linear shape functions `phi` of the corners. Points
-//! amid edges add bubbles `4 phi_a phi_b` that pull the edge to them (for tetrahedra these are the quadratic shape
-//! functions). A part belongs to its nearest point in the space of the `phi`; ties are shared.
+//! in the middle of edges add bubbles `4 phi_a phi_b` that pull the edge to them (for tetrahedra these are the
+//! quadratic shape functions). A part belongs to its nearest point in the space of the `phi`; ties are shared.
 
 use glam::{DMat3, DVec3};
 use splatvol_scene::CellKind;

@@ -9,8 +9,8 @@
 //! functions there, and the covariance of its surroundings. Mao scatters points at random until spheres suffice.
 //! Pieces instead follow the cells, so they are few, reproducible, and absent where the mesh is even.
 //!
-//! At most [`MOST_PER_SAMPLE`] kernels per sample are made. If more are needed, covariances may vary faster; if
-//! that is not enough, the samples stay unchanged.
+//! At most [`MOST_PER_SAMPLE`] kernels per sample are made, and they may not all overlap. If more are needed,
+//! covariances may vary faster; if that is not enough, the samples stay as they are.
 
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ use crate::eigen::eigen;
 /// Sum of weights, six standard deviations away from all kernels, below which a piece has no surroundings.
 const LEAST_WEIGHT: f64 = 1e-9;
 
-/// Kernels, by samples, at most.
+/// Most kernels per sample of the mesh, on average.
 pub const MOST_PER_SAMPLE: usize = 16;
 /// Growth limits of covariances; each later one is used if the one before yields too many kernels.
 const GROWTHS: [f64; 3] = [0.15, 0.3, 0.6];
@@ -44,7 +44,7 @@ const ROUNDS: [Range<usize>; 3] = [0..1, 1..7, 7..13];
 /// spacings.
 const REACH: usize = 6;
 
-/// Pieces that are gathered to one, on average, at most.
+/// Most pieces that are gathered into one, on average.
 const MOST_GATHERED: usize = 16;
 
 /// A part of a region, and the number of its pieces along its axes.
@@ -55,7 +55,7 @@ pub(super) struct Cut {
 
 /// Regions of the samples.
 pub(super) trait Regions: Neighbours {
-    /// Whether pieces, smaller than they need be where cells are no boxes, are gathered to fewer.
+    /// Whether pieces, smaller than they need to be where cells are not boxes, are gathered into fewer.
     const GATHERED: bool;
 
     /// The parts of a sample's region and their numbers of pieces; empty where the whole is no longer than its
@@ -133,7 +133,10 @@ pub(super) fn resample(
         let uneven = (0..samples.len())
             .map(|index| wanted(index) || is_touched(index))
             .collect();
-        return Some(joined(&made, regions, uneven, report));
+        let joined = joined(&made, regions, uneven, report);
+        if joined.is_some() {
+            return joined;
+        }
     }
     let whole: Vec<Vec<Sample>> = samples.iter().map(|&sample| vec![sample]).collect();
     let report = Resampling {
@@ -141,7 +144,13 @@ pub(super) fn resample(
         ..Resampling::default()
     };
     let uneven = (0..samples.len()).map(wanted).collect();
-    Some(joined(&whole, regions, uneven, report))
+    joined(&whole, regions, uneven, report).or_else(|| {
+        Some(Resampled {
+            samples: samples.to_vec(),
+            owners: (0..samples.len() as u32).collect(),
+            report,
+        })
+    })
 }
 
 /// The marked samples and their neighbours.
@@ -283,19 +292,25 @@ impl<R: Regions> Surroundings<'_, R> {
     }
 }
 
-/// All kernels in one list, normalised; `uneven` marks samples whose kernels differ from an even grid's.
-fn joined(made: &[Vec<Sample>], regions: &impl Regions, uneven: Vec<bool>, report: Resampling) -> Resampled {
+/// All kernels in one list, normalised; `uneven` marks samples whose kernels differ from an even grid's. `None` where
+/// so many kernels overlap that they cannot be normalised.
+fn joined(
+    made: &[Vec<Sample>],
+    regions: &impl Regions,
+    uneven: Vec<bool>,
+    report: Resampling,
+) -> Option<Resampled> {
     let owners: Vec<u32> = made
         .iter()
         .enumerate()
         .flat_map(|(owner, kernels)| std::iter::repeat_n(owner as u32, kernels.len()))
         .collect();
     let samples: Vec<Sample> = made.iter().flatten().copied().collect();
-    Resampled {
-        samples: normalised(samples, &owners, regions, uneven),
+    Some(Resampled {
+        samples: normalised(samples, &owners, regions, uneven)?,
         owners,
         report,
-    }
+    })
 }
 
 /// The samples with masses for which a constant stays constant. Only samples within reach of an uneven one are
@@ -305,8 +320,11 @@ fn normalised(
     owners: &[u32],
     regions: &impl Regions,
     uneven: Vec<bool>,
-) -> Vec<Sample> {
+) -> Option<Vec<Sample>> {
     let tree = Tree::new(&samples);
+    if !tree.is_affordable() {
+        return None;
+    }
     let mut beyond = Beyond::new(&samples, owners, regions, uneven.len());
     let mut masses: Vec<f64> = samples.par_iter().map(|sample| sample.mass).collect();
     let corrections = |beyond: &Beyond<'_, _>, places: &[u32], masses: &[f64]| -> Vec<Correction> {
@@ -333,7 +351,7 @@ fn normalised(
         });
     }
     let own = samples.into_par_iter().zip(masses);
-    own.map(|(sample, mass)| Sample { mass, ..sample }).collect()
+    Some(own.map(|(sample, mass)| Sample { mass, ..sample }).collect())
 }
 
 /// Corrections that apply to the sums, computed once for each requested sample.

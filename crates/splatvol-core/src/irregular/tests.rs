@@ -129,7 +129,8 @@ fn gradients_of_linear_fields_are_exact() {
     }
 }
 
-/// Corners and points amid edges of one cell of a kind, its volume, and its second moments about the centre per volume.
+/// Corners and edge midpoints of one cell of a kind, its volume, and its second moments about the centre per
+/// volume.
 fn one_cell(kind: CellKind) -> (Vec<DVec3>, f64) {
     let v = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
     let square = [

@@ -14,6 +14,12 @@ use super::Sample;
 use super::normalise::REACH_SQUARED;
 use super::packets::{Block, Evaluated, LANES, Packet};
 
+/// Packets near an average block of places beyond which sums are not worth their time. Meshes have 25 to 160; one point
+/// far away makes kernels that reach all others, and so all pairs.
+const MOST_PACKETS: usize = 512;
+/// Blocks of places that stand for all when packets near them are counted.
+const COUNTED_BLOCKS: usize = 64;
+
 /// Number of kernels from which two threads share the halving.
 const WORTH_A_THREAD: usize = 1 << 13;
 
@@ -102,12 +108,31 @@ impl<'a> Tree<'a> {
         own.filter(|&index| is_wanted(index as usize)).collect()
     }
 
+    /// Whether sums take time in proportion to the number of kernels, rather than to its square.
+    pub(super) fn is_affordable(&self) -> bool {
+        let blocks = self.order.len().div_ceil(LANES);
+        let mut near = Vec::new();
+        let (mut counted, mut found) = (0, 0);
+        for places in self
+            .order
+            .chunks(LANES)
+            .step_by(blocks.div_ceil(COUNTED_BLOCKS).max(1))
+        {
+            self.packets_near(&self.block(places), &mut near);
+            (counted, found) = (counted + 1, found + near.len());
+        }
+        found <= counted * MOST_PACKETS
+    }
+
+    fn block(&self, places: &[u32]) -> Block {
+        Block::new(places.iter().map(|&place| self.samples[place as usize].position))
+    }
+
     /// The sums of all kernels of these masses at the centres of samples.
     pub(super) fn sums(&self, places: &[u32], masses: &[f64]) -> Vec<f64> {
         let weights = self.weights(masses);
         let of_block = |near: &mut Vec<u32>, places: &[u32]| {
-            let at = places.iter().map(|&place| self.samples[place as usize].position);
-            let block = Block::new(at);
+            let block = self.block(places);
             self.packets_near(&block, near);
             let packet = |&packet: &u32| (&self.packets[packet as usize], &weights[packet as usize]);
             let sums = block.sums(self.level, near.iter().map(packet));
@@ -130,13 +155,12 @@ impl<'a> Tree<'a> {
         packets.map(of_packet).collect()
     }
 
-    /// Kernels in packets that are looked at for sums at places.
+    /// Number of kernels in the packets that are looked at for sums at places.
     #[cfg(test)]
     pub(super) fn work(&self, places: &[u32]) -> usize {
         let of_block = |places: &[u32]| {
-            let at = places.iter().map(|&place| self.samples[place as usize].position);
             let mut near = Vec::new();
-            self.packets_near(&Block::new(at), &mut near);
+            self.packets_near(&self.block(places), &mut near);
             near.len() * LANES
         };
         places.chunks(LANES).map(of_block).sum()

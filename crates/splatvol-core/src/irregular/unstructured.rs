@@ -79,7 +79,7 @@ pub(super) fn samples(mesh: &Mesh, cells: &Cells, sigma: f64) -> (Vec<Sample>, R
     (samples, Resampling::default())
 }
 
-/// A kernel at a point, of the moments about it.
+/// A kernel at a point, from the moments about it.
 fn about(moments: &Moments, position: DVec3, scale: f64, shown: bool) -> Sample {
     Sample {
         position,
@@ -190,10 +190,13 @@ fn inner_samples(mesh: &Mesh, cells: &Cells, cells_of_points: &Lists, neighbours
     outer.into_iter().map(|outer| !outer).collect()
 }
 
-/// Normalises masses, so that a constant field stays constant.
+/// Normalises masses, so that a constant field stays constant, unless cells are so degenerate that all kernels overlap.
 fn normalise(samples: &mut [Sample], inner: &[bool], steps: &[f64]) {
     let mut masses: Vec<f64> = samples.iter().map(|sample| sample.mass).collect();
     let tree = Tree::new(samples);
+    if !tree.is_affordable() {
+        return;
+    }
     let places = tree.places(|_| true);
     sweep(&mut masses, &places, steps, |masses| {
         let sums = tree.sums(&places, masses).into_iter().zip(&places);

@@ -5,11 +5,11 @@ use super::raster::SheetShape;
 /// Largest footprint, blocks along an edge. Other sizes are rounded up to the next compiled one.
 pub const MAX_BLOCKS: usize = 16;
 
-/// Blocks along the edge of footprints that are compiled.
+/// Compiled sizes of footprints: blocks along the edge.
 pub const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
-/// Edge of the drawn square, in reaches of the footprint. Two would hold all of it; the outermost twentieth, less than a
-/// hundredth of the peak, may be left out for an unfavourable position.
+/// Edge of the drawn square, in reaches of the footprint. Two would hold all of it; the outermost twentieth, less
+/// than a hundredth of the peak, may be left out at an unfavourable position.
 const DRAWN: f32 = 1.88;
 
 /// Farthest raster point of a square of blocks from its footprint's centre, less half the square's edge: half a point,
@@ -25,8 +25,9 @@ pub fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32
 
 /// Blocks along the edge of footprints with the given reach, raster points.
 pub fn blocks_of([x, y]: [f32; 2]) -> usize {
-    let points = (DRAWN * x.max(y)).floor() as usize + 1;
-    let blocks = (points + 1).div_ceil(2);
+    // Reaches without bounds count as the longest there are.
+    let points = ((DRAWN * x.max(y)).floor() as usize).saturating_add(1);
+    let blocks = points.saturating_add(1).div_ceil(2);
     SIZES
         .into_iter()
         .find(|&size| size >= blocks)

@@ -24,7 +24,7 @@ pub(super) struct Widths {
     widest: f64,
     /// Cut of footprints, once a low-pass or a spline has changed their width.
     pub cut: f64,
-    /// Whether footprints are cut there in any case, and of any size rather than narrower than that.
+    /// Whether footprints are always cut there: they have any size rather than a narrower cut.
     pub is_exact: bool,
 }
 
@@ -68,9 +68,9 @@ impl Widths {
     }
 }
 
-/// Octaves that widths differ by in rounding.
+/// Octaves by which rounding makes widths differ.
 const ROUNDING: f64 = 1e-6;
-/// Octaves of the coarsest raster of a frame that has but one.
+/// Octaves of the coarsest raster of a frame that has only one.
 const MOST_OCTAVES: f64 = 6.0;
 /// Tangent of the angle between ray and axis up to which blocks hold a voxel's footprints on all its sheets.
 pub(super) const STEEP: f64 = 0.75;
@@ -237,7 +237,7 @@ impl Extents {
     pub(super) fn one_raster(&self, [near, far]: [f64; 2]) -> Option<Raster> {
         let widest = self.width(self.variances[1], near) * self.room();
         let narrowest = self.narrowest(far);
-        // Where it lies between two rasters, rounding must not choose: pictures of a turning camera would flicker.
+        // Between two rasters, rounding must not choose: pictures of a turning camera would flicker.
         let octaves_to = |most: f64| (libm::log2(widest / most) - ROUNDING).ceil();
         let (finest, wanted) = (
             octaves_to(self.widths.widest),

@@ -39,7 +39,7 @@ impl ZonePlan {
             (zone.first_made..=planes.count)
                 .map(|i| SheetShape::new(view.shape(), &screen, &raster, planes.plane(i) - before)),
         );
-        // Before the first plane there is none: its scale stands for theirs.
+        // Planes before the first have no footprint; its scale stands for theirs.
         let first = self.sheets[0];
         let none = |i| SheetShape {
             depth: planes.plane(i) as f32,
@@ -83,7 +83,7 @@ impl ZonePlan {
             planes,
             nearest: zone.nearest(along_rays),
             farthest: planes.plane(planes.count),
-            // Of voxels along rays only those at the eye move.
+            // Along rays, only the voxels at the eye move.
             reach: if along_rays && zone.eye.is_none() {
                 0.0
             } else {

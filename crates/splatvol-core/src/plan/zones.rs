@@ -172,11 +172,11 @@ impl Cutting<'_> {
             let [first, _] = sheets.made(extents, &(from..from + 1));
             let [finest, comfortable] = extents.finest_and_comfortable(sheets.depth(extents, first));
             let near = extents.is_near(planes.plane(first));
-            // The raster that reproduces the narrowest of two intervals.
+            // The raster that reproduces the narrowest footprints of two intervals.
             let [_, last] = sheets.made(extents, &(from..(from + 2).min(end)));
             let coarsest = extents.coarsest(sheets.depth(extents, last));
             let (finest, comfortable) = if extents.widths.is_exact {
-                // Rather those of any size than widened ones.
+                // Footprints of any size, rather than widened ones.
                 (finest.min(coarsest), comfortable.min(coarsest))
             } else if near || extents.is_too_steep() {
                 // No square of blocks has to hold the widest.
@@ -196,18 +196,19 @@ impl Cutting<'_> {
         }
     }
 
-    /// End of the intervals, from one on, whose footprints fit a raster of so many octaves; at least one interval.
+    /// End of the intervals from `from` on whose footprints fit a raster of so many octaves; at least one interval.
     fn reach(&self, octaves: f64, from: usize) -> usize {
         let Self { extents, sheets, .. } = *self;
         let mut end = sheets.end(extents);
         let [first, last_of_first] = sheets.made(extents, &(from..from + 1));
         if extents.is_near(sheets.planes.plane(first)) {
-            // A near zone ends where the first one may begin that is not near.
+            // A near zone ends where the first zone that is not near may begin.
             let far = (NEAR * extents.reach / sheets.planes.spacing).ceil() as i64 + 1 - sheets.planes.first;
             end = end.min((far.max(0) as usize).max(from + 1));
         }
         let narrowest = |plane: usize| extents.narrowest(sheets.depth(extents, plane));
-        // Where even the first sheet's are too narrow, being long ones, those behind may be somewhat narrower.
+        // Where even the first sheet's footprints are too narrow, being long ones, those behind may be somewhat
+        // narrower.
         let wanted = extents.least(octaves);
         let first = narrowest(last_of_first);
         let least = if first < wanted {
@@ -240,7 +241,7 @@ impl Cutting<'_> {
         let eye = sheets
             .eye
             .filter(|_| extents.along_rays || shown.start == sheets.first_shown);
-        // Where the volume goes on before the first plane, so does the loop, by the sheets that a voxel meets.
+        // Where the volume extends in front of the first plane, so does the loop, by the sheets that a voxel meets.
         let goes_on = !extents.along_rays && (eye.is_some() || shown.start > sheets.first_shown);
         let lead = if goes_on { kernels.sheets - 1 } else { 0 };
         let planes = Planes {
@@ -290,8 +291,8 @@ impl Cutting<'_> {
         }
     }
 
-    /// Evaluation of footprints for a frame with one raster, seen from afar and at no wide angle; `None` otherwise,
-    /// or if their powers do not fit f32.
+    /// Evaluation of footprints for a frame with one raster, seen from afar and not at a wide angle; `None`
+    /// otherwise, or if their powers do not fit f32.
     fn plain_footprints(&self, raster: &Raster, ends: [f64; 2]) -> Option<Evaluation> {
         let Self {
             extents,
@@ -343,7 +344,8 @@ impl Cutting<'_> {
         let depths = [zone.first_made, zone.planes.count].map(|sheet| zone.planes.plane(sheet) - before);
         let room = extents.room_of_footprints(zone.planes.spacing);
         let narrowest = self.narrowest();
-        // A voxel's footprints have the blocks of its middle sheet's, also where they are narrower.
+        // All footprints of a voxel have as many blocks as the one on its middle sheet, even where they are
+        // narrower.
         let before_last = if extents.along_rays {
             0.0
         } else {

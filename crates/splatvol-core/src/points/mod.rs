@@ -36,6 +36,48 @@ pub enum Orientation {
     Along(DVec3),
 }
 
+/// Height of a landscape relative to the lesser of its widths, at most.
+const FLAT: f64 = 0.25;
+/// Share of the heights at either end that does not count: birds, and echoes from below the ground.
+const STRAYS: f64 = 0.005;
+
+impl Orientation {
+    /// The side that a cloud shows: a survey of a landscape, far wider than high, was taken from above, so that all its normals
+    /// point up, on single trees and the scattered points of a sparse scan too; anything else shows its outside. `up` is a
+    /// direction in the positions' space.
+    pub fn of(positions: &[[f32; 3]], up: DVec3) -> Self {
+        let up = up.normalize_or(DVec3::Z);
+        let (right, forward) = up.any_orthonormal_pair();
+        let along = |axis: DVec3| move |p: &[f32; 3]| DVec3::from_array(p.map(f64::from)).dot(axis);
+        let width = |axis| {
+            let [low, high] = positions
+                .iter()
+                .map(along(axis))
+                .filter(|at| at.is_finite())
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
+                    [low.min(at), high.max(at)]
+                });
+            high - low
+        };
+        let mut heights: Vec<f64> = positions
+            .iter()
+            .map(along(up))
+            .filter(|at| at.is_finite())
+            .collect();
+        let strays = (STRAYS * heights.len() as f64) as usize;
+        let Some(last) = heights.len().checked_sub(1 + strays) else {
+            return Self::Outward;
+        };
+        let highest = *heights.select_nth_unstable_by(last, f64::total_cmp).1;
+        let lowest = *heights.select_nth_unstable_by(strays, f64::total_cmp).1;
+        if highest - lowest < FLAT * width(right).min(width(forward)) {
+            Self::Along(up)
+        } else {
+            Self::Outward
+        }
+    }
+}
+
 /// Radii, lengths of the positions' space, from the distances to the `k` nearest neighbours (6 to 8 are usual): the
 /// mean distance between points of the surface nearby. Discs of these radii cover a regular grid twice over,
 /// without holes. A stray point is at most twice as large as the median of its neighbours.

@@ -121,7 +121,7 @@ fn distinct(positions: &[[f32; 3]], center: DVec3, scale: f64) -> (Vec<[f32; 3]>
         .map(|(index, p)| (morton(local(p)), index as u32))
         .collect();
     order.par_sort_unstable();
-    // Places may differ though their codes do not.
+    // Places may differ even if their codes do not.
     let place_at = |index: u32| local(&positions[index as usize]);
     let runs = order.par_chunk_by_mut(|a, b| a.0 == b.0);
     runs.filter(|run| run.len() > 1)

@@ -64,7 +64,8 @@ impl Neighborhoods {
         turned.for_each(|(normal, _)| *normal = -*normal);
     }
 
-    /// Keys of edges, the lighter the earlier sides spread: doubt in the upper bits, the edge's number in the lower.
+    /// Keys of edges; sides spread over light ones first. The upper bits hold the doubt, the lower the edge's
+    /// number.
     fn edges(&self, normals: &[DVec3]) -> Vec<u64> {
         (0..self.flat().len())
             .into_par_iter()
@@ -92,7 +93,7 @@ impl Neighborhoods {
         a.dot(b) - 2.0 * a.dot(along) * b.dot(along)
     }
 
-    /// For each place whether the normals of its part point into it.
+    /// For each place, whether the normals of its part point into it.
     fn is_inward(&self, normals: &[DVec3], roots: &[(u32, bool)]) -> Vec<bool> {
         let area: Vec<f64> = self.place_radii().into_par_iter().map(|r| r * r).collect();
         let (part_of, count) = numbered(roots);

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::Neighborhoods;
 use super::nearest::MOST_NEIGHBORS;
 
-/// A radius is at most this times the median of the neighbours'.
+/// A radius is at most this many times the median of its neighbours'.
 const LARGEST: f64 = 2.0;
 
 impl Neighborhoods {

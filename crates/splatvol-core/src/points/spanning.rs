@@ -1,6 +1,6 @@
 //! Spanning forest of least weight, by Borůvka's algorithm (1926): each tree takes its lightest outgoing edge,
-//! until none is left. All trees search at once, and edges within a tree are dropped, so that there are some ten
-//! rounds over ever fewer edges. All weights differ, so there is only one such forest, whatever the threads.
+//! until none is left. All trees search at once, and edges within a tree are dropped, so there are some ten rounds
+//! over ever fewer edges. All weights differ, so there is only one such forest, whatever the threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -247,3 +247,31 @@ fn the_bunnys_normals_point_out_of_it() {
     assert_eq!(inward, 0);
     assert!(mean < 4.0, "{mean}");
 }
+
+/// A ring of scattered heights around a hole, as of tree tops in a sparse scan.
+fn landscape(height: f32) -> Vec<[f32; 3]> {
+    (0..900u32)
+        .map(|i| {
+            let hash = i.wrapping_mul(2_654_435_761) >> 8;
+            [
+                (i % 30) as f32,
+                (i / 30) as f32,
+                height * (hash % 1000) as f32 / 1000.0,
+            ]
+        })
+        .collect()
+}
+
+#[test]
+fn a_landscape_is_seen_from_above_and_a_block_from_outside() {
+    let flat = landscape(4.0);
+    let side = Orientation::of(&flat, DVec3::Z);
+    assert_eq!(side, Orientation::Along(DVec3::Z));
+    let normals = Neighborhoods::new(&flat, 8).normals(side);
+    assert!(normals.iter().all(|normal| normal[2] >= 0.0));
+    assert_eq!(Orientation::of(&landscape(20.0), DVec3::Z), Orientation::Outward);
+    // The same, lying on its side.
+    assert_eq!(Orientation::of(&flat, DVec3::Y), Orientation::Outward);
+    assert_eq!(Orientation::of(&[[1.0; 3]], DVec3::Z), Orientation::Outward);
+    assert_eq!(Orientation::of(&[], DVec3::Z), Orientation::Outward);
+}

@@ -45,7 +45,7 @@ pub struct TableSettings {
     pub precision: Precision,
     /// Spacing of the entries.
     pub spacing: Spacing,
-    /// Rows, 1 to 128; a single one puts a whole footprint where its centre is.
+    /// Rows, 1 to 128; a single row puts the whole footprint where its centre is.
     pub sections: usize,
 }
 

@@ -87,7 +87,7 @@ pub fn classified(from: &Extract<'_>) -> SplatCloud {
     from.collect(&from.bricks.visible(from.table), payload)
 }
 
-/// Voxels that can contribute to visible values, with their values. `reach`: of a voxel, voxels per axis.
+/// Voxels that can contribute to visible values, with their values. `reach`: a voxel's, in voxels per axis.
 pub fn unclassified(from: &Extract<'_>, reach: [f64; 3]) -> SplatCloud {
     from.collect(&from.bricks.active(from.table, reach), |value| {
         Some([value, 1.0, 0.0, 0.0])

@@ -63,7 +63,7 @@ pub enum Warp {
 
 impl Footprint {
     /// Passage through the kernel of the ray through a point of the picture (pixels). A kernel whose width varies
-    /// with depth has that at its centre.
+    /// with depth is taken with the width at its centre.
     #[inline(always)]
     pub fn at(&self, [px, py]: [f32; 2]) -> Sample {
         match self.warp {
@@ -80,7 +80,7 @@ impl Footprint {
             Warp::Ray(ray) => ray.at([px, py]),
             Warp::Perpendicular(ray) => ray.at_plane([px, py], self.clip),
             Warp::Trapezoid(trapezoid) => trapezoid.at([px, py]),
-            // The nearest that the kernel comes: what there is of it lies within.
+            // Where the kernel comes nearest: the rest of its passage is farther away.
             Warp::Moving(moving) => {
                 let passage = self.passage(&moving, [px, py]);
                 let [depth, depth_sigma] = passage.depth();

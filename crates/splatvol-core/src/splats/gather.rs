@@ -1,6 +1,6 @@
 //! Gather: kernels of all kinds into one cloud of ellipsoids.
 //!
-//! A cloud of several items has the world, moved to their middle, as its local space. What its splats carry is
+//! A cloud of several items has the world, moved to their middle, as its local space. Its splats carry
 //!
 //! | item | covariance | payload |
 //! |---|---|---|
@@ -9,11 +9,11 @@
 //! | surfel: radius r, normal n | `(a r)^2 (I - n n^T)`; `(a r)^2 I` without a normal | optical depth of the surface times `r^2`, the area that it stands for |
 //! | Gaussian | `R S^2 R^T` | `-ln(1 - opacity)`, the optical depth through its centre, in every view |
 //!
-//! so that surfels, however they overlap, make a surface of one optical depth (zwicker2001 section 5; huang2000
-//! section 4.2 clips them to their sheets, which the section of a flat kernel does by itself).
+//! So surfels make a surface of one optical depth, however they overlap (zwicker2001 section 5). huang2000 section
+//! 4.2 clips them to their sheets; the section of a flat kernel does so by itself.
 //!
-//! Splats are sorted along a space-filling curve (Morton 1966), those of a size together: the boxes of chunks are
-//! small.
+//! Splats are sorted along a space-filling curve (Morton 1966), those of a size together, so the boxes of chunks
+//! are small.
 
 use glam::{DAffine3, DMat3, DVec3, Mat3, Quat, Vec3};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ use splatvol_scene::{Gaussians, Points};
 
 use super::cloud::{Chunk, KernelShape, SplatCloud};
 
-/// Splats of a chunk at most.
+/// Most splats of a chunk.
 const CHUNK: usize = 256;
 /// Standard deviation of a surfel, radii: sums of Gaussians this wide on a square lattice of the radius ripple by
 /// 0.2 %.
@@ -41,7 +41,7 @@ pub struct Splat {
     pub centre: DVec3,
     /// Covariance, world.
     pub covariance: DMat3,
-    /// Extinction and emission, integrated over space; of a Gaussian, along a ray through its centre.
+    /// Extinction and emission, integrated over space; for a Gaussian, along a ray through its centre.
     pub payload: [f32; 4],
     /// Gradient of the normalised value, per world length.
     pub gradient: DVec3,
@@ -49,7 +49,7 @@ pub struct Splat {
 
 /// Last cell along an axis of the Morton order: nine bits, so that size, place and index fit a key of 64.
 const LAST_CELL: f32 = 511.0;
-/// Octave of the widths that are the first class of sizes, and the last class: five bits, from 2^-40 up.
+/// Octave of the widths in the first class of sizes, and the last class: five bits, from 2^-40 up.
 const SMALLEST: f32 = -40.0;
 const LAST_CLASS: f32 = 31.0;
 
@@ -153,8 +153,8 @@ impl Gather {
         self.add(count, splat);
     }
 
-    /// Adds points as discs of their radii, or as balls where they have no normals. `color`: of points without one,
-    /// sRGB; `opacity`: of a surface of the points, times their own.
+    /// Adds points as discs of their radii, or as balls where they have no normals. `color`: for points without
+    /// one, sRGB; `opacity`: of a surface of the points, times their own.
     pub fn add_points(
         &mut self,
         points: &Points,
@@ -218,7 +218,7 @@ impl Gather {
         let peaks_from = self.peaks_from.unwrap_or(self.len());
         let order = self.order(peaks_from, &go_on)?;
         let sources: Vec<u32> = order.par_iter().map(|key| *key as u32).collect();
-        // One after the other, so that one field at a time is there twice.
+        // One after the other, so that only one field at a time is held twice.
         let positions = permuted(&sources, self.positions, &go_on)?;
         let covariances = permuted(&sources, self.covariances, &go_on)?;
         let payloads = permuted(&sources, self.payloads, &go_on)?;
@@ -291,7 +291,7 @@ struct SurfacePayloads {
     light: [f64; 256],
     /// Optical depth of each level of opacity.
     depth: [f64; 256],
-    /// Linear light of points that have no colour.
+    /// Linear light of points without a colour.
     own: [f64; 3],
 }
 
@@ -446,7 +446,7 @@ mod tests {
                     let at = cloud.positions[splat][axis];
                     assert!((chunk.low[axis]..=chunk.high[axis]).contains(&at));
                 }
-                // Along random directions no kernel is wider than the chunk says.
+                // Along random directions, no kernel is wider than the chunk's bound.
                 let [xx, xy, xz, yy, yz, zz] = cloud.covariances[splat].map(f64::from);
                 let c = DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
                 let mut random = Random::new(splat as u64);

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `cloud` | centres, payloads and covariances, in chunks of neighbours |
 //! | `extract` | the cloud of a classified volume, and that of its values |
-//! | `gather` | one cloud of voxels, surfels, Gaussians and whatever else |
+//! | `gather` | one cloud of voxels, samples of meshes, surfels and Gaussians |
 //! | `profile` | the radial profile of a footprint, whole and between depths |
 //! | `radial` | that of any radial kernel |
 //! | `footprint` | the footprint: from pixel to radius |

@@ -14,9 +14,10 @@
 //! * *exact*: the mean of the profile over the shutter, [`super::Profile::mean_along`]; of a Gaussian it is
 //!   `sqrt(2 pi) / 2L exp(-v^2 / 2) [erf((u + L/2) / sqrt 2) - erf((u - L/2) / sqrt 2)]`;
 //! * *capsule* (mueller1998 figure 11): the profile at the distance from the segment, times eq. 11,
-//!   `A1 / (A1 + 2 l s) = pi s / (pi s + 2 L)` for a silhouette of radius s. The paper dims opacities; this dims optical
-//!   depths, which is the same where absorption is linear. Its energy is `1 + L l / E` of the still one's times that, l
-//!   being the profile's integral over a line and E that over the plane: more than 1, as profiles fall off.
+//!   `A1 / (A1 + 2 l s) = pi s / (pi s + 2 L)` for a silhouette of radius s. The paper dims opacities; this dims
+//!   optical depths, which is the same where absorption is linear. Its energy is that of the still one times this
+//!   factor and `1 + L l / E`, with l the profile's integral over a line and E over the plane. The product exceeds
+//!   1, as profiles fall off.
 //!
 //! Sections need the kernel's place along the ray while the pixel sees it. Of the times `t = (u - x) / L`, x is
 //! normal within `u -+ L/2`, so the depth has the mean and the variance of that, times the rate at which it
@@ -131,7 +132,7 @@ pub fn whitening([xx, xy, yy]: [f32; 3]) -> [f32; 3] {
     let [wide, mixed, tall] = [xx, xy, yy].map(f64::from);
     let first = wide.sqrt();
     let shear = mixed / first;
-    // In f64: of long and thin footprints little is left.
+    // In f64: the difference is small for long and thin footprints.
     [first, shear, (tall - shear * shear).max(0.0).sqrt()].map(|v| v as f32)
 }
 
@@ -182,7 +183,7 @@ impl Passage {
     fn times(&self) -> [f32; 2] {
         let Self { length, along, .. } = *self;
         if length < SHORT {
-            // The Gaussian is a slope over so short a way.
+            // Over so short a way, the Gaussian is a slope.
             let tilt = along * length / 12.0;
             return [tilt.clamp(-0.5, 0.5), 1.0 / 12.0];
         }

@@ -43,7 +43,7 @@ pub trait Profile: Sync {
                 })
             })
             .sum();
-        // Of so short a way, rounding would leave little.
+        // For so short a way, little would be left after rounding.
         if length > SHORT {
             sum / length
         } else {
@@ -203,8 +203,8 @@ impl Profile for GaussianProfile {
         true
     }
 
-    /// By a polynomial for the fraction of the exponent to base 2, relative error 3e-6, in operations that vectors
-    /// have.
+    /// By a polynomial for the fraction of the exponent to base 2, relative error 3e-6, in operations that exist
+    /// for vectors.
     #[inline(always)]
     fn whole_row(&self, row: &mut [f32]) {
         /// Added, it leaves the nearest integer in the lowest bits.

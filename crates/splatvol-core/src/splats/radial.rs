@@ -133,7 +133,8 @@ mod tests {
         Kernel::KAISER_BESSEL,
     ];
 
-    /// The kernels but for the Gaussian end smoothly; its footprint ends as a square root, which no line follows.
+    /// All kernels but the Gaussian end smoothly; its footprint ends as a square root, which linear interpolation
+    /// misses.
     #[test]
     fn profiles_are_the_kernels_line_integrals() {
         for kernel in KERNELS {

@@ -39,10 +39,10 @@ pub struct Ray {
     pub per_pixel: f32,
 }
 
-/// A kernel that the swan filter stretches at each depth as needed.
+/// A kernel that the swan filter stretches as needed at each depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trapezoid {
-    /// The kernel before that.
+    /// The kernel before the stretch.
     pub ray: Ray,
     /// `1 / z_k`: the stretch per camera depth.
     pub per_depth: f32,
@@ -191,7 +191,7 @@ impl Trapezoid {
             let stretch = self.stretch(before + 0.5 * step);
             let sample = self.ray.stretched(stretch, self.depth).at(pixel);
             if sample.squared < limit {
-                // The first and the last have all that the profile has there.
+                // The first section begins at `near`, and the last ends at `far`.
                 let from = if index == 0 { near } else { before };
                 let to = if index + 1 == count as usize {
                     far

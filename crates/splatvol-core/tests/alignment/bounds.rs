@@ -1,4 +1,4 @@
-//! Footprints lie within what their chunk says, and do not explode beside the eye.
+//! Footprints lie within their chunk's bounds, and do not explode beside the eye.
 
 use glam::{DMat3, DVec3};
 use splatvol_core::splats::{CameraView, Chunk, Footprint, KernelShape, Projection, SplatCloud};

@@ -76,7 +76,7 @@ fn estimates_bound_what_footprints_err_by() {
             let Some(errors) = projection.errors(0) else {
                 continue;
             };
-            // Swan's filter on screen is not that in space, whose affine footprint `auto` has.
+            // Swan's filter on screen differs from that in space, whose affine footprint `auto` uses.
             let affine = (filter != Filter::Swan && filter != Filter::Matched { pixel_sigma: 0.55 })
                 .then_some((0, Alignment::Affine, errors.affine));
             let others = [(1, Alignment::Ray, errors.ray), (2, Alignment::Grid, errors.grid)];
@@ -84,7 +84,8 @@ fn estimates_bound_what_footprints_err_by() {
                 if index == 2 && filter == (Filter::Matched { pixel_sigma: 0.55 }) {
                     continue;
                 }
-                // Two footprints differ by 1e-4 from rounding alone. Estimates are for choosing good footprints: what errs by more is bad anyway.
+                // Two footprints differ by 1e-4 from rounding alone. Estimates serve to choose good footprints:
+                // those that err by more are bad anyway.
                 let found = measured(&cloud, &view, filter, alignment);
                 assert!(
                     found <= estimate + 2e-4 || (estimate > 0.2 && found > 0.2),

@@ -45,7 +45,8 @@ fn exact_footprints_do_not_err() {
     }
 }
 
-/// The set-up of figures 9 and 10: 512^3 voxels, a picture of 512^2 pixels, a cone of 30 degrees, exp(-1.38 r^2) cut at 2.
+/// The set-up of figures 9 and 10: 512^3 voxels, a picture of 512^2 pixels, a cone of 30 degrees, exp(-1.38 r^2)
+/// cut at 2.
 struct Paper {
     focal: f64,
     view: CameraView,
@@ -86,8 +87,8 @@ impl Paper {
     }
 }
 
-/// Figure 9 and its text: below 1 level on the axis; below 2 for the footprint across the ray, above 25 for that along the grid, far off
-/// axis near `z_k`; below 8 for both far off and far away.
+/// Figure 9 and its text: below 1 level on the axis; far off axis near `z_k`, below 2 for the footprint across the
+/// ray and above 25 for that along the grid; below 8 for both far off and far away.
 #[test]
 fn figure_9() {
     let paper = Paper::new();
@@ -108,7 +109,8 @@ fn figure_9() {
     }
 }
 
-/// From where on the footprint along the grid is not worse than that across the ray: the paper finds `z_k + 70`.
+/// The depth from which the footprint along the grid is no worse than that across the ray: the paper finds
+/// `z_k + 70`.
 #[test]
 fn z_s() {
     let paper = Paper::new();

@@ -100,7 +100,7 @@ pub(crate) fn project<'a>(
 /// A Gaussian in camera space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kernel {
-    /// The centre as the footprint has it.
+    /// The centre, rounded as in the footprint.
     pub(crate) u: DVec3,
     /// Covariance.
     pub(crate) covariance: DMat3,
@@ -148,8 +148,8 @@ impl Kernel {
     }
 }
 
-/// Integral in arc length of a density along the ray `d` from the eye, where it passes the centre `u`: the trapezoidal rule, which
-/// for Gaussians is as exact as the arithmetic.
+/// Integral in arc length of a density along the ray `d` from the eye, where it passes the centre `u`: the
+/// trapezoidal rule, which for Gaussians is as exact as the arithmetic.
 pub(crate) fn line(d: DVec3, u: DVec3, widest: f64, density: impl Fn(DVec3) -> f64) -> f64 {
     let unit = d.normalize();
     let middle = unit.dot(u);

@@ -1,6 +1,7 @@
-//! Table 1 of mueller1998, corrected: row 3 has `y_v`, `z_v` where `x_v`, `y_v` are printed outside of dy, and no squares in
-//! the sums; row 4 has `z_v z_k + y_p y_v` in its denominator and `y_v^2 + z_v^2` under its root; integrals are taken in arc
-//! length. Rows are written for the plane of the axis and the splat, with the direction across it added.
+//! Table 1 of mueller1998, corrected: row 3 has `y_v`, `z_v` where `x_v`, `y_v` are printed outside of dy, and no
+//! squares in the sums; row 4 has `z_v z_k + y_p y_v` in its denominator and `y_v^2 + z_v^2` under its root;
+//! integrals are taken in arc length. Rows are written for the plane of the axis and the splat, with the direction
+//! across it added.
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol_core::splats::CameraView;
@@ -78,7 +79,7 @@ impl Splat {
     }
 
     fn row_4(&self, d: DVec3) -> f64 {
-        // The ray's coordinates on the plane `z = z_k`, as the paper has them.
+        // The ray's coordinates on the plane `z = z_k`, as in the paper.
         let (x_p, y_p, z_k) = self.paper(d * self.z_k);
         let below = self.z_v * z_k + y_p * self.y_v;
         let y = (self.z_v * y_p - self.y_v * z_k) / below * self.y_v.hypot(self.z_v);
@@ -155,7 +156,8 @@ fn footprints_are_the_rows_of_table_1() {
             for _ in 0..60 {
                 let focal = random.magnitude(6.0, 600.0).round();
                 let view = view(focal);
-                // From before the distance k to far behind it, a standard deviation being a tenth of the distance at most.
+                // From before the distance k to far behind it, with a standard deviation of at most a tenth of the
+                // distance.
                 let z = random.magnitude(0.5, 5.0) * focal.max(2.0 * SIGMA / 0.1);
                 let d = {
                     let degrees = random.within(0.0, 60.0);
@@ -179,7 +181,7 @@ fn footprints_are_the_rows_of_table_1() {
     }
 }
 
-/// Any ellipsoid, from near to so far that 32 bits would not tell rays apart, filtered and not.
+/// Any ellipsoid, from near to so far away that 32 bits would not tell rays apart, filtered and not.
 #[test]
 fn exact_footprints_are_line_integrals() {
     let mut random = Random(11);
@@ -215,7 +217,7 @@ fn exact_footprints_are_line_integrals() {
     assert!(worst <= QUARTER, "{} levels", worst * 256.0);
 }
 
-/// A grid that is not cubic is warped to one first: the disc lies across the ray there.
+/// A grid that is not cubic is first warped to a cubic one: the disc lies across the ray there.
 #[test]
 fn discs_of_ellipsoids_lie_across_the_ray_in_the_cubic_grid() {
     let mut random = Random(13);

@@ -6,7 +6,7 @@ use splatvol_scene::{Alignment, Camera, Projection, Rasterizer, SceneError, Sing
 /// Relative difference of squared widths below which they count as equal: half of it in the radius.
 const SAME: f64 = 2e-3;
 
-/// Rejects a rasteriser of circles, or of conics, for a view whose footprints are not.
+/// Rejects a rasteriser for a view whose footprints it cannot draw.
 ///
 /// # Errors
 /// The rasteriser by name, with the reason and what to use.

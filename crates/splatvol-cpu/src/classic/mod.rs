@@ -16,7 +16,7 @@
 //! | bin | `plan`, `order` | chunks of the cloud into tile lists, by the *turn* at which they are needed |
 //! | open | `turns` | chunks that are not hidden give their splats to the turns |
 //! | splat | `raster`, `sheet` | footprints, whole or a sheet's section of them, become pixels |
-//! | composite | `tile`, `post_classified` | sheets, or splats one by one, go behind what a pixel has |
+//! | composite | `tile`, `post_classified` | sheets, or splats one by one, are composited behind the pixels |
 //!
 //! A *turn* is a sheet, a slice of the grid, or a range of depths whose splats are sorted, front to back (`order`).
 //! Pixels receive their contributions turn by turn, then by depth and index, so pictures are the same for any

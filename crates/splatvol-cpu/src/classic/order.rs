@@ -65,8 +65,8 @@ impl Order {
     /// Slices across the axis that the camera looks along most nearly.
     fn slices(cloud: &SplatCloud, view: &CameraView) -> Self {
         let local_from_camera = (view.camera_from_world * cloud.world_from_local).inverse();
-        // The axis whose slices' normal is most nearly the viewing direction: the row of the inverse transpose, which is
-        // what `local_from_camera` multiplies depth by, in the grid's own metric.
+        // The axis whose slices' normal is most nearly the viewing direction: the row of the inverse transpose,
+        // which is what `local_from_camera` multiplies depth by, in the grid's own metric.
         let forward = view.camera_from_world.inverse().transform_vector3(DVec3::Z);
         let normals = cloud.world_from_local.matrix3.inverse().transpose();
         let facing =

@@ -1,7 +1,7 @@
 //! The tile loop: turn by turn, front to back.
 //!
-//! * *image sheets*: splats stay open while sheets cut sections from their kernels; a finished sheet goes behind the pixels
-//!   (huang2000 section 2.1);
+//! * *image sheets*: splats stay open while sheets cut sections from their kernels; a finished sheet goes behind
+//!   the pixels (huang2000 section 2.1);
 //! * *slices* (axis-aligned sheets) and *all at once* (X-ray): a turn's whole footprints are added up first;
 //! * *per splat*: each footprint goes behind, or before, the pixels as it comes.
 

@@ -12,7 +12,7 @@ pub fn set_clock(seconds: fn() -> f64) {
     let _ = CLOCK.set(seconds);
 }
 
-/// A moment, as `std::time::Instant` has them.
+/// A moment, like `std::time::Instant`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Instant {
     seconds: f64,

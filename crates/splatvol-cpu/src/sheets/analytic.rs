@@ -1,4 +1,4 @@
-//! Analytic gradients: coefficients are splatted with their kernels' derivatives, and intervals between planes
+//! Analytic gradients: coefficients are splatted with their kernels' derivatives, and intervals between planes are
 //! classified, lit and composited in up to eight pieces.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};

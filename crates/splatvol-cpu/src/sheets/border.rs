@@ -35,12 +35,13 @@ pub(crate) struct Shares<S: Simd> {
 
 /// Shares on the lattice below this lie so far outside the volume that their values are ignored.
 pub(crate) const FADED: f32 = 0.15;
-/// Shares are faded from here on, in those that count as such: what was cut at [`FADED`] and divided is less by rounding.
+/// Factor on the limit of one over a share: what was cut at [`FADED`] and divided is less by rounding.
 const NEARLY: f32 = 0.999;
 /// Kernel's share on the box between a coverage of 0 and of 1: the last hundredth on either side is left out, so that
 /// coverage reaches both (docs/numerics.md, `q`).
 pub(crate) const RAMP: f32 = 0.98;
-/// Standard deviations by which tiles are looked at further, where their corners are rounded otherwise than their pixels.
+/// Margin of the tests of whole tiles, standard deviations: their corners are rounded differently from their
+/// pixels.
 const TILE_SLACK: f32 = 0.01;
 /// From the first of sixteen pixels to the last.
 const LAST_LANE: f32 = 15.0;
@@ -98,7 +99,8 @@ impl Border {
         }
     }
 
-    /// Whether all points between two of a plane lie further inside the box than so many standard deviations.
+    /// Whether all points between two points of a plane lie further inside the box than so many standard
+    /// deviations.
     #[inline(always)]
     fn holds(&self, from: Vec3A, to: Vec3A, reach: f32) -> bool {
         let near = Vec3A::splat(reach * self.sigma);
@@ -135,7 +137,7 @@ impl Border {
             }
             let x = (lanes * step[axis] + from[axis]) * (1.0 / self.sigma);
             let (size, margin) = (self.size[axis] / self.sigma, self.margin[axis] / self.sigma);
-            // Of a box that is not thin only the nearer face matters.
+            // Only the nearer face matters, unless the box is thin.
             let near = x.min(size - x);
             own *= cumulative(simd, near);
             all *= cumulative(simd, near + margin);

@@ -52,7 +52,7 @@ pub(crate) struct Canvas {
     gathered: Vec<Stored>,
     /// Marks the non-empty vectors of `gathered`.
     holds: Vec<bool>,
-    /// The vectors that do.
+    /// Indices of the non-empty vectors.
     touched: Vec<u32>,
 }
 
@@ -251,7 +251,7 @@ impl<S: Simd> Material<S> {
         let zero = splat(simd, 0.0);
         let (own, others) = (self.opacity.simd_gt(zero), other.opacity.simd_gt(zero));
         let through = self.through * other.through;
-        // 1 - T_a T_b without its digits lost where both are thin.
+        // 1 - T_a T_b, without losing digits where both are thin.
         let opacity = self.opacity + other.opacity * self.through;
         let per_own = depth_per_opacity(simd, self.through, self.opacity);
         let per_other = depth_per_opacity(simd, other.through, other.opacity);

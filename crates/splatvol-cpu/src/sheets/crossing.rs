@@ -1,4 +1,4 @@
-//! Crossing: places at which the cubic between two planes takes a value.
+//! Crossing: places at which the cubic between two planes takes a given value.
 //!
 //! Between its extrema a cubic is monotonic, so a change of sign there is one root, found by bisection to 2^-24 of
 //! the interval. A zero at a plane counts as positive on both sides: neighbouring intervals share the plane's value

@@ -107,7 +107,7 @@ impl<'a> DirectGroup<'a> {
         let [px, py] = constants.principal;
         let zero = f32x16::splat(simd, 0.0);
         let tiny = f32x16::splat(simd, f32::MIN_POSITIVE);
-        // Smaller weights would make numbers that are slow.
+        // Smaller weights would lead to denormal numbers, which are slow.
         let least = f32x16::splat(simd, -90.0);
         let mut touched = Area::EMPTY;
         for n in 0..records.len.min(CAPACITY) {

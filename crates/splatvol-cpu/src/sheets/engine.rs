@@ -138,8 +138,8 @@ impl SheetEngine {
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
-        // The mean of two classified values is not the mean classified: labels would become others. Analytic gradients are asked
-        // for the field as it is.
+        // The mean of two classified values is not the classified mean, and labels would become other labels.
+        // Analytic gradients show the field as it is.
         let of_voxels = Wanted::of(settings) == Wanted::Classified;
         let detail = if of_voxels || settings.method.gradient == Gradient::Analytic {
             Detail::FINEST

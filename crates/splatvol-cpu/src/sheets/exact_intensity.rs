@@ -1,5 +1,5 @@
-//! Exact intensity: one value of each pixel's ray, of cubics with exact slopes. Coefficients are splatted with their kernels'
-//! derivatives along the rays.
+//! Exact intensity: one value of each pixel's ray, of cubics with exact slopes. Coefficients are splatted with
+//! their kernels' derivatives along the rays.
 
 use std::marker::PhantomData;
 

@@ -8,7 +8,7 @@
 use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*, u32x16};
 use splatvol_core::classification::ClassificationTable;
 
-/// Cells per normalised value, as [`ClassificationTable`] has them.
+/// Cells per normalised value, as in [`ClassificationTable`].
 const PER_VALUE: f32 = ClassificationTable::CELLS_PER_VALUE as f32;
 const FIRST: f32 = ClassificationTable::FIRST as f32;
 /// A power of two: indices are masked instead of checked.
@@ -118,7 +118,7 @@ impl<S: Simd> ColoredSegment<S> {
 }
 
 /// Centroid of the material between two ends, for an extinction that varies linearly; if that is zero at one end,
-/// from the place where it begins.
+/// only the part from where it begins counts.
 #[inline(always)]
 fn centroid<S: Simd>(simd: S, [a, b]: [f32x16<S>; 2], mean: f32x16<S>) -> f32x16<S> {
     let (zero, half, one) = (
@@ -164,7 +164,7 @@ impl FineTable {
         Self { cells }
     }
 
-    /// Looks sixteen values up.
+    /// Looks up sixteen values.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> Point<S> {
         let (zero, last) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, LAST_POSITION));

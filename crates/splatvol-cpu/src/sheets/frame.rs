@@ -51,7 +51,7 @@ impl GridPlan {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ZonedFrame<'a> {
     pub plan: &'a FramePlan,
-    /// None of clouds.
+    /// Empty for clouds.
     pub eyes: &'a [Eye],
 }
 

@@ -85,7 +85,7 @@ impl Mode<1> for Integral<'_> {
     }
 
     fn begin(&self, canvas: &mut Canvas) {
-        // It holds extinction until all zones have added theirs.
+        // Holds extinction until all zones have added theirs.
         canvas.transmittance.fill(0.0);
     }
 
@@ -94,7 +94,7 @@ impl Mode<1> for Integral<'_> {
             .at(&frame.zone.raster, place.middle(), self.slab(frame, sheet).depth)
     }
 
-    /// Depths of a slab. A voxel belongs to one slab only; on a plane, to the slab before it, also if that is in
+    /// Depths of a slab. A voxel belongs to one slab only; on a plane, to the slab before it, even if that is in
     /// another zone.
     fn depths(&self, frame: &SheetFrame<'_>, sheet: usize) -> [f32; 2] {
         let before = (frame.stack.first + sheet as i64 - 1) as f64 * frame.stack.spacing;
@@ -354,7 +354,7 @@ impl Pixels<'_> {
         let square = area * (self.depth_sigma * self.depth_sigma);
         let xx = (across * across - own_x * own_x) * square;
         let yy = (down * down - own_y * own_y) * square;
-        // Where the filter widens footprints it gives less to those that are wider.
+        // Where the filter widens footprints, it adds less to wider ones.
         let (own_xx, own_yy) = (area * self.own[0], area * self.own[1]);
         let zero = f32x16::splat(simd, 0.0);
         let filter = (self.least - (own_xx + xx).min(own_yy + yy)).max(zero)

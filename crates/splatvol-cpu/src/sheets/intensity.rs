@@ -1,5 +1,5 @@
-//! Intensity: one value of each pixel's ray. Coefficients are splatted; of the cubics between planes the largest or
-//! smallest value is kept, or the mean taken (docs/numerics.md, modes mip, minip and mean).
+//! Intensity: one value of each pixel's ray. Coefficients are splatted. The largest or smallest value of the cubics
+//! between planes is kept, or their mean taken (docs/numerics.md, modes mip, minip and mean).
 
 use std::marker::PhantomData;
 
@@ -65,8 +65,8 @@ pub(crate) trait Reduction: Sync {
 #[derive(Debug)]
 pub(crate) struct Extreme<E>(PhantomData<E>);
 
-/// The mean value, weighted by coverage: integrals of value and coverage in `color`, the largest coverage in the third
-/// channel, that of the depth in `depth_sum`.
+/// The mean value, weighted by coverage: integrals of value and coverage in `color`, the largest coverage in the
+/// third channel, the integral of depth in `depth_sum`.
 #[derive(Debug)]
 pub(crate) struct Mean;
 

@@ -19,7 +19,7 @@ use crate::simd::math::exp2_quick;
 const REACH: f32 = 4.2;
 /// Cut of sums over the lattice, standard deviations.
 const CUT: f32 = 4.5;
-/// Voxels by which tiles are looked at further, where their corners are rounded otherwise than their pixels.
+/// Margin of the tests of whole tiles, voxels: their corners are rounded differently from their pixels.
 const TILE_SLACK: f32 = 0.01;
 /// From the first of sixteen pixels to the last.
 const LAST_LANE: f32 = 15.0;

@@ -212,7 +212,8 @@ impl Pyramid {
     /// Memory held, bytes, the samples included.
     pub(crate) fn bytes(&self) -> usize {
         let source = |n: usize| self.sources[n].of().0;
-        // Levels of one source, and one that could not be made and is the one before it.
+        // Neighbouring levels share a source if they are its own, or if one could not be made and repeats the one
+        // before.
         let is_new = |n: usize| n == 0 || !Arc::ptr_eq(source(n), source(n - 1));
         let own = (0..self.sources.len()).filter(|&n| is_new(n));
         let samples = own.map(|n| source(n).bytes()).sum::<usize>();
@@ -238,7 +239,7 @@ impl Pyramid {
         Ok(self.sources[level].clone())
     }
 
-    /// A level, made right for a transfer function with its unit distance.
+    /// A level, updated for a transfer function with its unit distance.
     ///
     /// # Errors
     /// `stop`, set meanwhile, and samples that cannot be read; the level is forgotten then, for it may be half done.

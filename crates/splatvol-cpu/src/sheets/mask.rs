@@ -1,9 +1,9 @@
 //! Open mask: the open pixels of a tile, and the footprints that reach one. Splats behind finished pixels are
 //! skipped.
 //!
-//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits. For every first block at once,
-//! shifts of rows of bits over each other tell whether a footprint of n x n blocks touches an open pixel, or a
-//! pixel that an open one's derivatives need. A voxel then tests one bit.
+//! The mask replaces huang2000's summed-area table (section 4.1). Pixels are bits. Rows of bits are shifted over
+//! each other. This tells, for every first block at once, whether a footprint of n x n blocks touches an open
+//! pixel, or a pixel that an open one's derivatives need. A voxel then tests one bit.
 
 use splatvol_core::plan::MAX_BLOCKS;
 
@@ -284,7 +284,7 @@ mod tests {
                         let touches = touches(&open, step as i32, place.0, place.1, size as i32);
                         assert!(reaches || !touches, "step {step} size {size} at {place:?}");
                         spared += usize::from(!reaches);
-                        // No more than a block too many where pixels are splatted directly.
+                        // Exact where pixels are splatted directly.
                         assert!(step > 1 || reaches == touches, "size {size} at {place:?}");
                     }
                 }

@@ -9,7 +9,7 @@
 //! | | `cloud` | or kernels of their own shapes: points, Gaussians, samples of meshes |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
-//! | | `holes` | the same of missing samples, whose weight sums lack |
+//! | | `holes` | the same for missing samples, whose weight the sums lack |
 //! | shade | `shaded`, `shade`, `table`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
 //! | | `analytic`, `gradients`, `hermite`, `fine_table`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |

@@ -4,8 +4,8 @@
 //! from the integrals of the transfer function, as in `shade`; operators are evaluated at that place. An isosurface
 //! is seen where the cubic between two planes takes its value.
 //!
-//! The field's gradient is no normal of a cut. The normal is that of the cut's face, weighted by the opacity of
-//! four voxels of the material at the face, until seven eighths of the light are gone or the material ends. So
+//! The field's gradient is not the normal of a cut. The normal is that of the cut's face, weighted by the opacity
+//! of four voxels of the material at the face, until seven eighths of the light are gone or the material ends. So
 //! faces of opaque material are lit flat, at the mean place of the light they send, and fog, which has no faces, is
 //! lit as if uncut.
 
@@ -98,7 +98,7 @@ struct Ink {
 impl Ink {
     fn of(canvas: &Canvas, pixel: usize) -> Self {
         if canvas.gathers() {
-            // Other layers have a share in the interval: what this one shows of it alone.
+            // Other layers share the interval: this holds only what this layer shows of it.
             return Self {
                 through: 1.0,
                 color: Vec3::ZERO,
@@ -317,7 +317,7 @@ impl<'a> Operated<'a> {
         for operator in self.operators {
             operator.apply(sample, appearance);
         }
-        // Not a number counts as nothing.
+        // NaN counts as nothing.
         appearance.extinction > 0.0
     }
 
@@ -334,7 +334,7 @@ impl<'a> Operated<'a> {
 
 /// Optical depth below which the difference of the exact form would lose its digits.
 const THIN: f32 = 0.1;
-/// Optical depth beyond which the back sends no light at all, nor does its exponential overflow.
+/// Optical depth at which the back sends no light at all, and its exponential does not overflow.
 const OPAQUE: f32 = 80.0;
 
 /// Mean place, 0 to 1, of the light from homogeneous material of this optical depth: `1 / t - 1 / (e^t - 1)`.
@@ -356,7 +356,7 @@ fn orient(
 ) {
     let normal = (-sample.gradient).try_normalize().unwrap_or(sample.view);
     appearance.normal = normal;
-    // Without light it matters to mirrors only.
+    // Without lighting, it matters only to mirrors.
     appearance.surfaceness = shader
         .phong
         .as_ref()

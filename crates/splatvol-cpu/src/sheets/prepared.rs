@@ -1,5 +1,5 @@
-//! Prepared volumes, kept between frames: those of the current scene, and the last used ones of earlier scenes within a memory
-//! budget.
+//! Prepared volumes, kept between frames: those of the current scene, and the last used ones of earlier scenes
+//! within a memory budget.
 //!
 //! Switching between a few volumes finds them prepared; going through hundreds takes no more memory than the
 //! budget.

@@ -464,7 +464,7 @@ impl PlaneShader<'_> {
         let [mut x_near, mut x_far] = across(simd, [near, far], interval.scales, (here, 1));
         let [mut y_near, mut y_far] = across(simd, [near, far], interval.scales, (here, pitch));
         if let Some([_, near, far, _]) = missing {
-            // Of the sum of all coefficients, those that are missing 0.
+            // Gradient of the sum of all coefficients, the missing ones being 0.
             let planes = [&near.values[..], &far.values[..]];
             let [by_near, by_far] = across(simd, planes, interval.scales, (at, 1));
             (x_near, x_far) = (

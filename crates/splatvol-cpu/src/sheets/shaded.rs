@@ -84,8 +84,8 @@ impl Mode<1> for Shaded<'_> {
     }
 }
 
-/// Classifies, lights and composites an interval: sixteen pixels at a time, or one by one where something is done
-/// to them.
+/// Classifies, lights and composites an interval: sixteen pixels at a time, or one by one where operators, clips or
+/// isosurfaces apply.
 #[inline(always)]
 pub(crate) fn show<S: Simd>(
     simd: S,

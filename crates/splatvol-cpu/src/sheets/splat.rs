@@ -1,7 +1,7 @@
 //! Splat: voxels into the ring of sheets, each once into all the sheets that it reaches.
 //!
-//! With `u` the offset of the footprint's centre from a raster point in its middle and `i, j` whole raster points from
-//! there, a Gaussian footprint of exponents `a, c, b` (xx, xy, yy, negative, to base 2) is
+//! Let `u, v` be the offset of the footprint's centre from a raster point in its middle, and `i, j` whole raster
+//! points from there. A Gaussian footprint of exponents `a, c, b` (xx, xy, yy, negative, to base 2) is
 //!
 //! `2^(a (i-u)^2 + c (i-u)(j-v) + b (j-v)^2) = C(i, j) p^i q^j 2^(a u^2 + c u v + b v^2)`,
 //! `C(i, j) = 2^(a i^2 + c i j + b j^2)`, `p = 2^(-2 a u - c v)`, `q = 2^(-2 b v - c u)`:
@@ -163,7 +163,8 @@ impl Stencil {
                 for column in 0..size {
                     let i = f32x16::from_slice(simd, &COLUMN) + (2 * column) as f32 - middle;
                     let exponent = xx * i * i + xy * i * j + yy * j * j;
-                    // Not the least number where it is far less: powers of elongated footprints would show it.
+                    // Zero, not the least number, where it is less: powers of elongated footprints would show the
+                    // difference.
                     exponent
                         .simd_gt(f32x16::splat(simd, LEAST))
                         .select(exp2(simd, exponent), f32x16::splat(simd, 0.0))

@@ -23,7 +23,7 @@ const NO_MATERIAL: f32 = 1e-20;
 const THIN: f32 = 0.1;
 /// Largest position in the table: within the last cell.
 const LAST_POSITION: f32 = CELLS as f32 - 0.01;
-/// Largest numbers of the bits of red and green, and of blue.
+/// Largest numbers in the bits of red and green, and in those of blue.
 const ELEVEN_BITS: f32 = 2047.0;
 const TEN_BITS: f32 = 1023.0;
 
@@ -213,7 +213,7 @@ impl ShadeTable {
         a.combine(b).combine(c.combine(d))
     }
 
-    /// Looks sixteen values up.
+    /// Looks up sixteen values.
     #[inline(always)]
     pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> ClassifiedLanes<S> {
         let position = Self::position(simd, value);
@@ -248,7 +248,7 @@ impl ShadeTable {
         (&self.cells[position as usize & (CELLS - 1)], position)
     }
 
-    /// Looks one value up.
+    /// Looks up one value.
     pub(crate) fn point(&self, value: f32) -> ClassifiedValue {
         let (&[material, moment, extinction, _], position) = self.cell(value);
         let cell = position.floor();

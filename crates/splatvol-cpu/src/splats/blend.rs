@@ -1,6 +1,6 @@
 //! Blend: effect of a splat on the pixels of a block, and their final result.
 //!
-//! | | at d from its centre a splat gives a pixel | which ends |
+//! | | effect of a splat on a pixel at d from its centre | a pixel ends |
 //! |---|---|---|
 //! | [`Published`] | `alpha = min(0.99, o exp(-d^T V^-1 d / 2))`, nothing below 1/255; `C += T alpha c`, `T *= 1 - alpha`, c in display colours | before T falls below 1e-4 |
 //! | [`Light`] | `tau = tau_0 (exp(-d^T V^-1 d / 2) - e) / (1 - e)`, e what is left at the cut; `C += T (1 - exp(-tau)) c`, `T *= exp(-tau)` | where T has fallen to the termination |

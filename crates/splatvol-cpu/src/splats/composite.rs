@@ -23,7 +23,7 @@ const ROW: [f32; LANES] = [0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct Block {
-    /// Transmittance, negative where the pixel has ended; of line integrals the optical depth so far.
+    /// Transmittance, negative where the pixel has ended; for line integrals, the optical depth so far.
     pub state: [f32; LANES],
     /// Premultiplied colour, and depth, weighted alike.
     pub sums: [[f32; LANES]; 4],

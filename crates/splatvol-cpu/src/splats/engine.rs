@@ -29,7 +29,7 @@ use crate::run::Run;
 const CHUNK: usize = 4096;
 /// Parts per thread, at least, in which splats are sorted and binned.
 const PARTS_PER_THREAD: usize = 2;
-/// Splats of such a part at most; a thread checks for cancellation after each part.
+/// Most splats of such a part; a thread checks for cancellation after each part.
 const PART: usize = 1 << 16;
 
 /// A cloud to splat; clouds are listed in the order in which equal depths are drawn.

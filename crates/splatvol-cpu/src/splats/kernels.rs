@@ -26,7 +26,7 @@ use super::view::{LocalView, rows};
 use crate::phong::Phong;
 use crate::simd::math::{exp2_quick, srgb_from_linear};
 
-/// Optical depths beyond are no more opaque.
+/// Optical depths beyond this are no more opaque.
 const THICKEST: f32 = 60.0;
 
 /// A cloud of kernels in its light.

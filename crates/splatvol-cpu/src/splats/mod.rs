@@ -13,7 +13,7 @@
 //!
 //! | stage | module | what |
 //! |---|---|---|
-//! | project | `project`, `view`; `gaussians`, `kernels` | what is splatted to ellipses on the screen; SIMD over splats |
+//! | project | `project`, `view`; `gaussians`, `kernels` | splats to ellipses on the screen; SIMD over splats |
 //! | order | `order` | all splats by the depth of their centres: stable radix sort, equal depths by index |
 //! | bin | `bin` | splats in the lists of 32 x 32-pixel tiles, in order |
 //! | cover | `cover` | which 4 x 4 blocks of a tile a splat's ellipse meets; SIMD over splats |
@@ -23,17 +23,17 @@
 //! # Colours
 //!
 //! Gaussians are trained so that *display* (sRGB-encoded) colours are composited; linear compositing would change
-//! the picture. So it is done here as there, and the finished picture is converted: un-premultiplied, decoded,
-//! premultiplied. A PNG written from it has the codes of the published renderer. Composited over something in
-//! linear light, which is what [`splatvol_scene::Image::over`] does, half-transparent pixels come out otherwise
-//! than there; a background of the settings is composited in display space.
+//! the picture. So this engine composites display colours, too, and converts the finished picture:
+//! un-premultiplied, decoded, premultiplied. A PNG written from it has the codes of the published renderer.
+//! Composited over something in linear light, as [`splatvol_scene::Image::over`] does, half-transparent pixels
+//! differ from that renderer's; a background of the settings is composited in display space.
 //!
 //! # Departures
 //!
 //! - Splats are cut off where their opacity falls below 1/255 instead of at the tiles that three standard deviations
 //!   reach, *and* at these: the same pixels get the same contributions.
-//! - The determinant of V is summed up without cancellation. What f32 cannot hold, splats of more than some 1e9 pixels, is
-//!   left out.
+//! - The determinant of V is summed up without cancellation. Splats of more than some 1e9 pixels, which f32 cannot
+//!   hold, are left out.
 //! - The near limit, 0.2 there, is in the Gaussians' own units: scaling scene and camera changes nothing.
 //! - Orthographic cameras (J constant, no limit of the angle, nothing behind the camera) do not exist there.
 //! - Harmonics are evaluated in the Gaussians' frame, for a camera brought there; colours are cut at 1e4.

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use crate::room::grow;
 
-/// At most this many bits are sorted by at once.
+/// Most bits that keys are sorted by at once.
 const DIGIT_BITS: u32 = 12;
-/// Keys per part at least.
+/// Fewest keys per part.
 const PART: usize = 1 << 13;
 
 /// Keys, and as many again to sort them.
@@ -75,7 +75,7 @@ impl Keys {
     }
 }
 
-/// A range in up to `parts` ranges of like length.
+/// A range, split into up to `parts` ranges of similar length.
 pub(crate) fn even(range: Range<usize>, parts: usize) -> Vec<Range<usize>> {
     let step = range.len().div_ceil(parts.max(1)).max(PART);
     let starts = range.clone().step_by(step);
@@ -150,7 +150,8 @@ impl Digits {
     }
 }
 
-/// Counts per part and bucket to where each begins: buckets in order, parts in order within a bucket. Returns the sum.
+/// Turns counts per part and bucket into where each begins: buckets in order, parts in order within a bucket.
+/// Returns the sum.
 pub(crate) fn starts(counts: &mut [Vec<u32>], buckets: Range<usize>) -> usize {
     let mut sum = 0u32;
     for bucket in buckets {

@@ -72,7 +72,7 @@ pub(crate) trait Source: Sync {
     /// from the source's space to pixels.
     fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], range: Range<usize>) -> [f32x16<S>; 4];
 
-    /// Opacities or optical depths in the middle, as the blend has them.
+    /// Opacities or optical depths in the middle, as the blend defines them.
     fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S>;
 
     /// Colours of a range, for the lanes whose bits are set.
@@ -302,7 +302,7 @@ fn rect<S: Simd>(
     let zero = f32x16::splat(simd, 0.0);
     let mut rect = [zero; 4];
     for axis in 0..2 {
-        // Pixels are numbered by their centres there.
+        // The published renderer numbers pixels by their centres.
         let place = centre[axis] - 0.5;
         let low = (place - half_square.min(reach[axis] + ROUNDING)) * (1.0 / EDGE);
         let square = (place + half_square + (EDGE - 1.0)) * (1.0 / EDGE);

@@ -2,9 +2,9 @@
 
 use splatvol_scene::{ImageSize, Lighting};
 
-/// Variance that the published renderer adds to every footprint, pixels squared: with it Gaussians have been trained.
+/// Variance that the published renderer adds to every footprint, pixels squared: Gaussians are trained with it.
 const PUBLISHED_LOW_PASS: f32 = 0.3;
-/// Camera depth, in the Gaussians' own units, in front of which the published renderer draws none.
+/// Camera depth, in the Gaussians' own units, below which the published renderer draws none.
 const PUBLISHED_NEAR: f64 = 0.2;
 
 /// Settings of a cloud of splats. Negative or non-finite values count as zero.
@@ -50,7 +50,7 @@ pub(crate) enum BlendMode {
 pub(crate) enum LowPass {
     /// Variance added to every footprint.
     Added(f32),
-    /// Only as much as the footprint's narrower axis lacks to this variance.
+    /// Only as much as the footprint's narrower axis lacks of this variance.
     Lacking(f32),
 }
 

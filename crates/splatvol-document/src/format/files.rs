@@ -62,7 +62,12 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Document, DocumentError> {
         item.world_from_file()
             .map_err(|error| malformed(error.of_index(i).to_string()))?;
         item.file = beside(&item.file, &named("file"), path)?;
-        for (key, file) in [("tf", &mut item.tf), ("drape", &mut item.drape)] {
+        let files = [
+            ("tf", &mut item.tf),
+            ("drape", &mut item.drape),
+            ("solution", &mut item.solution),
+        ];
+        for (key, file) in files {
             if let Some(file) = file {
                 *file = beside(file, &named(key), path)?;
             }

@@ -24,7 +24,8 @@ pub(super) fn of_json(error: &serde_json::Error) -> String {
     suggesting(&error.to_string())
 }
 
-/// A complaint of serde's about an unknown name, which is followed by those that are expected, with the nearest of them.
+/// A complaint of serde's about an unknown name, which is followed by those that are expected, with the nearest of
+/// them.
 fn suggesting(message: &str) -> String {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let (Some(name), true) = (quoted.next(), message.starts_with("unknown")) else {

@@ -71,7 +71,7 @@ impl CameraKeys {
         if replaced {
             below.view = below.view.filter(|_| self.position.is_none());
             if below.position.take().is_some() {
-                // A placed camera has nothing that fits another place but its lens.
+                // Of a placed camera, only its lens fits another place.
                 below.target = None;
                 below.up = None;
                 below.orthographic = below.orthographic.map(|_| Parallel::Fits(true));
@@ -98,7 +98,7 @@ impl CameraKeys {
         self.or(below)
     }
 
-    /// World height of the picture at a target, of a camera that has its place and its lens.
+    /// World height of the picture at a target, for a camera that has its place and its lens.
     fn height_at_target(&self, target: Option<[f64; 3]>) -> Option<f64> {
         if let Some(Parallel::Height(height)) = self.orthographic {
             return Some(height);

@@ -38,8 +38,8 @@ keys! {
 }
 
 impl EffectKeys {
-    /// These keys over those of another document, whose item `asked` has an opinion about: another look does not take over
-    /// what the file of the earlier one said.
+    /// These keys over those of another document; `asked` are the keys laid over its item. A new look does not keep
+    /// what the earlier look's file said.
     #[must_use]
     pub fn over(self, below: &Self, asked: &ItemKeys, merged: &ItemKeys) -> Self {
         let mut below = below.clone();

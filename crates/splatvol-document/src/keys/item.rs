@@ -64,6 +64,9 @@ pub struct ItemKeys {
     /// Series of a folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
+    /// Solution of a PLOT3D grid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solution: Option<String>,
     /// Picture that is laid over terrain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drape: Option<String>,
@@ -130,7 +133,7 @@ impl ItemKeys {
         self.visible != Some(false)
     }
 
-    /// Whether any key says how it looks.
+    /// Whether any key gives its look.
     pub fn has_look(&self) -> bool {
         let Self {
             tf,
@@ -173,7 +176,7 @@ impl ItemKeys {
         self.or(below)
     }
 
-    /// The keys that say how another file would look the same.
+    /// The keys that make another file look the same.
     fn look_only(&self) -> Self {
         Self {
             tf: self.tf.clone(),
@@ -223,6 +226,7 @@ impl ItemKeys {
             time: self.time.or(below.time),
             level: self.level.or(below.level),
             series: self.series.or(below.series),
+            solution: self.solution.or(below.solution),
             drape: self.drape.or(below.drape),
             posts: self.posts.or(below.posts),
             tf: self.tf.or(below.tf),

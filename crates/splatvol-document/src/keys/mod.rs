@@ -37,7 +37,7 @@ macro_rules! keys {
         }
 
         impl $name {
-            /// These keys, and where one is absent that of `other`.
+            /// These keys; where one is absent, that of `other`.
             #[must_use]
             pub fn or(self, other: Self) -> Self {
                 Self {
@@ -45,7 +45,7 @@ macro_rules! keys {
                 }
             }
 
-            /// Whether no key is there.
+            /// Whether no key is set.
             pub fn is_empty(&self) -> bool {
                 true $(&& self.$key.is_none())*
             }

@@ -45,8 +45,8 @@ impl MotionKeys {
         self.spin.is_some() || self.velocity.is_some() || self.camera.is_some()
     }
 
-    /// These keys over those of another document, whose picture has the same camera and shows the same, or not. A motion
-    /// replaces another one; another camera has no motion of its own; other data spin about their own centre.
+    /// These keys over those of another document, whose picture may have the same camera and show the same things. A
+    /// motion replaces another one; another camera has no motion of its own; other data spin about their own centre.
     #[must_use]
     pub fn over(self, below: &Self, same_camera: bool, same_items: bool) -> Self {
         let mut below = below.clone();
@@ -62,7 +62,7 @@ impl MotionKeys {
             below.spin_centre = None;
         }
         if self.moves() {
-            // A new motion asks to be seen.
+            // A new motion is meant to be seen.
             below = Self {
                 motion_blur: below.motion_blur.filter(|name| *name != MotionBlurName::None),
                 subframes: below.subframes,

@@ -50,7 +50,7 @@ impl ItemKeys {
     /// Placement of the item: `translate + rotate * scale`, without `up`.
     ///
     /// # Errors
-    /// Keys that make no invertible place, by name.
+    /// Keys that do not make an invertible place, by name.
     pub fn world_from_file(&self) -> Result<DAffine3, DocumentError> {
         let refused = |key: &str, value: String| {
             let path = format!("item.{key}");
@@ -80,7 +80,7 @@ impl ItemKeys {
 }
 
 impl Rotate {
-    /// The matrix, if it is one of a rotation.
+    /// The matrix, if it is a rotation.
     fn matrix(&self) -> Option<DMat3> {
         match self {
             Self::Axis(axis, degrees) => {

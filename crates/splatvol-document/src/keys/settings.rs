@@ -124,7 +124,7 @@ impl SettingKeys {
         }
     }
 
-    /// Whether anything is said of the light that there is.
+    /// Whether any key describes the light.
     pub(crate) fn describes_light(&self) -> bool {
         let numbers = Self {
             shade: None,
@@ -134,7 +134,7 @@ impl SettingKeys {
     }
 
     /// These keys over those of another document: keys that exclude each other do not mix, a preset replaces everything
-    /// but what is shown, and a part of another name has its own shape.
+    /// but the kind of picture, and a filter or kernel of another name has its own parameters.
     #[must_use]
     pub fn over(self, below: &Self) -> Self {
         let mut below = match self.preset {
@@ -148,7 +148,8 @@ impl SettingKeys {
         self.or(below)
     }
 
-    /// The keys that a preset leaves alone, as they say what is shown; presets of the papers are whole methods.
+    /// The keys that a preset leaves alone, because they say what is shown; presets of the papers are whole
+    /// methods.
     fn shown(&self, preset: PresetName) -> Self {
         let light = self.light_only();
         match preset {

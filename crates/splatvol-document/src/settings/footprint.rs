@@ -12,7 +12,7 @@ const FLATNESS: f64 = 10.0;
 /// Default gradient of a surface, value ranges per voxel.
 const SURFACE_GRADIENT: f64 = 0.05;
 
-/// Sets what is asked for.
+/// Sets what the keys ask for.
 pub(super) fn set(keys: &SettingKeys, settings: &mut FlatSettings) -> Result<(), DocumentError> {
     set_named(&mut settings.absorption, keys.absorption);
     set_named(&mut settings.occlusion, keys.occlusion);
@@ -71,8 +71,8 @@ fn reconstruction(keys: &SettingKeys, old: Reconstruction) -> Result<Reconstruct
     }
 }
 
-/// Completes the settings that no key gives: colours where whole footprints are composited or flattened, sections where
-/// data are splatted as footprints. `is_free`: whether the classification may be chosen.
+/// Completes the settings that no key gives: colours if whole footprints are composited or flattened, sections if data
+/// are splatted as footprints. `is_free`: whether the classification may be chosen.
 pub(super) fn complete(keys: &SettingKeys, settings: &mut FlatSettings, is_free: bool) {
     let colors = settings.compositing.needs_colors() || settings.reconstruction != Reconstruction::Volume;
     if is_free && colors {

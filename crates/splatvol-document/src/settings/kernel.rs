@@ -6,7 +6,7 @@ use crate::DocumentError;
 use crate::keys::SettingKeys;
 use crate::keys::names::KernelName;
 
-/// The kernel of the keys over another one, which counts where it is of the same name.
+/// The kernel of the keys over another one, which counts if it has the same name.
 pub fn resolve(keys: &SettingKeys, old: Kernel) -> Result<Kernel, DocumentError> {
     match (keys.kernel, old) {
         (Some(KernelName::Gaussian), _) => gaussian(keys, old),

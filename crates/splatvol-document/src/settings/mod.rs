@@ -26,7 +26,7 @@ impl SettingKeys {
         }
     }
 
-    /// The settings: keys over a preset, over defaults and what the data want.
+    /// The settings: keys over a preset, over the defaults and the wishes of the data.
     ///
     /// # Errors
     /// Keys that have no meaning together, by name; values outside their domain.
@@ -65,8 +65,8 @@ impl SettingKeys {
         Ok(settings)
     }
 
-    /// The preset, or the defaults, with what the data want. A preset says how well, not what is shown, but for those of the
-    /// papers, which are whole methods.
+    /// The preset, or the defaults, with the wishes of the data. A preset sets the quality, not the kind of picture,
+    /// except for those of the papers, which are whole methods.
     fn base(&self, wishes: Wishes) -> Result<FlatSettings, DocumentError> {
         let shown = FlatSettings {
             size: ImageSize::new(SIDE, SIDE)?,
@@ -182,7 +182,7 @@ fn preset(name: PresetName, shown: &FlatSettings) -> FlatSettings {
     }
 }
 
-/// A paper's method, which says too what is splatted and how it is composited.
+/// A paper's method, which also says what is splatted and how it is composited.
 fn paper(name: PresetName) -> Option<RenderSettings> {
     match name {
         PresetName::Best | PresetName::Balanced | PresetName::Fast => None,

@@ -11,7 +11,7 @@ use crate::settings::set_named;
 const RLUT_CELLS: u32 = 10;
 const BLIT_CELLS: u32 = 2;
 
-/// Sets what is asked for.
+/// Sets what the keys ask for.
 pub(super) fn set(keys: &SettingKeys, settings: &mut FlatSettings) -> Result<(), DocumentError> {
     settings.rasterizer = rasterizer(keys, settings.rasterizer)?;
     let table = &mut settings.table;

@@ -52,7 +52,7 @@ fn a_preset_beats_the_earlier_picture_and_loses_to_flags() {
     let fast = preset(PresetName::Fast, &like);
     assert_eq!(settings.sheet_thickness, fast.sheet_thickness);
     assert_eq!(settings.filter, Filter::None);
-    // What is shown stays the picture's.
+    // The kind of picture stays as it was.
     assert_eq!((settings.prefilter, settings.lighting), (true, None));
     let sigma = |settings: FlatSettings| settings.kernel.gaussian().unwrap().0;
     assert!(sigma(settings) == 0.7 && sigma(fast) != 0.7);

@@ -10,7 +10,7 @@ use crate::keys::names::{
     AlignmentName, CoverageName, FilterName, KernelName, RasterizerName, ReconstructionName,
 };
 
-/// All keys of complete settings, but size and motion blur, which have their own places in a document.
+/// All keys of complete settings except size and motion blur, which have their own places in a document.
 pub fn written(settings: &FlatSettings) -> SettingKeys {
     let keys = SettingKeys {
         compositing: Some(settings.compositing.into()),
@@ -34,7 +34,7 @@ pub fn written(settings: &FlatSettings) -> SettingKeys {
     with_light(keys, settings.lighting)
 }
 
-/// Colours or data; `None` where a ray's value is shown, for which there is no difference.
+/// Colours or data; `None` if a ray's value is shown, for which there is no difference.
 fn classification(settings: &FlatSettings) -> Option<Classification> {
     let data = settings.compositing.shows_one_value() || settings.compositing == Compositing::Xray;
     (!data || settings.classification == Classification::Pre).then_some(settings.classification)

@@ -14,7 +14,7 @@ use crate::keys::{
 use crate::motion::named_blur;
 use crate::settings::written;
 
-/// Everything about a picture but its pixels.
+/// Everything about a picture except its pixels.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 struct Recipe {
@@ -113,7 +113,7 @@ enum Motion {
     },
 }
 
-/// The record that such a text stands for; `None` where it is no recipe.
+/// The record of such a text; `None` if it is not a recipe.
 pub(crate) fn recipe(text: &str) -> Option<Result<Record, String>> {
     let tree: serde_json::Value = serde_json::from_str(text).ok()?;
     tree.get("version")?.as_str()?;
@@ -169,7 +169,8 @@ fn record(recipe: Recipe) -> Record {
     }
 }
 
-/// Looks of a scene's items were chosen from the data every time: names of kinds among several were kept.
+/// Looks of a scene's items were chosen from the data every time; among several items, names of kinds were
+/// kept.
 fn of_scene(settings: SettingKeys, items: &[ItemKeys]) -> SettingKeys {
     let post = settings.classification == Some(ClassificationName::Post);
     SettingKeys {

@@ -25,7 +25,7 @@ pub(crate) struct SceneFile {
     size: Option<PictureSize>,
 }
 
-/// The document that such a file stands for.
+/// The document of such a file.
 pub(crate) fn scene(file: SceneFile) -> Option<Document> {
     if file.version.is_some_and(|version| version != 1) {
         return None;

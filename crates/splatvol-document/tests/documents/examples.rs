@@ -1,4 +1,4 @@
-//! Every scene file that the documentation shows is one: the schema allows it, and it can be read.
+//! Every scene file that the documentation shows is valid: the schema allows it, and it can be read.
 
 use std::path::{Path, PathBuf};
 

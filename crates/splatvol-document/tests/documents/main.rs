@@ -1,4 +1,4 @@
-//! Documents as text, and edits of them: whatever a document says, it says again.
+//! Documents as text, and edits of them: a round trip keeps whatever a document says.
 
 mod examples;
 mod random;

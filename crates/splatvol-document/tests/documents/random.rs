@@ -44,7 +44,7 @@ impl Generator {
         }
     }
 
-    /// A document, or `None` where values that the schema allows one by one do not go together.
+    /// A document, or `None` if values that the schema allows one by one do not go together.
     pub(crate) fn document(&self, random: &mut Random) -> Option<Document> {
         let mut tree = self.value(&self.root, random);
         tree["version"] = json!(2);

@@ -1,4 +1,4 @@
-//! Animated PNG (W3C, Portable Network Graphics, 3rd edition, section 4.9): a PNG whose further frames follow in
+//! Animated PNG (W3C, Portable Network Graphics, 3rd edition, section 4.9): a PNG whose later frames follow in
 //! chunks of their own, so that programs without animations show the first.
 
 use std::io::Write;

@@ -19,8 +19,8 @@ use crate::image::png;
 const FORMAT: &str = "GIF";
 /// Entries of a palette.
 const ENTRIES: usize = 256;
-/// Number of pixels that `NeuQuant` learns from, approximately; it uses at least one in 10. Fewer give a poor palette,
-/// more take long.
+/// Number of pixels that `NeuQuant` learns from, approximately; it uses at least one in 10. With fewer the palette is
+/// poor, more take long.
 const LESSONS: usize = 100_000;
 
 /// Writes a GIF.
@@ -65,7 +65,7 @@ impl<W: Write> GifWriter<W> {
         let indexed = Indexed::new(&png::srgb8(image));
         let frame = Frame {
             delay: self.delay(),
-            // Transparent pixels would let the frame before show.
+            // Transparent pixels would let the previous frame show.
             dispose: if self.settings.alpha {
                 DisposalMethod::Background
             } else {
@@ -152,7 +152,7 @@ impl Indexed {
 
 type Palette = (Vec<[u8; 3]>, HashMap<[u8; 3], u8>);
 
-/// All colours, in their own order.
+/// All colours, in ascending order.
 fn exact(counts: &HashMap<[u8; 3], u32>) -> Palette {
     let mut palette: Vec<[u8; 3]> = counts.keys().copied().collect();
     palette.sort_unstable();

@@ -1,14 +1,17 @@
-//! Moving pictures, written frame by frame as they come: no frame is kept.
+//! Animations, written frame by frame as they come: no frame is kept.
 //!
 //! | format | colours | alpha | time of a frame |
 //! |---|---|---|---|
 //! | GIF | 256 per frame | on or off | whole 1/100 s, rounded so that errors do not add up |
 //! | animated PNG | 8 or 16 bits per channel | yes | exact for whole frames per second |
+//! | film, by `ffmpeg` | 8 bits, halved chroma | no | exact |
 //!
-//! Both go round for ever.
+//! The first two repeat for ever.
 
 mod apng;
+mod film;
 mod gif;
+mod movie;
 
 use splatvol_scene::{Image, ImageSize};
 
@@ -16,7 +19,9 @@ use crate::IoError;
 use crate::image::png::Depth;
 
 pub use apng::ApngWriter;
+pub use film::{Codec, FilmWriter, check_ffmpeg};
 pub use gif::GifWriter;
+pub use movie::{Container, MovieWriter};
 
 /// Settings common to all frames of an animation.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -52,9 +52,26 @@ pub(crate) struct Collector {
     seen: u64,
     not_finite: u64,
     not_turned: u64,
-    /// Tells of the file; readers add to it.
+    /// Describes the file; readers add to it.
     pub(crate) description: GaussiansDescription,
     pub(crate) antialiased: bool,
+}
+
+/// Gaussians that need no justification by bytes.
+const FREE: u64 = 100_000;
+/// Gaussians that a compressed byte may stand for. Real ones take 10 bytes and more.
+const PER_BYTE: u64 = 4;
+
+/// Refuses more Gaussians than compressed files of so many bytes can hold, unless all are alike.
+pub(crate) fn check_plausible(count: u64, bytes: u64, context: &Context<'_>) -> Result<(), IoError> {
+    let most = FREE.saturating_add(bytes.saturating_mul(PER_BYTE));
+    match count <= most {
+        true => Ok(()),
+        false => {
+            let expected = format!("at most {most} in {bytes} bytes");
+            Err(context.field("number of Gaussians", count, None, expected))
+        }
+    }
 }
 
 impl Collector {
@@ -92,8 +109,8 @@ impl Collector {
         self.degree
     }
 
-    /// Adds a Gaussian and its harmonics, which are cut or filled up with zeros to the collected degree. Numbers that are
-    /// not finite leave it out; one without a rotation is not rotated; both are counted.
+    /// Adds a Gaussian and its harmonics, which are cut or filled up with zeros to the collected degree. A Gaussian
+    /// with numbers that are not finite is left out; one without a rotation is not rotated. Both are counted.
     pub(crate) fn push(&mut self, splat: &Splat, harmonics: &[[f32; 3]]) {
         self.seen += 1;
         let mean = splat.mean.map(|c| c as f32);
@@ -162,7 +179,7 @@ impl Collector {
         &mut self.attributes
     }
 
-    /// Tells of something odd.
+    /// Warns of something odd.
     pub(crate) fn warn(&mut self, warning: impl Into<String>) {
         self.description.warnings.push(warning.into());
     }

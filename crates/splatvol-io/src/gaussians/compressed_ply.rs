@@ -1,10 +1,10 @@
 //! The compressed `.ply` of `PlayCanvas`: numbers relative to the bounds of chunks of 256 Gaussians.
 //!
-//! Element `chunk` has the bounds of means, of logarithms of scales, and in later versions of colours (else 0..1). Element
-//! `vertex` has four words: `packed_position` and `packed_scale` (x in the upper 11 bits, y in 10, z in 11),
-//! `packed_rotation` (upper 2 bits: which of w x y z is largest and left out; the others in 10 bits each, times sqrt(2)),
-//! `packed_color` (red, green, blue, opacity from the upper byte). Element `sh`, if there is one, has `f_rest_*` by colour
-//! in bytes, -4..4.
+//! Element `chunk` has the bounds of means, of logarithms of scales, and in later versions of colours (else 0..1).
+//! Element `vertex` has four words: `packed_position` and `packed_scale` (x in the upper 11 bits, y in 10, z in 11),
+//! `packed_rotation` (upper 2 bits: which of w x y z is largest and left out; the others in 10 bits each, times
+//! sqrt(2)), `packed_color` (red, green, blue, opacity from the upper byte). Element `sh`, if there is one, has
+//! `f_rest_*` by colour in bytes, -4..4.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ const WORDS: [&str; 4] = [
     "packed_color",
 ];
 
-/// True where the vertices are packed words.
+/// True if the vertices are packed words.
 pub(super) fn is_compressed(header: &Header) -> bool {
     header
         .element("vertex")
@@ -48,7 +48,7 @@ fn unpack_rotation(word: u32) -> [f64; 4] {
     [x, y, z, w]
 }
 
-/// A harmonic of 0..255: the ends are the ends of -4..4, others the middles of their steps.
+/// A harmonic of 0..255: the ends are those of -4..4, the others are the middles of their steps.
 fn unpack_harmonic(byte: f64) -> f32 {
     let unit = match byte {
         0.0 => 0.0,

@@ -23,7 +23,7 @@ pub(super) enum Format {
 /// First bytes of SPZ, after gzip where there is any.
 pub(super) const SPZ_MAGIC: &[u8] = b"NGSP";
 
-/// Lower-case extension, empty where there is none.
+/// Lower-case extension, empty if there is none.
 pub(super) fn extension(path: &Path) -> String {
     path.extension()
         .unwrap_or_default()
@@ -31,7 +31,7 @@ pub(super) fn extension(path: &Path) -> String {
         .to_ascii_lowercase()
 }
 
-/// The format of the file (or folder, for SOG) at `path`; nothing where it does not hold Gaussians.
+/// The format of the file (or folder, for SOG) at `path`; `None` if it does not hold Gaussians.
 pub(super) fn format(path: &Path) -> Result<Option<Format>, IoError> {
     if sog::is_folder_or_meta(path) {
         return Ok(Some(Format::Sog));

@@ -1,5 +1,5 @@
-//! Real spherical harmonics to degree 3 with the constants and signs of the published implementation, and what becomes of
-//! coefficients where their frame is turned or mirrored.
+//! Real spherical harmonics to degree 3 with the constants and signs of the published implementation, and how
+//! coefficients change when their frame is turned or mirrored.
 //!
 //! ```text
 //! f(d) = sum_m c_m Y_m(d)      f'(R d) = f(d)      c'_j = sum_m c_m integral Y_j(R d) Y_m(d) dd

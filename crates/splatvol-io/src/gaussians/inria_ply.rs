@@ -1,9 +1,10 @@
 //! `.ply` as the published training program writes it (Kerbl 2023, `scene/gaussian_model.py`, `save_ply`).
 //!
-//! One `vertex` per Gaussian: `x y z`, `f_dc_0..2` (degree 0), `f_rest_*` (the other harmonics: all of red, then green, then
-//! blue), `opacity` (its logit), `scale_0..2` (logarithms), `rot_0..3` (quaternion w x y z, of any length). The order of
-//! the properties is free and others are ignored, with three exceptions: no `scale_2` means flat Gaussians (Huang 2024,
-//! "2D Gaussian Splatting"); `filter_3D` is the low-pass of Yu 2024, "Mip-Splatting", section 5.1, which is applied here,
+//! One `vertex` per Gaussian: `x y z`, `f_dc_0..2` (degree 0), `f_rest_*` (the other harmonics: all of red, then green,
+//! then blue), `opacity` (its logit), `scale_0..2` (logarithms), `rot_0..3` (quaternion w x y z, of any length). The
+//! order of the properties is free and others are ignored, with three exceptions: no `scale_2` means flat Gaussians
+//! (Huang 2024, "2D Gaussian Splatting"); `filter_3D` is the low-pass of Yu 2024, "Mip-Splatting", section 5.1, which
+//! is applied here,
 //!
 //! ```text
 //! s' = sqrt(s^2 + f^2),   opacity' = opacity sqrt(prod s^2 / prod s'^2)

@@ -1,8 +1,9 @@
 //! `.ksplat` (Mark Kellogg, `GaussianSplats3D`, `SplatBuffer.js`), version 0.1.
 //!
-//! A header of 4096 bytes, headers of 1024 bytes for each section, then the sections' data: sizes of partly filled buckets,
-//! centres of buckets, Gaussians. Level 0 of compression has floats; level 1 has half floats and means in 16 bits relative
-//! to the centre of a bucket; level 2 has bytes for harmonics, too. Harmonics are grouped by degree, in each by colour.
+//! A header of 4096 bytes, headers of 1024 bytes for each section, then the sections' data: sizes of partly filled
+//! buckets, centres of buckets, Gaussians. Level 0 of compression has floats; level 1 has half floats and means in 16
+//! bits relative to the centre of a bucket; level 2 has bytes for harmonics, too. Harmonics are grouped by degree, in
+//! each by colour.
 
 use std::path::Path;
 

@@ -11,13 +11,13 @@
 //! | `.gltf`, `.glb` with `KHR_gaussian_splatting` | y up | accessors, or SPZ inside |
 //!
 //! Frames are named by the directions of x, y and z: right or left, up or down, forward or back. World is right-handed,
-//! z up: `world_from_local` takes RDF's (x, y, z) to (x, z, -y) and RUB's to (x, -z, y). Attributes, harmonics included,
-//! stay in the file's own frame, in which the harmonics are evaluated; so the same Gaussians stored in two formats lie at
-//! the same world places and have the same colours from the same world directions, although SPZ's coefficients differ from
-//! those of a `.ply` by the sign of every harmonic that is odd in y and z together.
+//! z up: `world_from_local` takes RDF's (x, y, z) to (x, z, -y) and RUB's to (x, -z, y). Attributes, harmonics
+//! included, stay in the file's own frame, in which the harmonics are evaluated. So the same Gaussians stored in two
+//! formats lie at the same world places and have the same colours from the same world directions. Yet SPZ's
+//! coefficients differ from those of a `.ply`: every harmonic that is odd in y and z together has the opposite sign.
 //!
-//! A viewer of the web shows files without knowing which way is up; so does this: the frame is a convention, and a capture
-//! may still stand askew in it.
+//! Like viewers on the web, this reader does not know which way is up: the frame is a convention, and a capture may
+//! still stand askew in it.
 
 mod collect;
 mod compressed_ply;
@@ -77,8 +77,8 @@ pub fn is_gaussians(path: impl AsRef<Path>) -> bool {
     matches!(detect::format(path.as_ref()), Ok(Some(_)))
 }
 
-/// Reads 3-D Gaussians of any supported format. The contents decide; the extension only for `.splat` and `.ksplat`, which
-/// have nothing to know them by.
+/// Reads 3-D Gaussians of any supported format. The contents decide; the extension decides only for `.splat` and
+/// `.ksplat`, which have no signature.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -103,8 +103,8 @@ pub fn read_gaussians(path: impl AsRef<Path>, options: &ReadOptions) -> Result<L
     Ok(loaded)
 }
 
-/// Writes Gaussians in the frame of the format that the extension names: `.ply` (as trained, exact), `.splat` (8-bit colours
-/// and rotations, no harmonics) or `.spz` (version 3).
+/// Writes Gaussians in the frame of the format that the extension names: `.ply` (as trained, exact), `.splat` (8-bit
+/// colours and rotations, no harmonics) or `.spz` (version 3).
 ///
 /// # Errors
 /// [`IoError::Unsupported`] for other extensions and for Gaussians whose `world_from_local` is not a similarity,

@@ -1,7 +1,7 @@
 //! `.splat` (Kevin Kwok 2023, "antimatter15/splat"): 32 bytes per Gaussian and no header.
 //!
-//! Mean and standard deviations as six little-endian floats, colour (of degree 0, clipped) and opacity as four bytes, the
-//! quaternion w x y z as four bytes, `128 + 128 q`.
+//! Mean and standard deviations as six little-endian floats, colour (of degree 0, clipped) and opacity as four bytes,
+//! the quaternion w x y z as four bytes, `128 + 128 q`.
 
 use std::path::Path;
 

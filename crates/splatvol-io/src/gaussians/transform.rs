@@ -1,4 +1,5 @@
-//! Gaussians in another frame: similarities only, since those keep Gaussians' axes orthogonal and their harmonics' degrees.
+//! Gaussians in another frame: similarities only, since those keep Gaussians' axes orthogonal and their harmonics'
+//! degrees.
 //!
 //! A mirrored Gaussian has the rotation `M R diag(1, 1, -1)`: changing the sign of one of its own axes does not change
 //! its covariance `R S S^T R^T`.
@@ -11,7 +12,7 @@ use super::harmonics::{Turn, harmonics_count};
 /// Largest deviation of a matrix from a similarity, relative to its scale: matrices in files have 6 or 7 digits.
 const TOLERANCE: f64 = 1e-4;
 
-/// Scale and orthogonal part of a similarity; nothing where the matrix is none.
+/// Scale and orthogonal part of a similarity; `None` if the matrix is not one.
 fn similarity(matrix: DMat3) -> Option<(f64, DMat3)> {
     let scale = matrix.determinant().abs().cbrt();
     let orthogonal = matrix * (1.0 / scale);
@@ -23,7 +24,8 @@ fn similarity(matrix: DMat3) -> Option<(f64, DMat3)> {
     (scale.is_normal() && largest < TOLERANCE).then_some((scale, orthogonal))
 }
 
-/// Moves Gaussians with their harmonics; false, and nothing done, where `new_from_old` is not a similarity.
+/// Moves Gaussians with their harmonics; returns false and does nothing if `new_from_old` is not a
+/// similarity.
 pub(crate) fn transform(attributes: &mut GaussianAttributes, degree: u32, new_from_old: &DAffine3) -> bool {
     let Some((scale, orthogonal)) = similarity(new_from_old.matrix3) else {
         return false;

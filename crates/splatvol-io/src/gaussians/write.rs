@@ -10,7 +10,7 @@ use super::{detect, spz, transform};
 use crate::IoError;
 use crate::error::Context;
 
-/// Opacities of 0 and 1 have no finite logit; this far from them 8 bits and floats see no difference.
+/// Opacities of 0 and 1 have no finite logit; this far from them, neither 8 bits nor floats differ.
 const OPACITY_MARGIN: f64 = 1e-7;
 /// Logarithm of the scale of flat Gaussians.
 const FLAT: f64 = -30.0;

@@ -17,7 +17,7 @@ use splatvol_scene::ImageSize;
 use super::{exr::attributes, metadata};
 use crate::IoError;
 
-/// Keyword of the depths that codes 1 and 65535 of a PNG stand for: two numbers.
+/// Keyword for the depths of the codes 1 and 65535 in a PNG: two numbers.
 pub const DEPTH_RANGE: &str = "splatvol.depth-range";
 
 /// File formats of depth maps.
@@ -87,7 +87,7 @@ fn as_exr(depth: &[f32], size: ImageSize, metadata: &[(String, String)]) -> Resu
     Ok(bytes.into_inner())
 }
 
-/// Nearest and farthest finite depth; 0 and 1 where there is none.
+/// Nearest and farthest finite depth; 0 and 1 if there is none.
 fn range(depth: &[f32]) -> [f32; 2] {
     let finite = depth.iter().copied().filter(|d| d.is_finite());
     let ends = finite.fold([f32::INFINITY, f32::NEG_INFINITY], |[near, far], d| {

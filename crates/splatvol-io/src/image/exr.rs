@@ -88,8 +88,8 @@ pub(super) fn attributes(metadata: &[(String, String)]) -> Result<LayerAttribute
     Ok(attributes)
 }
 
-/// A picture from the bytes of an EXR file; `path` is only named in errors. Of several layers the first is taken, and
-/// of a picture inside a larger window only the stored part.
+/// A picture from the bytes of an EXR file; `path` is only named in errors. The first of several layers is taken; if
+/// a picture lies inside a larger window, only the stored part is.
 ///
 /// # Errors
 /// [`IoError::Format`] for an invalid EXR, [`IoError::Unsupported`] for pictures without `R`, `G` and `B`,
@@ -140,7 +140,7 @@ pub(crate) fn decode_depth(bytes: &[u8], path: &Path) -> Result<([usize; 2], Vec
 
 type Channels = AnyChannels<FlatSamples>;
 
-/// The first layer, all channels; sizes are held against the bytes first.
+/// The first layer, all channels; sizes are first checked against the bytes.
 fn decode_picture(
     bytes: &[u8],
     context: &Context<'_>,

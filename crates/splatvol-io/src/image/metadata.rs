@@ -25,7 +25,7 @@ pub fn find<'a>(metadata: &'a [(String, String)], keyword: &str) -> Option<&'a s
         .map(|(_, text)| text.as_str())
 }
 
-/// Refuses what could not be read back.
+/// Refuses metadata that could not be read back.
 pub(crate) fn check(format: &'static str, metadata: &[(String, String)]) -> Result<(), IoError> {
     for (keyword, text) in metadata {
         let printable = keyword.bytes().all(|byte| (b' '..=b'~').contains(&byte));

@@ -17,6 +17,7 @@ use splatvol_scene::{Frame, Image};
 
 use crate::IoError;
 use crate::error::Context;
+use crate::memory;
 use crate::source::read_file;
 
 /// Most pixels that a picture may have to be read: 4 GiB in memory.
@@ -92,8 +93,8 @@ pub fn write_image(
     })
 }
 
-/// Writes a frame to a file whose extension chooses the format: `.png` (8 bits per channel), or `.exr` with the frame's depth.
-/// `metadata` are keywords and texts that travel with the picture ([`metadata`]).
+/// Writes a frame to a file whose extension chooses the format: `.png` (8 bits per channel), or `.exr` with the frame's
+/// depth. `metadata` are keywords and texts that travel with the picture ([`metadata`]).
 ///
 /// # Errors
 /// [`IoError::Unsupported`] for other extensions; otherwise as [`write_image`].
@@ -122,6 +123,19 @@ pub fn read_image(path: impl AsRef<Path>) -> Result<LoadedImage, IoError> {
     decode_image(&bytes, path)
 }
 
+/// The texts that a PNG or EXR carries, without its pixels.
+///
+/// # Errors
+/// See [`IoError`].
+pub fn read_image_metadata(path: impl AsRef<Path>) -> Result<Vec<(String, String)>, IoError> {
+    let path = path.as_ref();
+    let bytes = read_file(path, &Context::new("picture", path))?;
+    match bytes[..] {
+        [0x89, b'P', b'N', b'G', ..] => png::metadata(&bytes, path),
+        _ => decode_image(&bytes, path).map(|image| image.metadata),
+    }
+}
+
 /// A PNG or EXR from the bytes of a file; `path` is only named in errors.
 ///
 /// # Errors
@@ -134,16 +148,18 @@ pub fn decode_image(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
     }
 }
 
-/// Refuses sizes that the bytes present do not justify: a decoder that turns one byte into more than `ratio` does not
-/// exist for the format.
+/// Refuses sizes that the bytes present do not justify: no decoder of the format turns one byte into more than
+/// `ratio`.
 fn check_size(pixels: u64, bytes: &[u8], ratio: u64, context: &Context<'_>) -> Result<(), IoError> {
-    if pixels > MOST_PIXELS {
-        let size = size_of::<[f32; 4]>() as u64;
-        return Err(context.limit(pixels.saturating_mul(size), MOST_PIXELS * size));
-    }
     let at_most = (bytes.len() as u64).saturating_mul(ratio);
     if pixels > at_most {
         return Err(context.too_small("pixels", pixels, at_most));
+    }
+    // A decoded picture, and half as much again while it is decoded.
+    let size = size_of::<[f32; 4]>() as u64;
+    let most = MOST_PIXELS.min(memory::granted() / 2 / size);
+    if pixels > most {
+        return Err(context.limit(pixels.saturating_mul(size), most * size));
     }
     Ok(())
 }

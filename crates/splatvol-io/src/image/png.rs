@@ -1,9 +1,9 @@
 //! PNG (W3C, Portable Network Graphics, 3rd edition): straight alpha, sRGB.
 //!
 //! Writing: `code = round(max * srgb(linear / alpha))`, alpha itself linear; values beyond 0..1 are clamped, NaN is 0;
-//! a picture without transparency is written as RGB. Chunk `sRGB` says so. Reading: every colour
-//! type and bit depth; `gAMA` is followed where there is no `sRGB`, embedded ICC profiles are not.
-//! A picture read and written again at its own depth has the same codes.
+//! a picture without transparency is written as RGB. The chunk `sRGB` is written. Reading: every colour type and bit
+//! depth; `gAMA` is followed if there is no `sRGB`, embedded ICC profiles are not. A picture read and written again at
+//! its own depth has the same codes.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -197,6 +197,17 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<LoadedImage, IoError> {
         depth: None,
         metadata: texts(info).map_err(malformed)?,
     })
+}
+
+/// The texts of a PNG, before and after its pixels, which are not decoded.
+pub(super) fn metadata(bytes: &[u8], path: &Path) -> Result<Vec<(String, String)>, IoError> {
+    let context = Context::new("PNG", path);
+    let malformed = |error: DecodingError| malformed(&error, &context);
+    let mut reader = png::Decoder::new(Cursor::new(bytes))
+        .read_info()
+        .map_err(malformed)?;
+    reader.finish().map_err(malformed)?;
+    texts(reader.info()).map_err(malformed)
 }
 
 /// Converts a decoder's error to this crate's error.

@@ -1,8 +1,8 @@
 //! Codes of sRGB (IEC 61966-2-1) by thresholds.
 //!
 //! `code = round(largest * srgb(linear))` holds from `linear = srgb^-1((code - 1/2) / largest)` on, so a table of these
-//! thresholds gives the code without a power per pixel. The square root of the light, which sRGB follows within a factor
-//! of 1.5, says where in the table to begin: at most three steps are left.
+//! thresholds gives the code without a power per pixel. The square root of the light, which sRGB follows within a
+//! factor of 1.5, tells where in the table to begin: at most three steps remain.
 
 use std::sync::LazyLock;
 

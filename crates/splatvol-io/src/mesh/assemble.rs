@@ -1,15 +1,15 @@
 //! Common code of the mesh readers: builds a validated [`Mesh`] from points, cells and an array.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Association, CellKind, Cells, Mesh, MeshField, Samples, Topology, with_samples};
 
 use super::LoadedMesh;
 use crate::error::Context;
 use crate::volume::vtk_array::{self, ArrayHead, Component};
-use crate::volume::{Description, ReadOptions};
+use crate::volume::{Description, ReadOptions, complete_axes};
 use crate::{IoError, SampleType};
 
-/// A mesh on its way, one piece of the file after the other.
+/// A mesh under construction, from one piece of the file after the other.
 #[derive(Debug, Default)]
 pub(super) struct Draft {
     pub(super) positions: Vec<DVec3>,
@@ -77,7 +77,7 @@ impl Draft {
                 self.leave_out(code);
                 continue;
             };
-            // As VTK does: the corners come first, what follows is not used.
+            // As in VTK: the corners come first, and the rest is not used.
             let used = list.get(..kind.point_count()).unwrap_or(list);
             self.cut += usize::from(used.len() < list.len());
             indices.clear();
@@ -108,7 +108,7 @@ impl Draft {
         }
     }
 
-    /// Adds the values of one component; of cells only those in `kept`, where there is such a list.
+    /// Adds the values of one component; for cells only those in `kept`, if there is such a list.
     pub(super) fn add_values(
         &mut self,
         samples: Samples,
@@ -136,6 +136,12 @@ impl Draft {
         context: &Context<'_>,
     ) -> Result<LoadedMesh, IoError> {
         description.warnings.extend(self.warnings());
+        if self.has_flat_blocks() {
+            self.thicken(head.association == vtk_array::Association::Point);
+            description
+                .orientation
+                .push_str("; flat grids as layers one cell thick");
+        }
         let world_from_local = self.frame(context)?;
         let local_from_world = world_from_local.inverse();
         let local = |p: &DVec3| local_from_world.transform_point3(*p).as_vec3().to_array();
@@ -160,6 +166,51 @@ impl Draft {
             arrays: heads.iter().map(ArrayHead::describe).collect(),
             others: others(heads, head),
         })
+    }
+
+    /// True where a block has one sample along an axis, and the blocks have as many samples as there are positions.
+    fn has_flat_blocks(&self) -> bool {
+        let product = |dims: &[usize; 3]| dims.iter().try_fold(1usize, |n, &size| n.checked_mul(size));
+        let mut sizes = self.blocks.iter().map(product);
+        let total = sizes.try_fold(0usize, |sum, size| sum.checked_add(size?));
+        total == Some(self.positions.len())
+            && self.blocks.iter().flatten().all(|&size| size > 0)
+            && self.blocks.iter().flatten().any(|&size| size == 1)
+    }
+
+    /// Makes blocks with one sample along an axis a layer of cells, as thick as the samples lie apart along the others.
+    fn thicken(&mut self, values_at_points: bool) {
+        let blocks = std::mem::take(&mut self.blocks);
+        let positions = std::mem::take(&mut self.positions);
+        let blanked = std::mem::take(&mut self.blanked);
+        let values = std::mem::take(&mut self.values);
+        let mut first = 0;
+        for dims in blocks {
+            let thick = dims.map(|size| size.max(2));
+            let place = |at: [usize; 3]| first + at[0] + dims[0] * (at[1] + dims[1] * at[2]);
+            for index in 0..thick.iter().product() {
+                let at = [
+                    index % thick[0],
+                    index / thick[0] % thick[1],
+                    index / (thick[0] * thick[1]),
+                ];
+                let source = std::array::from_fn(|axis| at[axis].min(dims[axis] - 1));
+                let frame = local_axes(&positions, dims, source, place);
+                let offset = (0..3).filter(|&axis| dims[axis] == 1);
+                let offset = offset.map(|axis| frame[axis] * (at[axis] as f64 - 0.5));
+                self.positions
+                    .push(positions[place(source)] + offset.sum::<DVec3>());
+                self.blanked.extend(blanked.get(place(source)));
+                if values_at_points {
+                    self.values.extend(values.get(place(source)));
+                }
+            }
+            first += dims.iter().product::<usize>();
+            self.blocks.push(thick);
+        }
+        if !values_at_points {
+            self.values = values;
+        }
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -213,6 +264,42 @@ impl Draft {
     }
 }
 
+/// Steps along the axes at a sample of a block; along flat axes, one across the others.
+fn local_axes(
+    positions: &[DVec3],
+    dims: [usize; 3],
+    at: [usize; 3],
+    place: impl Fn([usize; 3]) -> usize,
+) -> [DVec3; 3] {
+    let step = |axis: usize| {
+        let (mut low, mut high) = (at, at);
+        low[axis] = at[axis].saturating_sub(1);
+        high[axis] = (at[axis] + 1).min(dims[axis] - 1);
+        let count = (high[axis] - low[axis]) as f64;
+        (positions[place(high)] - positions[place(low)]) / count
+    };
+    // The known axes first, in their cyclic order, so that the new one completes a right-handed frame.
+    let flat = (0..3).find(|&axis| dims[axis] == 1).unwrap_or(0);
+    let others = [(flat + 1) % 3, (flat + 2) % 3];
+    let mut axes = [DVec3::ZERO; 3];
+    let frame = match others.map(|axis| dims[axis] > 1) {
+        [true, true] => complete_axes(&[Some(step(others[0])), Some(step(others[1]))]),
+        [false, false] => DMat3::IDENTITY,
+        [known, _] => {
+            let (known, other) = if known {
+                (others[0], others[1])
+            } else {
+                (others[1], others[0])
+            };
+            let frame = complete_axes(&[Some(step(known))]);
+            (axes[known], axes[other], axes[flat]) = (frame.x_axis, frame.y_axis, frame.z_axis);
+            return axes;
+        }
+    };
+    (axes[others[0]], axes[others[1]], axes[flat]) = (frame.x_axis, frame.y_axis, frame.z_axis);
+    axes
+}
+
 fn name(head: &ArrayHead, component: Component) -> String {
     match component {
         Component::Index(_) if head.components == 1 => head.name.clone(),
@@ -256,13 +343,13 @@ pub(super) fn count(
         .checked_mul(components as u64)
         .and_then(|count| count.checked_mul(sample_type.size() as u64));
     match bytes.filter(|&bytes| bytes <= options.max_bytes) {
-        // Fewer bytes than a usize counts, or the file could not be in memory.
+        // A usize can count them, or the file could not be in memory.
         Some(bytes) => Ok((bytes / sample_type.size() as u64) as usize),
         None => Err(context.limit(bytes.unwrap_or(u64::MAX), options.max_bytes)),
     }
 }
 
-/// Refuses numbers that are no counts or indices.
+/// Refuses numbers that are not counts or indices.
 pub(super) fn to_indices(samples: &Samples, field: &str, context: &Context<'_>) -> Result<Vec<u64>, IoError> {
     let whole = |value: f64| value >= 0.0 && value.fract() == 0.0 && value < 9e15;
     let numbers = to_f64(samples);

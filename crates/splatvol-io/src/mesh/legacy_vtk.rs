@@ -1,6 +1,8 @@
 //! Legacy VTK files (.vtk) of rectilinear, structured and unstructured grids, after "VTK file formats" (versions 1.0 to
 //! 5.1). Cells come as counts and indices up to version 4.2, as offsets and connectivity from 5.0 on.
 
+mod poly;
+
 use std::path::Path;
 
 use splatvol_scene::Samples;
@@ -15,6 +17,8 @@ use crate::volume::legacy_vtk::{decode, header};
 use crate::volume::vtk_array::{self, ArrayHead, TupleCounts};
 use crate::volume::{Description, ReadOptions};
 use crate::{IoError, SampleType};
+
+pub(crate) use poly::read as read_poly;
 
 /// Reads a .vtk file.
 ///
@@ -114,10 +118,20 @@ struct Sections {
     axes: [Option<Samples>; 3],
     connectivity: Option<(Vec<u64>, Vec<u64>)>,
     types: Option<Vec<u8>>,
+    /// Those of polygonal data: ends and connectivity.
+    polygons: Option<(Vec<u64>, Vec<u64>)>,
+    strips: Option<(Vec<u64>, Vec<u64>)>,
+    /// Vertices and lines of polygonal data.
+    thin: u64,
 }
 
 impl Reader<'_> {
     fn geometry(&mut self) -> Result<Geometry, IoError> {
+        self.sections()?.finish(self.context)
+    }
+
+    /// Everything before the attributes.
+    fn sections(&mut self) -> Result<Sections, IoError> {
         let mut found = Sections::default();
         loop {
             self.cursor.skip_blanks();
@@ -131,6 +145,9 @@ impl Reader<'_> {
                 "Y_COORDINATES" => found.axes[1] = Some(self.numbers("Y_COORDINATES", 1)?),
                 "Z_COORDINATES" => found.axes[2] = Some(self.numbers("Z_COORDINATES", 1)?),
                 "CELLS" => found.connectivity = Some(self.cells()?),
+                "POLYGONS" => found.polygons = Some(self.cells()?),
+                "TRIANGLE_STRIPS" => found.strips = Some(self.cells()?),
+                "VERTICES" | "LINES" => found.thin += self.cells()?.0.len() as u64,
                 "CELL_TYPES" => {
                     let types = self.counted("CELL_TYPES", "int", 1)?;
                     found.types = Some(
@@ -155,7 +172,7 @@ impl Reader<'_> {
                 }
             }
         }
-        found.finish(self.context)
+        Ok(found)
     }
 
     /// The numbers of a section: `count type` on its line, then the data.
@@ -295,7 +312,7 @@ impl Sections {
                 let product = found
                     .iter()
                     .try_fold(1usize, |product, &size| product.checked_mul(size));
-                // Coordinates are few, the points that they make are many: those have data in the file, or are too many.
+                // A few coordinates make many points: either the file has data for them, or they are too many.
                 let points = product.unwrap_or(usize::MAX) as u64;
                 if points > context_limit(context)? {
                     return Err(context.field(
@@ -334,11 +351,16 @@ impl Sections {
         }
         let cells = |dims: &[usize; 3]| {
             dims.iter()
-                .try_fold(1u64, |n, &size| n.checked_mul(size.checked_sub(1)? as u64))
+                .try_fold(1u64, |n, &size| n.checked_mul(cells_along(size as u64)?))
         };
         let cells = draft.blocks.first().and_then(cells).unwrap_or(0);
         Ok(Geometry { draft, kept, cells })
     }
+}
+
+/// Cells along an axis; a flat one has one.
+fn cells_along(points: u64) -> Option<u64> {
+    Some(points.checked_sub(1)?.max(1))
 }
 
 /// Length of the file: no array that a structured file holds has more tuples.

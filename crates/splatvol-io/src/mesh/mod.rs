@@ -9,6 +9,7 @@
 mod assemble;
 pub mod legacy_vtk;
 pub mod plot3d;
+pub(crate) mod poly;
 pub mod vtk_xml;
 
 use std::path::Path;
@@ -20,7 +21,7 @@ use crate::error::Context;
 use crate::source::Source;
 use crate::volume::{Description, ReadOptions};
 
-/// Bytes looked at to tell a format.
+/// Bytes examined to detect a format.
 const PROBE: usize = 4096;
 
 /// A mesh and where it came from.
@@ -43,7 +44,7 @@ enum Format {
     Plot3d,
 }
 
-/// True where [`read_mesh`] and not [`crate::read_volume`] reads the file: a VTK file of another data set than a regular
+/// True if [`read_mesh`] and not [`crate::read_volume`] reads the file: a VTK file whose data set is not a regular
 /// grid, or a PLOT3D file.
 ///
 /// # Errors
@@ -53,9 +54,9 @@ pub fn is_mesh(path: impl AsRef<Path>) -> Result<bool, IoError> {
 }
 
 /// Reads a mesh of any supported format, and of its arrays the one that [`ReadOptions::array`] names: `NAME`,
-/// `NAME:component`, `NAME:magnitude`. A vector without a component gives its magnitude. Without a name: the array that the
-/// file marks, else the first scalar of the points, else of the cells, else the magnitude of the first vector. One value
-/// everywhere shows nothing: then it is the next of them that varies, if there is one.
+/// `NAME:component`, `NAME:magnitude`. A vector without a component gives its magnitude. Without a name: the array that
+/// the file marks, else the first scalar of the points, else of the cells, else the magnitude of the first vector. An
+/// array with one value everywhere shows nothing: then the next one that varies is read, if there is one.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -93,7 +94,8 @@ fn is_constant(mesh: &Mesh) -> bool {
     low == high
 }
 
-/// The first of these arrays that varies. Arrays that cannot be read are passed over: nobody asked for them.
+/// The first of these arrays that varies. Arrays that cannot be read are skipped, because nobody asked for
+/// them.
 fn varying(path: &Path, options: &ReadOptions, names: &[String]) -> Option<LoadedMesh> {
     let read = |name: &String| {
         let options = ReadOptions {
@@ -108,6 +110,34 @@ fn varying(path: &Path, options: &ReadOptions, names: &[String]) -> Option<Loade
         .find(|loaded| !is_constant(&loaded.mesh))
 }
 
+/// The reader of a file of polygonal data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PolyFormat {
+    LegacyVtk,
+    VtkXml,
+}
+
+/// The kind of polygonal data that a file begins like, if it does.
+pub(crate) fn poly_format(start: &[u8]) -> Option<PolyFormat> {
+    let text = String::from_utf8_lossy(start).to_ascii_uppercase();
+    if data_set(&text) == Some("POLYDATA") {
+        return Some(PolyFormat::LegacyVtk);
+    }
+    let xml =
+        text.trim_start().starts_with('<') && text.contains("<VTKFILE") && text.contains("\"POLYDATA\"");
+    xml.then_some(PolyFormat::VtkXml)
+}
+
+/// The data set of a legacy VTK file, in capitals.
+fn data_set(text: &str) -> Option<&str> {
+    if !text.starts_with("# VTK DATAFILE") {
+        return None;
+    }
+    let mut lines = text.lines().take(20);
+    let found = lines.find_map(|line| line.trim_start().strip_prefix("DATASET"));
+    Some(found.map(str::trim).unwrap_or_default())
+}
+
 fn format(path: &Path) -> Result<Option<Format>, IoError> {
     let context = Context::new("mesh", path);
     let mut source = Source::open(path)?;
@@ -116,13 +146,8 @@ fn format(path: &Path) -> Result<Option<Format>, IoError> {
     start.truncate(length);
     let text = String::from_utf8_lossy(&start).to_ascii_uppercase();
     let holds = |words: &[&str]| words.iter().any(|word| text.contains(word));
-    if text.starts_with("# VTK DATAFILE") {
+    if let Some(kind) = data_set(&text) {
         let kinds = ["RECTILINEAR_GRID", "STRUCTURED_GRID", "UNSTRUCTURED_GRID"];
-        let found = text
-            .lines()
-            .take(20)
-            .find_map(|line| line.trim_start().strip_prefix("DATASET"));
-        let kind = found.map(str::trim).unwrap_or_default();
         return Ok(kinds.contains(&kind).then_some(Format::LegacyVtk));
     }
     if text.trim_start().starts_with('<') && text.contains("<VTKFILE") {
@@ -133,5 +158,5 @@ fn format(path: &Path) -> Result<Option<Format>, IoError> {
         ];
         return Ok(holds(&kinds).then_some(Format::VtkXml));
     }
-    Ok(plot3d::recognises(&start, length as u64 + source.at_most()).then_some(Format::Plot3d))
+    Ok(plot3d::recognises(path, &start, length as u64 + source.at_most()).then_some(Format::Plot3d))
 }

@@ -35,10 +35,16 @@ const ARRAYS: [(&str, usize); 5] = [
     ("velocity", 3),
 ];
 
-/// True where a file of `length` bytes that begins with `start` has one of PLOT3D's layouts.
-pub(super) fn recognises(start: &[u8], length: u64) -> bool {
-    let layout = |content| Layout::find(start, length, content).is_some();
-    layout(Content::Grid) || layout(Content::Solution)
+/// True where a file of `length` bytes that begins with `start` has one of PLOT3D's layouts; nearly, if it has a customary
+/// extension.
+pub(super) fn recognises(path: &Path, start: &[u8], length: u64) -> bool {
+    let near = companion::is_customary(path);
+    [Content::Grid, Content::Solution]
+        .into_iter()
+        .any(|content| match near {
+            true => Layout::near(start, length, content).is_some(),
+            false => Layout::find(start, length, content).is_some(),
+        })
 }
 
 /// Reads a grid and its solution; `path` is either. The other is [`ReadOptions::solution`] or lies beside it under the
@@ -51,12 +57,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
     let (grid_path, solution_path) = companion::pair(path, options.solution.as_deref(), context)?;
     let grid_context = &Context::new("PLOT3D grid", &grid_path);
     let bytes = read_file(&grid_path, grid_context)?;
-    let grid = Layout::of(&bytes, Content::Grid, grid_context)?;
+    let (grid, warning) = Layout::of(&bytes, Content::Grid, grid_context)?;
+    let mut warnings: Vec<String> = warning.map(|text| format!("grid: {text}")).into_iter().collect();
     let mut draft = grid.draft(&bytes);
     drop(bytes);
     let context = &Context::new("PLOT3D solution", &solution_path);
     let bytes = read_file(&solution_path, context)?;
-    let solution = Layout::of(&bytes, Content::Solution, context)?;
+    let (solution, warning) = Layout::of(&bytes, Content::Solution, context)?;
+    warnings.extend(warning.map(|text| format!("solution: {text}")));
     if solution.blocks != grid.blocks {
         let (found, expected) = (
             format!("{:?}", solution.blocks),
@@ -87,6 +95,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
         stored_type: solution.describe(),
         orientation: "coordinates as stored".to_owned(),
         files: vec![grid_path.clone(), solution_path.clone()],
+        warnings,
         ..Description::default()
     };
     draft.finish((&heads[index], component), description, &heads, context)
@@ -128,7 +137,8 @@ impl Layout {
             draft.positions.extend((0..count).map(point));
             if self.blanked {
                 let marks = start + 3 * count * self.real_size();
-                // 0 is a point inside a body. Others are valid: 1, walls (2), points that another grid gives (negative).
+                // 0 is a point inside a body. Others are valid: 1, walls (2), points that another grid gives
+                // (negative).
                 let blank = |point| self.integer(bytes, marks + 4 * point) == 0;
                 draft.blanked.extend((0..count).map(blank));
             }

@@ -3,8 +3,12 @@
 //! Every coding of [`crate::volume::vti`] is read. The pieces of a structured file become blocks, those of an
 //! unstructured one follow each other.
 
-use std::path::Path;
+mod poly;
 
+use std::path::Path;
+use std::rc::Rc;
+
+use glam::DVec3;
 use roxmltree::{Document, Node};
 use splatvol_scene::Samples;
 
@@ -17,6 +21,8 @@ use crate::volume::vti::{describe, payload};
 use crate::volume::vtk_array::{self, ArrayHead, Association, Component};
 use crate::volume::{Description, ReadOptions};
 use crate::{IoError, SampleType};
+
+pub(crate) use poly::read as read_poly;
 
 /// Reads a .vtr, .vts or .vtu file.
 ///
@@ -34,6 +40,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
         kind,
         coding: document::coding(root, context)?,
         appended: parts.appended,
+        length: bytes.len() as u64,
         options,
         context,
     };
@@ -79,11 +86,29 @@ struct File<'a> {
     kind: Kind,
     coding: Coding,
     appended: Option<&'a [u8]>,
+    /// Bytes of the file.
+    length: u64,
     options: &'a ReadOptions,
     context: &'a Context<'a>,
 }
 
+/// Bytes of the points of a rectilinear grid that need no justification.
+const FREE_POINTS: u64 = 64 << 20;
+/// Bytes of points that a byte of the file may stand for.
+const POINTS_PER_BYTE: u64 = 256;
+
 impl File<'_> {
+    /// Refuses a rectilinear grid whose points, which three short axes stand for, are far more than the file holds.
+    fn check_expanded(&self, sizes: [u64; 3]) -> Result<(), IoError> {
+        let points = sizes.into_iter().fold(1u64, u64::saturating_mul);
+        let needed = points.saturating_mul(size_of::<DVec3>() as u64);
+        let most = FREE_POINTS.max(self.length.saturating_mul(POINTS_PER_BYTE));
+        match needed <= most {
+            true => Ok(()),
+            false => Err(self.context.too_small("points", needed, most)),
+        }
+    }
+
     fn read_pieces<'d>(
         &self,
         document: &'d Document<'d>,
@@ -99,8 +124,9 @@ impl File<'_> {
         };
         let mut choice: Option<(ArrayHead, Component)> = None;
         let mut list = Vec::new();
+        let offsets = document::offsets(document);
         for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
-            let arrays = Arrays::of_piece(piece, document::offsets(document), self.context)?;
+            let arrays = Arrays::of_piece(piece, Rc::clone(&offsets), self.context)?;
             let (index, component) = match &choice {
                 None => {
                     let found = vtk_array::choose_scalar(&arrays.heads, self.options, self.context)?;
@@ -115,7 +141,7 @@ impl File<'_> {
                 file: self,
                 arrays: &arrays,
             };
-            // Values first: what they need is known to be there before points are made of three short axes.
+            // Values first: their bytes are checked before three short axes are expanded to points.
             let tuples = element.tuples(piece, head.association)?;
             let (samples, warning) = element.values(index, tuples)?;
             description.warnings.extend(warning);
@@ -143,7 +169,7 @@ impl File<'_> {
     }
 }
 
-/// One piece on its way.
+/// One piece while it is read.
 struct Element<'a, 'd> {
     file: &'a File<'a>,
     arrays: &'a Arrays<'d>,
@@ -164,7 +190,8 @@ impl<'d> Element<'_, 'd> {
         let sizes = self.sizes(piece)?;
         let tuples = match association {
             Association::Point => sizes,
-            Association::Cell => sizes.map(|size| size - 1),
+            // A flat axis has one cell.
+            Association::Cell => sizes.map(|size| (size - 1).max(1)),
         };
         let product = tuples.into_iter().try_fold(1u64, |n, size| n.checked_mul(size));
         let found = || format!("{sizes:?} points");
@@ -218,6 +245,7 @@ impl<'d> Element<'_, 'd> {
                 let [x, y, z] = arrays[..] else {
                     return Err(context.field("Coordinates", arrays.len(), None, "three arrays"));
                 };
+                self.file.check_expanded(sizes)?;
                 let axis = |node, axis: usize| self.numbers(node, sizes[axis], 1);
                 draft.add_rectilinear([&axis(x, 0)?, &axis(y, 1)?, &axis(z, 2)?]);
             }

@@ -116,6 +116,15 @@ impl Element {
         self.column(name).is_some()
     }
 
+    /// The first of these names that a property has which is a list.
+    pub(crate) fn list<'a>(&self, names: &[&'a str]) -> Option<&'a str> {
+        let is_list = |name: &&&str| {
+            let mut properties = self.properties.iter();
+            properties.any(|p| p.name == **name && matches!(p.kind, Kind::List { .. }))
+        };
+        names.iter().find(is_list).copied()
+    }
+
     /// Type of the scalar property of that name.
     pub(crate) fn scalar(&self, name: &str) -> Option<Scalar> {
         match self.properties.get(self.column(name)?)?.kind {
@@ -133,7 +142,7 @@ impl Element {
         self.properties.iter().map(size).sum()
     }
 
-    /// The fewest bytes that the rows can take.
+    /// The least number of bytes that the rows can take.
     pub(crate) fn least_bytes(&self, encoding: Encoding) -> u64 {
         let least = |property: &Property| match (encoding, property.kind) {
             (Encoding::Ascii, _) => 2,

@@ -2,12 +2,12 @@
 //! 3-D Gaussians.
 //!
 //! Elements and properties come in any number, order and type, in text or in binary of either byte order. [`Reader`]
-//! hands the wanted columns to a closure row by row, in `f64`, which holds every PLY type exactly; nothing else is kept,
-//! so that memory follows what the caller keeps. Lists are passed over. Before an element is read its count is held
-//! against the bytes that are left.
+//! hands the wanted columns to a closure row by row, in `f64`, which holds every PLY type exactly; nothing else is
+//! kept, so memory depends only on what the caller keeps. Lists that nobody asks for are skipped. Before an element is read, its count is
+//! checked against the bytes that are left.
 
 mod header;
 mod reader;
 
-pub(crate) use header::{Element, Encoding, Header};
+pub(crate) use header::{Element, Encoding, Header, Scalar};
 pub(crate) use reader::{Reader, Table};

@@ -33,7 +33,7 @@ pub(crate) struct Reader<'a> {
     header: Header,
     source: Source<'a>,
     context: Context<'a>,
-    /// Elements before this one have been read or passed over.
+    /// Elements before this one have been read or skipped.
     next: usize,
     position: u64,
 }
@@ -77,13 +77,33 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Calls `each` with the index and the wanted columns of every row of an element. Elements that come before it in the
-    /// file are passed over; one that has been read or passed over cannot be read again.
+    /// Calls `each` with the index and the wanted columns of every row of an element. Elements that come before it in
+    /// the file are skipped; one that has been read or skipped cannot be read again.
     pub(crate) fn rows(
         &mut self,
         element: &str,
         columns: &[&str],
         mut each: impl FnMut(u64, &[f64]) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        self.listed(element, columns, None, |index, row, _| each(index, row))
+    }
+
+    /// As [`Reader::rows`], with the numbers of the property `list` of every row, which is a list.
+    pub(crate) fn rows_and_lists(
+        &mut self,
+        element: &str,
+        (columns, list): (&[&str], &str),
+        each: impl FnMut(u64, &[f64], &[f64]) -> Result<(), IoError>,
+    ) -> Result<(), IoError> {
+        self.listed(element, columns, Some(list), each)
+    }
+
+    fn listed(
+        &mut self,
+        element: &str,
+        columns: &[&str],
+        list: Option<&str>,
+        mut each: impl FnMut(u64, &[f64], &[f64]) -> Result<(), IoError>,
     ) -> Result<(), IoError> {
         let ahead = self.header.elements.get(self.next..).unwrap_or_default();
         let index = ahead.iter().position(|e| e.name == element).ok_or_else(|| {
@@ -105,13 +125,14 @@ impl<'a> Reader<'a> {
                 })
             })
             .collect::<Result<Vec<_>, _>>()?;
+        let list = list.and_then(|list| element.properties.iter().position(|p| p.name == list));
         self.check_count(&element)?;
         self.next += 1;
         match element.stride() {
             Some(stride) if self.header.encoding != Encoding::Ascii => {
-                self.strided(&element, stride, &wanted, &mut each)
+                self.strided(&element, stride, &wanted, &mut |index, row| each(index, row, &[]))
             }
-            _ => self.sequential(&element, &wanted, &mut each),
+            _ => self.sequential(&element, (&wanted, list), &mut each),
         }
     }
 
@@ -143,7 +164,7 @@ impl<'a> Reader<'a> {
                 self.position += element.count * stride as u64;
                 self.source.skip(element.count * stride as u64, &self.context)
             }
-            _ => self.sequential(element, &[], &mut |_, _| Ok(())),
+            _ => self.sequential(element, (&[], None), &mut |_, _, _| Ok(())),
         }
     }
 
@@ -189,36 +210,58 @@ impl<'a> Reader<'a> {
     fn sequential(
         &mut self,
         element: &Element,
-        wanted: &[usize],
-        each: &mut impl FnMut(u64, &[f64]) -> Result<(), IoError>,
+        (wanted, wanted_list): (&[usize], Option<usize>),
+        each: &mut impl FnMut(u64, &[f64], &[f64]) -> Result<(), IoError>,
     ) -> Result<(), IoError> {
         if element.properties.is_empty() {
             return Ok(());
         }
         let mut values = vec![0.0; element.properties.len()];
+        let mut list = Vec::new();
         let mut row = vec![0.0; wanted.len()];
         for index in 0..element.count {
-            for (value, property) in values.iter_mut().zip(&element.properties) {
+            for (column, (value, property)) in values.iter_mut().zip(&element.properties).enumerate() {
                 match property.kind {
                     Kind::Scalar(scalar) => *value = self.number(scalar, &property.name)?,
+                    Kind::List { count, item } if wanted_list == Some(column) => {
+                        self.read_list((count, item), &property.name, &mut list)?;
+                    }
                     Kind::List { count, item } => self.pass_list(count, item, &property.name)?,
                 }
             }
             for (value, &column) in row.iter_mut().zip(wanted) {
                 *value = values[column];
             }
-            each(index, &row)?;
+            each(index, &row, &list)?;
         }
         Ok(())
     }
 
-    fn pass_list(&mut self, count: Scalar, item: Scalar, name: &str) -> Result<(), IoError> {
+    fn list_length(&mut self, count: Scalar, name: &str) -> Result<u64, IoError> {
         let at = self.position;
         let length = self.number(count, name)?;
         if length < 0.0 || length.fract() != 0.0 {
             return Err(self.context.field(name, length, at, "a list's length"));
         }
-        let length = length as u64;
+        Ok(length as u64)
+    }
+
+    /// Replaces the contents of `list`. It grows only as numbers come.
+    fn read_list(
+        &mut self,
+        (count, item): (Scalar, Scalar),
+        name: &str,
+        list: &mut Vec<f64>,
+    ) -> Result<(), IoError> {
+        list.clear();
+        for _ in 0..self.list_length(count, name)? {
+            list.push(self.number(item, name)?);
+        }
+        Ok(())
+    }
+
+    fn pass_list(&mut self, count: Scalar, item: Scalar, name: &str) -> Result<(), IoError> {
+        let length = self.list_length(count, name)?;
         if self.header.encoding == Encoding::Ascii {
             for _ in 0..length {
                 self.number(item, name)?;
@@ -231,7 +274,7 @@ impl<'a> Reader<'a> {
 
     fn number(&mut self, scalar: Scalar, name: &str) -> Result<f64, IoError> {
         if self.header.encoding == Encoding::Ascii {
-            return self.word(name);
+            return self.word(scalar, name);
         }
         let mut bytes = [0; 8];
         let bytes = &mut bytes[..scalar.size()];
@@ -244,7 +287,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The next number of a text. Line breaks do not matter: the header gives the number of values per row.
-    fn word(&mut self, name: &str) -> Result<f64, IoError> {
+    fn word(&mut self, scalar: Scalar, name: &str) -> Result<f64, IoError> {
         self.skip_white()?;
         let offset = self.position;
         let mut word = [0; LONGEST_WORD];
@@ -263,8 +306,11 @@ impl<'a> Reader<'a> {
             }
         }
         let text = String::from_utf8_lossy(&word[..length]);
-        text.parse()
-            .map_err(|_| self.context.field(name, text, offset, "a number"))
+        let number = text.parse().ok().filter(|&number| fits(scalar, number));
+        number.ok_or_else(|| {
+            let expected = format!("a number of type {scalar:?}");
+            self.context.field(name, text, offset, expected)
+        })
     }
 
     fn skip_white(&mut self) -> Result<(), IoError> {
@@ -278,6 +324,20 @@ impl<'a> Reader<'a> {
                 return Ok(());
             }
         }
+    }
+}
+
+/// Whether a type can hold a number: a colour of 300 in a byte would be another one.
+fn fits(scalar: Scalar, number: f64) -> bool {
+    let whole = |low: f64, high: f64| number.fract() == 0.0 && (low..=high).contains(&number);
+    match scalar {
+        Scalar::I8 => whole(i8::MIN.into(), i8::MAX.into()),
+        Scalar::U8 => whole(0.0, u8::MAX.into()),
+        Scalar::I16 => whole(i16::MIN.into(), i16::MAX.into()),
+        Scalar::U16 => whole(0.0, u16::MAX.into()),
+        Scalar::I32 => whole(i32::MIN.into(), i32::MAX.into()),
+        Scalar::U32 => whole(0.0, u32::MAX.into()),
+        Scalar::F32 | Scalar::F64 => true,
     }
 }
 

@@ -121,7 +121,7 @@ fn what_is_wrong_is_named() {
     refused("end_header\n", "", "header line");
     refused("double x", "double w", "\"x\"");
     refused("5e-1", "5e-1k", "\"x\" = \"5e-1k\"");
-    refused("3 0 1 2 7", "-3 0 1 2 7", "a list's length");
+    refused("3 0 1 2 7", "-3 0 1 2 7", "a number of type U8");
     for length in 0..TEXT.len() - 1 {
         let result = reader(&TEXT.as_bytes()[..length]).and_then(|mut r| r.table("vertex", &["x"]));
         assert!(result.is_err() || length + 3 > TEXT.len(), "{length}");

@@ -10,7 +10,7 @@ pub(super) const RADIUS: usize = 11;
 /// Number of roles.
 pub(super) const ROLES: usize = 12;
 
-/// Values of a point by role; NaN where there is none.
+/// Values of a point by role; NaN if there is none.
 pub(super) type Row = [f64; ROLES];
 
 /// Names of each role, lower case.
@@ -62,7 +62,7 @@ pub(super) fn columns_of_roles<'a>(names: impl Iterator<Item = &'a str>) -> [Opt
     complete(columns)
 }
 
-/// Vectors of which a component is missing are left out.
+/// Vectors that lack a component are left out.
 pub(super) fn complete(mut columns: [Option<usize>; ROLES]) -> [Option<usize>; ROLES] {
     for first in [NORMAL, RED] {
         if columns[first..first + 3].iter().any(Option::is_none) {

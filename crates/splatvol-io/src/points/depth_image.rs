@@ -12,10 +12,11 @@
 //! world_from_camera = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]   # rows; identity if absent
 //! ```
 //!
-//! Camera space is that of computer vision: x to the right, y down, z forward; centres of pixels have whole coordinates.
-//! With depth `d` along z, pixel (u, v) lies at `((u - cx) / fx, (v - cy) / fy, 1) d`. Its radius is the distance to the
-//! next pixel's point, `d / f`; its normal is perpendicular to the differences to its neighbours and faces the camera. Pixels
-//! of depth 0 or less, NaN or infinity are empty. Pictures of several layers are frames of the same pose.
+//! Camera space is that of computer vision: x to the right, y down, z forward; centres of pixels have whole
+//! coordinates. With depth `d` along z, pixel (u, v) lies at `((u - cx) / fx, (v - cy) / fy, 1) d`. Its radius is the
+//! distance to the next pixel's point, `d / f`; its normal is perpendicular to the differences to its neighbours and
+//! faces the camera. Pixels of depth 0 or less, NaN or infinity are empty. Pictures of several layers are frames of the
+//! same pose.
 
 mod frame;
 
@@ -41,8 +42,10 @@ const BYTES: u64 = 32;
 pub struct DepthImageOptions {
     /// Neighbours whose depths differ by more than this share of the nearer one are on another surface.
     pub depth_jump: f64,
-    /// Make errors of warnings.
+    /// Turn warnings into errors.
     pub strict: bool,
+    /// Follow links that lead out of the folder of the list.
+    pub allow_outside: bool,
     /// Most bytes that the points may take in memory.
     pub max_bytes: u64,
 }
@@ -52,6 +55,7 @@ impl Default for DepthImageOptions {
         Self {
             depth_jump: 0.05,
             strict: false,
+            allow_outside: false,
             max_bytes: ReadOptions::default().max_bytes,
         }
     }
@@ -84,7 +88,10 @@ pub fn read_depth_images(
     options: &DepthImageOptions,
 ) -> Result<LoadedPoints, IoError> {
     let path = path.as_ref();
-    let context = &Context::new("list of depth images", path);
+    let context = &Context {
+        allow_outside: options.allow_outside,
+        ..Context::new("list of depth images", path)
+    };
     let bytes = read_file(path, context)?;
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let document = match extension.to_str() {
@@ -148,7 +155,7 @@ impl Cloud {
                 .map_or(DVec3::ZERO, |entry| entry.world_from_camera.translation),
             positions: Vec::new(),
             attributes: PointAttributes::default(),
-            // One frame with colours gives all of them some.
+            // If one frame has colours, all of them get some.
             colored: entries.iter().any(|entry| entry.color.is_some()),
             max_bytes,
         }

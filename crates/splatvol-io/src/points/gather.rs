@@ -8,8 +8,8 @@ use super::columns::{ALPHA, INTENSITY, NORMAL, RADIUS, RED, ROLES, Row, X};
 use crate::error::Context;
 use crate::{Description, IoError, ReadOptions};
 
-/// Coordinates get an origin of their own where they are this many times as large as the cloud: 32 bits would else
-/// resolve less than a 10^6-th of it.
+/// Coordinates get an origin of their own if they are this many times as large as the cloud: otherwise 32 bits
+/// would resolve less than a 10^6-th of it.
 const FAR: f64 = 16.0;
 /// Share of the intensities that are not brighter than white.
 const WHITE: f64 = 0.995;
@@ -17,9 +17,9 @@ const WHITE: f64 = 0.995;
 /// Whether colours were stored as integers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ColorKind {
-    /// Integers: 0..255, or 0..65535 where larger ones occur.
+    /// Integers: 0..255, or 0..65535 if larger ones occur.
     Integer,
-    /// Floats: 0..1, or as integers where larger ones occur.
+    /// Floats: 0..1, or as integers if larger ones occur.
     Float,
 }
 
@@ -49,13 +49,18 @@ impl Gather {
         }
     }
 
-    /// Refuses more points than memory is allowed for.
+    /// Refuses more points than the memory limit allows.
     pub(super) fn check_count(&self, count: u64, context: &Context<'_>) -> Result<(), IoError> {
         let bytes = count.saturating_mul(size_of::<[f64; 3]>() as u64 + 32);
         if bytes > self.max_bytes {
             return Err(context.limit(bytes, self.max_bytes));
         }
         Ok(())
+    }
+
+    /// Number of points so far.
+    pub(super) fn len(&self) -> usize {
+        self.positions.len()
     }
 
     /// A point.
@@ -82,7 +87,7 @@ impl Gather {
         }
     }
 
-    /// The points; `description` gets warnings and what became of the coordinates.
+    /// The points; `description` gets the warnings, and how the coordinates were changed.
     pub(super) fn finish(
         mut self,
         kind: ColorKind,
@@ -199,7 +204,7 @@ fn separated(text: &str) -> String {
     }
 }
 
-/// The middle of coordinates that are large beside the cloud, else zero.
+/// The middle of coordinates that are large compared with the cloud, else zero.
 fn local_origin(positions: &[[f64; 3]]) -> DVec3 {
     let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (min, max) = positions
@@ -208,7 +213,7 @@ fn local_origin(positions: &[[f64; 3]]) -> DVec3 {
         .fold(empty, |(min, max), p| (min.min(p), max.max(p)));
     let farthest = min.abs().max(max.abs()).max_element();
     if farthest > FAR * (max - min).max_element() {
-        // Halves first: their sum cannot overflow.
+        // Halved first, so that the sum cannot overflow.
         min / 2.0 + max / 2.0
     } else {
         DVec3::ZERO

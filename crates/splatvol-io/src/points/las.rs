@@ -1,9 +1,9 @@
 //! LAS 1.0 to 1.4, LAZ and COPC (ASPRS LAS Specification 1.4 R15), by the crate `las`.
 //!
-//! A COPC file is a LAZ file whose order of points has a meaning besides; all its points are read. What a header
-//! promises is held against the file first (`check`): the crate trusts it. Colours have 16 bits by the specification,
-//! of which many writers use 8; that is recognised by the largest one. Without colours, points are
-//! coloured by their classes or heights (`shown_as`).
+//! A COPC file is a LAZ file whose order of points has a meaning of its own; all its points are read. The header's
+//! claims are first checked against the file (`check`), because the crate trusts them. Colours have 16 bits by the
+//! specification, of which many writers use 8; the largest colour shows which. Without colours, points are coloured
+//! by their classes or heights (`shown_as`).
 
 mod check;
 mod shown_as;
@@ -40,7 +40,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     let mut gather = Gather::new(present, options);
     gather.check_count(claims.count, context)?;
     let description = describe(&claims, path);
-    // The decoder is not written for hostile files; a panic in it is this file's fault and nobody else's.
+    // The decoder is not written for hostile files; a panic in it is blamed on the file.
     let mut classes = Vec::new();
     let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, &mut gather, &mut classes)));
     let count = match decoded {

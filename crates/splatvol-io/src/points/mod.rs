@@ -2,15 +2,16 @@
 //!
 //! | module | formats |
 //! |---|---|
-//! | `ply` | PLY, vertices of meshes too |
+//! | `ply` | PLY: clouds, and meshes as surfels |
+//! | `poly` | polygonal data of VTK, legacy and .vtp, as surfels |
 //! | [`las`] | LAS 1.0 to 1.4, LAZ, COPC |
 //! | [`pcd`] | PCD 0.5 to 0.7, ascii, binary, `binary_compressed` |
 //! | [`text`] | XYZ, CSV, PTS and other tables of numbers |
 //! | [`height_field`] | terrain: USGS DEM, `GeoTIFF`, tables, raw |
 //! | [`depth_image`] | frames of depth cameras |
 //!
-//! Positions are read in 64 bits and get a local origin before they become 32 bits, where they lie far from zero. Colours
-//! are sRGB, however many bits they were stored with. Points without a place (NaN) are left out and counted.
+//! Positions are read in 64 bits. If they lie far from zero, they get a local origin before they become 32 bits.
+//! Colours are sRGB, however many bits they were stored with. Points without a place (NaN) are left out and counted.
 
 mod columns;
 pub mod depth_image;
@@ -19,7 +20,9 @@ pub mod height_field;
 pub mod las;
 pub mod pcd;
 pub mod ply;
+mod poly;
 pub mod text;
+mod triangles;
 
 use std::path::Path;
 
@@ -27,10 +30,11 @@ use glam::DVec3;
 use splatvol_scene::Points;
 
 use crate::error::Context;
+use crate::mesh::{PolyFormat, poly_format};
 use crate::source::Source;
 use crate::{Description, IoError, ReadOptions};
 
-/// Bytes looked at to tell formats apart.
+/// Bytes examined to tell formats apart.
 const PROBE: usize = 4096;
 
 /// Points and where they came from.
@@ -45,7 +49,7 @@ pub struct LoadedPoints {
 }
 
 impl LoadedPoints {
-    /// Makes an error of warnings where reading is strict.
+    /// Turns warnings into an error if reading is strict.
     fn checked(self, strict: bool, path: &Path) -> Result<Self, IoError> {
         if strict && !self.description.warnings.is_empty() {
             return Err(IoError::Strict {
@@ -57,14 +61,15 @@ impl LoadedPoints {
     }
 }
 
-/// Reads points of any supported format. The first bytes of the file decide; its extension only where they do not. Of
-/// the options `strict` and `max_bytes` count.
+/// Reads points of any supported format. The first bytes of the file decide; its extension counts only if they do
+/// not. Only the options `strict` and `max_bytes` matter.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
 pub fn read_points(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedPoints, IoError> {
     let path = path.as_ref();
     let loaded = match format(path)? {
+        Format::Poly(format) => poly::read(path, format, options),
         Format::Ply => ply::read(path, options),
         Format::Las => las::read(path, options),
         Format::Pcd => pcd::read(path, options),
@@ -86,17 +91,27 @@ pub(crate) fn is_known(path: &Path) -> Result<bool, IoError> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Ply,
+    Poly(PolyFormat),
     Las,
     Pcd,
     Text,
 }
 
+/// Whether the file holds polygons in one of VTK's formats.
+pub(crate) fn is_poly_data(path: &Path) -> Result<bool, IoError> {
+    Ok(poly_format(&start_of(path)?).is_some())
+}
+
+fn start_of(path: &Path) -> Result<Vec<u8>, IoError> {
+    let mut start = vec![0; PROBE];
+    let length = Source::open(path)?.fill(&mut start, &Context::new("points", path))?;
+    start.truncate(length);
+    Ok(start)
+}
+
 fn format(path: &Path) -> Result<Format, IoError> {
     let context = Context::new("points", path);
-    let mut source = Source::open(path)?;
-    let mut start = vec![0; PROBE];
-    let length = source.fill(&mut start, &context)?;
-    start.truncate(length);
+    let start = start_of(path)?;
     let extension = path
         .extension()
         .unwrap_or_default()
@@ -104,6 +119,9 @@ fn format(path: &Path) -> Result<Format, IoError> {
         .to_ascii_lowercase();
     if start.starts_with(b"ply") && start.get(3).is_some_and(u8::is_ascii_whitespace) {
         return Ok(Format::Ply);
+    }
+    if let Some(format) = poly_format(&start) {
+        return Ok(Format::Poly(format));
     }
     if start.starts_with(b"LASF") {
         return Ok(Format::Las);
@@ -123,7 +141,7 @@ fn format(path: &Path) -> Result<Format, IoError> {
         _ if textual => Ok(Format::Text),
         _ => Err(context.unsupported(format!(
             "neither the first bytes nor the extension \"{extension}\" belong to a known format of points \
-             (PLY, LAS, LAZ, COPC, PCD, tables of text)"
+             (PLY, VTK PolyData, LAS, LAZ, COPC, PCD, tables of text)"
         ))),
     }
 }

@@ -1,8 +1,8 @@
 //! PCD, the Point Cloud Library's format (versions .5 to .7): text, binary, or binary compressed by LZF.
 //!
-//! Fields come in any order and type. Colours are three fields, or one packed as `0xaarrggbb` in four bytes, which may be
-//! declared to be a float. NaN marks a missing point of an organised cloud. The viewpoint says where the scanner stood;
-//! points are in the world already and stay where they are.
+//! Fields come in any order and type. Colours are three fields, or one packed as `0xaarrggbb` in four bytes, which may
+//! be declared to be a float. NaN marks a missing point of an organised cloud. The viewpoint says where the scanner
+//! stood; points are in the world already and stay where they are.
 
 mod header;
 mod lzf;
@@ -23,7 +23,7 @@ use header::{Data, Field, Header};
 /// Reads a PCD file.
 ///
 /// # Errors
-/// A malformed header, no field x, y or z, or other data than the header describes.
+/// A malformed header, no field x, y or z, or data that differ from what the header describes.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError> {
     let context = &Context::new("PCD", path);
     let bytes = read_file(path, context)?;

@@ -14,21 +14,21 @@ use crate::error::Context;
 use crate::source::read_file;
 use crate::{Description, IoError, ReadOptions};
 
-/// Lines that decide what columns without names are.
+/// Lines that decide the roles of unnamed columns.
 const PROBED: usize = 1000;
 
 /// Reads a table.
 ///
 /// # Errors
-/// Words among the numbers, lines of different lengths, columns that are not understood, or another number of lines
-/// than a count promises.
+/// Words among the numbers, lines of different lengths, columns that are not understood, or a number of lines other
+/// than the file's count.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError> {
     let context = &Context::new("table of points", path);
     let bytes = read_file(path, context)?;
     let mut lines = lines(&bytes).peekable();
     let mut names = None;
     let mut count = None;
-    // What comes before the first row of numbers.
+    // Lines before the first row of numbers.
     while let Some(line) = lines.peek() {
         let comment = line.comment();
         if let Some(numbers) = line.numbers() {
@@ -223,7 +223,8 @@ impl<'a> Line<'a> {
     }
 }
 
-/// Lines that are not blank. Bytes that are not UTF-8 make a line a single replacement character, which no number is.
+/// Lines that are not blank. A line with bytes that are not UTF-8 becomes a single replacement character, which is
+/// not a number.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> + Clone {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = bytes.as_ptr() as usize;

@@ -56,16 +56,26 @@ impl<'a> TextNumbers<'a> {
 
 /// A number in a text file.
 pub(super) trait TextNumber: FromStr {
+    /// Whether numbers may have digits after a decimal point.
+    const IS_REAL: bool = false;
+
     /// False for values that only overflow can have produced.
     fn fits(&self, _token: &str) -> bool {
         true
     }
 }
 
+/// Whether a comma after a number may be a decimal one: `1,5` is one number in half of Europe.
+fn is_decimal_comma(text: &[u8], end: usize) -> bool {
+    text.get(end) == Some(&b',') && text.get(end + 1).is_some_and(u8::is_ascii_digit)
+}
+
 macro_rules! text_number {
     (integers $($integer:ty)*; floats $($float:ty)*) => {
         $(impl TextNumber for $integer {})*
         $(impl TextNumber for $float {
+            const IS_REAL: bool = true;
+
             fn fits(&self, token: &str) -> bool {
                 !self.is_infinite() || token.to_ascii_lowercase().contains("inf")
             }
@@ -90,6 +100,15 @@ pub(super) fn parse_numbers<T: TextNumber>(
             return Err(context.field("samples", found, offset, format!("{} numbers", range.end)));
         };
         position = begin + token.len();
+        if T::IS_REAL && is_decimal_comma(numbers.text, position) {
+            let digits = numbers.text[position + 1..]
+                .iter()
+                .take_while(|byte| byte.is_ascii_digit());
+            let shown = String::from_utf8_lossy(&numbers.text[begin..=position + digits.count()]);
+            let expected = "a decimal point, or a blank after a comma that separates numbers";
+            let offset = numbers.start + begin as u64;
+            return Err(context.field(format!("sample {index}"), shown, offset, expected));
+        }
         if index < range.start {
             continue;
         }
@@ -181,6 +200,19 @@ mod tests {
         );
         assert!(text("1 2", SampleType::U8, 3).is_err());
         assert!(text("1 2", SampleType::U8, usize::MAX).is_err());
+    }
+
+    #[test]
+    fn decimal_commas_are_refused_and_separators_taken() {
+        let reals = |text_: &str| text(text_, SampleType::F32, 2);
+        assert_eq!(reals("1.5, 2").unwrap(), Samples::F32(vec![1.5, 2.0].into()));
+        assert_eq!(reals("1.5 ,2").unwrap(), Samples::F32(vec![1.5, 2.0].into()));
+        let error = reals("1,5 2,25").unwrap_err().to_string();
+        assert!(
+            error.contains("\"1,5\"") && error.contains("decimal point"),
+            "{error}"
+        );
+        assert!(text("1,2", SampleType::I16, 2).is_ok());
     }
 
     #[test]

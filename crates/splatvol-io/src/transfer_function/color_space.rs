@@ -23,7 +23,7 @@ pub(super) enum ColorSpace {
 }
 
 impl ColorSpace {
-    /// Space of ParaView's name for it.
+    /// The space with this name in ParaView.
     pub(super) fn from_name(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
             "rgb" => Some(Self::Rgb),
@@ -34,7 +34,7 @@ impl ColorSpace {
         }
     }
 
-    /// Points, ascending, between which sRGB is as good as this space.
+    /// Ascending points, between which interpolation in sRGB is as good as in this space.
     pub(super) fn refine(self, points: &[ColorPoint]) -> Vec<ColorPoint> {
         if self == Self::Rgb {
             return points.to_vec();

@@ -16,7 +16,7 @@ use crate::error::Context;
 /// Length of the NIH Image header, bytes.
 const HEADER: usize = 32;
 
-/// Longest file that ImageJ takes for a lookup table, bytes.
+/// Longest file that ImageJ accepts as a lookup table, bytes.
 const LONGEST: usize = 10_000;
 
 /// Reads a lookup table from the bytes of a file; `path` is only named in errors. See

@@ -6,12 +6,13 @@
 
 use std::path::Path;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 use splatvol_scene::{ColorPoint, OpacityPoint, TransferFunction};
 
 use super::Draft;
 use crate::IoError;
 use crate::error::Context;
+use crate::xml;
 
 /// Reads an `.itf` from the bytes of a file; `path` is only named in errors. See [`super::read_transfer_function`].
 ///
@@ -25,8 +26,7 @@ pub fn decode(
     let context = Context::new("Inviwo transfer function", path);
     let text =
         std::str::from_utf8(bytes).map_err(|error| context.field("contents", error, None, "UTF-8 text"))?;
-    let document = Document::parse(text.trim_start_matches('\u{feff}'))
-        .map_err(|error| context.field("contents", error, None, "well-formed XML"))?;
+    let document = xml::parse(text.trim_start_matches('\u{feff}'), "contents", &context)?;
     let root = document.root_element();
     let is_absolute = child(root, "type")
         .and_then(|node| node.attribute("content"))

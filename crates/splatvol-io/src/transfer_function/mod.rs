@@ -7,9 +7,10 @@
 //! | Inviwo `.itf` | yes | no | 0..1 of the data's range, or as stored | mean voxel spacing |
 //! | ImageJ `.lut` | yes | no | the data's range | mean voxel spacing, a linear ramp |
 //!
-//! Contents decide, not names, except for headerless `.lut` files. What a file says beyond colour and opacity (light,
-//! further components) is left out, and warned of where it would change the picture. Gradient opacity, which is no part of a
-//! [`TransferFunction`], is warned of too, and read by [`read_gradient_opacity`]. [`two_dimensional`] has a format of our own.
+//! Contents decide, not names, except for headerless `.lut` files. Anything beyond colour and opacity (light, further
+//! components) is left out, with a warning if it would change the picture. Gradient opacity, which is not part of a
+//! [`TransferFunction`], also gives a warning; [`read_gradient_opacity`] reads it. [`two_dimensional`] has a format of
+//! our own.
 
 mod color_space;
 pub mod imagej;
@@ -28,7 +29,7 @@ use crate::error::Context;
 use crate::source::read_file;
 
 /// Reads a transfer function of any supported format, for data whose values span `value_range`. The second part lists
-/// what was odd.
+/// oddities.
 ///
 /// # Errors
 /// See [`IoError`]; malformed points are named by their place in the file.
@@ -54,12 +55,12 @@ pub fn read_transfer_function(
     }
 }
 
-/// The warning of [`read_transfer_function`] where [`read_gradient_opacity`] would find something.
+/// The warning of [`read_transfer_function`] if [`read_gradient_opacity`] would find something.
 pub const GRADIENT_OPACITY_LEFT_OUT: &str =
     "gradientOpacity is no part of the transfer function and was left out";
 
-/// Reads the gradient opacity of a 3D Slicer volume property: magnitudes in data units per world length. `None` where the
-/// file has none, has switched it off, or it is 1 everywhere, and for files of other formats.
+/// Reads the gradient opacity of a 3D Slicer volume property: magnitudes in data units per world length. `None` where
+/// the file has none, has switched it off, or it is 1 everywhere, and for files of other formats.
 ///
 /// # Errors
 /// Same as [`read_transfer_function`].
@@ -113,7 +114,7 @@ struct Draft {
 }
 
 impl Draft {
-    /// The validated function; points that are out of order or of no use are warned of.
+    /// The validated function; points that are out of order or useless give warnings.
     fn finish(
         mut self,
         value_range: [f64; 2],

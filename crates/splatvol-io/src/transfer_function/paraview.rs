@@ -90,7 +90,7 @@ pub fn decode(
     draft.finish(value_range, &context)
 }
 
-/// Stretches what spans exactly 0..1 over data that do not lie there.
+/// Stretches points that span exactly 0..1 over data that have another range.
 fn stretch(
     colors: &mut [ColorPoint],
     opacities: &mut [OpacityPoint],
@@ -157,7 +157,7 @@ fn opacity_points(list: &Node<'_>) -> Result<Vec<OpacityPoint>, IoError> {
 /// replaced by finely spaced plain ones. The unit distance is not part of the format.
 ///
 /// # Errors
-/// Never today; the signature is that of the other writers.
+/// None today; the signature is that of the other writers.
 pub fn encode(function: &TransferFunction) -> Result<String, IoError> {
     let colors = plain(function);
     let rgb: Vec<f64> = colors

@@ -73,8 +73,8 @@ pub fn decode_gradient_opacity(
     Ok((!points.is_empty()).then_some(points))
 }
 
-/// Points of a component's gradient opacity; none where it changes nothing. Midpoints other than a half are taken for a
-/// half, as in the presets that Slicer comes with.
+/// Points of a component's gradient opacity; `None` if it changes nothing. Midpoints other than a half are treated as a
+/// half, as in Slicer's own presets.
 fn gradient_points(component: &Node<'_>) -> Result<Vec<GradientOpacityPoint>, IoError> {
     let disabled = component
         .get("disableGradientOpacity")
@@ -86,7 +86,7 @@ fn gradient_points(component: &Node<'_>) -> Result<Vec<GradientOpacityPoint>, Io
     if points.iter().all(|point| point.opacity == 1.0) {
         return Ok(Vec::new());
     }
-    // Curves may begin below zero, where no magnitude is.
+    // Curves may begin below zero, where there are no magnitudes.
     let points = points.iter().map(|point| GradientOpacityPoint {
         gradient: point.value.max(0.0),
         factor: point.opacity,
@@ -166,7 +166,7 @@ fn optional(node: &Node<'_>, key: &str, default: f64) -> Result<f64, IoError> {
 ///
 /// # Errors
 /// [`IoError::Encode`] where the function has no unit distance of its own: Slicer would take 1 for it, whatever the
-/// voxel spacing is. Set it to the scene's first.
+/// voxel spacing is. Set it to the scene's beforehand.
 pub fn encode(function: &TransferFunction) -> Result<String, IoError> {
     let format = "Slicer volume property";
     let Some(unit_distance) = function.unit_distance else {

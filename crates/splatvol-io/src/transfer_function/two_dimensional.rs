@@ -6,17 +6,17 @@
 //! { "image": "boundaries.png", "value": [-1000, 2000], "gradient": [0, 500] }
 //! ```
 //!
-//! Values are data units, gradients data units per world length, colours sRGB, opacities per unit distance (world length;
-//! the caller's default where it is absent). A picture's path is relative to the file's folder; its left and right edge are
-//! the range of values, its bottom and top that of gradients.
+//! Values are data units, gradients data units per world length, colours sRGB, opacities per unit distance (world
+//! length; the caller's default where it is absent). A picture's path is relative to the file's folder; its left and
+//! right edge are the range of values, its bottom and top that of gradients.
 
-use std::path::{Component, Path};
+use std::path::Path;
 
 use serde::Deserialize;
 use splatvol_scene::{Region, TransferFunction2d};
 
 use crate::error::Context;
-use crate::source::read_file;
+use crate::source::{companion, read_file};
 use crate::{IoError, read_image};
 
 #[derive(Deserialize)]
@@ -33,7 +33,7 @@ struct File {
 /// Reads a two-dimensional transfer function. `unit_distance`: reference length of the opacities if the file has none.
 ///
 /// # Errors
-/// [`IoError::Format`] names the malformed field; a picture outside the file's folder is refused; what [`read_image`]
+/// [`IoError::Format`] names the malformed field; a picture outside the file's folder; anything that [`read_image`]
 /// refuses.
 pub fn read_transfer_function_2d(
     path: impl AsRef<Path>,
@@ -65,13 +65,7 @@ pub fn read_transfer_function_2d(
     let (Some(value), Some(gradient)) = (file.value, file.gradient) else {
         return Err(context.field("image", name, None, "with the ranges value and gradient"));
     };
-    let inside = Path::new(name)
-        .components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if !inside {
-        return Err(context.field("image", name, None, "a path inside the file's folder"));
-    }
-    let picture = read_image(path.parent().unwrap_or(Path::new("")).join(name))?;
+    let picture = read_image(companion(name, "image", None, &context)?)?;
     TransferFunction2d::from_image(&picture.image, value, gradient, unit_distance)
         .map_err(|error| context.scene(error))
 }
@@ -101,7 +95,7 @@ mod tests {
             (r#"{"image": "a.png"}"#, "value and gradient"),
             (
                 r#"{"image": "../a.png", "value": [0, 1], "gradient": [0, 1]}"#,
-                "inside the file's folder",
+                "inside the header's folder",
             ),
             (r#"{"opacity": 3}"#, "unknown field"),
         ] {

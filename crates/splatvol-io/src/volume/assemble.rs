@@ -33,7 +33,7 @@ impl Draft {
         self.description.warnings.push(warning.into());
     }
 
-    /// Says how many time points there are and, where several, which one is read.
+    /// Records the number of time points and, if there are several, which one is read.
     pub(crate) fn set_times(&mut self, times: usize, time: usize) {
         self.description.times = times;
         if times > 1 {
@@ -41,7 +41,7 @@ impl Draft {
         }
     }
 
-    /// Says which of several volumes is read.
+    /// Warns which of several volumes is read.
     pub(super) fn warn_of_series(&mut self, selection: &Selection) {
         self.description.times = selection.times;
         if selection.volumes > 1 {
@@ -95,7 +95,7 @@ pub(crate) fn checked_dims(
     Ok(dims)
 }
 
-/// Number of samples of `dims` with `components` each, held against the memory limit.
+/// Number of samples of `dims` with `components` each, checked against the memory limit.
 pub(crate) fn sample_count(
     dims: [usize; 3],
     components: usize,
@@ -113,7 +113,7 @@ pub(crate) fn sample_count(
     }
 }
 
-/// The channel to take of the named ones, and a warning where the choice was not the caller's.
+/// The channel to take among the named ones, and a warning if the caller did not choose it.
 pub(crate) fn choose_channel(
     channels: &[String],
     options: &ReadOptions,
@@ -137,7 +137,7 @@ pub(crate) fn choose_channel(
     }
 }
 
-/// The component to take of samples of `count` components; `kind` names them: "vectors", "colours".
+/// The component to take from samples of `count` components; `kind` names them: "vectors", "colours".
 pub(crate) fn choose_component(
     count: usize,
     kind: &str,
@@ -177,8 +177,8 @@ pub(crate) fn ras_from_lps() -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)))
 }
 
-/// Columns of the matrix from voxel to space, for 1 to 3 steps per voxel. Absent axes get a direction across the present ones, of their mean
-/// length.
+/// Columns of the matrix from voxel to space, for 1 to 3 steps per voxel. Absent axes get a direction across the
+/// present ones, of their mean length.
 pub(crate) fn complete_axes(steps: &[Option<DVec3>]) -> DMat3 {
     let units = [DVec3::X, DVec3::Y, DVec3::Z];
     let known: Vec<DVec3> = steps
@@ -201,7 +201,7 @@ pub(crate) fn complete_axes(steps: &[Option<DVec3>]) -> DMat3 {
 }
 
 /// The directions of the voxel axes in three letters: `LPS` where x runs left, y posterior and z superior. Oblique axes
-/// get the letters that fit best. It means something only where world space is RAS+.
+/// get the letters that fit best. It is meaningful only if world space is RAS+.
 pub fn axis_codes(grid: &Grid) -> String {
     const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let axes = grid.direction();

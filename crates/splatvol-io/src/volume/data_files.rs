@@ -33,7 +33,7 @@ struct Series {
     count: usize,
 }
 
-/// The samples of one file: how many it holds, and which are wanted.
+/// The samples of one file: their number, and which are wanted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Piece {
     /// Number of the file.

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use super::{dicom, slc, slices, zarr};
 use crate::IoError;
 use crate::error::Context;
-use crate::source::{Codec, Source};
+use crate::source::{Codec, Source, check_inside};
 
-/// Bytes looked at; a NIfTI-1 header ends with its magic number here.
+/// Bytes examined; a NIfTI-1 header ends with its magic number here.
 const PROBE: usize = 348;
 
 /// The readable formats.
@@ -30,7 +30,7 @@ pub(super) enum Format {
     Raw,
 }
 
-/// Lower-case extension, with `.nii.gz` and `.raw.gz` as one; empty where there is none.
+/// Lower-case extension, with `.nii.gz` and `.raw.gz` as one; empty if there is none.
 pub(super) fn extension(path: &Path) -> String {
     let name = path
         .file_name()
@@ -92,7 +92,12 @@ fn folder_format(folder: &Path, context: &Context<'_>) -> Result<Format, IoError
     if zarr::is_zarr(folder) {
         return Ok(Format::Zarr);
     }
-    let files = files_of(folder)?;
+    // The reader decides about links.
+    let context_of_names = Context {
+        allow_outside: true,
+        ..*context
+    };
+    let files = files_of(folder, &context_of_names)?;
     if files.iter().any(|file| dicom::is_dicom(file)) {
         return Ok(Format::Dicom);
     }
@@ -106,7 +111,10 @@ fn folder_format(folder: &Path, context: &Context<'_>) -> Result<Format, IoError
 }
 
 /// The regular files of a folder, in natural order: `I9` before `I10`.
-pub(super) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+///
+/// # Errors
+/// A folder that cannot be read; links that lead out of it, unless the context allows them.
+pub(super) fn files_of(folder: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, IoError> {
     let open = |source| IoError::Open {
         source,
         path: folder.to_owned(),
@@ -115,6 +123,9 @@ pub(super) fn files_of(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
     for entry in std::fs::read_dir(folder).map_err(open)? {
         let path = entry.map_err(open)?.path();
         if path.is_file() {
+            if path.is_symlink() {
+                check_inside(&path, folder, context)?;
+            }
             files.push(path);
         }
     }
@@ -166,7 +177,9 @@ fn by_magic(start: &[u8]) -> Option<Format> {
         |size: u32| start.starts_with(&size.to_le_bytes()) || start.starts_with(&size.to_be_bytes());
     let nifti_1 = nifti_size(348) && matches!(start.get(344..348), Some(b"n+1\0" | b"ni1\0"));
     let nifti_2 = nifti_size(540) && matches!(start.get(4..8), Some(b"n+2\0" | b"ni2\0"));
-    if start.starts_with(b"NRRD00") {
+    if dicom::says_dicm(start) {
+        Some(Format::Dicom)
+    } else if start.starts_with(b"NRRD00") {
         Some(Format::Nrrd)
     } else if start.starts_with(b"# vtk DataFile") {
         Some(Format::LegacyVtk)
@@ -231,5 +244,14 @@ mod tests {
         );
         assert_eq!(by_magic(&348u32.to_le_bytes()), None);
         assert_eq!(by_magic(b""), None);
+    }
+
+    #[test]
+    fn the_preamble_of_dicom_may_be_the_header_of_a_tiff() {
+        let mut start = [0; 140];
+        start[..4].copy_from_slice(b"II*\0");
+        assert_eq!(by_magic(&start), Some(Format::Tiff));
+        start[128..132].copy_from_slice(b"DICM");
+        assert_eq!(by_magic(&start), Some(Format::Dicom));
     }
 }

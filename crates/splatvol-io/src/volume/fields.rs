@@ -8,7 +8,7 @@ use crate::IoError;
 use crate::error::Context;
 use crate::source::Source;
 
-/// Longest header. Real ones hold kilobytes; diffusion gradients and notes may make megabytes.
+/// Longest header. Real ones are kilobytes long; diffusion gradients and notes may make them megabytes.
 const MAX_HEADER: u64 = 16 << 20;
 
 /// The lines at the start of a file whose rest is binary.
@@ -114,7 +114,7 @@ impl Field {
 pub(super) struct Fields(HashMap<String, Field>);
 
 impl Fields {
-    /// Adds a field; one that is there already is an error.
+    /// Adds a field; a duplicate is an error.
     pub(super) fn insert(&mut self, field: Field, context: &Context<'_>) -> Result<(), IoError> {
         let key = normalised(&field.name);
         if self.0.contains_key(&key) {
@@ -129,7 +129,7 @@ impl Fields {
         self.0.get(key)
     }
 
-    /// The first of several names that is there.
+    /// The field of the first of these names that exists.
     pub(super) fn any(&self, keys: &[&str]) -> Option<&Field> {
         keys.iter().find_map(|key| self.get(key))
     }

@@ -1,6 +1,6 @@
 //! Legacy VTK files (.vtk) of structured points, after "VTK file formats" (versions 1.0 to 5.1).
 //!
-//! Binary data are big-endian. Scalars, and arrays of fields, are read; other attributes are stepped over.
+//! Binary data are big-endian. Scalars and the arrays of fields are read; other attributes are skipped.
 
 pub(crate) mod attributes;
 pub(crate) mod cursor;
@@ -45,7 +45,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let mut warnings = Vec::new();
     let Attributes { heads, arrays } = scan.found;
     let choice = vtk_array::choose(&heads, options, context);
-    // Cells are no stand-in for points that cannot be read, unless they were asked for.
+    // Cells do not replace points that cannot be read, unless they were requested.
     let doubtful = |index: usize| wanted.is_none() && heads[index].association == Association::Cell;
     let (index, component) = match (choice, end) {
         (Err(_), Err(end)) => return Err(end),

@@ -2,7 +2,7 @@
 //! (<https://itk.org/Wiki/ITK/MetaIO/Documentation>).
 //!
 //! Physical space is LPS, as in ITK: `p = Offset + sum_i index_i ElementSpacing_i TransformMatrix_row_i`; each row of
-//! `TransformMatrix` is the direction of one index axis. `AnatomicalOrientation` and `CenterOfRotation` do not enter,
+//! `TransformMatrix` is the direction of one index axis. `AnatomicalOrientation` and `CenterOfRotation` are ignored,
 //! as in ITK. Not read: arrays, vectors as a whole, `ElementToIntensityFunction...` (values are as stored).
 
 use std::path::Path;
@@ -41,7 +41,7 @@ struct Header {
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    let context = Context::new("MetaImage header", path);
+    let context = Context::new("MetaImage header", path).following(options);
     let mut source = Source::open(path)?;
     let mut header = Header::read(&mut source, &context)?;
     let selection = header.selection(options, &context)?;
@@ -71,7 +71,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         selection,
         files: header.files(&context)?,
     };
-    let context = Context::new("MetaImage data", path);
+    let context = Context::new("MetaImage data", path).following(options);
     let samples = stored.read(source, options, &mut draft.description, &context)?;
     header.check_compressed_size(&mut draft);
     draft.finish(samples, &context)
@@ -344,7 +344,7 @@ fn skip_bytes(fields: &Fields, encoding: Encoding, context: &Context<'_>) -> Res
     match field.number::<i64>(expected, context)? {
         0 => Ok(Some(0)),
         -1 if encoding == Encoding::Raw => Ok(None),
-        // A compressed stream starts at once; what to skip in it is not defined.
+        // A compressed stream starts at once; skipping within it is not defined.
         count => match u64::try_from(count) {
             Ok(count) if encoding == Encoding::Raw => Ok(Some(count)),
             _ => Err(field.error(expected, context)),

@@ -1,9 +1,10 @@
 //! Volumes: one module per format, and the choice between them.
 //!
-//! Data are never reordered: flips and permutations of axes are part of `world_from_voxel`, which is RAS+ wherever
-//! the file says how it lies in the patient.
+//! Data are never reordered: flips and permutations of axes are part of `world_from_voxel`, which maps to RAS+
+//! wherever the file says how the data lie in the patient.
 
 mod assemble;
+mod choices;
 mod data_files;
 mod detect;
 pub mod dicom;
@@ -36,7 +37,7 @@ pub(crate) use assemble::{
 };
 
 use crate::error::Context;
-use crate::{Endian, IoError, SampleType};
+use crate::{Endian, IoError, SampleType, memory};
 use detect::Format;
 
 /// A volume and where it came from.
@@ -78,9 +79,9 @@ pub struct Description {
 /// Options for reading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadOptions {
-    /// Layout of a headerless file; the file is read as raw where this is set.
+    /// Layout of a headerless file; if set, the file is read as raw.
     pub raw: Option<RawLayout>,
-    /// Name of the array to read, in files that hold several.
+    /// Name of the array to read from a file that holds several.
     pub array: Option<String>,
     /// Component to take from vector-valued samples; without it they are refused.
     pub component: Option<usize>,
@@ -88,15 +89,18 @@ pub struct ReadOptions {
     pub time: usize,
     /// Channel to read, from 0; if absent, the first one, with a warning if there are others.
     pub channel: Option<usize>,
-    /// Level of detail to take of multi-scale images; 0 is the finest.
+    /// Level of detail to take from multi-scale images; 0 is the finest.
     pub level: usize,
     /// Series to take from a folder that holds several: its number, its UID or its description.
     pub series: Option<String>,
-    /// The solution that belongs to a PLOT3D grid; without it a file of the matching name.
+    /// The solution that belongs to a PLOT3D grid; if absent, the file of the matching name.
     pub solution: Option<PathBuf>,
-    /// Make errors of warnings.
+    /// Turn warnings into errors.
     pub strict: bool,
-    /// Most bytes that the samples may take in memory.
+    /// Follow links that lead out of the folder of the file; otherwise they are refused.
+    pub allow_outside: bool,
+    /// Most bytes that the samples may take in memory; by default half of what the machine or container grants
+    /// ([`crate::memory::granted`]).
     pub max_bytes: u64,
 }
 
@@ -112,7 +116,8 @@ impl Default for ReadOptions {
             series: None,
             solution: None,
             strict: false,
-            max_bytes: 64 << 30,
+            allow_outside: false,
+            max_bytes: memory::granted() / 2,
         }
     }
 }
@@ -135,7 +140,7 @@ pub struct RawLayout {
 /// Options for writing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// Compress the samples where the format can.
+    /// Compress the samples if the format can.
     pub compress: bool,
 }
 
@@ -153,7 +158,8 @@ pub(crate) fn known(path: &Path) -> Result<(), IoError> {
     detect::format(path).map(drop)
 }
 
-/// Reads a volume of any supported format. The first bytes of the file decide; its extension only where they do not.
+/// Reads a volume of any supported format. The first bytes of the file decide; its extension counts only if they do
+/// not.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -163,6 +169,7 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
         Some(_) => Format::Raw,
         None => detect::format(path)?,
     };
+    choices::check(format, options, &Context::new("volume", path))?;
     let loaded = match format {
         Format::Nrrd => nrrd::read(path, options),
         Format::MetaImage => metaimage::read(path, options),

@@ -1,4 +1,4 @@
-//! Pictures piled up to a volume: pages of a file, or the slices of a folder.
+//! Pictures stacked into a volume: the pages of a file, or the slices of a folder.
 
 use splatvol_scene::Samples;
 

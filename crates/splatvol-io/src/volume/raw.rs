@@ -17,8 +17,8 @@ use crate::{Endian, IoError, SampleType};
 /// Reads a file without a header.
 ///
 /// # Errors
-/// No layout and none in the file's name, dims that are no grid, or a file of another size than the layout's; the
-/// message then says which layouts would fit.
+/// No layout given or in the file's name, dims that are not a grid, or a file whose size does not match the
+/// layout; the message then says which layouts would fit.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("raw", path);
     let given = options.raw.clone().map(|layout| (layout, None));

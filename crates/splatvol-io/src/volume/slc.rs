@@ -13,6 +13,9 @@ use crate::{IoError, SampleType};
 /// First number of every file.
 pub(super) const MAGIC: &[u8] = b"11111";
 
+/// Missing samples are forgiven up to this part of a slice.
+const MOST_MISSING: usize = 4;
+
 /// Reads a file.
 ///
 /// # Errors
@@ -72,44 +75,57 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     sample_count(dims, 1, SampleType::U8, options, context)?;
     let slice = dims[0] * dims[1];
     let mut samples = Vec::new();
+    let mut missing = 0;
     for _ in 0..dims[2] {
+        let start = samples.len();
         if compressed {
             let length: u32 = text.number("length of a slice")?;
             text.mark()?;
             let coded = text.take(length.into(), "slice")?;
-            unpack(coded, slice, &mut samples, context)?;
+            unpack(coded, slice, &mut samples);
         } else {
-            samples.extend_from_slice(text.take(slice as u64, "slice")?);
+            samples.extend_from_slice(text.take_up_to(slice));
         }
+        missing += start + slice - samples.len();
+        // A few samples may be missing at the end; much more is another file.
+        if missing * MOST_MISSING > slice {
+            return Err(context.truncated("slice", slice as u64, (slice - missing.min(slice)) as u64));
+        }
+        samples.resize(start + slice, 0);
+    }
+    if missing > 0 {
+        draft.warn(format!(
+            "{missing} samples are missing at the ends of slices, and taken as 0"
+        ));
+    }
+    let excess = bytes.len() - text.at;
+    if excess > 0 {
+        draft.warn(format!("{excess} more bytes than the header declares"));
     }
     draft.finish(Samples::U8(samples.into()), context)
 }
 
-/// Runs of up to 127 equal or, with the highest bit, different samples.
-fn unpack(
-    mut coded: &[u8],
-    slice: usize,
-    samples: &mut Vec<u8>,
-    context: &Context<'_>,
-) -> Result<(), IoError> {
+/// Runs of up to 127 equal or, with the highest bit, different samples, to the end of the slice, of the bytes, or to an
+/// empty run.
+fn unpack(mut coded: &[u8], slice: usize, samples: &mut Vec<u8>) {
     let end = samples.len() + slice;
-    let short = |found: usize| context.truncated("slice", slice as u64, (found + slice - end) as u64);
-    while samples.len() < end {
-        let (&head, rest) = coded.split_first().ok_or_else(|| short(samples.len()))?;
-        let count = usize::from(head & 0x7f).min(end - samples.len());
-        let literal = head & 0x80 != 0;
-        let used = if literal { usize::from(head & 0x7f) } else { 1 };
-        if count == 0 || rest.len() < used {
-            return Err(short(samples.len()));
+    while let Some((&head, rest)) = coded.split_first() {
+        let count = usize::from(head & 0x7f);
+        let taken = count.min(end - samples.len());
+        if taken == 0 {
+            return;
         }
-        if literal {
-            samples.extend_from_slice(&rest[..count]);
+        if head & 0x80 != 0 {
+            samples.extend_from_slice(&rest[..taken.min(rest.len())]);
+            coded = rest.get(count..).unwrap_or_default();
         } else {
-            samples.resize(samples.len() + count, rest[0]);
+            let Some((&value, rest)) = rest.split_first() else {
+                return;
+            };
+            samples.resize(samples.len() + taken, value);
+            coded = rest;
         }
-        coded = &rest[used..];
     }
-    Ok(())
 }
 
 /// Numbers and bytes in turn.
@@ -149,6 +165,14 @@ impl<'a> Text<'a> {
         }
     }
 
+    /// As many bytes as there are, at most `length`.
+    fn take_up_to(&mut self, length: usize) -> &'a [u8] {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let taken = &rest[..length.min(rest.len())];
+        self.at += taken.len();
+        taken
+    }
+
     fn take(&mut self, length: u64, what: &'static str) -> Result<&'a [u8], IoError> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         match usize::try_from(length).ok().and_then(|length| rest.get(..length)) {
@@ -158,5 +182,54 @@ impl<'a> Text<'a> {
             }
             None => Err(self.context.truncated(what, length, rest.len() as u64)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_volume;
+
+    fn read(compressed: bool, data: &[u8], strict: bool) -> Result<Loaded, IoError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.slc");
+        let header = format!("11111 4 4 2 8 1 1 1 1 0 0 {} 0 0 X", u8::from(compressed));
+        std::fs::write(&path, [header.as_bytes(), data].concat()).unwrap();
+        let options = ReadOptions {
+            strict,
+            ..ReadOptions::default()
+        };
+        read_volume(&path, &options)
+    }
+
+    #[test]
+    fn a_missing_or_an_extra_byte_is_a_warning_and_strictly_an_error() {
+        let samples: Vec<u8> = (1..=32).collect();
+        // The first slice has 15 samples in runs, the second 15 of 16 different ones.
+        let runs =
+            b"5 X\x09\x03\x06\x04\x0016 X\x90\x01\x02\x03\x04\x05\x06\x07\x08\x09\x0a\x0b\x0c\x0d\x0e\x0f";
+        for (compressed, data, last, words) in [
+            (false, samples[..31].to_vec(), 0, "1 samples are missing"),
+            (false, [&samples[..], b"x"].concat(), 32, "1 more bytes"),
+            (true, runs.to_vec(), 0, "2 samples are missing"),
+        ] {
+            let loaded = read(compressed, &data, false).unwrap();
+            assert!(
+                loaded.description.warnings[0].starts_with(words),
+                "{:?}",
+                loaded.description
+            );
+            assert_eq!(loaded.volume.grid().dims(), [4, 4, 2]);
+            let Samples::U8(found) = loaded.volume.samples() else {
+                panic!("not bytes");
+            };
+            assert_eq!(found[31], last, "{words}");
+            let error = read(compressed, &data, true).unwrap_err();
+            assert!(matches!(error, IoError::Strict { .. }), "{error}");
+        }
+        assert!(matches!(
+            read(false, &samples[..20], false),
+            Err(IoError::Truncated { .. })
+        ));
     }
 }

@@ -17,11 +17,11 @@ use crate::samples::SampleType;
 use crate::source::{Source, read_file};
 use crate::{IoError, SampleType as Type};
 
-/// Bytes that a compressed byte may stand for (deflate has 1032), and what any file may hold.
+/// Bytes that a compressed byte may decode to (deflate has 1032), and bytes that any file may hold.
 const RATIO: u64 = 1032;
 const SLACK: u64 = 1 << 20;
 
-/// True for a file whose name is that of a slice.
+/// True if the file's name is that of a slice.
 pub(super) fn is_slice(path: &Path) -> bool {
     matches!(
         detect::extension(path).as_str(),
@@ -34,8 +34,8 @@ pub(super) fn is_slice(path: &Path) -> bool {
 /// # Errors
 /// See [`IoError`]; also a slice of another size or type than the first, by its name.
 pub fn read(folder: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    let context = &Context::new("folder of slices", folder);
-    let mut files = detect::files_of(folder)?;
+    let context = &Context::new("folder of slices", folder).following(options);
+    let mut files = detect::files_of(folder, context)?;
     files.retain(|file| is_slice(file));
     let Some(first) = files.first() else {
         return Err(context.unsupported("no slices (TIFF, PNG or JPEG)"));
@@ -79,7 +79,7 @@ pub fn read(folder: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(pile, context)
 }
 
-/// A warning where the numbers in the names leave some out.
+/// A warning if the numbers in the names have gaps.
 fn gaps(files: &[PathBuf]) -> Option<String> {
     let number = |file: &PathBuf| {
         let name = file.file_stem()?.to_string_lossy().into_owned();

@@ -46,7 +46,7 @@ pub(super) struct Selection {
     pub(super) component: usize,
     /// Volumes one after the other, and the one to take.
     pub(super) volumes: usize,
-    /// Number of them that differ in time only.
+    /// The number of them that differ only in time.
     pub(super) times: usize,
     pub(super) volume: usize,
 }

@@ -18,8 +18,8 @@ use document::{Coding, Compressor, ImageFile, Place};
 /// Reads a .vti file.
 ///
 /// # Errors
-/// Malformed XML, a data set other than one image in one piece, geometry that is not a regular grid, an array that
-/// is absent or not scalar (see [`ReadOptions::array`]), or data that do not fit their declaration.
+/// Malformed XML, a data set other than one image in one piece, or geometry that is not a regular grid. An array
+/// that is absent or not scalar (see [`ReadOptions::array`]), or data that do not fit their declaration.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("VTI", path);
     let bytes = read_file(path, context)?;

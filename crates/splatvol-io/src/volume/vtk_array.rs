@@ -2,7 +2,7 @@
 //! position of an extent of samples in the world.
 //!
 //! VTK places point (i, j, k) of an image at `origin + direction * (spacing .* (i, j, k))`, with i, j, k running
-//! from the extent's lower ends; a cell's centre is half a spacing further.
+//! from the extent's lower ends; a cell's centre is half a spacing farther on.
 
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Samples, with_samples};
@@ -74,7 +74,7 @@ pub(crate) enum Component {
 /// component.
 ///
 /// # Errors
-/// The fault of the request, and the arrays available.
+/// What is wrong with the request, and the available arrays.
 pub(crate) fn choose(
     heads: &[ArrayHead],
     options: &ReadOptions,
@@ -243,7 +243,7 @@ pub(crate) struct ImageGeometry {
     pub(crate) direction: DMat3,
 }
 
-/// Number of tuples in an array; none where it is more than can be counted.
+/// Number of tuples in an array; `None` if it is more than can be counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TupleCounts {
     pub(crate) points: Option<u64>,
@@ -279,12 +279,24 @@ impl ImageGeometry {
         })
     }
 
-    /// Number of values; none where an axis is empty or the product overflows.
+    /// Number of values; `None` if an axis is empty or the product overflows.
     pub(crate) fn count(&self, association: Association) -> Option<u64> {
         let sizes = self.sizes(association);
         sizes.into_iter().try_fold(1u64, |product, size| {
             product.checked_mul(u64::try_from(size).ok().filter(|&size| size > 0)?)
         })
+    }
+
+    /// The spacing. Along an axis with one sample it may be 0, as nothing is measured by it; it is the least of the others then.
+    fn spacing(&self) -> DVec3 {
+        let steps = self.spacing.to_array();
+        let least = steps.into_iter().filter(|step| *step != 0.0).map(f64::abs);
+        let least = least.reduce(f64::min).unwrap_or(1.0);
+        let step = |axis: usize| match self.extent[axis] {
+            [first, last] if first == last && steps[axis] == 0.0 => least,
+            _ => steps[axis],
+        };
+        DVec3::new(step(0), step(1), step(2))
     }
 
     fn world_from_voxel(&self, association: Association) -> DAffine3 {
@@ -293,7 +305,7 @@ impl ImageGeometry {
             let half_cell = association == Association::Cell && last > first;
             first as f64 + if half_cell { 0.5 } else { 0.0 }
         });
-        let matrix = self.direction * DMat3::from_diagonal(self.spacing);
+        let matrix = self.direction * DMat3::from_diagonal(self.spacing());
         DAffine3::from_mat3_translation(matrix, self.origin + matrix * DVec3::from_array(first))
     }
 
@@ -307,7 +319,7 @@ impl ImageGeometry {
         mut description: Description,
         context: &Context<'_>,
     ) -> Result<Draft, IoError> {
-        let spacing = self.spacing;
+        let spacing = self.spacing();
         if !spacing.is_finite() || spacing.cmpeq(DVec3::ZERO).any() {
             return Err(context.field("spacing", spacing, None, "three finite numbers, none 0"));
         }

@@ -1,7 +1,7 @@
 //! Writes DICOM files for tests, element by element.
 #![allow(dead_code, unreachable_pub, reason = "every test file uses its own part")]
 
-/// A file in the making: elements in ascending order.
+/// A file under construction: elements in ascending order.
 #[derive(Debug, Clone)]
 pub struct DicomFile {
     pub syntax: &'static str,

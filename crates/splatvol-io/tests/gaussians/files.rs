@@ -10,7 +10,7 @@ use splatvol_scene::{GaussianAttributes, Gaussians};
 
 use crate::common::Random;
 
-/// RDF: what `.ply` and `.splat` are in.
+/// RDF, the frame of `.ply` and `.splat`.
 pub(crate) fn rdf() -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y))
 }
@@ -156,7 +156,7 @@ pub(crate) fn zip(files: &[(String, Vec<u8>)]) -> Vec<u8> {
     writer.finish().unwrap().into_inner()
 }
 
-/// A document with the cloud as it is, on two nodes: moved by nothing, and turned by 90 degrees about x, doubled and moved.
+/// A document with the same cloud on two nodes: one at rest, and one turned by 90 degrees about x, doubled and moved.
 pub(crate) fn gltf(cloud: &Gaussians, extra: &str) -> Vec<u8> {
     use base64::Engine;
     let (a, count) = (cloud.attributes(), cloud.len());

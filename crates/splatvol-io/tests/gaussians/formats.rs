@@ -34,8 +34,8 @@ fn what_is_written_comes_back_within_its_quantisation() {
         let gaussians = cloud(300, degree);
         // Floats, with the roundings of a logit and of a logarithm.
         assert_round_trip(&gaussians, "a.ply", [1e-9, 1e-6, 1e-6, 1e-5]);
-        // Half of 2^-12; half of 1/255; scales by e^(1/32). Colours: degree 0 by half of 1/(255 * 0.15); above that the harmonics
-        // of a degree add up to (2 l + 1) / sqrt(4 pi) at most, times half of a step of 1/16 (l = 1) or 1/8.
+        // Half of 2^-12; half of 1/255; scales by e^(1/32). Colours: degree 0 by half of 1/(255 * 0.15); above that the
+        // harmonics of a degree add up to (2 l + 1) / sqrt(4 pi) at most, times half of a step of 1/16 (l = 1) or 1/8.
         let steps = [0.0, 0.8463 / 32.0, 1.4105 / 16.0, 1.9747 / 16.0];
         let color = 0.2821 * 0.5 / 38.25 + steps[..=degree as usize].iter().sum::<f64>();
         let spz = [1.3e-4, 0.002, color, 0.08];
@@ -278,6 +278,38 @@ fn a_sog_by_hand_in_a_zip_and_in_a_folder() {
             assert_eq!(unpacked.description.files.len(), 9 - usize::from(path.is_file()));
         }
     }
+}
+
+#[test]
+fn sparse_accessors_replace_elements_of_their_views_or_of_zeros() {
+    use base64::Engine;
+    let folder = tempfile::tempdir().unwrap();
+    // Element 1 becomes 0.25.
+    let data = [&[1, 0, 0, 0][..], &0.25f32.to_le_bytes()].concat();
+    let uri = base64::engine::general_purpose::STANDARD.encode(&data);
+    let document = |with_view: &str, index: u8| {
+        let text = String::from_utf8(gltf(&cloud(2, 1), "")).unwrap();
+        let own = "\"bufferView\":3,\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\"";
+        assert!(text.contains(own));
+        let sparse = format!(
+            "{with_view}\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\",\"sparse\":{{\"count\":1,\
+             \"indices\":{{\"bufferView\":8,\"byteOffset\":{index},\"componentType\":5121}},\"values\":{{\"bufferView\":9}}}}"
+        );
+        let views = "{\"buffer\":1,\"byteLength\":8},{\"buffer\":1,\"byteOffset\":4,\"byteLength\":4}";
+        let text = text.replace(own, &sparse);
+        let text = text.replace("],\"buffers\":[", &format!(",{views}],\"buffers\":["));
+        let end = text.strip_suffix("}]}").unwrap();
+        format!("{end}}},{{\"byteLength\":8,\"uri\":\"data:application/octet-stream;base64,{uri}\"}}]}}")
+    };
+    let own = cloud(2, 1).attributes().opacities.clone();
+    for (with_view, first) in [("\"bufferView\":3,", own[0]), ("", 0.0)] {
+        let loaded = read_as(folder.path(), "a.gltf", document(with_view, 0).as_bytes()).unwrap();
+        let opacities = &loaded.gaussians.attributes().opacities;
+        assert_eq!(opacities[..2], [first, 0.25]);
+    }
+    // The number at the fourth byte is 0; at the eighth it is 62, of the value.
+    let error = read_as(folder.path(), "a.gltf", document("", 7).as_bytes()).unwrap_err();
+    assert!(error.to_string().contains("sparse.indices"), "{error}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::common::{Random, gzip};
 use crate::files::{cloud, compressed_ply, extension, gltf, gunzip, read_as, sog_files, spz_4, written, zip};
 
-/// A reader must be done with a small malformed file in this time, on a busy machine.
+/// A reader must finish with a small malformed file within this time, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Memory that all malformed files together may take at their worst moment.
 const MEMORY: u64 = 128 << 20;

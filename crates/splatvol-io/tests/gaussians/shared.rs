@@ -150,7 +150,7 @@ fn the_same_splats_lie_at_the_same_world_places_in_every_format() {
     assert!(opacity < 1e-7, "{opacity}");
     // Colours: 8 bits of a range of 1.88 against 8 bits of the chunk's range.
     assert!(color < 0.012, "{color}");
-    // Scales in steps of 1/16 of the logarithm, rotations of 10 bits, two times.
+    // Scales in steps of 1/16 of the logarithm, rotations of 10 bits, both quantised twice.
     assert!(covariance < 0.15, "{covariance}");
     // The motorcyclist stands on the ground.
     let [low, high] = [spz.gaussians.bounds().min, spz.gaussians.bounds().max];
@@ -172,7 +172,7 @@ fn the_same_splats_lie_at_the_same_world_places_in_every_format() {
     println!(
         "train, spz: correlation of what depends on the direction {right:.3}, in the other frame {wrong:.3}"
     );
-    // Bytes of small harmonics are coarse: 0.78 is what is left of them.
+    // Bytes of small harmonics are coarse: a correlation of 0.78 is left.
     assert!(right > 0.75 && wrong < 0.3, "{right} {wrong}");
     // Quantised here, the trained ones become the very bytes that another program wrote.
     let written = tempfile::tempdir().unwrap();

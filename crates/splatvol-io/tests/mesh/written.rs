@@ -158,7 +158,7 @@ fn plot3d_is_read_in_every_layout() {
     let mut options = array("density");
     options.solution = Some(folder.path().join("other.bin"));
     assert_eq!(read_mesh(&grid, &options).unwrap().mesh.value_range(), [2.0, 2.0]);
-    // The density is the same everywhere: unasked, what varies is shown.
+    // The density is the same everywhere: without a request, an array that varies is shown.
     options.array = None;
     let shown = read_mesh(&grid, &options).unwrap();
     assert_eq!(shown.mesh.field().name, "energy");
@@ -272,4 +272,70 @@ fn every_coding_of_vtu_gives_the_same_mesh() {
             }
         }
     }
+}
+
+#[test]
+fn plot3d_with_a_few_bytes_too_many_is_read_with_a_warning() {
+    let style = Style {
+        little: true,
+        records: false,
+        several: false,
+        wide: false,
+        blanked: false,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [grid, solution] = ["a.xyz", "a.q"].map(|name| folder.path().join(name));
+    std::fs::write(&grid, [style.grid(), vec![7; 2]].concat()).unwrap();
+    std::fs::write(&solution, [style.solution(), vec![7; 5]].concat()).unwrap();
+    assert!(is_mesh(&grid).unwrap() && is_mesh(&solution).unwrap());
+    let mesh = read(&grid, None);
+    assert_eq!(
+        mesh.description.warnings,
+        [
+            "grid: 2 more bytes than the dimensions ask for",
+            "solution: 5 more bytes than the dimensions ask for"
+        ]
+    );
+    assert_eq!(mesh.mesh.positions().len(), 24);
+    let strict = splatvol_io::ReadOptions {
+        strict: true,
+        ..Default::default()
+    };
+    assert!(
+        read_mesh(&grid, &strict)
+            .unwrap_err()
+            .to_string()
+            .contains("2 more bytes")
+    );
+    let known = style.grid();
+    std::fs::write(&grid, &known[..known.len() / 2]).unwrap();
+    assert!(!is_mesh(&grid).unwrap());
+}
+
+#[test]
+fn flat_grids_are_a_layer_of_cells() {
+    let text = "# vtk DataFile Version 4.2\nflat\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 1 2\n\
+        X_COORDINATES 3 double\n0 2 4\nY_COORDINATES 1 double\n5\nZ_COORDINATES 2 double\n0 2\n\
+        POINT_DATA 6\nSCALARS p float\nLOOKUP_TABLE default\n0 1 2 3 4 5\n\
+        CELL_DATA 2\nSCALARS c float\nLOOKUP_TABLE default\n7 8\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flat.vtk");
+    std::fs::write(&path, text).unwrap();
+    let points = read(&path, Some("p")).mesh;
+    assert_eq!(points.topology(), &Topology::Structured(vec![[3, 2, 2]]));
+    assert_eq!(
+        points.field().values,
+        [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 3.0, 4.0, 5.0]
+    );
+    // The steps along x and z are 2, and so is the thickness.
+    let bounds = points.bounds();
+    assert_eq!(
+        (bounds.min.to_array(), bounds.max.to_array()),
+        ([0.0, 4.0, 0.0], [4.0, 6.0, 2.0])
+    );
+    let cells = read(&path, Some("c")).mesh;
+    assert_eq!(
+        (cells.cell_count(), cells.field().values.as_slice()),
+        (2, &[7.0, 8.0][..])
+    );
 }

@@ -1,9 +1,9 @@
-//! Writes NIfTI files for tests: right ones, and wrong ones.
+//! Writes NIfTI files for tests, valid and malformed.
 #![allow(unreachable_pub, reason = "a module of a test")]
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// A header to be; the defaults are those of a right file without orientation.
+/// A header under construction; the defaults are those of a valid file without orientation.
 pub struct NiftiFile {
     /// NIfTI-2 instead of NIfTI-1.
     pub wide: bool,

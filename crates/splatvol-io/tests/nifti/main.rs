@@ -428,11 +428,37 @@ fn oddities_are_listed() {
             "{part}: {warnings:?}"
         );
     }
-    // A sound extension is skipped in silence; so are both forms where they agree.
+    // A valid extension gives no warning; neither do both forms if they agree.
     let loaded = edited(|file| {
         file.extension = [&[1, 0, 0, 0, 16, 0, 0, 0, 6, 0, 0, 0][..], &[9; 8]].concat();
         file.set_sform(1, DMat3::IDENTITY, DVec3::ONE);
         file.set_qform(1, DQuat::IDENTITY, DVec3::ONE, 1.0);
     });
     assert_eq!(loaded.unwrap().description.warnings, Vec::<String>::new());
+}
+
+#[test]
+fn pairs_of_analyze_are_read_with_their_spacing_and_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = NiftiFile::new(&[3, 2, 1], 4);
+    file.single = false;
+    file.pixdim = [0.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0];
+    file.scl_slope = 0.5;
+    // What Analyze has here is a history.
+    file.qform_code = 7;
+    file.sform_code = -9;
+    let mut header = file.bytes(&[])[..348].to_vec();
+    header[344..348].fill(0);
+    std::fs::write(folder.path().join("a.img"), [1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]).unwrap();
+    let loaded = read_bytes(folder.path(), "a.hdr", &header).unwrap();
+    assert_eq!(loaded.description.format, "Analyze 7.5");
+    assert_eq!(loaded.volume.grid().dims(), [3, 2, 1]);
+    assert_eq!(loaded.volume.value_range(), [0.5, 3.0]);
+    assert_eq!(loaded.volume.grid().world_from_voxel().matrix3.y_axis.y, 3.0);
+    assert!(!loaded.description.oriented);
+    assert!(
+        loaded.description.warnings[0].contains("which side is left"),
+        "{:?}",
+        loaded.description
+    );
 }

@@ -129,7 +129,7 @@ fn no_cut_and_no_flipped_byte_does_harm() {
     );
     for bytes in [&raw, &zipped, &text] {
         let header = bytes.len() - 24;
-        // The last digit of text may go unnoticed; what is cut there is not a whole number.
+        // A missing last digit of text may go unnoticed; the number that it leaves is still valid.
         if bytes != &text {
             truncations("a.nrrd", bytes, bytes.len());
         }

@@ -161,7 +161,7 @@ fn join<T: ToString>(values: &[T]) -> String {
 
 pub(crate) const IMAGE: &str = "WholeExtent=\"0 4 0 3 0 2\" Origin=\"1 2 3\" Spacing=\"1 2 0.5\"";
 
-/// 60 samples, no two bytes alike in a row.
+/// 60 samples with no two equal bytes in a row.
 pub(crate) fn values() -> Vec<i16> {
     (0..60).map(|i| (i * 517 - 9000) as i16).collect()
 }

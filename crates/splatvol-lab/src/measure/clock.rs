@@ -12,7 +12,7 @@ pub(crate) type Timed<'a> = Box<dyn FnMut() -> Result<(), LabError> + 'a>;
 /// Number of timed rounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounds {
-    /// At least so many.
+    /// At least this many.
     pub(crate) least: usize,
     /// More rounds, as many as fit into this time: short measurements are repeated more often, as they are easier to
     /// disturb.

@@ -12,7 +12,7 @@ pub(crate) fn luminance(image: &Image) -> Vec<f64> {
     image.pixels.iter().map(weigh).collect()
 }
 
-/// Peak signal-to-noise ratio of two pictures over all four channels, decibels; infinite where they are equal.
+/// Peak signal-to-noise ratio of two pictures over all four channels, decibels; infinite if they are equal.
 pub(crate) fn psnr(actual: &Image, expected: &Image) -> f64 {
     Comparison::of(actual, expected).psnr
 }

@@ -47,7 +47,7 @@ impl Spectrum {
         })
     }
 
-    /// Power of all frequencies that a test takes.
+    /// Power of all frequencies that a test accepts.
     pub(crate) fn power(&self, of: impl Fn([f64; 2]) -> bool) -> f64 {
         self.iter()
             .filter(|(frequency, _)| of(*frequency))

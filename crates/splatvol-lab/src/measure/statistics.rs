@@ -1,11 +1,11 @@
 //! Numbers that stand for many.
 
-/// Their mean; 0 of none.
+/// Their mean; 0 if there are none.
 pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The middle one, the upper of two; not a number of none.
+/// The middle one, the upper of two; NaN if there are none.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

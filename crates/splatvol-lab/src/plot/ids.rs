@@ -1,8 +1,8 @@
 //! Names of clip paths that depend on nothing but the plot.
 //!
-//! The plotting crate numbers its clip paths over all plots that the process has drawn, so the same plot would have other
-//! bytes each time; numbered from nought in each plot, plots on one page would take each other's. Here they are
-//! numbered within the plot, after a hash of its text (FNV-1a, 64 bits).
+//! The plotting crate numbers its clip paths over all plots that the process has drawn, so the same plot would have
+//! different bytes each time. If they were numbered from zero in each plot, plots on one page would use each other's.
+//! Here they are numbered within the plot, after a hash of its text (FNV-1a, 64 bits).
 
 /// Prefix of the plotting crate's identifiers; a number follows.
 const PREFIX: &str = "kuva-clip-";

@@ -174,7 +174,7 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// A plot of curves, yet without any.
+    /// A plot of curves, so far without any.
     pub fn curves(name: &str, figure: &str, caption: &str, x: Axis, y: Axis) -> Self {
         let kind = PlotKind::Curves {
             curves: Vec::new(),
@@ -197,7 +197,7 @@ impl Plot {
         }
     }
 
-    /// Makes a unit as long on both axes: the plot becomes as high as that takes.
+    /// Makes a unit as long on both axes: the plot becomes as high as necessary.
     #[must_use]
     pub fn equal(mut self) -> Self {
         self.equal = true;

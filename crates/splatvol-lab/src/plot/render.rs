@@ -12,13 +12,13 @@ use kuva::render::plots::Plot as Drawn;
 
 use super::{Axis, Curve, Mark, Plot, PlotKind, Scale};
 
-/// Okabe and Ito's colours, darkest contrasts first; yellow, which white paper swallows, last.
+/// Okabe and Ito's colours, darkest contrasts first; yellow, which is hard to see on white paper, last.
 const COLOURS: [&str; 8] = [
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#F0E442",
 ];
 const MARK: &str = "#777777";
 const SIZE: [f64; 2] = [720.0, 400.0];
-/// A surface is drawn as large as the height lets it.
+/// A surface is drawn as large as this height allows.
 const SURFACE_HEIGHT: f64 = 560.0;
 
 /// The plot as SVG.
@@ -89,7 +89,7 @@ fn bar_plot(bars: &[String], groups: &[(String, Vec<f64>)]) -> BarPlot {
         plot.with_group(label.as_str(), coloured(heights))
     });
     match bars {
-        // Of a single series the axis says what it is.
+        // A single series needs no legend: the axis describes it.
         [_] => plot,
         _ => plot.with_legend(bars.iter().map(String::as_str).collect()),
     }

@@ -1,4 +1,4 @@
-//! A group's index: figures and tables as the paper numbers them, then sections, each with the experiments of it; our own
+//! A group's index: figures and tables as the paper numbers them, then sections, each with its experiments; our own
 //! experiments by their titles.
 
 use crate::{FigureEntry, Finding, Run, Verdict, experiments, papers};

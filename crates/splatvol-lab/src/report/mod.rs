@@ -12,8 +12,7 @@ use std::path::Path;
 
 use crate::{LabError, Run, folder};
 
-/// Writes `index.html`, which holds everything, and `lab.md`, which shows the files of [`folder::write`], which are
-/// written too.
+/// Writes `index.html`, which holds everything, and `lab.md` with the files of [`folder::write`], which it shows.
 ///
 /// # Errors
 /// A file cannot be written.

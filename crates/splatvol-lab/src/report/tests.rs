@@ -21,7 +21,7 @@ fn nothing(_: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(Outcome::default())
 }
 
-/// A run with one of everything, whose words contain what HTML and Markdown take for marks.
+/// A run with one of everything, whose words contain characters that HTML and Markdown treat as markup.
 fn run() -> Run {
     let mut outcome = Outcome::default();
     outcome.find(
@@ -93,7 +93,7 @@ fn html_escapes_words_and_embeds_pictures_and_plots() {
     assert!(page.contains("Took 1.5 s."));
 }
 
-/// Cells of a row; a bar with a backslash before it separates none.
+/// Cells of a row; a bar with a backslash before it does not separate cells.
 fn cells(row: &str) -> usize {
     row.replace("\\|", "").matches('|').count() - 1
 }

@@ -39,7 +39,7 @@ pub(super) fn airways() -> Solid {
         ellipsoid([6.5, 24.0, 3.0], [5.4, 10.4, 7.4]).mirrored(),
         cone([80.0, -3.0, 1.0], [34.0, 2.0, 1.0], [2.6, 2.4]).mirrored(),
         ellipsoid([50.0, -14.0, -10.0], [4.0, 3.2, 7.0]).mirrored(),
-        // Conchae and septum stay.
+        // Conchae and septum remain.
         cone([8.0, 80.0, -14.0], [8.0, 45.0, -13.0], [3.6, 3.6])
             .mirrored()
             .cut(1.0),

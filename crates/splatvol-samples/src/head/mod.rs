@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::noise;
 use solid::{Brick, COUNT, FAR, Field, SIDE, Solid, smooth_min};
 
-/// Side of the cube that the phantom lives in, mm.
+/// Side of the cube that contains the phantom, mm.
 pub(crate) const EXTENT: f64 = 256.0;
 /// Centre of that cube in the phantom's own coordinates (see [`skin`]), mm.
 const CENTRE: Vec3 = Vec3::new(0.0, 11.0, 4.0);
@@ -134,7 +134,7 @@ impl Phantom {
         let skull = of(&self.skull, near + COVER);
         let jaw = of(&self.jaw, near + COVER);
         let mut bone = std::array::from_fn(|i| {
-            // No gap in the brain's case, wherever orbits and fossae come near it.
+            // The bone around the brain has no gap, even where orbits and fossae come near it.
             let case = if brick.z[i] > -6.0 { cavity[i] - CASE } else { FAR };
             smooth_min(skull[i], case, 3.0).max(-cavity[i]).min(jaw[i])
         });

@@ -1,9 +1,9 @@
 //! Solids as lists of smoothly joined shapes, evaluated for a brick of voxels at a time.
 //!
-//! Distances are of the signed kind (negative inside), in millimetres, exact for cones, walls and boxes and first
-//! order for ellipsoids. `smin(a, b) = min(a, b) - max(k - |a - b|, 0)^2 / 4k` joins two shapes over a blend k;
-//! cutting is its mirror image. Only values near 0 matter, so a shape whose surface is further from the brick than
-//! its blend can reach is left out for that brick: that makes a head of hundreds of shapes affordable.
+//! Distances are signed (negative inside), in millimetres, exact for cones, walls and boxes and of first order for
+//! ellipsoids. `smin(a, b) = min(a, b) - max(k - |a - b|, 0)^2 / 4k` joins two shapes over a blend k; cutting is
+//! its mirror image. Only values near 0 matter, so a shape whose surface is farther from the brick than its blend
+//! can reach is left out for that brick. This makes a head of hundreds of shapes affordable.
 
 use glam::{Mat3, Vec3};
 
@@ -25,7 +25,7 @@ pub(crate) struct Brick {
     pub(crate) y: Field,
     pub(crate) z: Field,
     pub(crate) centre: Vec3,
-    /// Distance from the centre to the furthest voxel, mm.
+    /// Distance from the centre to the farthest voxel, mm.
     pub(crate) radius: f32,
 }
 
@@ -286,10 +286,11 @@ impl Solid {
         }
     }
 
-    /// Distances at a brick's voxels, right wherever they are below `reach`; elsewhere at least about `reach`.
+    /// Distances at a brick's voxels, correct wherever they are below `reach`; elsewhere at least about
+    /// `reach`.
     pub(crate) fn evaluate(&self, brick: &Brick, reach: f32) -> Option<Field> {
-        // Ellipsoid distances grow faster than distance near their flat sides, and a value counts as
-        // long as what is joined later still blends with it.
+        // Ellipsoid distances grow faster than distance near their flat sides, and a value counts as long as
+        // shapes joined later still blend with it.
         let widest = self.parts.iter().map(|part| part.blend).fold(0.0, f32::max);
         let slack = 1.75 * brick.radius + reach + 1.25 * widest;
         let mut field = None;

@@ -19,7 +19,7 @@ impl Item {
     /// A mesh with the transfer function of [`TransferFunction::automatic_mesh`].
     ///
     /// # Errors
-    /// More values than a [`Grid`](crate::Grid) can have rows for: a thousand million.
+    /// More values than a [`Grid`](crate::Grid) can have rows for: some two thousand million.
     pub fn automatic_mesh(mesh: impl Into<Arc<Mesh>>) -> Result<Self, SceneError> {
         let mesh = mesh.into();
         let (transfer_function, _) = TransferFunction::automatic_mesh(&mesh, None)?;

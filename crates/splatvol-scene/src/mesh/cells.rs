@@ -2,7 +2,7 @@
 
 use crate::SceneError;
 
-/// The solid cells. Quadratic ones list the points amid their edges after their corners.
+/// The solid cells. Quadratic ones list the midpoints of their edges after their corners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CellKind {
     /// Four corners.
@@ -23,7 +23,7 @@ pub enum CellKind {
     QuadraticWedge,
     /// Twenty points.
     QuadraticHexahedron,
-    /// Twenty-seven points: also amid faces and in the middle.
+    /// Twenty-seven points: also in the middle of the faces and of the cell.
     TriquadraticHexahedron,
 }
 
@@ -42,7 +42,7 @@ impl CellKind {
         Self::TriquadraticHexahedron,
     ];
 
-    /// The kind of a VTK cell type; `None` for cells that are no solid, or not known.
+    /// The kind of a VTK cell type; `None` for cells that are not solid, or not known.
     pub fn from_vtk(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.vtk_code() == code)
     }

@@ -1,13 +1,13 @@
-//! How thick the body is that a mesh fills: a solid, a plate, the sheet of a can.
+//! Thickness of the body that a mesh fills: a solid, a plate, the sheet of a can.
 //!
-//! By Cauchy's theorem rays cross a convex body on a mean chord of `4 V / S`, V its volume and S its surface; for a plate
-//! or a shell of thickness t, `V / S = t / 2`, whatever its curvature.
+//! By Cauchy's theorem rays cross a convex body on a mean chord of `4 V / S`, V its volume and S its surface; for a
+//! plate or a shell of thickness t, `V / S = t / 2`, whatever its curvature.
 
 use glam::DVec3;
 
 use super::{CellKind, Mesh, Topology};
 
-/// Cells looked at, at most; a mesh of more is not measured.
+/// Most cells that are looked at; a mesh of more is not measured.
 const MOST_CELLS: usize = 2_000_000;
 /// Thickness, relative to the diagonal of the mesh's box, below which a mesh is a shell or plate.
 const THIN: f64 = 1.0 / 32.0;
@@ -50,8 +50,8 @@ fn faces(kind: CellKind) -> &'static [&'static [usize]] {
 }
 
 impl Mesh {
-    /// Mean thickness of a mesh that is a shell or a plate, world length; `None` for solids, and for meshes of millions of
-    /// cells, which are not measured.
+    /// Mean thickness of a mesh that is a shell or a plate, world length; `None` for solids, and for meshes of
+    /// millions of cells, which are not measured.
     pub fn shell_thickness(&self) -> Option<f64> {
         if self.cell_count() > MOST_CELLS {
             return None;
@@ -111,8 +111,8 @@ impl Mesh {
 #[derive(Default)]
 struct Measured {
     volume: f64,
-    /// Where a face is, and its area. Faces at the same place have the same key, whatever the numbers of their points: some
-    /// files give each cell points of its own.
+    /// Where a face is, and its area. Faces at the same place have the same key, whatever the numbers of their
+    /// points: some files give each cell points of its own.
     faces: Vec<(u64, f32)>,
 }
 

@@ -1,10 +1,10 @@
 //! Bump mapping (Blinn 1978; on sheets, huang2000 section 4.3, the word around the head): a picture bends normals.
 //!
-//! The picture is wound around the volume's vertical axis once. With H the height field `height * picture(u, v)` at the
-//! place of a sample, a surface raised by H along its normal n has the normal `n - grad_s H`, `grad_s` the part of the
-//! gradient along the surface. `u = 1/2 - atan2(x, y) / 2 pi`, so that the picture's middle is in front (+y), and is read
-//! from left to right by who looks at the volume; v runs from the box's top (+z) to its bottom. Slopes are differences of a
-//! pixel's two neighbours, taken once, and bilinear between pixels.
+//! The picture is wound around the volume's vertical axis once. With H the height field `height * picture(u, v)` at
+//! the place of a sample, a surface raised by H along its normal n has the normal `n - grad_s H`, `grad_s` the part
+//! of the gradient along the surface. `u = 1/2 - atan2(x, y) / 2 pi`, so that the picture's middle is in front
+//! (+y), and someone looking at the volume reads it from left to right; v runs from the box's top (+z) to its
+//! bottom. Slopes are differences of a pixel's two neighbours, taken once, and bilinear between pixels.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -25,8 +25,8 @@ pub struct BumpMap {
 }
 
 impl BumpMap {
-    /// Heights from a picture (its brightness, linear; transparent is black), around the middle of a box; white is raised
-    /// by `height` of the box's diagonal, or lowered where it is negative.
+    /// Heights from a picture (its brightness, linear; transparent is black), around the middle of a box; white is
+    /// raised by `height` of the box's diagonal, or lowered where it is negative.
     ///
     /// # Errors
     /// A height that is not finite.

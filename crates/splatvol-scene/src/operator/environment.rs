@@ -1,9 +1,9 @@
-//! Environment mapping (Blinn and Newell 1976; on sheets, huang2000 section 4.3): surfaces mirror a picture of all that is
-//! around.
+//! Environment mapping (Blinn and Newell 1976; on sheets, huang2000 section 4.3): surfaces mirror a picture of the
+//! surroundings.
 //!
-//! The picture is equirectangular: `u = 1/2 + atan2(x, y) / 2 pi`, `v = acos(z) / pi` of the direction (world; its middle
-//! is towards +y, its top +z). It is looked up in `r = 2 (n.v) n - v` and replaces the share of the lit colour
-//! by as much as there is a surface.
+//! The picture is equirectangular: `u = 1/2 + atan2(x, y) / 2 pi`, `v = acos(z) / pi` of the direction (world; its
+//! middle is towards +y, its top +z). It is looked up in `r = 2 (n.v) n - v`, and replaces a share of the lit
+//! colour: the given one times the surfaceness.
 
 use glam::Vec3;
 

@@ -1,7 +1,8 @@
-//! Gradient opacity: extinction scaled by a curve over the gradient's magnitude (Levoy 1988; VTK's `SetGradientOpacity`).
+//! Gradient opacity: extinction scaled by a curve over the gradient's magnitude (Levoy 1988; VTK's
+//! `SetGradientOpacity`).
 //!
-//! The factor multiplies the extinction, as it does VTK's opacity of short steps. Straight lines between points, constant
-//! beyond the first and last; a magnitude given twice is a step.
+//! The factor multiplies the extinction, as it does VTK's opacity of short steps. Straight lines between points,
+//! constant beyond the first and last; a magnitude given twice is a step.
 
 use serde::{Deserialize, Serialize};
 

@@ -87,7 +87,8 @@ pub struct Appearance {
     pub extinction: f32,
     /// Normal for lighting, world axes, length 1: out of the material, towards smaller values, or out of a cut.
     pub normal: Vec3,
-    /// Share of a surface, 0 to 1: where it is 0, light leaves equally in all directions (see [`Lighting`](crate::Lighting)).
+    /// Share of a surface, 0 to 1: where it is 0, light leaves equally in all directions (see
+    /// [`Lighting`](crate::Lighting)).
     pub surfaceness: f32,
     /// Light that is mirrored, linear.
     pub reflection: Vec3,
@@ -114,8 +115,9 @@ pub trait PixelOperator: std::fmt::Debug + Send + Sync {
     /// sample and nothing else, or pictures depend on the number of threads.
     fn apply(&self, sample: &SheetSample, appearance: &mut Appearance);
 
-    /// Pieces in which an interval between two sheets is at least cut for this operator, each of which is a sample: two
-    /// where the classification is the scene's own, which is integrated, and more where the operator's is sampled.
+    /// Fewest pieces, each of them a sample, into which an interval between two sheets is cut for this operator.
+    /// Two are enough for the scene's own classification, which is integrated; an operator's, which is sampled,
+    /// needs more.
     fn pieces(&self) -> usize {
         2
     }

@@ -1,6 +1,8 @@
-//! Gradient noise (Perlin 1985, with the fifth-degree fade of Perlin 2002): zero at lattice points, features about 1 apart.
+//! Gradient noise (Perlin 1985, with the fifth-degree fade of Perlin 2002): zero at lattice points, features about
+//! 1 apart.
 //!
-//! The gradients are chosen by an integer hash and everything else is multiplication and addition: the same on every machine.
+//! The gradients are chosen by an integer hash and everything else is multiplication and addition: the same on
+//! every machine.
 
 use glam::{IVec3, Vec3};
 

@@ -1,9 +1,10 @@
 //! Transfer functions of value and gradient magnitude (Levoy 1988; Kindlmann and Durkin 1998): boundaries between
 //! materials are arcs in that plane, and can be told apart where values alone cannot.
 //!
-//! Opacities are per unit distance, as everywhere: `kappa = sum -ln(1 - opacity) / unit_distance * weight`, colour the mean
-//! weighted by those terms. A region's weight is 1 in its middle and falls to 0 within `softness` of its half widths, by
-//! the smooth step `3 t^2 - 2 t^3`. A picture's columns are values, its rows gradient magnitudes, the largest on top.
+//! Opacities are per unit distance, as everywhere: `kappa = sum -ln(1 - opacity) / unit_distance * weight`, colour
+//! the mean weighted by those terms. A region's weight is 1 in its middle and falls to 0 within `softness` of its
+//! half widths, by the smooth step `3 t^2 - 2 t^3`. A picture's columns are values, its rows gradient magnitudes,
+//! the largest on top.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -97,8 +98,8 @@ impl TransferFunction2d {
     /// Sum of soft regions; `unit_distance` is the world length to which their opacities refer.
     ///
     /// # Errors
-    /// No regions, ranges that are empty or not finite, colours, opacities or softnesses outside 0..1, or a unit distance
-    /// that is not positive.
+    /// No regions, ranges that are empty or not finite, colours, opacities or softnesses outside 0..1, or a unit
+    /// distance that is not positive.
     pub fn new(regions: &[Region], unit_distance: f64) -> Result<Self, SceneError> {
         check_unit_distance(unit_distance)?;
         if regions.is_empty() {
@@ -196,8 +197,8 @@ impl TransferFunction2d {
         }
     }
 
-    /// A transfer function of the value alone that shows every value which is visible with some gradient: the scene's own,
-    /// by which invisible bricks are left out.
+    /// A transfer function of the value alone that shows every value which is visible with some gradient: the
+    /// scene's own, by which invisible bricks are left out.
     ///
     /// # Errors
     /// Never for a function made by [`TransferFunction2d::new`].

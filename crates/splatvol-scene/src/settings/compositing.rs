@@ -28,8 +28,8 @@ pub enum Compositing {
 }
 
 impl Compositing {
-    /// Whether a pixel shows one value, taken from its whole ray: the largest, smallest or mean one. Such pictures are unlit
-    /// and splat data, whatever the classification.
+    /// Whether a pixel shows one value, taken from its whole ray: the largest, smallest or mean one. Such pictures
+    /// are unlit and splat data, whatever the classification.
     pub fn shows_one_value(self) -> bool {
         matches!(self, Self::Mip | Self::MinimumIntensity | Self::Mean)
     }

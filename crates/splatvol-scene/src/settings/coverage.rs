@@ -6,9 +6,9 @@ use crate::SceneError;
 
 /// Anti-aliasing of edges.
 ///
-/// A low-pass of extinction is not one of the picture: a pixel half covered by material of optical depth 4 is to be
-/// `(1 - e^-4) / 2 = .49` opaque, and half the extinction makes `1 - e^-2 = .86` of it. So no filter of footprints is right
-/// where opaque material ends within a pixel; only several samples of the picture are.
+/// A low-pass of extinction is not one of the picture: a pixel half covered by material of optical depth 4 should
+/// be `(1 - e^-4) / 2 = .49` opaque, but half the extinction makes it `1 - e^-2 = .86` opaque. So no filter of
+/// footprints is right where opaque material ends within a pixel; only several samples of the picture are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Coverage {
@@ -19,8 +19,8 @@ pub enum Coverage {
     Adaptive {
         /// Samples per pixel and axis, 2 to 8.
         samples: u32,
-        /// Difference of a linear premultiplied colour, or of alpha, among a pixel and its eight neighbours from which on
-        /// it is sampled, 0 to 1.
+        /// Difference of a linear premultiplied colour, or of alpha, among a pixel and its eight neighbours above
+        /// which it is sampled, 0 to 1.
         contrast: f64,
     },
 }

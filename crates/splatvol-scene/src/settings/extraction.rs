@@ -4,15 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 
-/// The range of interest: voxels outside it have no splat (mueller1998 section 3.5, `t = F(gradient, density)`, where F is
-/// inside or outside a box).
+/// The range of interest: voxels outside it have no splat (mueller1998 section 3.5, `t = F(gradient, density)`,
+/// where F is inside or outside a box).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Extraction {
     /// Least and greatest value kept, in the volume's own units, as transfer functions have them; `None` keeps all.
     pub density: Option<[f64; 2]>,
-    /// Least gradient kept, value ranges per mean voxel spacing (as of [`crate::Reconstruction::Mixed`]), by central
-    /// differences.
+    /// Least gradient kept, value ranges per mean voxel spacing (as for [`crate::Reconstruction::Mixed`]), by
+    /// central differences.
     pub gradient: f64,
 }
 

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Low-pass of a footprint by default, standard deviations in pixels: energy is kept (docs/numerics.md), and renderers of
-/// 3-D Gaussians have the same, 0.3 pixels squared.
+/// Low-pass of a footprint by default, standard deviations in pixels: energy is kept (docs/numerics.md), and
+/// renderers of 3-D Gaussians have the same, 0.3 pixels squared.
 pub(super) const PIXEL_SIGMA: f64 = 0.55;
 
 /// Low-pass filter in screen space.
@@ -23,8 +23,8 @@ pub enum Filter {
         /// Smallest standard deviation of a footprint, pixels.
         pixel_sigma: f64,
     },
-    /// Footprints of voxels that lie less than a pixel apart are scaled up, as a whole, until they do not; their optical
-    /// depth falls as their area grows (swan1997 section 4.3, eq. 4 and 8).
+    /// Footprints of voxels that lie less than a pixel apart are scaled up as a whole, as if these were a pixel
+    /// apart; their optical depth falls as their area grows (swan1997 section 4.3, eq. 4 and 8).
     Swan,
     /// As [`Filter::Swan`], but opacity falls instead, as the paper's text has it: opaque data turn translucent.
     SwanAlpha,

@@ -114,7 +114,8 @@ impl From<RenderSettings> for FlatSettings {
             lighting: settings.lighting,
             termination: settings.termination,
         };
-        // Sections of footprints are asked for by name, unless motion alone asks for footprints: without it there are sheets.
+        // Sections of footprints are asked for by name, unless motion alone asks for footprints: without it there
+        // are sheets.
         let sections = match parts.compositing {
             SplatCompositing::ImageSheets(Classification::Post) => true,
             SplatCompositing::ImageSheets(Classification::Pre) => !flat.moves_sheets(),

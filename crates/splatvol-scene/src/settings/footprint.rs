@@ -8,22 +8,22 @@ use crate::SceneError;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Alignment {
-    /// On sheets of constant depth, where a perspective view only scales: exact there (docs/numerics.md). Whole footprints
-    /// are affine.
+    /// On sheets of constant depth, where a perspective view only scales: exact there (docs/numerics.md). Whole
+    /// footprints are affine.
     #[default]
     Sheet,
-    /// Along rays parallel to the one through the kernel's centre, the perspective map being linear there (zwicker2001
-    /// section 4.4).
+    /// Along rays parallel to the one through the kernel's centre, with the perspective map linearised there
+    /// (zwicker2001 section 4.4).
     Affine,
     /// Along each pixel's own ray, in closed form.
     Exact,
     /// Along the viewing axis: the footprint lies parallel to the picture (mueller1998 table 1, row 5).
     Grid,
-    /// Along rays parallel to the one through the kernel's centre, the footprint lying across that ray and being seen in true
-    /// perspective (mueller1998 table 1, row 4).
+    /// Along rays parallel to the one through the kernel's centre, with the footprint across that ray and seen in
+    /// true perspective (mueller1998 table 1, row 4).
     Ray,
-    /// Along each pixel's own ray; what the swan filter stretches, it stretches across the ray through the centre (mueller1998
-    /// table 1, row 3). The same as exact for any other filter.
+    /// Along each pixel's own ray; the swan filter stretches across the ray through the centre (mueller1998 table
+    /// 1, row 3). The same as exact for any other filter.
     RayIdeal,
     /// Affine wherever that is good enough, exact otherwise: footprint by footprint.
     Auto {
@@ -53,8 +53,8 @@ pub enum Rasterizer {
     /// As [`Rasterizer::Square1d`], for any ellipse (section 3.1.3).
     #[serde(rename = "ellipse-1d")]
     Ellipse1d,
-    /// Centres snapped to a grid within the pixel, squared distances added up from one-dimensional tables (section 3.3).
-    /// Circles, and ellipses along the pixels' axes.
+    /// Centres snapped to a grid within the pixel, squared distances added up from one-dimensional tables (section
+    /// 3.3). Circles, and ellipses along the pixels' axes.
     Rlut {
         /// Cells of that grid per pixel and axis, 1 to 128.
         subpixels: u32,
@@ -118,7 +118,7 @@ pub enum Occlusion {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reconstruction {
-    /// A volume: kernels as the grid has them.
+    /// A volume: kernels as the grid defines them.
     #[default]
     Volume,
     /// Surfaces: every kernel is flattened along the gradient (zwicker2001 section 5).
@@ -130,7 +130,7 @@ pub enum Reconstruction {
     Mixed {
         /// Divisor of the standard deviation along the gradient on surfaces.
         flatness: f64,
-        /// Gradient from which on a voxel belongs to a surface, value ranges per mean voxel spacing.
+        /// Least gradient of a voxel that belongs to a surface, value ranges per mean voxel spacing.
         gradient: f64,
     },
 }

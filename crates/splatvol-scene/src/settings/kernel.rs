@@ -43,9 +43,10 @@ impl Kernel {
         alpha: 10.444_255_683_092_527,
     };
 
-    /// The Kaiser-Bessel kernel of a radius in voxels whose frequency response is zero at one cycle per voxel, where the
-    /// first alias of a constant lies: of all alpha this one has the least ripple. `alpha^2 = (2 pi radius)^2 - x^2`, x
-    /// being the first zero of the Bessel function of order 7/2; alpha is 0 where the radius is too small for that.
+    /// The Kaiser-Bessel kernel of a radius in voxels whose frequency response is zero at one cycle per voxel,
+    /// where the first alias of a constant lies: this alpha has the least ripple of all.
+    /// `alpha^2 = (2 pi radius)^2 - x^2`, x being the first zero of the Bessel function of order 7/2; alpha is 0
+    /// where the radius is too small for that.
     pub fn kaiser_bessel(radius: f64) -> Self {
         const FIRST_ZERO: f64 = 6.987_932_000_500_519;
         let zero = 2.0 * std::f64::consts::PI * radius;

@@ -5,7 +5,7 @@ use super::{Classification, Compositing, Filter, Gradient, Kernel, PixelFilter, 
 /// Rendering method. Properties common to both are queried by [`Method`]'s own methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// Kernels are summed on planes parallel to the picture, and the planes composited.
+    /// Kernels are summed on planes parallel to the picture, and the planes are composited.
     Sheets(SheetSettings),
     /// Footprints are drawn whole, or in sections, and composited one by one: the methods of the papers.
     Splats(SplatSettings),
@@ -24,8 +24,8 @@ pub struct SheetSettings {
     pub filter: PixelFilter,
     /// Source of the gradient that lights a sheet.
     pub gradient: Gradient,
-    /// Whether kernel weights are solved so that the reconstruction interpolates the samples. Classified values are never
-    /// prefiltered.
+    /// Whether kernel weights are solved so that the reconstruction interpolates the samples. Classified values are
+    /// never prefiltered.
     pub prefilter: bool,
 }
 
@@ -111,7 +111,7 @@ impl SheetSettings {
 }
 
 impl Method {
-    /// The compositing, by the name that flags and files have for it.
+    /// The compositing, by the name that flags and files use.
     pub fn compositing(&self) -> Compositing {
         match self {
             Self::Sheets(sheets) => sheets.shows.into(),

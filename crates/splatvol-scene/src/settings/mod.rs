@@ -1,7 +1,7 @@
 //! Plain settings of a frame. The methods of the papers are values here, never separate renderers.
 //!
-//! Start from a preset and change what differs, by `with_*` or by `..`: such code goes on compiling when a new version has
-//! more fields, which is no breaking change of this crate. Code that lists every field may break.
+//! Start from a preset and change what differs, by `with_*` or by `..`: such code still compiles when a new version
+//! adds fields, which this crate does not call a breaking change. Code that lists every field may break.
 //!
 //! ```
 //! use splatvol_scene::{RenderSettings, Shows};
@@ -50,7 +50,7 @@ use crate::{ImageSize, Lighting};
 /// All settings of a frame besides scene and camera. Engines that have only one method take its settings:
 /// `RenderSettings<SheetSettings>`.
 ///
-/// Files and flags have them as [`FlatSettings`], key beside key.
+/// Files and flags hold them as [`FlatSettings`], a flat list of keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderSettings<M = Method> {
     /// Picture size, pixels.

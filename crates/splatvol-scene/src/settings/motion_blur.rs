@@ -9,11 +9,11 @@ pub enum MotionBlur {
     /// Not at all: the picture is that of the shutter's middle.
     #[default]
     None,
-    /// Footprints are cut in half, drawn apart along their motion, and dimmed by the silhouette's growth (mueller1998
-    /// section 5, figure 11 and eq. 11): too bright, the more the longer they are.
+    /// Footprints are cut in half, drawn apart along their motion, and dimmed by the silhouette's growth
+    /// (mueller1998 section 5, figure 11 and eq. 11): too bright, and more so the longer they are.
     Capsule,
-    /// Footprints are integrated along their motion in closed form. As occlusion is that of the shutter's middle, it is
-    /// right for what is translucent.
+    /// Footprints are integrated along their motion in closed form. Occlusion is that of the shutter's middle, so
+    /// this is right for translucent material.
     Exact,
     /// The mean of pictures taken while the shutter is open: occlusion is right, too, at the cost of all pictures.
     Subframes {

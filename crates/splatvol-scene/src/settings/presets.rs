@@ -95,10 +95,11 @@ impl RenderSettings {
         Self::of(SheetSettings::fast(), FAST_TERMINATION)
     }
 
-    /// FastSplats as huang2000 measured them (section 6): classified splats on sheets a voxel apart, a Gaussian of radius 2
-    /// cut in 128 sections, `square-1d` into tables of 128 entries of 8 bits, opacities that are not attenuated within a
-    /// sheet, and a summed-area table that hides voxels and bricks. `exp(-1.38 r^2)`, which is sigma 0.602, is the papers'
-    /// kernel of that radius (mueller1998 section 4.3). Footprints lie parallel to the picture, so that they are circles.
+    /// FastSplats as huang2000 measured them (section 6): classified splats on sheets a voxel apart, a Gaussian of
+    /// radius 2 cut in 128 sections, and `square-1d` into tables of 128 entries of 8 bits. Opacities are not
+    /// attenuated within a sheet, and a summed-area table hides voxels and bricks. `exp(-1.38 r^2)`, which is sigma
+    /// 0.602, is the papers' kernel of that radius (mueller1998 section 4.3). Footprints lie parallel to the
+    /// picture, so that they are circles.
     pub fn fastsplats2000() -> Self {
         let splats = SplatSettings {
             compositing: SplatCompositing::ImageSheets(Classification::Pre),
@@ -117,9 +118,9 @@ impl RenderSettings {
         Self::of(splats, FAST_TERMINATION)
     }
 
-    /// swan1997: splats composited one by one, each perpendicular to the ray through its voxel; beyond the distance k they
-    /// grow and their opacity falls (section 4.3, 5). Set the filter to [`Filter::Swan`] to let extinction fall instead,
-    /// which keeps opaque data opaque.
+    /// swan1997: splats composited one by one, each perpendicular to the ray through its voxel; beyond the distance
+    /// k they grow and their opacity falls (section 4.3, 5). Set the filter to [`Filter::Swan`] to let extinction
+    /// fall instead, which keeps opaque data opaque.
     pub fn swan1997() -> Self {
         Self::of(swan(Alignment::Ray), EXACT_TERMINATION)
     }
@@ -134,8 +135,8 @@ impl RenderSettings {
         }
     }
 
-    /// zwicker2001: affine footprints of Gaussians as wide as a voxel, cut at two standard deviations, low-passed by the
-    /// identity, added up on slices of the grid (sections 4 and 6); `1 - x` in place of `exp(-x)` (eq. 4).
+    /// zwicker2001: affine footprints of Gaussians as wide as a voxel, cut at two standard deviations, low-passed
+    /// by the identity, added up on slices of the grid (sections 4 and 6); `1 - x` in place of `exp(-x)` (eq. 4).
     pub fn ewa2001() -> Self {
         let splats = SplatSettings {
             compositing: SplatCompositing::AxisSheets,

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The shape of a kernel beyond the distance from which the swan filter stretches it (mueller1998 section 4.1, figure 7).
+/// The shape of a kernel beyond the distance from which the swan filter stretches it (mueller1998 section 4.1,
+/// figure 7).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stretch {

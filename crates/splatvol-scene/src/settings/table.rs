@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 
-/// Size of the table of a kernel's footprint and of its sections. The default is the paper's: 128 entries of 8 bits, 128
-/// sections.
+/// Size of the table of a kernel's footprint and of its sections. The default is the paper's: 128 entries of 8
+/// bits, 128 sections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct TableLayout {

@@ -1,4 +1,4 @@
-//! Settings with one field changed: what user code says it by.
+//! Settings with one field changed, for user code.
 
 use super::{
     Coverage, GaussianMode, Gradient, Method, MotionBlur, PixelFilter, RenderSettings, SheetKernel,
@@ -22,8 +22,8 @@ impl RenderSettings {
         }
     }
 
-    /// These settings with sheets that show something else: X-rays, maxima, means. Settings of splats take the sheets of
-    /// [`RenderSettings::balanced`] for it.
+    /// These settings with sheets that show something else: X-rays, maxima, means. Settings of splats take the
+    /// sheets of [`RenderSettings::balanced`] for this.
     #[must_use]
     pub fn with_shows(self, shows: Shows) -> Self {
         let sheets = self.method.sheets().copied().unwrap_or_default();

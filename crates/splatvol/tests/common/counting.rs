@@ -37,12 +37,12 @@ unsafe impl GlobalAlloc for Counting {
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count(size);
-        // SAFETY: the block is the system's, for all blocks are; the rest is the caller's promise.
+        // SAFETY: the block is the system's, as all blocks are; the rest is the caller's promise.
         unsafe { System.realloc(block, layout, size) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: the block is the system's, for all blocks are; the rest is the caller's promise.
+        // SAFETY: the block is the system's, as all blocks are; the rest is the caller's promise.
         unsafe { System.dealloc(block, layout) }
     }
 }

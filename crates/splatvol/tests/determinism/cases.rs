@@ -30,7 +30,7 @@ impl Case {
 const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 25.0 };
 const PARALLEL: Projection = Projection::Orthographic { height: 1.0 };
 
-/// Multiples of no tile's edge.
+/// Not multiples of any tile's edge.
 fn sized(settings: RenderSettings) -> RenderSettings {
     RenderSettings {
         size: ImageSize::new(152, 104).unwrap(),
@@ -100,7 +100,7 @@ fn modes(preset: &str, base: RenderSettings) -> Vec<(String, RenderSettings)> {
     ]
 }
 
-/// The papers' methods, and those that they are made of.
+/// The papers' methods, and the methods that they consist of.
 fn methods() -> Vec<(String, RenderSettings)> {
     let papers = [
         ("swan1997", RenderSettings::swan1997()),

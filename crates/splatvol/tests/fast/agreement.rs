@@ -1,5 +1,5 @@
-//! The fast engine against the reference: four fields, both projections, lit and unlit. Without a low-pass, for the
-//! matched filter has no reference; kernel and everything else are the fast method's.
+//! The fast engine against the reference: four fields, both projections, lit and unlit. Without a low-pass, because
+//! the reference has no matched filter; the kernel and everything else are the fast method's.
 //!
 //! Pictures have 256 x 256 pixels; the reference integrates every fourth along both axes.
 

@@ -9,7 +9,7 @@ use crate::support::{fast, generated, name_of, opaque, rendered, renderer};
 const PIXELS: u32 = 192;
 const STEPS_PER_OCTAVE: i32 = 8;
 
-/// A camera that sees the middle of the volume with so many voxels to a pixel.
+/// A camera that sees the middle of the volume with this many voxels to a pixel.
 fn minified(scene: &Scene, projection: Projection, voxels_per_pixel: f64) -> Camera {
     let grid = scene.single_volume().unwrap().volume.grid();
     let height = f64::from(PIXELS) * grid.mean_spacing() * voxels_per_pixel;
@@ -87,8 +87,8 @@ fn a_sweep_through_the_levels_changes_by_bounded_steps_at_ever_less_cost() {
     }
 }
 
-/// Largest steps of the logarithm of a channel's area, within levels and where one is blended into the next. What is left
-/// of less than a hundredth of the area at 1:1 counts as that hundredth: shells vanish in the end.
+/// Largest steps of the logarithm of a channel's area, within levels and where one is blended into the next. Less than
+/// a hundredth of the area at 1:1 counts as that hundredth: shells vanish in the end.
 fn jumps(shots: &[Shot]) -> (f64, f64) {
     let (mut within, mut across) = (0.0f64, 0.0f64);
     let least = shots[0].areas.map(|area| 0.01 * area);

@@ -38,7 +38,7 @@ fn views() -> Vec<View> {
     views
 }
 
-/// Neither a multiple of any tile's edge.
+/// Neither is a multiple of any tile's edge.
 const SIZE: [u32; 2] = [168, 136];
 
 fn settings() -> RenderSettings {

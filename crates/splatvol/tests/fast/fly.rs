@@ -1,4 +1,4 @@
-//! A camera flies through a volume: near it, within it, and at wide angles there is the same picture by the same settings.
+//! A camera flies through a volume: near it, within it and at wide angles, the same settings give the same picture.
 
 use glam::{DAffine3, DVec3};
 use splatvol::{
@@ -72,8 +72,8 @@ fn largest_change(a: &Image, b: &Image) -> f32 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// Frames agree with the reference all the way, and from one to the next no pixel changes more than twice as much as the
-/// reference's do.
+/// Frames agree with the reference all the way, and from one to the next no pixel changes more than twice as much as
+/// the reference's do.
 #[test]
 fn a_flight_through_the_head_is_smooth() {
     let scene = generated(Sample::Head, 48);
@@ -212,7 +212,7 @@ fn zones_do_not_depend_on_what_runs_them() {
             assert!(statistics.zones > 2, "{} zones", statistics.zones);
             bits(&frame)
         };
-        // X-rays take footprints from the middle of a tile, whatever tiles are asked for.
+        // X-rays take footprints from the middle of a tile, whatever tiles are requested.
         modes().into_iter().map(frame).collect()
     };
     let expected = frames(EngineConfig::default());
@@ -314,7 +314,8 @@ fn layers_have_zones_of_their_own() {
     assert_eq!(statistics.zones, zones + 1);
     let mut counts = [0, 0];
     let edge = PIXELS as usize;
-    // Beside the head the ball lies on the head's planes, which are farther apart: it is deeper there, and nearer to the eye wider.
+    // Beside the head the ball lies on the head's planes, which are farther apart: it is deeper there, and wider near
+    // the eye.
     let is_reached = |x: usize, y: usize| {
         let around = |at: usize| at.saturating_sub(24)..(at + 25).min(edge);
         around(y).any(|y| around(x).any(|x| ball_alone.pixel(x, y)[3] > 0.0))

@@ -1,5 +1,5 @@
-//! Missing samples, and data without the prefilter: against the reference, against closed forms, and against the picture
-//! without them.
+//! Missing samples, and data without the prefilter: against the reference, against closed forms, and against the
+//! picture without them.
 
 use glam::DVec3;
 use splatvol::{
@@ -23,7 +23,7 @@ fn without(scene: &Scene, missing: impl Fn([usize; 3]) -> bool) -> Scene {
     let samples = (0..grid.sample_count()).map(|i| {
         let at = [i % nx, i / nx % ny, i / (nx * ny)];
         let value = single.volume.value(i) as f32;
-        // Both kinds of what is not finite.
+        // Both kinds of values that are not finite.
         let none = if i.is_multiple_of(2) {
             f32::NAN
         } else {
@@ -44,7 +44,7 @@ enum Missing {
     Some,
     /// All samples on one side of a plane across the volume.
     Half,
-    /// All samples outside of the ellipsoid in the volume's box.
+    /// All samples outside the ellipsoid in the volume's box.
     Outside,
 }
 
@@ -74,7 +74,7 @@ impl Missing {
 /// without the prefilter.
 type Floors = [f64; 6];
 
-/// Asks that a picture is so many decibels from the reference.
+/// Demands that a picture is this many decibels from the reference.
 fn assert_agrees(name: &str, (scene, settings): (&Scene, &RenderSettings), floor: f64) {
     let (found, expected) = pictures(scene, PROJECTIONS[0], settings);
     let figures = Comparison::of(&found, &expected);
@@ -236,7 +236,7 @@ fn nothing_changes_outside_the_reach_of_a_missing_sample() {
     let scene = generated(Sample::Head, 96);
     let camera = framing(&scene, PROJECTIONS[0], 1.0, 1.0);
     let grid = scene.single_volume().unwrap().volume.grid().clone();
-    // A voxel of what is seen in the middle.
+    // A voxel that is seen in the middle of the picture.
     let surface = render(&scene, &camera, &fast(300, 300)).depth[150 * 300 + 150];
     let (start, along) = camera
         .screen_from_camera(fast(300, 300).size)
@@ -356,7 +356,7 @@ fn missing_samples_around_the_eye_are_left_out() {
         for camera in [camera, framed] {
             let [found, whole] = [&holed, &scene].map(|scene| render(scene, &camera, &settings).image);
             let figures = Comparison::of(&found, &whole);
-            // One of fifty samples is filled by what is around it, and covers less.
+            // One of fifty samples is filled from its surroundings, and covers less.
             println!("{:.1} dB, largest {}", figures.psnr, figures.max_error);
             assert!(figures.psnr > 20.0);
         }

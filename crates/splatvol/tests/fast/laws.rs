@@ -167,10 +167,10 @@ fn slabs_from_thin_to_opaque() {
     }
 }
 
-/// Measured: 2.1e-2, 5.5e-2, 5.5e-2, 3.7e-2, 8.5e-3, 2.2e-4.
-const SLAB_LIMITS: [f64; 6] = [2.3e-2, 6e-2, 6e-2, 4.1e-2, 9.3e-3, 2.5e-4];
-/// Measured: 2.1e-3, 7.5e-3, 1.1e-2, 1.6e-2, 2.7e-2, 4.0e-2, all along an axis; oblique views are five times closer.
-const BALL_LIMITS: [f64; 6] = [2.4e-3, 8.3e-3, 1.3e-2, 1.8e-2, 2.9e-2, 4.4e-2];
+/// Measured: 7.0e-4, 2.0e-3, 2.0e-3, 1.5e-3, 3.9e-4, 1.4e-5.
+const SLAB_LIMITS: [f64; 6] = [1.1e-3, 3e-3, 3e-3, 2.3e-3, 6e-4, 2.2e-5];
+/// Measured: 1.4e-3, 5.0e-3, 7.3e-3, 1.1e-2, 1.8e-2, 2.7e-2, all along an axis; oblique views are twice to five times closer.
+const BALL_LIMITS: [f64; 6] = [2.1e-3, 7.5e-3, 1.1e-2, 1.7e-2, 2.7e-2, 4e-2];
 
 /// `1 - (r / R)^2`, negative outside: without the kink that [`Ball`] has at its rim.
 struct Paraboloid(Ball);

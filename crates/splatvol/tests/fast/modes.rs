@@ -178,12 +178,12 @@ fn pictures_of_all_modes_agree_with_the_best_method() {
     }
 }
 
-/// One below the least that was measured; mip, xray, pre lit, pre unlit, minip, mean. What the wider kernel shows of classified
-/// voxels is another picture. Values of rays differ most where a box of noise is cut off by the volume's border: at the silhouette
-/// single pixels have a value in one picture and none in the other.
+/// One below the least that was measured; mip, xray, pre lit, pre unlit, minip, mean. The wider kernel makes another
+/// picture of classified voxels. Values of rays differ most where the volume's border cuts off a box of noise: at the
+/// silhouette, single pixels have a value in one picture and none in the other.
 const BEST: [f64; 6] = [31.9, 34.4, 36.5, 34.2, 29.1, 29.8];
 
-/// The best method with the very settings, but for its gradient: the same kernel on the same sheets.
+/// The best method with the same settings except for its gradient: the same kernel on the same sheets.
 #[test]
 fn depths_are_those_of_the_best_method() {
     let mut renderer = renderer();
@@ -225,7 +225,8 @@ fn depths_are_those_of_the_best_method() {
     }
 }
 
-/// The smallest value of a volume is the largest of the opposite volume, and looks alike where the look is mirrored too.
+/// The smallest value of a volume is the largest of the opposite volume, and looks alike where the look is mirrored
+/// too.
 #[test]
 fn the_smallest_value_is_the_largest_of_the_opposite() {
     let (name, scene) = ("noise", mild_noise());

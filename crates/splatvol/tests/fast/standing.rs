@@ -10,7 +10,7 @@ use splatvol_testing::{Field, checked, sample};
 use crate::common::PROJECTIONS;
 use crate::support::{fast, framing, render};
 
-/// Neither a multiple of a brick nor of a sheet.
+/// A multiple neither of a brick nor of a sheet.
 const FRONT: DVec3 = DVec3::new(-13.0, 14.3, 9.0);
 const BACK: DVec3 = DVec3::new(9.0, -11.1, -9.0);
 

@@ -93,7 +93,7 @@ pub(crate) fn renderer() -> Renderer {
     Renderer::new(EngineConfig::default()).unwrap()
 }
 
-/// A frame of which it is certain that the fast engine rendered it: only that takes sheets out of a ring.
+/// A frame that the fast engine certainly rendered: only that engine takes sheets out of a ring.
 pub(crate) fn rendered(
     renderer: &mut Renderer,
     scene: &Scene,

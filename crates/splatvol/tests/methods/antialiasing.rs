@@ -48,7 +48,7 @@ fn low_passed(image: &Image, sigma: Option<f64>) -> Image {
         None => 1.0,
         Some(sigma) => (-0.5 * (offset / sigma).powi(2)).exp(),
     };
-    // Weights along one axis, beginning at a sample that may lie outside: what is there is nothing.
+    // Weights along one axis, beginning at a sample that may lie outside, where there is nothing.
     let steps = (reach * SAMPLES as f64).round() as isize;
     let taps: Vec<(isize, f64)> = (-steps..steps)
         .map(|i| {
@@ -84,7 +84,8 @@ fn low_passed(image: &Image, sigma: Option<f64>) -> Image {
     Image::from_pixels(ImageSize::new(columns as u32, rows as u32).unwrap(), pixels).unwrap()
 }
 
-/// A texture that lies on the ground, `minification` voxels a pixel at the middle of the picture and nothing else in it.
+/// A texture that lies on the ground, `minification` voxels a pixel at the middle of the picture and nothing else in
+/// it.
 fn over_ground(scene: &Scene, minification: f64) -> Camera {
     let target = scene.bounds().unwrap().centre();
     let fov_degrees = 30.0_f64;
@@ -125,8 +126,9 @@ fn tunnel() -> (Scene, Camera) {
     (scene, Camera::new(mouth, centre, DVec3::Y, projection).unwrap())
 }
 
-/// Decibels without a filter, with swan and with ewa: against the mean of 256 samples per pixel, and against their mean by a
-/// Gaussian of the default's width. The former's second moment is that of `pixel_sigma` 0.29, so ewa has 0.3 there.
+/// Decibels without a filter, with swan and with ewa: against the mean of 256 samples per pixel, and against their mean
+/// under a Gaussian of the default's width. The former's second moment is that of `pixel_sigma` 0.29, so ewa has 0.3
+/// there.
 fn quality(scene: &Scene, camera: &Camera, size: [u32; 2]) -> [[f64; 3]; 2] {
     let of = |size, filter| {
         let settings = checked(FlatSettings {
@@ -180,8 +182,8 @@ fn ewa_against_256_samples_per_pixel() {
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// Low-passed extinction is not a low-passed picture: where opaque things end inside a pixel, or hide each other, the filter
-/// cannot gain what it gains on the same things when they are faint.
+/// Low-passed extinction is not a low-passed picture: where opaque things end inside a pixel, or hide each other, the
+/// filter gains less than on the same things when they are faint.
 #[test]
 fn the_tunnel_is_filtered_as_far_as_it_is_faint() {
     let (opaque, camera) = tunnel();

@@ -1,7 +1,5 @@
 //! Motion blur of footprints against the mean of many pictures.
 
-//! Motion blur of footprints against the mean of many pictures.
-
 use glam::{DMat3, DVec3, EulerRot};
 use splatvol::{
     Alignment, Camera, Classification, Compositing, EngineConfig, Filter, FlatSettings, Frame, Grid, Motion,
@@ -24,7 +22,7 @@ fn settings(pixels: u32, motion_blur: MotionBlur) -> RenderSettings {
     })
 }
 
-/// A look of which each voxel takes little light.
+/// A look in which each voxel absorbs little light.
 fn faint(volume: Volume) -> Scene {
     let mut look = translucent();
     look.unit_distance = Some(20.0 * volume.grid().mean_spacing());

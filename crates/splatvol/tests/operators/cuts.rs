@@ -73,7 +73,8 @@ fn a_box_cut_out_shows_its_far_faces() {
     };
     let clip = Clip::of_box(&bounds, Keep::Outside).unwrap();
     let count = demand_faces(&clip, |origin, direction| {
-        // The box reaches out of the ball towards the cameras: what is seen through it is where rays leave it.
+        // The box reaches out of the ball towards the cameras: through it the ball is seen where rays leave
+        // the box.
         let exits = [0, 1, 2].map(|a| {
             let end = if direction[a] > 0.0 {
                 bounds.max[a]

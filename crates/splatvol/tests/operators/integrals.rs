@@ -42,7 +42,7 @@ fn integrate(camera: &Camera, settings: &RenderSettings, medium: impl Fn(f64, f6
     image
 }
 
-/// Pictures of a scene in both projections against integrals of a medium; PSNR of at least so many dB.
+/// Pictures of a scene in both projections against integrals of a medium; PSNR of at least this many dB.
 fn demand(name: &str, scene: &Scene, decibels: f64, medium: impl Fn(f64, f64) -> (f64, DVec3)) {
     let settings = unlit(PIXELS);
     for camera in cameras() {

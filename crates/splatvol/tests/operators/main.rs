@@ -1,5 +1,5 @@
-//! Operators, clips and isosurfaces: the same picture where nothing is asked of them, the same bytes whatever runs them,
-//! and close to closed forms and to f64 integrals along rays.
+//! Operators, clips and isosurfaces: the same picture where they do nothing, the same bytes on any threads and
+//! instructions, and close to closed forms and to f64 integrals along rays.
 //!
 //! Tolerances lie a little above the measured values; `--nocapture` prints the figures.
 

@@ -19,7 +19,8 @@ fn linear_light(level: f64) -> f64 {
     }
 }
 
-/// The kernels that Gaussians are from a camera: their opacities are those of their peaks in every view.
+/// The kernels of Gaussians as a camera sees them: their opacities are those of their peaks in every
+/// view.
 fn kernels(gaussians: &Gaussians, camera: &Camera) -> Vec<Ellipsoid> {
     let attributes = gaussians.attributes();
     let camera_from_world = camera.camera_from_world();

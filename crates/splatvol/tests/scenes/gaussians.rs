@@ -144,7 +144,8 @@ fn frames(mode: GaussianMode) -> Vec<Frame> {
         .collect()
 }
 
-/// Pixels that change, from one half degree to the next, by more than twice as much as before and after, and two levels.
+/// Pixels that change, from one half degree to the next, by more than twice as much as before and after, and two
+/// levels.
 fn jumps(frames: &[Frame]) -> usize {
     let change = |frame: usize, pixel: usize, c: usize| {
         f64::from(frames[frame + 1].image.pixels[pixel][c] - frames[frame].image.pixels[pixel][c]).abs()
@@ -172,7 +173,8 @@ fn sheets_do_not_pop_where_sorted_centres_do() {
     assert!(published > 50, "{published}");
 }
 
-/// Thin clouds, which hide nothing from each other, look alike in both ways but for the space in which they are mixed.
+/// Thin clouds, which hide nothing from each other, look alike in both ways except for the colour space in which they
+/// are mixed.
 #[test]
 fn single_gaussians_look_alike_in_both_ways() {
     let mut attributes = cloud(12, [0.02, 0.05], 5).attributes().clone();

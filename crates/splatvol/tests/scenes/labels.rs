@@ -82,7 +82,7 @@ fn largest_difference(a: &Frame, b: &Frame) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// Kinds that change their names change no pixel; lit by differences of names they would.
+/// Renaming the kinds changes no pixel; it would if they were lit by differences of names.
 #[test]
 fn names_are_names() {
     for settings in [small(RenderSettings::default()), small(RenderSettings::best())] {

@@ -50,7 +50,7 @@ fn differing(a: &Frame, b: &Frame, column: u32) -> [usize; 2] {
     counts
 }
 
-/// A volume among points is, where they do not reach, the volume alone: the same bytes, far and near.
+/// Where points do not reach, a volume among them has the same bytes as the volume alone, far and near.
 #[test]
 fn points_beside_a_volume_change_only_their_own_pixels() {
     let volume = Item::volume(noise(5), look(0.2));
@@ -92,7 +92,8 @@ fn two_halves_of_a_medium_are_the_medium() {
     assert!(figures.psnr > 50.0, "{}", figures.psnr);
 }
 
-/// Volumes of different spacing, each with its own sheets alone, agree in one picture with themselves alone.
+/// Volumes of different spacing, which alone have sheets of their own, look in one picture as each does
+/// alone.
 #[test]
 fn volumes_of_different_spacing_stand_side_by_side() {
     let fine = Item::volume(noise(5), look(0.2));

@@ -59,7 +59,8 @@ fn shown(frame: &Frame, pixel: usize) -> f64 {
     -f64::from(1.0 - frame.image.pixels[pixel][3]).ln() / EXTINCTION
 }
 
-/// Largest, smallest and mean values of rays through a graded mesh: those of a regular volume, and those of the field itself.
+/// Largest, smallest and mean values of rays through a graded mesh: those of a regular volume, and those of the field
+/// itself.
 #[test]
 fn rays_through_meshes_keep_the_values_of_the_field() {
     let look = linear_extinction([0.0, 1.0], EXTINCTION, [0.9, 0.5, 0.2]);

@@ -39,8 +39,8 @@ fn fog_between(a: f64, b: f64) -> f64 {
     integral(b.clamp(-1.2, 1.2)) - integral(a.clamp(-1.2, 1.2))
 }
 
-/// Red, green and blue spheres, half transparent, in a ball of fog: seen from all sides, the ray through the middle meets
-/// them in their order.
+/// Red, green and blue spheres, half transparent, in a ball of fog: seen from all sides, the ray through the middle
+/// meets them in their order.
 #[test]
 fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
     let spheres = [
@@ -58,7 +58,7 @@ fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
         };
         items.push(item(sphere(3_000), look, radius));
     }
-    // Front to back along a diameter: where a surface is met, and whose.
+    // Front to back along a diameter: where the ray meets a surface, and which one.
     let mut expected = [0.0; 4];
     let (mut transmittance, mut last) = (1.0, -2.0);
     for (place, color) in [-1.0, -0.7, -0.4, 0.4, 0.7, 1.0]
@@ -93,8 +93,8 @@ fn transparent_spheres_in_fog_are_seen_in_order_from_all_sides() {
     }
 }
 
-/// Splat by splat and in X-rays, where all is one cloud, a volume beside others is the volume that it is alone: `splats` against
-/// `classic`.
+/// Splat by splat and in X-rays, where everything is one cloud, a volume beside others looks as it does alone: `splats`
+/// against `classic`.
 #[test]
 fn a_volume_beside_others_is_the_volume() {
     let grid = Grid::centred([24, 20, 28], DVec3::new(1.0, 1.3, 0.8)).unwrap();
@@ -283,7 +283,7 @@ fn what_is_of_one_volume_is_refused() {
     }
 }
 
-/// Data are classified before their splats are composited one by one: never without being asked.
+/// Data are classified before their splats are composited one by one, but only on request.
 #[test]
 fn data_are_not_classified_first_unasked() {
     let points = item(sphere(100), PointLook::default(), 1.0);

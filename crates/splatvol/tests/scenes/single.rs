@@ -1,4 +1,4 @@
-//! A scene of one volume: the volume's picture, wherever it lies.
+//! A scene of one volume gives the volume's picture, wherever it lies.
 
 use glam::{DAffine3, DQuat, DVec3};
 use splatvol::{
@@ -36,8 +36,8 @@ fn bytes(frame: &Frame) -> Vec<u32> {
     pixels.chain(&frame.depth).map(|value| value.to_bits()).collect()
 }
 
-/// A placed item and a volume whose grid lies there are the same bytes, from every engine for grids, also where the
-/// renderer has seen it elsewhere before.
+/// A placed item and a volume whose grid lies there give the same bytes, from every engine for grids, even if the
+/// renderer saw it elsewhere before.
 #[test]
 fn a_placed_volume_is_the_volume_of_a_grid_at_that_place() {
     let settings = [
@@ -140,7 +140,7 @@ fn items_move_on_their_own() {
     let mut expected = Frame::empty(settings.size);
     exposure.take(&mut expected).unwrap();
     assert!(bytes(&found) == bytes(&expected));
-    // What moves as one whole is seen by a camera that moves the other way.
+    // A scene that moves as a whole is seen by a camera that moves the other way.
     let together = moving.with_motion(&Motion::Linear(way));
     let whole = renderer.render(&together, &camera, &settings).unwrap();
     assert!(bytes(&whole) != bytes(&found));
@@ -154,7 +154,7 @@ fn sphere_of_green() -> splatvol::Points {
     points.with_attributes(attributes).unwrap()
 }
 
-/// Edges of everything are sampled.
+/// The edges of all kinds of items are sampled.
 #[test]
 fn coverage_is_of_every_kind() {
     let scene = Scene::from(item(sphere(2000), PointLook::default(), 1.0));

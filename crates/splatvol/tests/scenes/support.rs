@@ -70,7 +70,7 @@ pub(crate) fn picture(items: Vec<Item>, camera: &Camera, settings: &RenderSettin
     pictured(&Scene::of_items(items).unwrap(), camera, settings, None)
 }
 
-/// A picture by so many threads.
+/// A picture by this many threads.
 pub(crate) fn pictured(
     scene: &Scene,
     camera: &Camera,

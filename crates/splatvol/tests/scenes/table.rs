@@ -1,7 +1,7 @@
 //! Compatibility table: every kind of item with every feature.
 //!
-//! The table of `docs/scenes.md` is made here, by asking [`splatvol::check`]; `UPDATE_SNAPSHOTS=1` writes it anew. Each *yes* is
-//! rendered and looked at, each *no* is the error that rendering gives too.
+//! The table of `docs/scenes.md` is made here, by asking [`splatvol::check`]; `UPDATE_SNAPSHOTS=1` rewrites it. Each
+//! *yes* is rendered and checked, each *no* is the error that rendering also gives.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Every flag is a key, and every key a flag, but for those that are named here.
+//! Every flag is a key, and every key a flag, except those that are named here.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,11 +8,12 @@ use serde_json::Value;
 use crate::args::{Cli, Command};
 use crate::failure::flag;
 
-/// Flags that say nothing of the picture, but where it goes, where it comes from and how the work is done.
-const NO_KEYS: &str = "input output depth overwrite like list_methods threads stats strict no_effects resume quiet verbose help version";
+/// Flags that say nothing about the picture, only where it goes, where it comes from and how the work is
+/// done.
+const NO_KEYS: &str = "input output depth overwrite like list_methods threads stats strict allow_outside max_memory no_metadata no_effects resume quiet verbose help version";
 
-/// Keys that are no flags: parts of a scene file, what `--like` and `--tf` and `--path` say by a file, and what an animation
-/// records of a frame.
+/// Keys that are not flags: parts of a scene file, what `--like`, `--tf` and `--path` read from a file, and what an
+/// animation records of a frame.
 const NO_FLAGS: [&str; 9] = [
     "version",
     "name",
@@ -25,7 +26,7 @@ const NO_FLAGS: [&str; 9] = [
     "item",
 ];
 
-/// Flags that exclude all that is given beside them in this test, or need another: with those that they need.
+/// Flags that exclude others given in this test, or need another: with those that they need.
 const NEEDED: [(&str, &str); 7] = [
     ("spacing", "--dims 2x2x2 --type u8"),
     ("endian", "--dims 2x2x2 --type u8"),

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use splatvol_io::ImageFormat;
+use splatvol_io::animation::{Container, check_ffmpeg};
 
-use super::video::{self, Codec};
 use crate::args::AnimateArgs;
-use crate::failure::Failure;
+use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 
 /// Kind of output.
@@ -16,14 +16,6 @@ pub(crate) enum Destination {
     Frames(FrameNames),
     /// One file of all frames.
     Movie(PathBuf, Container),
-}
-
-/// Kinds of one file with many frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Container {
-    Gif,
-    Apng,
-    Video(Codec),
 }
 
 /// `before####after`, with the frame's number for `####`.
@@ -44,7 +36,8 @@ impl FrameNames {
             .join(format!("{before}{frame:0width$}{after}", width = self.digits))
     }
 
-    /// Refuses before the work what cannot be written after it: too few digits, or files that are there.
+    /// Refuses before the work what cannot be written after it: names with too few digits, or files that
+    /// exist.
     pub(crate) fn check(&self, frames: u32, overwrite: bool) -> Result<(), Failure> {
         let needed = (frames - 1).checked_ilog10().unwrap_or(0) as usize + 1;
         if needed > self.digits {
@@ -58,33 +51,15 @@ impl FrameNames {
 }
 
 impl Destination {
-    /// The destination that the output's name asks for. Files that exist and programs that do not are found now.
+    /// The destination that the output's name asks for. Existing files and missing programs are found now.
     pub(crate) fn new(args: &AnimateArgs) -> Result<Self, Failure> {
         let path = args.render.output.as_deref().unwrap_or(Path::new(""));
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if name.contains('#') {
             return frames(path, &name).map(Self::Frames);
         }
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let container = match extension.to_str().unwrap_or_default() {
-            "gif" => Container::Gif,
-            "apng" => Container::Apng,
-            "mp4" | "mov" | "mkv" => Container::Video(Codec::H264),
-            "webm" => Container::Video(Codec::Vp9),
-            "png" | "exr" => {
-                let extension = extension.display();
-                return Err(
-                    Failure::usage(format!("{name} names one picture, not an animation")).hint(format!(
-                        "name frames like spin-####.{extension}, or one file like spin.apng"
-                    )),
-                );
-            }
-            _ => {
-                return Err(
-                    Failure::usage(format!("{}: no animation has this extension", path.display()))
-                        .hint("use .gif, .apng, .mp4, .webm, .mov, .mkv, or frames: name-####.png"),
-                );
-            }
+        let Some(container) = Container::from_path(path) else {
+            return Err(no_container(path, &name));
         };
         if args.resume {
             return Err(Failure::usage(format!("--resume cannot continue {name}"))
@@ -94,10 +69,40 @@ impl Destination {
             return Err(Failure::usage(format!("--bits 16 has no meaning for {name}")));
         }
         Target::File(path.to_owned()).check(args.render.write.overwrite)?;
-        if let Container::Video(_) = container {
-            video::check_ffmpeg()?;
+        if let Container::Film(_) = container {
+            check_ffmpeg().during(Step::Output).map_err(|failure| {
+                failure.hint("install ffmpeg, or write .gif, .apng, or frames (name-####.png), which need no other program")
+            })?;
         }
         Ok(Self::Movie(path.to_owned(), container))
+    }
+}
+
+impl Destination {
+    /// Every file of so many frames.
+    pub(crate) fn targets(&self, frames: u32) -> impl Iterator<Item = Target> {
+        let files = match self {
+            Self::Frames(_) => frames,
+            Self::Movie(..) => 1,
+        };
+        (0..files).map(move |frame| match self {
+            Self::Frames(names) => Target::File(names.path(frame)),
+            Self::Movie(path, _) => Target::File(path.clone()),
+        })
+    }
+}
+
+/// A name that is no animation's.
+fn no_container(path: &Path, name: &str) -> Failure {
+    match ImageFormat::from_path(path) {
+        Some(_) => {
+            let extension = path.extension().unwrap_or_default().display();
+            Failure::usage(format!("{name} names one picture, not an animation")).hint(format!(
+                "name frames like spin-####.{extension}, or one file like spin.apng"
+            ))
+        }
+        None => Failure::usage(format!("{}: no animation has this extension", path.display()))
+            .hint("use .gif, .apng, .mp4, .webm, .mov, .mkv, or frames: name-####.png"),
     }
 }
 

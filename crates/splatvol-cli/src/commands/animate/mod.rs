@@ -2,7 +2,6 @@
 
 mod destination;
 mod movie;
-mod video;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,11 +19,18 @@ use crate::commands::asked::{Asked, Prepared};
 use crate::commands::outputs::encode_with_bits;
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
-use crate::output::Target;
+use crate::output::{Target, check_distinct};
 use crate::record;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure> {
+    if args.render.list_methods {
+        return Target::Stdout.write(super::methods::list().as_bytes(), false);
+    }
+    if args.render.depth.is_some() {
+        return Err(Failure::usage("--depth: an animation writes no depths")
+            .hint("render writes them, for one camera"));
+    }
     let start = Instant::now();
     let overwrite = args.render.write.overwrite;
     let mut asked = Asked::of_animation(args)?;
@@ -50,6 +56,11 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
     if let Destination::Frames(names) = &destination {
         names.check(plan.frames(), overwrite || args.resume)?;
     }
+    if let Some(stats) = &stats {
+        for animation in destination.targets(plan.frames()) {
+            check_distinct(&[("animation", &animation), ("statistics", stats)])?;
+        }
+    }
     let job = Job {
         args,
         plan: &plan,
@@ -59,8 +70,8 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
     let times = match &destination {
         Destination::Frames(names) => job.frames(names)?,
         Destination::Movie(path, container) => {
-            // The record of the first frame says how to begin a file of all.
-            let metadata = job.record(0)?.metadata()?;
+            // The record of the first frame gives the beginning of a file of all frames.
+            let metadata = job.metadata(&job.record(0)?)?;
             let timing = (plan.frames(), animation.rate());
             job.movie(Movie::start(path, *container, (picture, &metadata), timing)?)?
         }
@@ -105,7 +116,7 @@ impl Times {
     }
 }
 
-/// Everything about an animation but where it goes.
+/// Everything about an animation except its destination.
 struct Job<'a> {
     args: &'a AnimateArgs,
     plan: &'a Plan,
@@ -133,7 +144,7 @@ impl Job<'_> {
                 times.0.push(Some(begun.elapsed().as_secs_f64()));
                 let Prepared { picture: made, .. } = self.prepared;
                 let format = (names.format, made.bits());
-                let bytes = encode_with_bits(picture, format, made.background(), &record.metadata()?)?;
+                let bytes = encode_with_bits(picture, format, made.background(), &self.metadata(&record)?)?;
                 let overwrite = self.args.render.write.overwrite || self.args.resume;
                 Target::File(path).write(&bytes, overwrite)?;
             }
@@ -169,6 +180,14 @@ impl Job<'_> {
         }
     }
 
+    /// Texts for a file, unless none are wanted.
+    fn metadata(&self, record: &Record) -> Result<Vec<(String, String)>, Failure> {
+        match self.args.render.no_metadata {
+            true => Ok(Vec::new()),
+            false => Ok(record.metadata()?),
+        }
+    }
+
     /// The record of a frame.
     fn record(&self, frame: u32) -> Result<Record, Failure> {
         let all = &self.prepared.record;
@@ -178,7 +197,8 @@ impl Job<'_> {
         })
     }
 
-    /// Whether the file holds the very frame that would be made: its own record says so, and the data are no newer.
+    /// Whether the file holds exactly the frame that would be made: its own record says so, and the data are no
+    /// newer.
     fn is_made(&self, path: &Path, record: &Record) -> bool {
         path.exists()
             && record::of_picture(path).is_ok_and(|made| made.document == record.document)
@@ -202,7 +222,7 @@ impl Job<'_> {
     }
 }
 
-/// Whether a file is older than one of the others; where the system does not say, it is not.
+/// Whether a file is older than one of the others; if the system does not say, it is not.
 fn is_older(path: &Path, others: &[PathBuf]) -> bool {
     let modified = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
     let own = modified(path);

@@ -1,36 +1,27 @@
-//! One file of many frames: written beside its place, and moved there when it is whole.
+//! One file of many frames: written beside its place, and moved there when it is complete.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 
 use anyhow::Context;
 use splatvol::{Frame, Image};
 use splatvol_document::Picture;
+use splatvol_io::AnimationSettings;
+use splatvol_io::animation::{Container, MovieWriter};
 use splatvol_io::image::png::Depth;
-use splatvol_io::{AnimationSettings, ApngWriter, GifWriter};
 
-use super::destination::Container;
-use super::video::Film;
 use crate::failure::{During, Failure, Step};
 use crate::output::{Scratch, over};
 
 /// A file that grows frame by frame.
 pub(crate) struct Movie {
-    /// Dropped first: a file that is open may not be removable.
-    writer: Writer,
+    /// Dropped first: an open file may not be removable.
+    writer: MovieWriter,
     scratch: Scratch,
     background: Option<[f64; 4]>,
 }
 
-enum Writer {
-    Gif(GifWriter<BufWriter<File>>),
-    Apng(ApngWriter<BufWriter<File>>),
-    Film(Film),
-}
-
 impl Movie {
-    /// Begins the file for frames like those of `picture`, with texts where the format has them.
+    /// Begins the file for frames like those of `picture`, with texts if the format has them.
     pub(crate) fn start(
         path: &Path,
         container: Container,
@@ -48,24 +39,14 @@ impl Movie {
                 Depth::Eight
             },
         };
+        if let (Container::Film(_), true) = (container, settings.alpha) {
+            return Err(Failure::usage("films have no transparency")
+                .hint("give an opaque --background, or write .apng or frames"));
+        }
         let scratch = Scratch::beside(path);
-        let file = || {
-            File::create(scratch.path())
-                .map(BufWriter::new)
-                .with_context(|| format!("cannot write {}", path.display()))
-                .during(Step::Output)
-        };
-        let writer = match container {
-            Container::Gif => Writer::Gif(GifWriter::new(file()?, settings).during(Step::Output)?),
-            Container::Apng => {
-                Writer::Apng(ApngWriter::new(file()?, settings, metadata).during(Step::Output)?)
-            }
-            Container::Video(_) if settings.alpha => {
-                return Err(Failure::usage("films have no transparency")
-                    .hint("give an opaque --background, or write .apng or frames"));
-            }
-            Container::Video(codec) => Writer::Film(Film::start(scratch.path(), codec, settings.size, fps)?),
-        };
+        let writer = MovieWriter::create(scratch.path(), container, settings, metadata)
+            .with_context(|| format!("cannot write {}", path.display()))
+            .during(Step::Output)?;
         Ok(Self {
             writer,
             scratch,
@@ -83,20 +64,12 @@ impl Movie {
                 &laid
             }
         };
-        match &mut self.writer {
-            Writer::Gif(gif) => gif.write(image).during(Step::Output),
-            Writer::Apng(apng) => apng.write(image).during(Step::Output),
-            Writer::Film(film) => film.write(image),
-        }
+        self.writer.write(image).during(Step::Output)
     }
 
     /// Ends the file and puts it in its place.
     pub(crate) fn finish(self, overwrite: bool) -> Result<(), Failure> {
-        match self.writer {
-            Writer::Gif(gif) => gif.finish().during(Step::Output)?,
-            Writer::Apng(apng) => apng.finish().during(Step::Output)?,
-            Writer::Film(film) => film.finish()?,
-        }
+        self.writer.finish().during(Step::Output)?;
         self.scratch.keep(overwrite)
     }
 }

@@ -1,11 +1,13 @@
-//! Refuses flags that have no meaning for what is shown, by name.
+//! Refuses flags that have no meaning for the scene, by name.
+
+use std::path::{Path, PathBuf};
 
 use splatvol::{Content, Item, RenderSettings, Scene};
 use splatvol_document::Document;
 use splatvol_document::keys::{ItemKeys, SettingKeys};
 
 use crate::args::RenderArgs;
-use crate::failure::Failure;
+use crate::failure::{Failure, Step};
 
 /// Flags that belong to one of several items are refused.
 pub(super) fn no_item_flags(args: &RenderArgs, what: &str) -> Result<(), Failure> {
@@ -27,6 +29,38 @@ pub(super) fn other_items(args: &RenderArgs, earlier: &Document) -> Result<(), F
         return Err(Failure::usage(
             "--like: the picture shows several items and says what is in it, so it takes no other input",
         ));
+    }
+    Ok(())
+}
+
+/// A picture's record names files in the current folder or the picture's, and below. Others are not read unless the
+/// user says so: whoever made the picture chose them. `named` is the input that the user names.
+pub(super) fn outside(
+    (document, earlier): (&Document, &Document),
+    picture: Option<&Path>,
+    named: Option<&str>,
+) -> Result<(), Failure> {
+    let current = std::env::current_dir().ok();
+    let beside = picture.map(|picture| picture.parent().unwrap_or(Path::new("")).join(""));
+    let beside = beside.and_then(|folder| std::path::absolute(folder).ok());
+    let folders: Vec<PathBuf> = [current, beside]
+        .into_iter()
+        .flatten()
+        .filter_map(|folder| folder.canonicalize().ok())
+        .collect();
+    let recorded = earlier.paths();
+    let is_recorded = |path: &&str| recorded.contains(path) && named != Some(*path);
+    for path in document.paths().into_iter().filter(is_recorded) {
+        // What does not exist cannot be read; the reader says so.
+        let found = folders
+            .iter()
+            .filter_map(|folder| folder.join(path).canonicalize().ok())
+            .next();
+        if found.is_some_and(|found| !folders.iter().any(|folder| found.starts_with(folder))) {
+            let refused = format!("{path}, which the picture names, lies outside its folder and this one");
+            return Err(Failure::of(Step::Input, anyhow::anyhow!(refused))
+                .hint("--allow-outside reads it; or name the input: --like PICTURE INPUT"));
+        }
     }
     Ok(())
 }

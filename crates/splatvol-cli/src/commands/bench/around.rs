@@ -1,4 +1,4 @@
-//! The camera that benchmarks turn around a volume: from a direction that no axis of the grid is parallel to.
+//! The camera that benchmarks turn around a volume: its direction is parallel to no axis of the grid.
 //!
 //! It looks at the middle of the grid's box; its distance d is the smallest at which every corner (x, y, z) in camera
 //! axes from that middle keeps `|x| <= f a s (d + z)` and `|y| <= f s (d + z)`: s the slope of the picture's upper
@@ -18,7 +18,7 @@ const FOV_DEGREES: f64 = 30.0;
 /// Share of the picture's width or height that the box fills.
 const FILL: f64 = 0.85;
 
-/// The camera for a picture `aspect` as wide as high.
+/// The camera for a picture `aspect` times as wide as high.
 pub(crate) fn around(grid: &Grid, projection: ProjectionName, aspect: f64) -> Result<Camera, SceneError> {
     let bounds = grid.bounds();
     let target = bounds.centre();

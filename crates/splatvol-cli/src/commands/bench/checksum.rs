@@ -1,7 +1,7 @@
 //! Checksums of pictures: one that any change of an 8-bit code changes, and one that only visible changes change.
 //!
 //! Both are of the picture that `splatvol render` writes: 8-bit sRGB over the default background. SIMD levels differ
-//! by about 1e-5 in linear light, which turns single codes over; the means of 8 x 8 cells bear that, and are what is
+//! by about 1e-5 in linear light, which changes single codes. The means of 8 x 8 cells tolerate that; they are
 //! recorded and compared.
 
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ use splatvol_document::keys::CHARCOAL;
 
 /// Cells along each side.
 const CELLS: u32 = 8;
-/// Largest difference of a cell's mean that counts as none, in shares of full sRGB.
+/// Largest difference of a cell's mean that counts as equal, in shares of full sRGB.
 const TOLERANCE: f64 = 1e-3;
 /// Recorded digits, as a factor: a tenth of the tolerance.
 const DIGITS: f64 = 1e4;
@@ -70,7 +70,7 @@ impl Checksum {
     }
 }
 
-/// How a picture compares with what is recorded.
+/// How a picture compares with its record.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "verdict", rename_all = "kebab-case")]
 pub(super) enum Check {
@@ -86,7 +86,7 @@ pub(super) enum Check {
         /// The cell, column and row from the upper left.
         cell: [usize; 2],
     },
-    /// A fixed case of which nothing is recorded.
+    /// A fixed case without a record.
     Unrecorded,
     /// Nothing is expected of this picture.
     Unchecked,
@@ -140,7 +140,7 @@ impl Expected {
         self.0.keys().map(String::as_str).collect()
     }
 
-    /// Forgets cases that are no more.
+    /// Removes cases that no longer exist.
     pub(super) fn retain(&mut self, known: impl Fn(&str) -> bool) {
         self.0.retain(|case, _| known(case));
     }

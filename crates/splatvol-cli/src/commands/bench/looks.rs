@@ -36,8 +36,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The range that is asked for, or the sample's, or all values; and the sample's best known surface, or the value
-    /// that divides the data best.
+    /// The requested range, or the sample's, or all values; and the sample's best known surface, or the value that
+    /// divides the data best.
     pub(super) fn new(input: &Input, args: &LookArgs) -> Self {
         let (range, iso) = match input.sample {
             // Bone, in Hounsfield units.
@@ -97,7 +97,7 @@ fn dividing_value(volume: &Volume) -> f64 {
         let above = total - below;
         let distance = below_moment / below - (total_moment - below_moment) / above;
         let variance = below * above * distance * distance;
-        // False where one side is empty.
+        // False if one side is empty.
         if variance > best.0 {
             best = (variance, i + 1);
         }

@@ -34,7 +34,7 @@ pub(super) struct Subject {
 pub(super) struct Measured {
     /// Wall clock per frame, milliseconds.
     pub(super) wall_ms: Vec<f64>,
-    /// Processor time of the process per frame, milliseconds; absent where the system does not tell.
+    /// Processor time of the process per frame, milliseconds; absent if the system does not report it.
     pub(super) cpu_ms: Option<Vec<f64>>,
     /// Statistics of the frame whose wall-clock time is the median.
     pub(super) statistics: RenderStatistics,

@@ -1,8 +1,8 @@
 //! `splatvol bench`: render fixed or given scenes again and again, time them, and check their pictures.
 //!
-//! [`scenes`] says what is run, [`looks`] how it looks, [`measure`] runs and times it, [`checksum`] compares its
-//! pictures with those recorded in `expected.json`, [`report`] says what came out. After a change that is meant to
-//! change pictures they are recorded anew by
+//! [`scenes`] has the cases, [`looks`] their looks; [`measure`] runs and times them, [`checksum`] compares their
+//! pictures with those recorded in `expected.json`, and [`report`] has the results. After an intended change of
+//! pictures, record them again with
 //! `cargo run --release -- bench --update-expected crates/splatvol-cli/src/commands/bench/expected.json`.
 
 mod around;
@@ -31,7 +31,7 @@ use self::report::{CaseReport, Report, Table};
 use self::scenes::{SceneChoice, Variant};
 use crate::args::{BenchArgs, LookName, MethodArgs, ProjectionName, of_input};
 use crate::failure::{During, Failure, Step};
-use crate::output::{Target, encode_frame, picture_format};
+use crate::output::{Target, check_distinct, encode_frame, picture_format};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &BenchArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -77,7 +77,7 @@ struct Bench<'a> {
     course: Course,
     variants: Vec<Variant>,
     table: Table,
-    /// Where nothing is expected of the pictures, `None`.
+    /// `None` if nothing is expected of the pictures.
     expected: Option<Expected>,
 }
 
@@ -92,8 +92,16 @@ impl<'a> Bench<'a> {
         }
         let picture = args.picture.as_deref();
         picture.map(picture_format).transpose()?;
-        for output in [picture, args.json.as_deref()].into_iter().flatten() {
-            Target::new(output).check(args.write.overwrite)?;
+        let results = [("picture", picture), ("report", args.json.as_deref())];
+        let results = results.map(|(name, path)| path.map(|path| (name, Target::new(path))));
+        let results: Vec<_> = results
+            .iter()
+            .flatten()
+            .map(|(name, target)| (*name, target))
+            .collect();
+        check_distinct(&results)?;
+        for (_, target) in results {
+            target.check(args.write.overwrite)?;
         }
         let recording = args.update_expected.is_some();
         Ok(Self {
@@ -118,7 +126,7 @@ impl<'a> Bench<'a> {
         self.print(&self.table.head())?;
         for scene in scenes::scenes(self.args) {
             let keys = of_input(&self.args.read, &scene.reference);
-            let mut input = input::load(&keys, self.terminal.reads(self.args.read.strict))?;
+            let mut input = input::load(&keys, self.terminal.reads(self.args.read.rules()))?;
             if let Some(axis) = Up::of(&input).said(&scene.reference, self.terminal) {
                 input.turn(axis)?;
             }
@@ -164,7 +172,7 @@ impl<'a> Bench<'a> {
                     &keys,
                     input,
                     settings.compositing(),
-                    self.terminal.reads(self.args.read.strict),
+                    self.terminal.reads(self.args.read.rules()),
                 )?
             }
         };

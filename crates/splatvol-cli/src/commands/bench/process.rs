@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-/// Processor time, user and system, of all threads since the process began; `None` where it cannot be asked for.
+/// Processor time, user and system, of all threads since the process began; `None` if the system does not report
+/// it.
 #[cfg(unix)]
 pub(super) fn cpu_time() -> Option<Duration> {
     use rustix::time::{ClockId, clock_gettime};
@@ -15,7 +16,8 @@ pub(super) fn cpu_time() -> Option<Duration> {
     None
 }
 
-/// Largest resident size since the last [`reset_peak_memory`], bytes; `None` where the system does not say.
+/// Largest resident size since the last [`reset_peak_memory`], bytes; `None` if the system does not report
+/// it.
 pub(super) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -23,7 +25,7 @@ pub(super) fn peak_memory() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
-/// Begins a new period for [`peak_memory`]; without effect where the system does not allow it.
+/// Begins a new period for [`peak_memory`]; without effect if the system does not allow it.
 pub(super) fn reset_peak_memory() {
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }

@@ -62,7 +62,7 @@ impl Report {
     /// Errors of the pictures.
     pub(super) fn complaints(&self) -> Vec<String> {
         let unexpected = self.cases.iter().filter_map(CaseReport::complaint);
-        // Cases of one name differ in their threads only.
+        // Cases with the same name differ only in their threads.
         let variable = self.cases.iter().filter_map(|case| {
             let first = self.cases.iter().find(|other| other.name == case.name)?;
             (first.picture.sha256 != case.picture.sha256).then(|| {

@@ -1,4 +1,4 @@
-//! Measured cases: the fixed scenes or given volumes, in all asked combinations.
+//! Measured cases: the fixed scenes or given volumes, in all requested combinations.
 
 use std::num::NonZero;
 
@@ -113,7 +113,7 @@ pub(super) fn variants(args: &BenchArgs) -> Vec<Variant> {
     variants
 }
 
-/// Name of a case, but for its threads.
+/// Name of a case, without its threads.
 pub(super) fn case_name(
     scene: &str,
     look: LookName,

@@ -7,7 +7,7 @@ use serde::Serialize;
 use splatvol::{Bounds, Gaussians, Mesh, Points, Topology};
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::keys::ItemKeys;
-use splatvol_document::{Reading, Silent, items, meaning};
+use splatvol_document::{ReadRules, Reading, Silent, items, meaning};
 use splatvol_io::{Data, DataKind, LoadedData, read_data};
 
 use super::tidy;
@@ -15,7 +15,7 @@ use crate::args::{InfoArgs, of_input};
 use crate::failure::{During, Failure, Step};
 use crate::terminal::Terminal;
 
-/// All that is known about something that is no volume.
+/// All that is known about data other than a volume.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 struct Report {
@@ -78,14 +78,18 @@ struct ItemReport {
     item: ItemKeys,
 }
 
-/// Files are where they are said to be.
+/// Files are read from the paths given.
 const AS_TYPED: Reading<'static> = Reading {
-    strict: false,
+    rules: ReadRules {
+        strict: false,
+        allow_outside: false,
+        max_bytes: None,
+    },
     folder: None,
     listener: &Silent,
 };
 
-/// Text or JSON about the input; `None` where it is a volume.
+/// Text or JSON about the input; `None` if it is a volume.
 pub(super) fn text(name: &str, args: &InfoArgs, terminal: &Terminal) -> Result<Option<String>, Failure> {
     let path = Path::new(name);
     if is_scene(path) {
@@ -93,17 +97,17 @@ pub(super) fn text(name: &str, args: &InfoArgs, terminal: &Terminal) -> Result<O
     }
     let mut item = of_input(&args.read, name);
     item.kind = args.kind.map(|kind| kind.name().to_owned());
-    // What cannot be read is for the reader of volumes to say, in its words.
+    // If the file cannot be read, the reader of volumes reports the error in its own words.
     let Ok((kind, path)) = items::kind(&item, AS_TYPED) else {
         return Ok(None);
     };
+    meaning::check(&item, kind)?;
     if kind == DataKind::Volume {
         return Ok(None);
     }
-    meaning::check(&item, kind)?;
     let loaded = {
         let _spinner = terminal.spinner(format!("Reading {name}"));
-        read_data(&path, &items::options(&item, args.read.strict)?).during(Step::Input)?
+        read_data(&path, &items::options(&item, args.read.rules())?).during(Step::Input)?
     };
     let report = Report::new(name, loaded);
     Ok(Some(if args.json { json(&report)? } else { report.text() }))

@@ -173,7 +173,7 @@ fn described(kernel: Kernel) -> String {
     }
 }
 
-/// A share as a row of 44 signs at most; nothing where it is negative.
+/// A share as a row of at most 44 signs; empty if it is negative.
 fn bar(share: f64) -> String {
     let length = (44.0 * share.clamp(0.0, 1.0)).round() as usize;
     format!("{:<44}", "#".repeat(length))

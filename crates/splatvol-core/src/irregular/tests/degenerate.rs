@@ -42,7 +42,7 @@ fn assert_legal(kernels: &MeshKernels, samples: usize) {
     assert!(kernels.gradients.iter().flatten().all(|v| v.is_finite()));
 }
 
-/// Kernels that are looked at when all are summed at all.
+/// Kernels that are looked at for the sums of all kernels at all centres.
 fn work(kernels: &MeshKernels) -> usize {
     let samples: Vec<Sample> = (0..kernels.len())
         .map(|n| {
@@ -83,7 +83,7 @@ fn collapsed_and_blanked_cells_make_no_more_work_than_others() {
     }
 }
 
-/// A constant within the polar grid, away from its ends, its axis and where it begins.
+/// A constant within the polar grid, away from its ends, its axis and its seam.
 #[test]
 fn a_constant_stays_constant_around_what_is_collapsed() {
     let dims = [16, 25, 12];
@@ -117,7 +117,7 @@ fn a_constant_stays_constant_around_what_is_collapsed() {
     assert!(largest < 0.01, "{largest}");
 }
 
-/// Cells without volume have no kernels, others beside them do.
+/// Cells without volume have no kernels; others beside them do.
 #[test]
 fn cells_that_are_all_in_one_place_have_no_kernels() {
     let dims = [9, 8, 7];
@@ -134,5 +134,35 @@ fn cells_that_are_all_in_one_place_have_no_kernels() {
                 assert_eq!(found.is_empty(), kept == 0.0, "{association:?} {kept}");
             }
         }
+    }
+}
+
+/// A hostile file's mesh: one point of an even block lies very far away.
+#[test]
+fn one_point_far_away_makes_no_work_of_all_pairs() {
+    for far in [1e3, 1e6, 2e9] {
+        let dims = [24, 25, 40];
+        let mut points = block(dims, |u| u * 0.1);
+        points[13_330].z = far;
+        let field = MeshField {
+            name: "f".to_owned(),
+            association: Association::Point,
+            values: points.iter().map(|p| p.x as f32).collect(),
+        };
+        let positions = points.iter().map(|p| p.as_vec3().to_array()).collect();
+        let topology = Topology::Structured(vec![dims]);
+        let mesh = Mesh::new(positions, topology, Vec::new(), field, DAffine3::IDENTITY).unwrap();
+        let kernels = kernels(&mesh, SIGMA);
+        assert_legal(&kernels, points.len());
+        let per_kernel = work(&kernels) / kernels.len();
+        println!(
+            "{far}: {} kernels, {:?}, {per_kernel}",
+            kernels.len(),
+            kernels.resampling
+        );
+        assert!(
+            per_kernel < 2 * 512,
+            "{far}: {per_kernel} kernels looked at for each of 16 places"
+        );
     }
 }

@@ -80,7 +80,7 @@ fn a_constant_stays_constant_on_skewed_structured_cells() {
     }
 }
 
-/// Every second tetrahedron in four, around a point near one of its edges: three of the four are slivers.
+/// Splits every second tetrahedron into four around a point near one of its edges: three of the four are slivers.
 fn split(points: &mut Vec<DVec3>, cells: &Cells) -> Cells {
     let mut random = Random::new(5);
     let mut all = Cells::default();

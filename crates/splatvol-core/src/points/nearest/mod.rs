@@ -4,8 +4,8 @@
 //! boxes that are nearer to one of them than its neighbours so far. This is the search of Samet, Foundations of
 //! Multidimensional and Metric Data Structures, 2006, section 4.2, from the bottom up. Distances to a node's
 //! sixteen boxes and a leaf's sixteen places are first measured from the bounding box of the searching places, then
-//! from each of the sixteen. Rounding keeps the order of distances, so nothing nearer is left out. Of neighbours at
-//! one distance the first is taken: the result depends on the places alone.
+//! from each of the sixteen. Rounding keeps the order of distances, so nothing nearer is left out. Among neighbours
+//! at one distance the first is taken, so the result depends on the places alone.
 
 mod found;
 mod tree;
@@ -24,7 +24,7 @@ const LANE: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
 const FEW: usize = 8;
 /// Leaves of one task.
 const BATCH: usize = 64;
-/// Nodes above each other: of fewer than 2^32 places no tree has more.
+/// Most nodes above each other in a tree of fewer than 2^32 places.
 const DEPTH: usize = 8;
 
 /// The `k` nearest other places of each of these, which lie in Morton order; nearest first. More than `k` places.
@@ -88,7 +88,7 @@ struct Search<'t, S: Simd, const K: usize> {
 impl<'t, S: Simd, const K: usize> Search<'t, S, K> {
     #[inline(always)]
     fn new(simd: S, tree: &'t Tree, leaf: usize, found: usize) -> Self {
-        // Where a leaf is not full its first place searches again.
+        // Where a leaf is not full, its first place searches again.
         let mut places = [f32x16::splat(simd, 0.0); 3];
         for (places, coordinates) in places.iter_mut().zip(&tree.leaves[leaf]) {
             let there = f32x16::simd_from(simd, *coordinates);
@@ -210,7 +210,7 @@ impl<'t, S: Simd, const K: usize> Search<'t, S, K> {
         (squared, squared.simd_le(farthest).to_bitmask())
     }
 
-    /// Whether a box may hold a neighbour of one who searches.
+    /// Whether a box may hold a neighbour of a searching place.
     #[inline(always)]
     fn is_near(&self, bounds: Bounds) -> bool {
         let zero = f32x16::splat(self.simd, 0.0);

@@ -1,8 +1,8 @@
 //! Errors of the alignments against exact alignment: estimates, and the choice of `auto` based on them.
 //!
-//! With `c` and `w_0` the whitened centre and the whitened ray through it, a ray with the whitened offset `e |w_0|`
-//! from that one passes the kernel at `r = |c x e| / |w|` (`splats::Ray`),
-//! `|w|^2 = |w_0|^2 ((1 + e_par)^2 + e_perp^2)`, while the affine footprint has `rho = |c| e_perp`: the alignments
+//! Let `c` and `w_0` be the whitened centre and the whitened ray through it. A ray with the whitened offset
+//! `e |w_0|` from that one passes the kernel at `r = |c x e| / |w|` (`splats::Ray`),
+//! `|w|^2 = |w_0|^2 ((1 + e_par)^2 + e_perp^2)`. The affine footprint has `rho = |c| e_perp`, so the alignments
 //! differ by their denominators only. Within a footprint `|e_par| <= tau rho` and `e_perp = epsilon rho`, where
 //! `epsilon = 1 / |c|` is the standard deviation per distance, `tau^2 = t^T V2 t`,
 //! `t = (V^-1 d)_xy / (d^T V^-1 d)`, and V2 is the footprint's covariance per depth; the path's length changes by
@@ -15,10 +15,10 @@
 //! | ray | the same without tau |
 //!
 //! so 1.159 tau for a Gaussian: a sphere 60 degrees off axis has `1.00 sigma / z`, which is mueller1998's 1 % at
-//! .01. To this the square of the first order is added, four times, which bounds what is left out up to errors of a
-//! fifth (tested). What lies along another axis, or is stretched in another direction, errs by the difference of
-//! two Gaussians as well: with `kappa < 1` the ratio of their variances, `(1 - kappa) kappa^(kappa / (1 - kappa))`,
-//! plus the difference of their heights.
+//! .01. Four times the square of the first order is added, which bounds the terms left out up to errors of a fifth
+//! (tested). A footprint along another axis, or stretched in another direction, also errs by the difference of two
+//! Gaussians: with `kappa < 1` the ratio of their variances, `(1 - kappa) kappa^(kappa / (1 - kappa))`, plus the
+//! difference of their heights.
 
 use glam::{DVec2, DVec3};
 
@@ -79,7 +79,7 @@ impl Shape {
         let own = determinant(self.planar);
         let theirs = determinant(other.planar);
         let height = other.path / self.path * (own / theirs).sqrt();
-        // The eigenvalues of the one covariance times the inverse of the other.
+        // The eigenvalues of one covariance times the inverse of the other.
         let ([a, b, c], [d, e, f]) = (self.planar, other.planar);
         let half = 0.5 * (a * f - 2.0 * b * e + c * d) / theirs;
         let root = (half * half - own / theirs).max(0.0).sqrt();
@@ -130,7 +130,7 @@ impl Projection<'_> {
     #[inline(always)]
     pub(super) fn is_affine_enough(&self, u: DVec3, filtered: Covariance, budget: f64) -> bool {
         let along = (u.truncate() / u.z).abs();
-        // Farther outside the Jacobian is not that of the centre.
+        // Farther outside, the Jacobian is not that of the centre.
         along.x <= self.widest.x
             && along.y <= self.widest.y
             && !self.reaches_near(u, filtered)
@@ -172,7 +172,7 @@ struct FirstOrder {
 }
 
 impl FirstOrder {
-    /// `tilted`: with the term that footprints in perspective do not have.
+    /// `tilted`: with the term in tau, which footprints across the ray do not have.
     #[inline(always)]
     fn total(&self, tilted: bool) -> f64 {
         let radial = if tilted { self.radial } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Low-pass filters: on the screen for affine footprints, in camera space for the others.
 //!
 //! `ewa` adds `pixel_sigma^2 I` to the screen covariance V2 (zwicker2001 eq. 22). `matched` adds only as much as
-//! the narrower axis lacks to it. `swan` scales V2 by `a^2`, `a = max(1, 1 / (s spacing))`, with the spacing of the
+//! the narrower axis lacks. `swan` scales V2 by `a^2`, `a = max(1, 1 / (s spacing))`, with the spacing of the
 //! narrowest direction of the grid, which is `d / k` of swan1997 eq. 3-4 for a cubic grid. As the weight has
 //! `sqrt|V2|` in the denominator, extinction falls by eq. 8 of itself. In orthographic views, where k is not
 //! defined, a is the same comparison of voxel and pixel.

@@ -114,7 +114,7 @@ impl Whitening {
 
 /// Least and greatest singular value.
 pub(super) fn singular_values(m: DMat3) -> [f64; 2] {
-    // Of the symmetric 3 x 3 matrix M M^T, by the trigonometric form of Cardano's formula.
+    // Eigenvalues of the symmetric 3 x 3 matrix M M^T, by the trigonometric form of Cardano's formula.
     let a = m * m.transpose();
     let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
     let b = a - DMat3::from_diagonal(DVec3::splat(mean));

@@ -2,7 +2,8 @@
 //!
 //! With u a splat's centre and V' its covariance in camera space, s pixels per world length at its depth and
 //!
-//! `J = [[s, 0, -s x / z], [0, s, -s y / z], [0, 0, 1]]`   (zwicker2001 eq. 25; depth in place of distance as third coordinate)
+//! `J = [[s, 0, -s x / z], [0, s, -s y / z], [0, 0, 1]]`   (zwicker2001 eq. 25; depth in place of distance as third
+//! coordinate)
 //!
 //! the *affine* footprint has the screen covariance `V2 = (J V' J^T)_2x2`, plus the low-pass (`low_pass`), and the
 //! centre weight `m s^2 l q(0) / sqrt|V2|`: m the kernel's integral, `l = |(x, y, z)| / z` the path per depth. A
@@ -57,7 +58,7 @@ pub struct CameraView {
     pub near: f64,
 }
 
-/// All that footprints of a frame have in common.
+/// Data shared by all footprints of a frame.
 #[derive(Debug, Clone)]
 pub struct Projection<'a> {
     cloud: &'a SplatCloud,
@@ -65,7 +66,7 @@ pub struct Projection<'a> {
     alignment: Alignment,
     stretch: Stretch,
     perspective: bool,
-    /// f or m.
+    /// f in pixels (perspective) or m in pixels per world length (orthographic).
     scale: f64,
     principal: DVec2,
     near: f64,
@@ -158,7 +159,7 @@ impl<'a> Projection<'a> {
     #[inline(always)]
     pub fn reach_of(&self, splat: usize) -> f32 {
         match self.cloud.covariances.get(splat) {
-            // Motion is of grids.
+            // Only grids move.
             Some(own) => {
                 let depth = along(own.map(f64::from), self.linear.row(2));
                 (self.cut * depth.max(0.0).sqrt()) as f32

@@ -2,7 +2,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | here | evaluated pixel by pixel, or by what profiles do with rows |
+//! | here | evaluated pixel by pixel, or by the profile row by row |
 //! | `tables` | looked up, as FastSplats |
 //! | `linear`, `circle`, `ellipse`, `rlut`, `blit` | how a look-up finds its entry (huang2000 section 3) |
 //! | `snap` | grids of sub-pixel positions |
@@ -60,7 +60,7 @@ impl<P: Profile> Brush<'_, P> {
         let last = |at: f32, high: usize| (at - 0.5).floor().min(high as f32 - 1.0);
         let (ax, bx) = (first(x0, left), last(x1, right));
         let (ay, by) = (first(y0, top), last(y1, bottom));
-        // False too where a bound is not a number.
+        // Also false where a bound is not a number.
         if !(ax <= bx && ay <= by) {
             return None;
         }

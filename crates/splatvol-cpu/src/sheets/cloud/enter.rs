@@ -31,7 +31,7 @@ impl CloudView<'_> {
         let last = f64::from(depth + splat.reach).max(first);
         let ends = [first, last].map(|depth| [depth as f32, self.screen.scale_at(depth) as f32]);
         let mut footing = place.footing(frame.principal());
-        // Four planes at a time a footprint may take a block more than at the ends of its reach.
+        // On four planes at a time, a footprint may cover one block more than at the ends of its reach.
         for [first, end] in &mut footing.blocks {
             *first -= 1;
             *end += 1;

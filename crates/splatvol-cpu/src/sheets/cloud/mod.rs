@@ -19,7 +19,7 @@
 //! | splat | `enter`, `splat` | a splat into the four planes that it meets next; if it reaches farther, again four planes later |
 //! | show | `emission` | planes of extinction and emission, composited |
 //! | | `field` | or planes of a mesh's values and weights, post-classified |
-//! | | `values` | or one value of each ray kept of those |
+//! | | `values` | or one value of each ray kept from those |
 //!
 //! `mode` is the part of the tile loop that all three share.
 

@@ -119,7 +119,7 @@ impl ChunkBounds {
         screen: ScreenFromCamera,
     ) -> Self {
         let linear = camera_from_local.matrix3;
-        // A bound of the largest singular value: that of a rotation times one number is that number.
+        // A bound on the largest singular value; exact for a rotation times a number.
         let square = linear.transpose() * linear;
         let rows = [square.row(0), square.row(1), square.row(2)];
         let stretch = rows

@@ -112,7 +112,7 @@ impl Footing {
     fn blocks_along(&self, axis: usize, splat: &OpenSplat, ends: [[f32; 2]; 2]) -> Option<[usize; 2]> {
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for [depth, scale] in ends {
-            // Beyond its reach there is nothing of it.
+            // The splat ends at its reach.
             let from_centre = (depth - splat.centre[2]).clamp(-splat.reach, splat.reach);
             let centre = splat.centre[axis] + splat.slope[axis] * from_centre;
             let half = splat.half_extent[axis] * scale;

@@ -1,6 +1,6 @@
 //! Show: one value of each ray through a mesh, of the field `v = S / W` on planes ([`super::field`]).
 //!
-//! As of volumes, the largest or smallest value counts where coverage, here W, is a half and more, and the mean is
+//! As for volumes, the largest or smallest value counts where coverage, here W, is a half or more, and the mean is
 //! weighted by it (docs/numerics.md, modes mip, minip and mean).
 
 use fearless_simd::prelude::*;

@@ -8,7 +8,7 @@ use crate::splats::composite::{Block, LANES};
 use crate::splats::project::ProjectedSplat;
 use crate::splats::resolve::Resolved;
 
-/// Optical depths through the middle beyond are no deeper.
+/// Larger optical depths through the middle count as this one.
 const DEEPEST: f32 = 1e9;
 
 /// A cut Gaussian, less its value at the cut so that it ends without a step, with its mass kept.

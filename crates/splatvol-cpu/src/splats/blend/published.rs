@@ -12,7 +12,7 @@ use crate::splats::settings::sane;
 
 /// `log2(255)`: splats count where the logarithm of their opacity is above its negative.
 const LOG2_255: f32 = 7.994_353_3;
-/// Opacities below count as none.
+/// Opacities below this count as none.
 const LEAST_ALPHA: f32 = 1.0 / 255.0;
 /// A smaller opacity, whose logarithm is finite.
 const UNSEEN: f32 = 1.0 / 256.0;
@@ -20,7 +20,7 @@ const UNSEEN: f32 = 1.0 / 256.0;
 const LEAST_SPREAD: f32 = 0.1;
 /// Opacity is cut here.
 const MOST_ALPHA: f32 = 0.99;
-/// Pixels end before their transmittance falls below.
+/// Pixels end before their transmittance falls below this.
 const LEAST_TRANSMITTANCE: f32 = 1e-4;
 
 /// Blending as in the published renderer. Peaks are opacities; a splat keeps their logarithm to base 2.
@@ -34,7 +34,7 @@ pub(crate) struct Published {
 }
 
 impl Published {
-    /// Before a background: linear light, straight alpha.
+    /// Blending over a background, in linear light with straight alpha.
     pub(crate) fn new(background: [f32; 4]) -> Self {
         let [r, g, b, alpha] = background.map(|value| sane(f64::from(value)));
         let alpha = alpha.min(1.0) as f32;

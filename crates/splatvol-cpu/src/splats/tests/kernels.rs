@@ -1,4 +1,4 @@
-//! Kernels of other things among Gaussians: against f64, and without a trace where they do not reach.
+//! Kernels of other things among Gaussians: against f64, and without effect where they do not reach.
 
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_core::splats::{Gather, Splat, SplatCloud};

@@ -8,15 +8,14 @@ use super::{
     BlendMode, CloudSettings, LowPass, Pixel, Published, Renderer, attributes, cloud, perspective, settings,
 };
 
-/// Pictures agree to 95 dB and more, but for one where two large splats lie so near each other in depth that f32
-/// swaps them.
+/// Pictures agree to 95 dB and more, except one where two large splats are so close in depth that f32 swaps them.
 const LEAST_PSNR: f64 = 58.0;
 
 fn renderer() -> Renderer {
     Renderer::new(2, None).expect("the processor's best instructions")
 }
 
-/// Premultiplied display colour and opacity, as a PNG's reader has them.
+/// Premultiplied display colour and opacity, as the reader of a PNG gets them.
 pub(super) fn display(pixel: [f32; 4]) -> [f64; 4] {
     let [r, g, b, alpha] = pixel.map(f64::from);
     let encode = |c: f64| {

@@ -1,5 +1,6 @@
 //! The JSON of a glTF file and its buffers.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
@@ -62,6 +63,9 @@ pub(super) struct Document<'a> {
     pub(super) context: &'a Context<'a>,
 }
 
+/// Buffers that may name the same file, on average: each holds its bytes.
+const MOST_REPEATED: usize = 4;
+
 impl<'a> Document<'a> {
     pub(super) fn open(
         path: &Path,
@@ -87,6 +91,11 @@ impl<'a> Document<'a> {
             total += bytes.len() as u64;
             if total > options.max_bytes {
                 return Err(context.limit(total, options.max_bytes));
+            }
+            let distinct: BTreeSet<&PathBuf> = files.iter().collect();
+            if files.len() > MOST_REPEATED * distinct.len().max(1) {
+                let found = format!("{} buffers of {} files", files.len(), distinct.len());
+                return Err(context.field("buffers", found, None, "a file of its own for each"));
             }
             buffers.push(bytes);
         }

@@ -1,9 +1,10 @@
 //! glTF 2.0 (`.gltf`, `.glb`) with `KHR_gaussian_splatting`, and SPZ inside it (`..._compression_spz_2`).
 //!
 //! Every primitive with the extension is a cloud in the frame of its node. Clouds are joined in the frame of the first:
-//! means, scales, rotations and harmonics of the others are moved there, which similarities allow; a node that shears or
-//! scales axes differently from the first is refused. Rotations are x y z w, opacities 0..1. Scales are lengths since the
-//! extension was ratified and were logarithms in its drafts: a file with negative scales is one of those, with a warning.
+//! means, scales, rotations and harmonics of the others are moved there, which similarities allow; a node that shears
+//! or scales axes differently from the first is refused. Rotations are x y z w, opacities 0..1. Scales are lengths
+//! since the extension was ratified and were logarithms in its drafts: a file with negative scales is one of those,
+//! with a warning.
 //!
 //! `gltf` the crate does not know the extension and drops its attributes, so the document is read as plain JSON.
 
@@ -31,7 +32,7 @@ const EXTENSION: &str = "KHR_gaussian_splatting";
 /// True where the document uses the extension.
 ///
 /// # Errors
-/// A file that begins as glTF and is none.
+/// A file that begins as glTF does but is not glTF.
 pub(super) fn is_gaussians(path: &Path) -> Result<bool, IoError> {
     let context = Context::new("glTF", path);
     let (json, _) = document::parse(path, &context)?;
@@ -44,7 +45,7 @@ pub(super) fn is_gaussians(path: &Path) -> Result<bool, IoError> {
 /// # Errors
 /// Anything that does not fit in the document or its buffers, nodes that cannot be joined, no Gaussians in the scene.
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<LoadedGaussians, IoError> {
-    let context = &Context::new("glTF", path);
+    let context = &Context::new("glTF", path).following(options);
     let document = &Document::open(path, options, context)?;
     let mut parts = Vec::new();
     let mut count = 0;
@@ -52,7 +53,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<LoadedGaussians
         for primitive in primitive::gaussians_of(document, instance.mesh)? {
             let part = primitive::read(document, primitive, options)?;
             count += part.collector.len();
-            // Bytes are the least that a Gaussian takes: only many copies of a mesh go beyond.
+            // A Gaussian takes at least a byte: only many copies of one mesh exceed this count.
             if count > document.bytes() {
                 return Err(context.limit(count as u64, document.bytes() as u64));
             }

@@ -16,7 +16,7 @@ const FREE_PIXELS: usize = 1 << 20;
 /// Pixels per byte beyond that: attributes of Gaussians hardly compress.
 const PIXELS_PER_BYTE: usize = 1024;
 
-/// True for a folder with a `meta.json`, and for such a file itself, if it speaks of means and quaternions.
+/// True for a folder with a `meta.json`, and for such a file itself, if it has means and quaternions.
 pub(in super::super) fn is_folder_or_meta(path: &Path) -> bool {
     let Some(meta) = meta_path(path) else {
         return false;
@@ -91,6 +91,23 @@ impl Files {
         }
     }
 
+    /// Bytes of the archive, or of all files in the folder.
+    pub(super) fn bytes(&self, context: &Context<'_>) -> u64 {
+        let length = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+        match self {
+            Self::Archive { .. } => length(context.path),
+            Self::Folder { meta, .. } => {
+                let folder = meta.parent().filter(|folder| !folder.as_os_str().is_empty());
+                let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
+                let paths = entries.into_iter().flatten().flatten().map(|entry| entry.path());
+                paths
+                    .filter(|path| path.is_file())
+                    .map(|path| length(&path))
+                    .sum()
+            }
+        }
+    }
+
     /// The files that were read, besides an archive itself.
     pub(super) fn paths(&self) -> Vec<PathBuf> {
         match self {
@@ -106,7 +123,11 @@ impl Files {
                 let path = if name == "meta.json" {
                     meta.clone()
                 } else {
-                    companion(name, "files", None, &Context::new(context.format, meta))?
+                    let context = Context {
+                        path: meta,
+                        ..*context
+                    };
+                    companion(name, "files", None, &context)?
                 };
                 let bytes = read_file(&path, context)?;
                 read.push(path);

@@ -135,7 +135,7 @@ fn harmonics(node: &Node<'_>) -> Result<Option<Harmonics>, IoError> {
     }))
 }
 
-/// A number above zero that counts something.
+/// A whole number above zero.
 fn whole(node: &Node<'_>) -> Result<usize, IoError> {
     let number = node.number()?;
     if number >= 0.0 && number.fract() == 0.0 && number <= f64::from(u32::MAX) {

@@ -18,7 +18,7 @@ mod meta;
 use std::path::Path;
 
 use super::LoadedGaussians;
-use super::collect::{Collector, Splat, sigmoid, with_largest};
+use super::collect::{Collector, Splat, check_plausible, sigmoid, with_largest};
 use super::frame::{self, RDF};
 use super::harmonics::harmonics_count;
 use crate::error::Context;
@@ -35,10 +35,11 @@ const CENTROIDS_PER_ROW: usize = 64;
 /// # Errors
 /// A `meta.json` that is not one, missing or corrupt pictures, pictures smaller than the count.
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<LoadedGaussians, IoError> {
-    let context = &Context::new("SOG", path);
+    let context = &Context::new("SOG", path).following(options);
     let mut files = Files::open(path, context)?;
     let document = crate::json::parse(&files.read("meta.json", context)?, context)?;
     let meta = Meta::parse(&document, context)?;
+    check_plausible(meta.count as u64, files.bytes(context), context)?;
     let pictures = Pictures::read(&meta, &mut files, context)?;
     let palette = Palette::read(&meta, &mut files, context)?;
     let degree = palette.as_ref().map_or(0, |palette| palette.degree);

@@ -2,6 +2,7 @@
 
 use ruzstd::decoding::StreamingDecoder;
 
+use super::super::collect::check_plausible;
 use super::super::detect::SPZ_MAGIC;
 use super::super::fields::Fields;
 use super::super::frame::RUB;
@@ -32,6 +33,7 @@ pub(super) fn read(
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<Packed, IoError> {
+    let length = source.at_most();
     let gzip = source.peek(context)?.starts_with(&[0x1f, 0x8b]);
     if gzip {
         source = source.inflate(Codec::Gzip);
@@ -48,6 +50,7 @@ pub(super) fn read(
         (false, 4) => "zstd",
         (false, _) => "not compressed",
     };
+    check_plausible(packed.count, length, context)?;
     let has_extensions = header.u8(14)? & HAS_EXTENSIONS != 0;
     if packed.version == 4 && !gzip {
         read_streams(&mut source, has_extensions, header.u8(15)?, &mut packed, context)?;

@@ -7,7 +7,7 @@ use crate::IoError;
 
 /// Range of the harmonics (Adobe): two bytes of precision, two floats.
 const HARMONICS_RANGE: u32 = 0xADBE_0001;
-/// Limits of an orbiting camera (Adobe); nothing for a reader to do.
+/// Limits of an orbiting camera (Adobe), which a reader can ignore.
 const ORBIT: u32 = 0xADBE_0002;
 /// Frame (Adobe): a number.
 const FRAME: u32 = 0xADBE_0003;

@@ -2,12 +2,12 @@
 //!
 //! A header of 16 bytes, then one array per attribute: means (24-bit fixed point; half floats in version 1), opacities,
 //! colours (degree 0, `c = (byte / 255 - 1/2) / 0.15`), scales (`ln s = byte / 16 - 10`), rotations, harmonics
-//! (`(byte - 128) / 128`, colours next to each other). All of it is one gzip stream, or none, in versions 1 to 3. Version 4
-//! has a plain header of 32 bytes, extensions, a table of compressed and uncompressed lengths, and a zstd stream for each
-//! array. Rotations are x y z in bytes with w >= 0 left out (versions 1 and 2), or the three smallest components in ten
-//! bits each (3 and 4).
+//! (`(byte - 128) / 128`, colours next to each other). All of it is one gzip stream, or none, in versions 1 to 3.
+//! Version 4 has a plain header of 32 bytes, extensions, a table of compressed and uncompressed lengths, and a zstd
+//! stream for each array. Rotations are x y z in bytes with w >= 0 left out (versions 1 and 2), or the three smallest
+//! components in ten bits each (3 and 4).
 //!
-//! The frame is RUB unless an extension of version 4 says otherwise. Extensions known: range of harmonics, frame.
+//! The frame is RUB unless an extension of version 4 says otherwise. Known extensions: range of harmonics, frame.
 
 mod container;
 mod extensions;

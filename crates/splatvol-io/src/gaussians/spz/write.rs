@@ -1,7 +1,8 @@
-//! SPZ version 3 from Gaussians whose numbers are already in RUB: the inverse of what `packed` does, rounded to nearest.
+//! SPZ version 3 from Gaussians whose numbers are already in RUB: the inverse of what `packed` does, rounded to
+//! nearest.
 //!
-//! Harmonics keep 5 bits at degree 1 and 4 bits above, as in the reference implementation, so that gzip finds repeats; those
-//! beyond -1..1 are clipped.
+//! Harmonics keep 5 bits at degree 1 and 4 bits above, as in the reference implementation, so that gzip finds repeats;
+//! those beyond -1..1 are clipped.
 
 use std::io::Write as _;
 

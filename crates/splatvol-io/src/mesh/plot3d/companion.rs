@@ -7,6 +7,13 @@ use crate::IoError;
 use crate::error::Context;
 use crate::source::read_file;
 
+/// True for the extensions of grids and solutions, and of binary files.
+pub(super) fn is_customary(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let extension = extension.to_string_lossy();
+    extension == "bin" || EXTENSIONS.iter().any(|names| names.contains(&extension.as_ref()))
+}
+
 /// Extensions, and ends or parts of names, of grids and of the solutions that go with them.
 const EXTENSIONS: [&[&str]; 2] = [&["xyz", "x", "g", "grd", "p3d", "grid"], &["q", "sol"]];
 const PARTS: [(&str, &str); 4] = [("xyz", "q"), ("grid", "q"), ("grid", "solution"), ("grid", "sol")];
@@ -21,8 +28,10 @@ pub(super) fn pair(
         return Ok((path.to_owned(), solution.to_owned()));
     }
     let bytes = read_file(path, context)?;
-    let holds = |bytes: &[u8], content| Layout::find(bytes, bytes.len() as u64, content).is_some();
-    let wanted = match holds(&bytes, Content::Grid) {
+    let holds = |bytes: &[u8], content| Layout::near(bytes, bytes.len() as u64, content).is_some();
+    let exactly = |content| Layout::find(&bytes, bytes.len() as u64, content).is_some();
+    let is_grid = exactly(Content::Grid) || (holds(&bytes, Content::Grid) && !exactly(Content::Solution));
+    let wanted = match is_grid {
         true => Content::Solution,
         false => Content::Grid,
     };
@@ -34,7 +43,7 @@ pub(super) fn pair(
         (Some(found), Content::Solution) => Ok((path.to_owned(), found)),
         (Some(found), Content::Grid) => Ok((found, path.to_owned())),
         (None, Content::Solution) => Err(context.unsupported(
-            "a grid without a solution beside it (comb.xyz and comb.q, combxyz.bin and combq.bin); name the solution",
+            "a grid without a solution beside it (comb.xyz and comb.q, combxyz.bin and combq.bin); name the solution (`--solution`)",
         )),
         (None, Content::Grid) => Err(context.unsupported("a solution without its grid beside it")),
     }

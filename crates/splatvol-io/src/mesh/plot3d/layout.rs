@@ -1,5 +1,7 @@
 //! The layouts of PLOT3D's files, told apart by arithmetic on dimensions and length.
 
+use std::cmp::Ordering;
+
 use crate::error::Context;
 use crate::{Endian, IoError};
 
@@ -7,6 +9,9 @@ use crate::{Endian, IoError};
 const MOST: i32 = 1 << 24;
 /// More grids are not believed.
 const MOST_GRIDS: i32 = 1 << 16;
+
+/// A file may be too long or too short by this part of its length.
+const SLACK: u64 = 64;
 
 /// Kind of file: grid or solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,12 +35,21 @@ pub(super) struct Layout {
     /// True where an integer per point follows the coordinates.
     pub(super) blanked: bool,
     pub(super) blocks: Vec<[usize; 3]>,
+    /// Bytes of all blocks before each one.
+    before: Vec<u64>,
 }
 
 impl Layout {
     /// The layout of a whole file.
-    pub(super) fn of(bytes: &[u8], content: Content, context: &Context<'_>) -> Result<Self, IoError> {
-        Self::find(bytes, bytes.len() as u64, content).ok_or_else(|| {
+    ///
+    /// Where none fits exactly, the one that fits best is taken if few bytes are missing or too many, with a warning.
+    pub(super) fn of(
+        bytes: &[u8],
+        content: Content,
+        context: &Context<'_>,
+    ) -> Result<(Self, Option<String>), IoError> {
+        let length = bytes.len() as u64;
+        let layout = Self::near(bytes, length, content).ok_or_else(|| {
             let found = format!("{} bytes", bytes.len());
             let what = match content {
                 Content::Grid => "x, y, z and perhaps IBLANK of the grids' dimensions",
@@ -47,15 +61,43 @@ impl Layout {
                 None,
                 format!("{what}, in either byte order and precision"),
             )
-        })
+        })?;
+        let needed = layout.length(content).unwrap_or(length);
+        let warning = match needed.cmp(&length) {
+            Ordering::Equal => None,
+            Ordering::Less => Some(format!(
+                "{} more bytes than the dimensions ask for",
+                length - needed
+            )),
+            Ordering::Greater => Some(format!("{} bytes are missing at the end", needed - length)),
+        };
+        Ok((layout, warning))
     }
 
     /// The layout for which a file of `length` bytes is neither too long nor too short.
     pub(super) fn find(start: &[u8], length: u64, content: Content) -> Option<Self> {
+        let mut layouts = Self::all(start, content);
+        layouts.find(|layout| layout.length(content) == Some(length))
+    }
+
+    /// The layout that misses `length` by the fewest bytes, and by no more than a part of it.
+    pub(super) fn near(start: &[u8], length: u64, content: Content) -> Option<Self> {
+        let misses = |layout: &Self| {
+            let needed = layout.length(content)?;
+            Some(needed.abs_diff(length)).filter(|missed| *missed <= length / SLACK)
+        };
+        let layouts = Self::all(start, content).filter_map(|layout| Some((misses(&layout)?, layout)));
+        layouts
+            .min_by_key(|(missed, _)| *missed)
+            .map(|(_, layout)| layout)
+    }
+
+    /// The layouts whose dimensions can be read.
+    fn all(start: &[u8], content: Content) -> impl Iterator<Item = Self> {
         let choices = (0..32u8).map(|bits| [0, 1, 2, 3, 4].map(|bit| bits >> bit & 1 == 1));
         choices
-            .filter(|&[.., blanked]| !blanked || content == Content::Grid)
-            .find_map(|[little, records, several, wide, blanked]| {
+            .filter(move |&[.., blanked]| !blanked || content == Content::Grid)
+            .filter_map(move |[little, records, several, wide, blanked]| {
                 let layout = Self {
                     endian: if little { Endian::Little } else { Endian::Big },
                     records,
@@ -63,9 +105,9 @@ impl Layout {
                     wide,
                     blanked,
                     blocks: Vec::new(),
+                    before: Vec::new(),
                 };
-                let layout = layout.with_blocks(start)?;
-                (layout.length(content) == Some(length)).then_some(layout)
+                layout.with_blocks(start)?.with_places(content)
             })
     }
 
@@ -116,7 +158,7 @@ impl Layout {
         self.blocks[block].iter().product()
     }
 
-    /// Bytes of a block's records with their marks; none where they cannot be counted.
+    /// Bytes of a block's records with their marks; `None` if they cannot be counted.
     fn block_length(&self, block: usize, content: Content) -> Option<u64> {
         let points = self.blocks[block]
             .iter()
@@ -135,22 +177,29 @@ impl Layout {
         self.head() + 12 * self.blocks.len() + 2 * self.margin()
     }
 
+    /// Adds up the lengths of the blocks.
+    fn with_places(mut self, content: Content) -> Option<Self> {
+        let mut sum = 0u64;
+        for block in 0..self.blocks.len() {
+            self.before.push(sum);
+            sum = sum.checked_add(self.block_length(block, content)?)?;
+        }
+        Some(self)
+    }
+
     fn length(&self, content: Content) -> Option<u64> {
-        (0..self.blocks.len()).try_fold(self.blocks_start() as u64, |sum, block| {
-            sum.checked_add(self.block_length(block, content)?)
-        })
+        let last = self.blocks.len().checked_sub(1)?;
+        let blocks = self.before[last].checked_add(self.block_length(last, content)?)?;
+        blocks.checked_add(self.blocks_start() as u64)
     }
 
     /// Offset of a block's arrays, in a file whose length has been checked.
     pub(super) fn start(&self, block: usize, content: Content) -> usize {
-        let before: u64 = (0..block)
-            .filter_map(|block| self.block_length(block, content))
-            .sum();
         let flow = match content {
             Content::Grid => 0,
             Content::Solution => 4 * self.real_size() + 2 * self.margin(),
         };
-        self.blocks_start() + before as usize + flow + self.margin()
+        self.blocks_start() + self.before[block] as usize + flow + self.margin()
     }
 
     /// Real number `index` after `start`; NaN past the end.

@@ -55,8 +55,8 @@ impl Frame {
         (!depth.is_nan()).then(|| direction * depth)
     }
 
-    /// Unit normal, camera space, on the camera's side. Where a neighbour is missing the difference to the other one
-    /// serves; where both are, the surface is taken to face the camera.
+    /// Unit normal, camera space, on the camera's side. If a neighbour is missing, the difference to the other one
+    /// serves; if both are, the surface is taken to face the camera.
     pub(super) fn normal(&self, pixel: usize, camera: &Intrinsics, jump: f64) -> DVec3 {
         let [width, height] = self.size;
         let Some(here) = self.place(pixel, camera) else {

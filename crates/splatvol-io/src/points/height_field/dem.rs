@@ -1,8 +1,8 @@
 //! USGS DEM (U.S. Geological Survey, Standards for Digital Elevation Models, part 2, 1998): blocks of 1024 characters.
 //!
-//! Record A says how far posts and heights are apart; each record B is a profile from south to north with its own start
-//! and length, its numbers at fixed columns, six characters each. Profiles of a map sheet that is not square to its
-//! grid begin and end at different rows: what lies beyond is a gap.
+//! Record A gives the distances between posts and the unit of heights; each record B is a profile from south to north
+//! with its own start and length, its numbers at fixed columns, six characters each. Profiles of a map sheet that is
+//! not square to its grid begin and end at different rows: what lies beyond is a gap.
 
 use std::path::Path;
 
@@ -33,8 +33,14 @@ struct Profile {
     heights: Vec<f64>,
 }
 
+/// Starts of text files of other formats, whose numbers may stand in a DEM's columns by chance.
+const OTHER_FORMATS: [&[u8]; 4] = [b"ply", b"# ", b"<?xml", b"NRRD"];
+
 /// True where a file begins with a record A: a resolution and a number of profiles at their columns.
 pub(super) fn is_dem(start: &[u8]) -> bool {
+    if OTHER_FORMATS.iter().any(|other| start.starts_with(other)) {
+        return false;
+    }
     let number = |from: usize, to: usize| real(start.get(from..to)?);
     let positive = |value: Option<f64>| value.is_some_and(|value| value > 0.0);
     positive(number(816, 828))
@@ -84,7 +90,7 @@ impl Fields<'_> {
 pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
     let context = Context::new("USGS DEM", path);
     let bytes = read_file(path, &context)?;
-    // Some writers end every block with a line.
+    // Some writers end every block with a line break.
     let bytes: Vec<u8> = bytes
         .into_iter()
         .filter(|byte| !matches!(byte, b'\n' | b'\r'))
@@ -183,7 +189,7 @@ fn assemble(profiles: &[Profile], spacing: DVec2, context: &Context<'_>) -> Resu
         .map(|p| row(p) + p.heights.len() as f64)
         .fold(0.0, f64::max);
     let columns = profiles.iter().map(|p| column(p) + 1.0).fold(0.0, f64::max);
-    // A grid that profiles are scattered over would take memory that the file does not justify.
+    // If profiles are scattered over a large grid, it would take memory that the file does not justify.
     let heights: usize = profiles.iter().map(|p| p.heights.len()).sum();
     if rows * columns > 64.0 * heights as f64 + 4096.0 {
         let expected = "profiles that begin near each other";

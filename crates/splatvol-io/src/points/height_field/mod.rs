@@ -23,6 +23,7 @@ use glam::DVec2;
 use super::LoadedPoints;
 use crate::error::Context;
 use crate::source::Source;
+use crate::volume::dicom;
 use crate::{Description, IoError, RawLayout, ReadOptions, volume};
 
 pub(super) use drape::picture;
@@ -56,7 +57,7 @@ pub struct HeightFieldOptions {
     pub posts: Option<[usize; 2]>,
     /// Picture of the same area, north at its top: PNG, JPEG or EXR.
     pub color_image: Option<PathBuf>,
-    /// Make errors of warnings.
+    /// Turn warnings into errors.
     pub strict: bool,
     /// Most bytes that the points may take in memory.
     pub max_bytes: u64,
@@ -84,7 +85,7 @@ const STEEPEST: f64 = 0.5;
 /// Relief that they get.
 const SCALED: f64 = 0.15;
 
-/// Columns of a table from which on it is no list of points.
+/// A table with more columns than this is not a list of points.
 const WIDE: usize = 16;
 
 /// Whether a file is recognisably terrain: a USGS DEM, a georeferenced TIFF, a table of more columns than points have.
@@ -95,6 +96,7 @@ pub(crate) fn is_terrain(path: &Path, is_volume: bool) -> Result<bool, IoError> 
     let length = source.fill(&mut start, &context)?;
     start.truncate(length);
     Ok(match start.as_slice() {
+        start if dicom::says_dicm(start) => false,
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => geotiff::is_geotiff(path),
         _ => !is_volume && (dem::is_dem(&start) || is_wide_table(&start)),
     })
@@ -110,7 +112,7 @@ fn is_wide_table(start: &[u8]) -> bool {
         .split(|c: char| c.is_whitespace() || ",;".contains(c))
         .filter(|word| !word.is_empty())
         .collect();
-    // The last one may be cut off by the end of what was looked at.
+    // The last one may be cut off by the end of the examined bytes.
     words.len() > WIDE
         && words[..words.len() - 1]
             .iter()
@@ -135,7 +137,7 @@ struct HeightField {
 }
 
 impl HeightField {
-    /// Turns rows round where the first is the north.
+    /// Reverses the rows if the first is the north.
     fn south_first(&mut self, order: RowOrder) {
         if order == RowOrder::NorthFirst {
             let [width, height] = self.dims;
@@ -158,8 +160,8 @@ impl HeightField {
 /// Reads terrain as points: one per post and more on steep faces, with normals, radii, and colours of the picture.
 ///
 /// # Errors
-/// See [`IoError`]; heights that are all missing, or so large beside the posts' distance that faces would need more than
-/// a hundred points per post.
+/// See [`IoError`]; heights that are all missing, or so large beside the posts' distance that faces would need more
+/// than a hundred points per post.
 pub fn read_height_field(
     path: impl AsRef<Path>,
     options: &HeightFieldOptions,

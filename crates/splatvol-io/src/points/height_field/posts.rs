@@ -1,8 +1,8 @@
 //! Heights interpolated to another number of posts.
 //!
-//! Every post stands in the middle of its cell, and the cells of all posts cover the same ground before and after, as do the
-//! pixels of a picture draped over it. Heights are bilinear; beyond the outermost posts they are those of the border. A post
-//! with a gap among the posts around it that count is a gap.
+//! Every post stands in the middle of its cell, and the cells of all posts cover the same ground before and after, as
+//! do the pixels of a picture draped over it. Heights are bilinear; beyond the outermost posts they are those of the
+//! border. A post is a gap if any of the surrounding posts that count is one.
 
 use glam::DVec2;
 

@@ -3,7 +3,7 @@
 //! A post is a point with the normal of central differences, `(-dh/dx, -dh/dy, 1)`, and the distance between posts as
 //! radius. swan1997 (figure 7) notes that "extra splats are required to fill in the holes formed where adjacent splats
 //! differ in height" and stacks them under the higher post. Here they lie on the edge down to each lower neighbour,
-//! which is where the surface is, so that no two that follow each other are farther apart than posts are on flat ground.
+//! which is where the surface is, so that consecutive ones are no farther apart than posts are on flat ground.
 
 use glam::{DAffine3, DVec2, DVec3};
 use splatvol_scene::{PointAttributes, Points};
@@ -26,7 +26,7 @@ struct Surface<'a> {
     base: f64,
 }
 
-/// A point on its way.
+/// A point under construction.
 #[derive(Clone, Copy)]
 struct Sample {
     place: DVec3,
@@ -137,7 +137,7 @@ impl Surface<'_> {
         ]
     }
 
-    /// Into how many pieces an edge is cut.
+    /// The number of pieces that an edge is cut into.
     fn pieces(&self, from: DVec3, to: DVec3) -> f64 {
         // A little slack, so that rounding does not cut the edges of flat ground; heights may be 40 % of a step apart.
         (from.distance(to) / self.step * 0.93).ceil().max(1.0)

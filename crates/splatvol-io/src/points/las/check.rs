@@ -13,7 +13,7 @@ const COLORED: [u8; 6] = [2, 3, 5, 7, 8, 10];
 /// Most points that a byte of LAZ may stand for; a constant cloud takes about a thousandth of a byte per point.
 const POINTS_PER_BYTE: u64 = 4096;
 
-/// The parts of a header that sizes follow from.
+/// The parts of a header that determine sizes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Claims {
     pub(super) version: (u8, u8),
@@ -83,7 +83,7 @@ impl Claims {
             version: (major, minor),
             format: format & 0x3f,
             compressed: format & 0xc0 != 0,
-            // As the specification says: the old field counts where it is not zero.
+            // By the specification, the old field counts unless it is zero.
             count: if legacy == 0 { large } else { legacy },
             record: bytes.u16(105)?,
             header: bytes.u16(94)?,
@@ -210,7 +210,8 @@ impl Claims {
         Ok(())
     }
 
-    /// End of a chunk of layers (LAZ specification, compressor 3): a point, the number of points, the size of each layer.
+    /// End of a chunk of layers (LAZ specification, compressor 3): a point, the number of points, the size of each
+    /// layer.
     fn end_of_layers(&self, bytes: &Bytes<'_>, at: u64) -> Option<u64> {
         let fixed = RECORD.get(usize::from(self.format))?;
         let others = match self.format {

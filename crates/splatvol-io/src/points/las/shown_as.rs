@@ -1,5 +1,6 @@
-//! Colours of LAS points that have none: by class where the file tells classes apart, else by height where the cloud is a
-//! survey of a landscape; either is shaded by intensity, which tells roofs from roads. Other scans stay grey by intensity.
+//! Colours of LAS points that have none: by class if the file tells classes apart, else by height if the cloud is a
+//! survey of a landscape. Either is shaded by intensity, which tells roofs from roads. Other scans stay grey by
+//! intensity.
 
 use splatvol_scene::{ColorMap, PointAttributes, Points};
 
@@ -7,16 +8,16 @@ use crate::IoError;
 use crate::error::Context;
 use crate::points::LoadedPoints;
 
-/// Share of the points that a class has at least where it counts.
+/// Least share of the points that a class must have to count.
 const LEAST_SHARE: f64 = 0.01;
-/// Height of a landscape relative to its lesser width, at most.
+/// Greatest height of a landscape relative to its lesser width.
 const FLAT: f32 = 0.5;
 /// Share of the heights at either end that the colours do not tell apart.
 const TAIL: f64 = 0.01;
-/// Brightness of points of no intensity.
+/// Brightness of points with no intensity.
 const DARKEST: f64 = 0.55;
 
-/// Colours of the classes of ASPRS LAS 1.4 R15, table 17; grey for those that are no thing of a landscape.
+/// Colours of the classes of ASPRS LAS 1.4 R15, table 17; grey for those that are not things of a landscape.
 fn class_color(class: u8) -> Option<[u8; 3]> {
     Some(match class {
         2 => [172, 142, 108],
@@ -71,7 +72,7 @@ pub(super) fn colored(
     Ok(loaded)
 }
 
-/// Whether at least two kinds of things of a landscape are told apart.
+/// Whether the classes tell apart at least two kinds of things of a landscape.
 fn tell_apart(classes: &[u8]) -> bool {
     let mut counts = [0usize; 256];
     for &class in classes {
@@ -83,7 +84,7 @@ fn tell_apart(classes: &[u8]) -> bool {
     kinds.count() >= 2
 }
 
-/// Colours from low to high; `None` for what is no landscape.
+/// Colours from low to high; `None` if the cloud is not a landscape.
 fn by_height(points: &Points) -> Option<Vec<[u8; 3]>> {
     let positions = points.positions();
     let extent = |axis: usize| {

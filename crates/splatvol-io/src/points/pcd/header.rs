@@ -79,7 +79,7 @@ pub(super) struct Header {
     pub(super) length: usize,
 }
 
-/// True where a file begins as PCD does: comments, then a version or fields.
+/// True if a file begins as PCD does: comments, then a version or fields.
 pub(in crate::points) fn is_header(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     text.lines()
@@ -253,7 +253,7 @@ impl<'a> Lines<'a> {
         Ok(fields)
     }
 
-    /// The place of a viewpoint that is not just the default.
+    /// The place of a viewpoint other than the default.
     fn viewpoint(&self, context: &Context<'_>) -> Result<Option<[f64; 3]>, IoError> {
         if self.viewpoint.is_empty() {
             return Ok(None);

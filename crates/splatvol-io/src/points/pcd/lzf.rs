@@ -1,13 +1,13 @@
 //! LZF (Marc Lehmann's `LibLZF`), which compresses the data of PCD files.
 //!
-//! A byte `c < 32` is followed by `c + 1` literal bytes. Else its upper three bits are a length (7: one more byte adds to
-//! it), 2 less than the true one, and its lower five with the next byte a distance, 1 less than the true one. Our own, as
-//! the decoder is shorter than what would have to be checked before another's could be trusted with hostile lengths.
+//! A byte `c < 32` is followed by `c + 1` literal bytes. Else its upper three bits are a length (7: one more byte adds
+//! to it), 2 less than the true one, and its lower five with the next byte a distance, 1 less than the true one. This
+//! decoder is our own: it is shorter than the checks that another's would need against hostile lengths.
 
 use crate::IoError;
 use crate::error::Context;
 
-/// Three bytes may stand for 264.
+/// Three bytes may decode to 264.
 const RATIO: usize = 88;
 
 /// The data behind a PCD header: compressed and decompressed length, then the stream.

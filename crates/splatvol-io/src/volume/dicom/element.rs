@@ -1,9 +1,10 @@
 //! DICOM's data elements: tag, value representation, length, value (PS3.5, sections 7 and A; PS3.10, section 7).
 //!
-//! A data set is a view of the bytes of its file: nothing is copied, and a declared length is held against the bytes
-//! that are there before anything else happens. That is why this is not left to a crate: those found reserve what a
-//! header declares, up to 4 GB.
+//! A data set is a view of the bytes of its file: nothing is copied, and a declared length is checked against the
+//! bytes present before anything else happens. That is why no crate does this: those found allocate what a header
+//! declares, up to 4 GB.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::syntax::Syntax;
@@ -21,7 +22,7 @@ const ITEM_END: Tag = 0xfffe_e00d;
 const SEQUENCE_END: Tag = 0xfffe_e0dd;
 /// A length that is not stated.
 const UNDEFINED: u32 = u32::MAX;
-/// Sequences in sequences; real files have 6 or so.
+/// Deepest nesting of sequences; real files have about 6 levels.
 const DEPTH: usize = 32;
 
 /// Sequences of interest, which implicit value representations do not mark as such.
@@ -37,10 +38,10 @@ const SEQUENCES: [Tag; 9] = [
     0x0018_9114,
 ];
 
-/// Elements in the order of the file.
+/// Elements by tag; of several with one tag, the first.
 #[derive(Debug, Default)]
 pub(super) struct Dataset<'a> {
-    elements: Vec<Element<'a>>,
+    elements: BTreeMap<Tag, Element<'a>>,
 }
 
 #[derive(Debug)]
@@ -60,8 +61,12 @@ pub(super) enum Value<'a> {
 }
 
 impl<'a> Dataset<'a> {
+    fn push(&mut self, element: Element<'a>) {
+        self.elements.entry(element.tag).or_insert(element);
+    }
+
     pub(super) fn get(&self, tag: Tag) -> Option<&Element<'a>> {
-        self.elements.iter().find(|element| element.tag == tag)
+        self.elements.get(&tag)
     }
 
     pub(super) fn bytes(&self, tag: Tag) -> Option<&'a [u8]> {
@@ -119,7 +124,7 @@ impl<'a, 'c> Reader<'a, 'c> {
     pub(super) fn meta(&mut self) -> Result<Dataset<'a>, IoError> {
         let mut dataset = Dataset::default();
         while self.bytes.get(self.at..self.at + 2) == Some(&[2, 0]) {
-            dataset.elements.push(self.element(0)?);
+            dataset.push(self.element(0)?);
         }
         Ok(dataset)
     }
@@ -130,7 +135,7 @@ impl<'a, 'c> Reader<'a, 'c> {
         while self.at < self.bytes.len() {
             let element = self.element(0)?;
             let last = element.tag == PIXEL_DATA;
-            dataset.elements.push(element);
+            dataset.push(element);
             if last {
                 break;
             }
@@ -201,7 +206,7 @@ impl<'a, 'c> Reader<'a, 'c> {
             if head.tag == ITEM_END {
                 break;
             }
-            dataset.elements.push(self.value(&head, depth)?);
+            dataset.push(self.value(&head, depth)?);
         }
         Ok(dataset)
     }
@@ -293,7 +298,7 @@ impl<'a, 'c> Reader<'a, 'c> {
     }
 }
 
-/// The number that up to four bytes are.
+/// The number in up to four bytes.
 pub(super) fn unsigned(bytes: &[u8], endian: Endian) -> u32 {
     let fold = |number: u32, &byte: &u8| number << 8 | u32::from(byte);
     match endian {
@@ -324,7 +329,7 @@ pub(super) fn start(bytes: &[u8], context: &Context<'_>) -> Result<(usize, Synta
     if let Some(uid) = meta.bytes(0x0002_0010) {
         return Ok((position, Syntax::from_uid(&text(uid))));
     }
-    // Files from before PS3.10 say nothing; explicit representations are two letters of a few.
+    // Files from before PS3.10 do not say; an explicit representation is one of a few pairs of letters.
     let explicit = bytes
         .get(position + 4..position + 6)
         .is_some_and(|letters| letters.iter().all(u8::is_ascii_uppercase));

@@ -6,17 +6,28 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use splatvol_scene::Rescale;
 
+use super::colors::{Colors, Table};
 use super::element::{Dataset, Element, PIXEL_DATA, Tag, Value, name, text, unsigned};
 use super::syntax::Syntax;
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
 
+/// Fewest bytes of a frame in any coding; the header of run lengths alone has 64.
+const LEAST_FRAME: usize = 16;
+
 /// Layout of samples in their words. Images of different layouts do not make one volume.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Form {
     pub(super) columns: usize,
     pub(super) rows: usize,
+    /// Samples of a pixel.
+    pub(super) components: usize,
+    pub(super) colors: Colors,
+    /// True where each component has a plane of its own.
+    pub(super) planar: bool,
+    /// True where the file has a bit for each sample, the first in the lowest bit, and no gap between frames.
+    pub(super) packed: bool,
     /// Bits of a word: 8, 16 or 32.
     pub(super) allocated: u32,
     /// Bits of a sample, and the number of its highest.
@@ -32,8 +43,30 @@ impl Form {
         self.columns * self.rows
     }
 
+    /// Bytes of a decoded frame.
     pub(super) fn bytes(&self) -> usize {
-        self.samples() * (self.allocated / 8) as usize
+        let sample = self.components * (self.allocated / 8) as usize;
+        self.samples().saturating_mul(sample)
+    }
+
+    /// Bytes of so many frames that are not compressed.
+    pub(super) fn native_bytes(&self, frames: usize) -> usize {
+        let samples = self.samples().saturating_mul(frames);
+        match self.colors {
+            _ if self.packed => samples.div_ceil(8),
+            // Two pixels share their chrominances.
+            Colors::Ybr422 => self.bytes().saturating_mul(frames) / 3 * 2,
+            _ => self.bytes().saturating_mul(frames),
+        }
+    }
+
+    /// The stored value in a word: unused bits are dropped, the sign extended.
+    pub(super) fn value(&self, word: u32) -> i64 {
+        let value = i64::from(word >> (self.high + 1 - self.stored)) & ((1 << self.stored) - 1);
+        match self.signed && value >> (self.stored - 1) == 1 {
+            true => value - (1 << self.stored),
+            false => value,
+        }
     }
 }
 
@@ -57,7 +90,7 @@ pub(super) struct FrameHead {
     pub(super) thickness: Option<f64>,
     pub(super) between_slices: Option<f64>,
     pub(super) rescale: Rescale,
-    /// Order where there are no positions, and order in time where there are: position in time, number of
+    /// Order if there are no positions, and order in time if there are: position in time, number of
     /// acquisition, number of the image.
     pub(super) order: [i64; 3],
 }
@@ -70,8 +103,8 @@ pub(super) struct ImageHead {
     pub(super) form: Form,
     pub(super) series: Series,
     pub(super) frames: Vec<FrameHead>,
-    /// True where the values need a table that is not applied.
-    pub(super) lookup_table: bool,
+    /// What stored values mean, where no straight line tells it.
+    pub(super) lookup_table: Option<Table>,
 }
 
 /// Elements with the order of their bytes.
@@ -126,8 +159,16 @@ impl<'a> Elements<'_, 'a, '_> {
                 })?,
         };
         let (what, found, need) = match &pixels.value {
-            Value::Bytes(bytes) => ("pixels", bytes.len(), form.bytes().saturating_mul(count)),
-            Value::Fragments(fragments) => ("fragments", fragments.len().saturating_sub(1), count),
+            Value::Bytes(bytes) => ("pixels", bytes.len(), form.native_bytes(count)),
+            // The first fragment is the table of offsets. A frame has at least the header of its coding.
+            Value::Fragments(fragments) => {
+                let bytes: usize = fragments.iter().skip(1).map(ExactSizeIterator::len).sum();
+                let need = count.saturating_mul(LEAST_FRAME);
+                if bytes < need {
+                    return Err(self.context.truncated("frames", need as u64, bytes as u64));
+                }
+                ("fragments", fragments.len().saturating_sub(1), count)
+            }
             Value::Items(_) => ("pixels", 0, 1),
         };
         if found < need {
@@ -143,22 +184,25 @@ impl<'a> Elements<'_, 'a, '_> {
                 description: self.text(0x0008_103e),
             },
             frames: self.frames(count)?,
-            lookup_table: !self.dataset.items(0x0028_3000).is_empty(),
+            lookup_table: match self.dataset.items(0x0028_3000).first() {
+                Some(item) => Some(self.table(item, 0x0028_3002, 0x0028_3006)?),
+                None => None,
+            },
         }))
     }
 
     fn form(&self) -> Result<Form, IoError> {
         let photometric = self.text(0x0028_0004);
         let components = self.unsigned(0x0028_0002).unwrap_or(1);
-        if components != 1 {
-            return Err(self.context.unsupported(format!(
-                "colours ({photometric}, {components} samples per pixel); grey values are read"
-            )));
-        }
+        let colors = Colors::of(self, &photometric, components)?;
         let rows = self.required(0x0028_0010, "Rows")? as usize;
         let columns = self.required(0x0028_0011, "Columns")? as usize;
         let allocated = self.required(0x0028_0100, "BitsAllocated")?;
-        let stored = self.unsigned(0x0028_0101).unwrap_or(allocated);
+        let packed = allocated == 1 && components == 1;
+        let allocated = if packed { 8 } else { allocated };
+        let stored = self
+            .unsigned(0x0028_0101)
+            .unwrap_or(if packed { 1 } else { allocated });
         let high = self.unsigned(0x0028_0102).unwrap_or(stored.saturating_sub(1));
         if rows == 0 || columns == 0 {
             let expected = "a positive number of rows and columns";
@@ -171,6 +215,10 @@ impl<'a> Elements<'_, 'a, '_> {
                 .context
                 .unsupported(format!("samples of {allocated} bits (BitsAllocated)")));
         }
+        if colors == Colors::Ybr422 && columns % 2 == 1 {
+            let expected = "an even number, for pixels that share their chrominances";
+            return Err(self.context.field("Columns (0028,0011)", columns, None, expected));
+        }
         if stored == 0 || high >= allocated || stored > high + 1 {
             let shown = format!("{stored} up to bit {high}");
             let expected = format!("bits that fit into {allocated}");
@@ -179,11 +227,54 @@ impl<'a> Elements<'_, 'a, '_> {
         Ok(Form {
             columns,
             rows,
+            components: components as usize,
+            colors,
+            planar: components > 1 && self.unsigned(0x0028_0006) == Some(1),
+            packed,
             allocated,
             stored,
             high,
             signed: self.unsigned(0x0028_0103) == Some(1),
             inverted: photometric == "MONOCHROME1",
+        })
+    }
+
+    /// A look-up table by the tags of its descriptor (number of entries, first value, bits) and of its data.
+    pub(super) fn table(&self, dataset: &Dataset<'a>, descriptor: Tag, data: Tag) -> Result<Table, IoError> {
+        let numbers = |tag| {
+            let words = dataset.bytes(tag).unwrap_or_default().chunks_exact(2);
+            words
+                .map(|word| unsigned(word, self.endian) as u16)
+                .collect::<Vec<_>>()
+        };
+        let absent = |tag: Tag, expected: &str| self.context.field(name(tag), "", None, expected);
+        let [count, first, bits] = numbers(descriptor)[..] else {
+            return Err(absent(descriptor, "three numbers of a look-up table"));
+        };
+        // 0 stands for 65536, which does not fit.
+        let count = if count == 0 { 1 << 16 } else { usize::from(count) };
+        let mut entries = numbers(data);
+        let bytes = dataset.bytes(data).unwrap_or_default();
+        if entries.len() < count && bytes.len() >= count {
+            // Two entries of 8 bits in a word.
+            entries = bytes.iter().map(|&byte| u16::from(byte)).collect();
+        }
+        if entries.len() < count {
+            let found = format!("{} entries", entries.len());
+            return Err(self
+                .context
+                .field(name(data), found, None, format!("{count} entries")));
+        }
+        entries.truncate(count);
+        let signed = self.unsigned(0x0028_0103) == Some(1);
+        Ok(Table {
+            first: if signed {
+                i64::from(first as i16)
+            } else {
+                i64::from(first)
+            },
+            bits: u32::from(bits),
+            entries,
         })
     }
 
@@ -198,7 +289,7 @@ impl<'a> Elements<'_, 'a, '_> {
             .collect()
     }
 
-    /// `groups` are the functional groups, of the frame itself first; plain images have none.
+    /// `groups` are the functional groups, the frame's own first; plain images have none.
     fn frame(&self, groups: &[&Dataset<'a>], index: usize) -> Result<FrameHead, IoError> {
         let find = |group: Tag, tag: Tag| {
             let grouped = groups

@@ -1,9 +1,9 @@
 //! JPEG-LS, lossless and near-lossless, for images of one component (ITU-T T.87, ISO/IEC 14495-1).
 //!
-//! A sample is predicted by the median of left, above and their gradient (A.4), corrected by what its surrounding has
-//! taught, and the error is coded by Golomb's limited codes (A.5.3); where all gradients vanish, runs are coded (A.7).
-//! There is no sound crate in Rust: those found bring C++, or a whole toolkit. Not read: mapping tables, several
-//! components.
+//! A sample is predicted by the median of left, above and their gradient (A.4), corrected by what earlier samples with
+//! like surroundings have taught, and the error is coded by Golomb's limited codes (A.5.3). Where all gradients
+//! vanish, runs are coded (A.7). No suitable crate exists in Rust: those found bring C++ or a whole toolkit. Not read:
+//! mapping tables, several components.
 
 use super::jpeg_ls_context::{Parameters, Statistics};
 use crate::IoError;
@@ -157,7 +157,7 @@ impl Bits<'_> {
             true => zeros << k | self.bits(k)?,
             false => self.bits(width)?.checked_add(1)?,
         };
-        // An error is less than the range, and doubled to be rid of its sign.
+        // An error is less than the range, and is doubled to remove its sign.
         i32::try_from(value).ok().filter(|&value| value <= 2 << width)
     }
 }
@@ -225,7 +225,7 @@ impl<'a> Scan<'a> {
         Some(())
     }
 
-    /// A sample by its neighbours (A.4 to A.6).
+    /// A sample from its neighbours (A.4 to A.6).
     fn regular(&mut self, surrounding: i32, [left, above, above_left]: [i32; 3]) -> Option<i32> {
         let sign = surrounding.signum();
         let context = &mut self.contexts[surrounding.unsigned_abs() as usize];

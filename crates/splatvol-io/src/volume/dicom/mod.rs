@@ -1,12 +1,14 @@
 //! DICOM images: a folder of slices, or a single file of one or many frames (<https://www.dicomstandard.org>).
 //!
-//! A folder's images are grouped by series, and within a series by orientation, spacing and form of samples; the largest group
-//! is read unless [`ReadOptions::series`] names another. Real values are `slope * stored + intercept`, per slice where
-//! slices differ. Patient space is LPS and becomes RAS+. MONOCHROME1, where low values are bright, is turned round.
+//! A folder's images are grouped by series, and within a series by orientation, spacing and form of samples; the
+//! largest group is read unless [`ReadOptions::series`] names another. Real values are `slope * stored + intercept`,
+//! per slice where slices differ. Patient space is LPS and becomes RAS+. MONOCHROME1, where low values are bright, is
+//! inverted.
 //!
 //! Read: 8, 16 and 32 bits; implicit, explicit, big-endian and deflated coding; RLE, JPEG baseline and lossless,
 //! JPEG-LS, JPEG 2000. Not read: colours, samples of one bit, JPEG of 12 bits, videos, modality look-up tables.
 
+mod colors;
 mod element;
 mod image;
 mod jpeg_ls;
@@ -14,24 +16,35 @@ mod jpeg_ls_context;
 mod pixels;
 mod stack;
 mod syntax;
+mod uneven;
 
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::DeflateDecoder;
 use splatvol_scene::{LengthUnit, Rescale, Samples};
 
-use super::{Description, Draft, Loaded, ReadOptions, checked_dims, detect, ras_from_lps, sample_count};
+use super::planes::component_names;
+use super::{
+    Description, Draft, Loaded, ReadOptions, checked_dims, choose_channel, detect, ras_from_lps, sample_count,
+};
 use crate::error::Context;
 use crate::samples::SampleType;
 use crate::source::{Source, read_file};
 use crate::{IoError, axis_codes};
+use colors::Table;
 use element::Reader;
-use image::{Elements, FrameHead, ImageHead, Series};
+use image::{Elements, Form, FrameHead, ImageHead, Series};
 use pixels::SliceReader;
 use syntax::Syntax;
 
 /// Directions and spacing of slices of one volume agree up to this.
 const ALIKE: f64 = 1e-3;
+
+/// True where the file's word stands behind its preamble (PS3.10, section 7.1), whatever the preamble holds: in dual-purpose
+/// files the header of a TIFF.
+pub(crate) fn says_dicm(start: &[u8]) -> bool {
+    start.get(128..132) == Some(b"DICM")
+}
 
 /// True where the first bytes (132 at least, if there are as many) are those of a DICOM file.
 pub(super) fn starts_dicom(start: &[u8]) -> bool {
@@ -40,7 +53,7 @@ pub(super) fn starts_dicom(start: &[u8]) -> bool {
             .get(4..6)
             .is_some_and(|letters| matches!(letters, b"UL" | b"CS" | b"UI" | b"OB"))
     };
-    start.get(128..132) == Some(b"DICM")
+    says_dicm(start)
         || ((start.starts_with(&[2, 0, 0, 0]) || matches!(start, [8, 0, _, 0, ..])) && representation())
 }
 
@@ -55,12 +68,12 @@ pub(super) fn is_dicom(path: &Path) -> bool {
 /// Reads a folder or a file.
 ///
 /// # Errors
-/// See [`IoError`]; also slices that are missing or unevenly spaced, and a transfer syntax that is not covered.
+/// See [`IoError`]; also slices that do not follow one line, and a transfer syntax that is not covered.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    let context = &Context::new("DICOM", path);
+    let context = &Context::new("DICOM", path).following(options);
     let mut files = vec![path.to_owned()];
     if path.is_dir() {
-        files = detect::files_of(path)?;
+        files = detect::files_of(path, context)?;
         files.retain(|file| is_dicom(file));
     }
     let images = heads(files, context)?;
@@ -75,7 +88,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let stack = stack::stack(&heads, options, context)?;
     let first = &images[slices[0].image];
     let form = &first.form;
-    let sizes = [form.columns, form.rows, stack.order.len()].map(|size| size as i64);
+    let count = stack
+        .uneven
+        .as_ref()
+        .map_or(stack.order.len(), |uneven| uneven.count);
+    let sizes = [form.columns, form.rows, count].map(|size| size as i64);
     let mut draft = Draft::new(
         checked_dims(&sizes, "dims", None, context)?,
         Description::default(),
@@ -86,11 +103,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         None => LengthUnit::Unknown,
     };
     warnings.extend(stack.warnings);
+    let (channels, channel) = channels(form, options, &mut warnings, context)?;
     if form.inverted {
         warnings.push("MONOCHROME1: samples are turned round, so that high is bright".to_owned());
-    }
-    if first.lookup_table {
-        warnings.push("the modality look-up table is not applied".to_owned());
     }
     draft.description = Description {
         format: "DICOM".to_owned(),
@@ -102,6 +117,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
             first.syntax
         ),
         series,
+        channels,
         warnings,
         ..Description::default()
     };
@@ -111,9 +127,29 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.set_times(stack.times, options.time);
     sample_count(draft.dims, 1, SampleType::F32, options, context)?;
     let ordered: Vec<&Slice> = stack.order.iter().map(|&i| &slices[i]).collect();
-    let (samples, rescale) = samples(&ordered, &images, &mut draft.description)?;
+    let (samples, rescale) = samples((&ordered, channel), &images, &mut draft.description)?;
     draft.rescale = rescale;
+    let samples = match &stack.uneven {
+        Some(uneven) => uneven.resample(&samples, form.samples(), context)?,
+        None => samples,
+    };
     draft.finish(samples, context)
+}
+
+/// Names of the channels of a coloured image, and the one to read; it is none of them for grey values.
+fn channels(
+    form: &Form,
+    options: &ReadOptions,
+    warnings: &mut Vec<String>,
+    context: &Context<'_>,
+) -> Result<(Vec<String>, usize), IoError> {
+    if !form.colors.is_colored() {
+        return Ok((Vec::new(), 0));
+    }
+    let names = component_names(3);
+    let (channel, warning) = choose_channel(&names, options, context)?;
+    warnings.extend(warning);
+    Ok((names, channel))
 }
 
 fn orientation(placed: bool, codes: &str, tilt: f64) -> String {
@@ -224,7 +260,7 @@ fn stacks(images: &[ImageHead]) -> Vec<SliceStack> {
     for (image, head) in images.iter().enumerate() {
         for (frame, &head) in head.frames.iter().enumerate() {
             let slice = Slice { image, frame, head };
-            // Slices mostly belong where the one before does.
+            // Slices mostly belong to the same stack as the one before.
             match stacks.iter_mut().rev().find(|stack| stack.takes(&slice, images)) {
                 Some(stack) => stack.slices.push(slice),
                 None => stacks.push(SliceStack { slices: vec![slice] }),
@@ -282,14 +318,14 @@ fn choose(
     Ok((chosen, warnings))
 }
 
-/// Samples of the slices one after the other. Where their scales differ, real values.
+/// Samples of the slices one after the other; real values if their scales differ.
 fn samples(
-    slices: &[&Slice],
+    (slices, channel): (&[&Slice], usize),
     images: &[ImageHead],
     description: &mut Description,
 ) -> Result<(Samples, Rescale), IoError> {
     let form = &images[slices[0].image].form;
-    let mut reader = SliceReader::new(form);
+    let mut reader = SliceReader::new(form, channel);
     for slice in slices {
         let path = &images[slice.image].path;
         reader.append(path, slice.frame)?;
@@ -298,6 +334,11 @@ fn samples(
         }
     }
     let samples = reader.finish();
+    let table = |slice: &Slice| images[slice.image].lookup_table.as_ref();
+    if slices.iter().any(|slice| table(slice).is_some()) {
+        description.stored_type.push_str(", by a look-up table");
+        return Ok((looked_up(&samples, slices, form, table), Rescale::default()));
+    }
     let first = slices[0].head.rescale;
     if first.slope != 0.0 && slices.iter().all(|slice| slice.head.rescale == first) {
         return Ok((samples, first));
@@ -310,6 +351,39 @@ fn samples(
         }
     });
     Ok((Samples::F32(real.into()), Rescale::default()))
+}
+
+/// Values of the modality look-up tables; of slices that have none, scaled.
+fn looked_up<'a>(
+    samples: &Samples,
+    slices: &[&Slice],
+    form: &Form,
+    table: impl Fn(&Slice) -> Option<&'a Table>,
+) -> Samples {
+    let mut real = Vec::with_capacity(samples.len());
+    splatvol_scene::with_samples!(samples, data => {
+        for (slice, data) in slices.iter().zip(data.chunks_exact(form.samples())) {
+            match table(slice) {
+                Some(table) => look_up(data, table, form, &mut real),
+                None => scale(data, slice.head.rescale, &mut real),
+            }
+        }
+    });
+    Samples::F32(real.into())
+}
+
+fn look_up<T: Copy + Into<f64>>(data: &[T], table: &Table, form: &Form, real: &mut Vec<f32>) {
+    let value = |stored: i64| f32::from(table.look_up(stored));
+    // Inverted samples are turned back for the table, and its values are turned round.
+    let turn = (1i64 << form.stored) - 1;
+    let most = f32::from(table.entries.iter().max().copied().unwrap_or(0));
+    real.extend(data.iter().map(|&sample| {
+        let sample = sample.into() as i64;
+        match form.inverted {
+            true => most - value(turn - sample),
+            false => value(sample),
+        }
+    }));
 }
 
 fn scale<T: Copy + Into<f64>>(stored: &[T], rescale: Rescale, into: &mut Vec<f32>) {

@@ -4,9 +4,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use dicom_toolkit_jpeg2000::{DecodeSettings, Image};
-use jpeg_decoder::{Decoder, PixelFormat};
+use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
 use splatvol_scene::Samples;
 
+use super::colors::{self, Colors};
 use super::element::{Reader, Value, unsigned};
 use super::image::{Elements, Form};
 use super::syntax::{Pixels, Syntax};
@@ -17,10 +18,10 @@ use crate::samples::Endian;
 
 /// Frames up to this many bytes need no justification: a constant slice is a few bytes in most codings.
 const SMALL_FRAME: u64 = 8 << 20;
-/// Bytes that one compressed byte may stand for in larger ones.
+/// Bytes that one compressed byte may decode to in larger frames.
 const RATIO: u64 = 256;
 
-/// Bytes that `compressed` ones may reasonably hold.
+/// Bytes that `compressed` ones may reasonably decode to.
 pub(super) fn plausible(compressed: usize) -> u64 {
     SMALL_FRAME.max((compressed as u64).saturating_mul(RATIO))
 }
@@ -28,6 +29,8 @@ pub(super) fn plausible(compressed: usize) -> u64 {
 /// Collects frames of one form.
 pub(super) struct SliceReader<'a> {
     form: &'a Form,
+    /// The channel of coloured pixels that is collected.
+    channel: usize,
     words: Words,
     /// Frames of a file often follow each other.
     file: Option<OpenFile>,
@@ -50,8 +53,8 @@ struct OpenFile {
 
 impl OpenFile {
     fn new(path: &Path, form: &Form, context: &Context<'_>) -> Result<Self, IoError> {
-        let (bytes, start, syntax) = contents(path, context)?;
-        let frames = {
+        let (mut bytes, start, syntax) = contents(path, context)?;
+        let (frames, native) = {
             let dataset = Reader::new(&bytes, start, syntax.coding(), context).image()?;
             let elements = Elements {
                 dataset: &dataset,
@@ -65,14 +68,26 @@ impl OpenFile {
                 .pixels()
                 .map(|pixels| (&pixels.value, pixels.offset as usize))
             {
-                Some((Value::Bytes(_), offset)) => {
-                    let frame = |i: usize| offset + i * form.bytes()..offset + (i + 1) * form.bytes();
-                    (0..count).map(|i| vec![frame(i)]).collect()
+                Some((Value::Bytes(value), offset)) => {
+                    let frame = |i: usize| {
+                        let start = match form.packed {
+                            true => i * form.samples() / 8,
+                            false => form.native_bytes(i),
+                        };
+                        offset + start..offset + form.native_bytes(i + 1)
+                    };
+                    let frames = (0..count).map(|i| vec![frame(i)]).collect();
+                    (frames, offset..offset + value.len())
                 }
-                Some((Value::Fragments(fragments), _)) => frames(fragments, count, &bytes, context)?,
-                _ => Vec::new(),
+                Some((Value::Fragments(fragments), _)) => (frames(fragments, count, &bytes, context)?, 0..0),
+                _ => (Vec::new(), 0..0),
             }
         };
+        // Bytes that are written as words stand in their order (PS3.5, annex A.3). The representation is eight bytes ahead.
+        let words = native.start >= 8 && bytes.get(native.start - 8..native.start - 6) == Some(b"OW");
+        if words && syntax.endian() == Endian::Big && form.allocated == 8 {
+            bytes[native].chunks_exact_mut(2).for_each(|pair| pair.swap(0, 1));
+        }
         Ok(Self {
             path: path.to_owned(),
             bytes,
@@ -127,14 +142,15 @@ fn frames(
 }
 
 impl<'a> SliceReader<'a> {
-    pub(super) fn new(form: &'a Form) -> Self {
-        let words = match form.allocated {
+    pub(super) fn new(form: &'a Form, channel: usize) -> Self {
+        let words = match bits_of_values(form) {
             8 => Words::One(Vec::new()),
             16 => Words::Two(Vec::new()),
             _ => Words::Four(Vec::new()),
         };
         Self {
             form,
+            channel,
             words,
             file: None,
         }
@@ -160,34 +176,78 @@ impl<'a> SliceReader<'a> {
                 &joined
             }
         };
-        self.decode(coded, &file.syntax, context)?;
+        self.decode((coded, frame), &file.syntax, context)?;
         self.file = Some(file);
         Ok(())
     }
 
-    fn decode(&mut self, coded: &[u8], syntax: &Syntax, context: &Context<'_>) -> Result<(), IoError> {
+    fn decode(
+        &mut self,
+        (coded, frame): (&[u8], usize),
+        syntax: &Syntax,
+        context: &Context<'_>,
+    ) -> Result<(), IoError> {
         let form = self.form;
-        let needed = form.bytes();
         if syntax.pixels == Pixels::Native {
-            return self.extend(coded, syntax.endian(), context);
+            let needed = form.native_bytes(1);
+            let offset = if form.packed {
+                frame * form.samples() % 8
+            } else {
+                0
+            };
+            if coded.len() < (form.packed as usize * (offset + form.samples()).div_ceil(8)).max(needed) {
+                return Err(context.truncated("pixels", needed as u64, coded.len() as u64));
+            }
+            return match form.colors {
+                _ if form.packed => {
+                    let bit = |i: usize| coded[(offset + i) / 8] >> ((offset + i) % 8) & 1;
+                    let bytes: Vec<u8> = (0..form.samples()).map(bit).collect();
+                    self.extend(&bytes, Endian::Little, context)
+                }
+                Colors::Grey => self.extend(coded, syntax.endian(), context),
+                _ => self.extend_colored(&colors::interleaved(coded, form, syntax.endian()), context),
+            };
         }
+        let needed = form.bytes();
         if needed as u64 > plausible(coded.len()) {
             return Err(context.too_small("pixels", needed as u64, plausible(coded.len())));
+        }
+        if form.packed {
+            return Err(context.unsupported("samples of one bit that are compressed"));
         }
         let bytes = match syntax.pixels {
             Pixels::Rle => rle(coded, form, context)?,
             Pixels::Jpeg => jpeg(coded, form, context)?,
-            Pixels::JpegLs => widen(jpeg_ls::decode(coded, [form.columns, form.rows], context)?, form),
+            Pixels::JpegLs if form.components > 1 => {
+                return Err(context.unsupported("coloured pixels coded as JPEG-LS"));
+            }
+            Pixels::JpegLs => {
+                let samples = jpeg_ls::decode(coded, [form.columns, form.rows], context)?;
+                widen(samples, form, context)?
+            }
             Pixels::Jpeg2000 => jpeg_2000(coded, form, context)?,
             Pixels::Native | Pixels::Unknown => {
                 return Err(context.unsupported(format!("pixels are coded as {}", syntax.name)));
             }
         };
-        self.extend(&bytes, Endian::Little, context)
+        match form.colors {
+            Colors::Grey => self.extend(&bytes, Endian::Little, context),
+            _ => self.extend_colored(&bytes, context),
+        }
+    }
+
+    /// Adds the chosen channel of decoded pixels, which are interleaved words.
+    fn extend_colored(&mut self, pixels: &[u8], context: &Context<'_>) -> Result<(), IoError> {
+        let needed = self.form.bytes();
+        let Some(pixels) = pixels.get(..needed) else {
+            return Err(context.truncated("pixels", needed as u64, pixels.len() as u64));
+        };
+        let channel = colors::channel(pixels, self.form, self.channel);
+        self.extend(&channel, Endian::Little, context)
     }
 
     fn extend(&mut self, bytes: &[u8], endian: Endian, context: &Context<'_>) -> Result<(), IoError> {
-        let needed = self.form.bytes();
+        let needed = self.form.samples() * (bits_of_values(self.form) / 8) as usize;
         let Some(bytes) = bytes.get(..needed) else {
             return Err(context.truncated("pixels", needed as u64, bytes.len() as u64));
         };
@@ -201,6 +261,13 @@ impl<'a> SliceReader<'a> {
 
     /// All samples: unused bits are dropped, signs extended.
     pub(super) fn finish(self) -> Samples {
+        if let Colors::Palette(_) = self.form.colors {
+            return match self.words {
+                Words::One(words) => Samples::U8(words.into()),
+                Words::Two(words) => Samples::U16(words.into()),
+                Words::Four(words) => Samples::U32(words.into()),
+            };
+        }
         let Form {
             allocated,
             stored,
@@ -237,13 +304,28 @@ impl<'a> SliceReader<'a> {
     }
 }
 
-/// Little-endian words of the form's size.
-fn widen(samples: Vec<u16>, form: &Form) -> Vec<u8> {
+/// Bits of the words that are collected.
+fn bits_of_values(form: &Form) -> u32 {
+    match &form.colors {
+        Colors::Palette(palette) => palette.bits,
+        _ => form.allocated,
+    }
+}
+
+/// Little-endian words of the form's size, into which all samples must fit.
+fn widen(samples: Vec<u16>, form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     let size = (form.allocated / 8) as usize;
+    // Decoders give negative samples as codes of 8 bits or as words.
+    let fits =
+        |&sample: &u16| sample <= u16::from(u8::MAX) || form.signed && i8::try_from(sample as i16).is_ok();
+    if let Some(sample) = samples.iter().find(|sample| size == 1 && !fits(sample)) {
+        let expected = "BitsAllocated (0028,0100) = 16 for such samples, not 8";
+        return Err(context.field("compressed sample", sample, None, expected));
+    }
     let bytes = samples
         .into_iter()
         .flat_map(|sample| u32::from(sample).to_le_bytes().into_iter().take(size));
-    bytes.collect()
+    Ok(bytes.collect())
 }
 
 /// Planes of bytes, the highest first, each packed in runs (PS3.5, annex G).
@@ -253,14 +335,18 @@ fn rle(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoEr
             .get(i * 4..i * 4 + 4)
             .map(|bytes| unsigned(bytes, Endian::Little) as usize)
     };
-    let planes = (form.allocated / 8) as usize;
+    let word_size = (form.allocated / 8) as usize;
+    let planes = word_size * form.components;
     if word(0) != Some(planes) {
         let found = word(0).unwrap_or(0);
         return Err(context.field(
             "RLE segments",
             found,
             None,
-            format!("{planes}, for {} bits", form.allocated),
+            format!(
+                "{planes}, for {} samples of {} bits",
+                form.components, form.allocated
+            ),
         ));
     }
     let mut bytes = vec![0; form.bytes()];
@@ -270,7 +356,10 @@ fn rle(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoEr
             let shown = word(plane + 1).unwrap_or(0);
             return Err(context.field("RLE offset", shown, None, "an offset inside the frame"));
         };
-        let mut targets = bytes.iter_mut().skip(planes - 1 - plane).step_by(planes);
+        // Component by component, the highest byte of each first.
+        let (component, byte) = (plane / word_size, plane % word_size);
+        let place = component * word_size + word_size - 1 - byte;
+        let mut targets = bytes.iter_mut().skip(place).step_by(planes);
         let mut left = form.samples();
         while left > 0 {
             let Some((&count, after)) = rest.split_first() else {
@@ -318,16 +407,26 @@ fn check_size(found: [usize; 2], form: &Form, context: &Context<'_>) -> Result<(
     }
 }
 
-/// Baseline, progressive and lossless JPEG.
+/// Baseline, progressive and lossless JPEG. Coloured pixels become red, green and blue where the file says that they are, and
+/// stay as they are otherwise.
 fn jpeg(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     let mut decoder = Decoder::new(coded);
-    decoder.set_max_decoding_buffer_size(form.samples() * 2);
+    decoder.set_max_decoding_buffer_size(form.samples() * 2 * form.components);
+    if form.components == 3 {
+        decoder.set_color_transform(match (&form.colors, marked_ybr(coded)) {
+            (Colors::Rgb, Some(true)) => ColorTransform::YCbCr,
+            // As they are: `None` would give one component after the other.
+            _ => ColorTransform::RGB,
+        });
+    }
     decoder.read_info().map_err(|error| corrupt(context, error))?;
     let info = decoder.info().ok_or_else(|| context.truncated("JPEG", 1, 0))?;
     check_size([info.width.into(), info.height.into()], form, context)?;
-    let decoded = match info.pixel_format {
-        PixelFormat::L8 | PixelFormat::L16 => decoder.decode().map_err(|error| corrupt(context, error))?,
-        other => return Err(context.unsupported(format!("JPEG samples of format {other:?}"))),
+    let decoded = match (info.pixel_format, form.components) {
+        (PixelFormat::L8 | PixelFormat::L16, 1) | (PixelFormat::RGB24, 3) => {
+            decoder.decode().map_err(|error| corrupt(context, error))?
+        }
+        (other, _) => return Err(context.unsupported(format!("JPEG samples of format {other:?}"))),
     };
     let samples = match info.pixel_format {
         PixelFormat::L16 => decoded
@@ -336,10 +435,30 @@ fn jpeg(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoE
             .collect(),
         _ => decoded.into_iter().map(u16::from).collect(),
     };
-    Ok(widen(samples, form))
+    widen(samples, form, context)
 }
 
-/// JPEG 2000 codestreams of one component.
+/// Whether the markers of a JPEG say that it holds luminance and chrominance; `None` where they say nothing. Some writers call
+/// the colours RGB that a decoder makes of it.
+fn marked_ybr(coded: &[u8]) -> Option<bool> {
+    let mut rest = coded.get(2..)?;
+    while let [0xff, marker, high, low, ..] = *rest {
+        let length = usize::from(u16::from_be_bytes([high, low]));
+        let body = rest.get(4..2 + length)?;
+        match (marker, body) {
+            (0xe0, [b'J', b'F', b'I', b'F', ..]) => return Some(true),
+            (0xee, [b'A', b'd', b'o', b'b', b'e', ..]) => {
+                return Some(body.get(11).is_some_and(|&kind| kind == 1));
+            }
+            // A frame or a scan: no more markers of applications.
+            (0xc0..=0xc3 | 0xda, _) => return None,
+            _ => rest = rest.get(2 + length..)?,
+        }
+    }
+    None
+}
+
+/// JPEG 2000 codestreams.
 ///
 /// The decoder treats all samples as unsigned and clips negative ones. A signed component is therefore decoded as an
 /// unsigned one, which adds half its range (ISO 15444-1, G.1.2), and the offset is subtracted again.
@@ -356,7 +475,8 @@ fn jpeg_2000(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>
     let image = Image::new(&stream, &DecodeSettings::default()).map_err(|error| corrupt(context, error))?;
     check_size([image.width() as usize, image.height() as usize], form, context)?;
     let bits = u32::from(image.original_bit_depth());
-    if !(1..=16).contains(&bits) || image.has_alpha() || image.color_space().num_channels() != 1 {
+    let components = usize::from(image.color_space().num_channels());
+    if !(1..=16).contains(&bits) || image.has_alpha() || components != form.components {
         return Err(context.unsupported(format!("JPEG 2000 samples of {bits} bits, or of colours")));
     }
     let decoded = image.decode_native().map_err(|error| corrupt(context, error))?;
@@ -374,5 +494,5 @@ fn jpeg_2000(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>
                 .collect()
         }
     };
-    Ok(widen(samples, form))
+    widen(samples, form, context)
 }

@@ -1,24 +1,29 @@
 //! Arrangement of slices into a grid: their order, spacing, gaps and duplicates.
 //!
 //! A slice's sample (i, j) lies at `P + i sx X + j sy Y` (PS3.3, C.7.6.2.1.1), P its position, X and Y the directions
-//! of its orientation, sx and sy its spacing. Slices are sorted along `N = X x Y`. The grid's third axis is the step
-//! from the first to the last position divided by their number: where a gantry was tilted, that step is not along N, and
-//! the grid is oblique as the slices are. Nothing is resampled: slices that lie more than [`TOLERANCE`] of a step
-//! from where that puts them are refused, the others are reported.
+//! of its orientation, sx and sy its spacing. Slices are sorted along `N = X x Y`. The grid's third axis is the mean
+//! step from the first to the last position: if a gantry was tilted, that step is not along N, and the grid is as
+//! oblique as the slices are. Slices that lie more than [`TOLERANCE`] of a step from these places are resampled
+//! ([`super::uneven`]) with a warning, smaller deviations are reported. Slices that do not follow one line are refused.
+
+use std::ops::RangeInclusive;
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::image::FrameHead;
+use super::uneven::Uneven;
 use crate::IoError;
 use crate::error::Context;
 use crate::volume::{ReadOptions, choose_time};
 
-/// Most that a slice may lie from its place, in steps. One slice that is missing moves others by half a step or more.
+/// Greatest distance of a slice from its place, in steps. One missing slice moves others by half a step or more.
 const TOLERANCE: f64 = 0.25;
-/// Deviation from which on it is reported.
+/// Least deviation that is reported.
 const NOTABLE: f64 = 0.02;
-/// Positions closer than this part of the mean step are one.
+/// Positions closer than this share of the mean step count as one.
 const SAME: f64 = 0.01;
+/// Lengths that something can have, mm: an atom is 1e-7, the Earth 1e10.
+const LENGTHS: RangeInclusive<f64> = 1e-9..=1e12;
 /// Two directions are unit vectors and perpendicular up to this.
 const SKEW: f64 = 0.01;
 
@@ -34,6 +39,8 @@ pub(super) struct Stack {
     pub(super) tilt: f64,
     /// Whether the file gives the positions of the slices.
     pub(super) placed: bool,
+    /// How the slices are resampled, if they must be.
+    pub(super) uneven: Option<Uneven>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -46,6 +53,16 @@ pub(super) fn stack(
     let mut warnings = Vec::new();
     let in_plane = in_plane(&slices[0], &mut warnings, context)?;
     let positions: Option<Vec<DVec3>> = slices.iter().map(|slice| slice.position).collect();
+    let far = |place: &&DVec3| !place.is_finite() || place.abs().max_element() > *LENGTHS.end();
+    if let Some(place) = positions.iter().flatten().find(far) {
+        let expected = format!("coordinates up to {:e} mm", LENGTHS.end());
+        return Err(context.field(
+            "ImagePositionPatient (0020,0032)",
+            format!("{:e} {:e} {:e}", place.x, place.y, place.z),
+            None,
+            expected,
+        ));
+    }
     match positions.filter(|_| slices[0].orientation.is_some()) {
         Some(positions) => Positioned {
             slices,
@@ -69,6 +86,7 @@ pub(super) fn stack(
                 times: 1,
                 tilt: 0.0,
                 placed: false,
+                uneven: None,
                 warnings,
             })
         }
@@ -96,6 +114,11 @@ fn in_plane(
         let shown = format!("{sy} {sx}");
         return Err(context.field("PixelSpacing (0028,0030)", shown, None, "two positive numbers"));
     }
+    if !LENGTHS.contains(&sx) || !LENGTHS.contains(&sy) {
+        let shown = format!("{sy:e} {sx:e}");
+        let expected = format!("lengths from {:e} to {:e} mm", LENGTHS.start(), LENGTHS.end());
+        return Err(context.field("PixelSpacing (0028,0030)", shown, None, expected));
+    }
     Ok([x.normalize() * sx, y.normalize() * sy])
 }
 
@@ -106,6 +129,10 @@ fn thickness(slice: &FrameHead, in_plane: [DVec3; 2], warnings: &mut Vec<String>
         (None, Some(thickness)) => (thickness, "SliceThickness"),
         _ => (in_plane[0].length(), "the spacing of columns"),
     };
+    if !LENGTHS.contains(&value) {
+        warnings.push(format!("{source} is {value:e}: the spacing of columns is used"));
+        return in_plane[0].length();
+    }
     warnings.push(format!("the distance of slices is taken from {source}: {value}"));
     value
 }
@@ -123,7 +150,9 @@ struct Positioned<'a> {
 
 impl Positioned<'_> {
     fn stack(mut self, options: &ReadOptions, context: &Context<'_>) -> Result<Stack, IoError> {
-        let normal = self.in_plane[0].cross(self.in_plane[1]).normalize();
+        // Of unit vectors: the product of absurd spacings is no number.
+        let [x, y] = self.in_plane.map(DVec3::normalize);
+        let normal = x.cross(y).normalize();
         let (order, times) = self.at_time(normal, options, context)?;
         let place = |i: usize| self.positions[order[i]];
         let last = order.len() - 1;
@@ -135,11 +164,14 @@ impl Positioned<'_> {
         let deviation = |i: usize| (place(i) - place(0) - step * i as f64).length() / distance;
         let worst = (0..=last).max_by(|&a, &b| deviation(a).total_cmp(&deviation(b)));
         let worst = worst.map_or(0.0, deviation);
+        let (mut step, mut uneven) = (step, None);
         if worst > TOLERANCE || worst.is_nan() {
             let heights: Vec<f64> = (0..=last).map(|i| place(i).dot(normal)).collect();
-            return Err(context.unsupported(uneven(&heights)));
-        }
-        if worst > NOTABLE {
+            let even = in_line(&heights, place, context)?;
+            self.warnings.push(even.describe(&heights));
+            step = (place(last) - place(0)) / (even.count - 1) as f64;
+            uneven = Some(even);
+        } else if worst > NOTABLE {
             self.warnings.push(format!(
                 "slices lie up to {:.1} % of their distance from even places",
                 100.0 * worst
@@ -151,6 +183,7 @@ impl Positioned<'_> {
             times,
             tilt: step.normalize_or(normal).dot(normal).min(1.0).acos().to_degrees(),
             placed: true,
+            uneven,
             warnings: self.warnings,
         })
     }
@@ -191,26 +224,25 @@ impl Positioned<'_> {
     }
 }
 
-/// Describes the irregularity of slices at these heights.
-fn uneven(heights: &[f64]) -> String {
-    let gaps: Vec<f64> = heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let mut sorted = gaps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual = sorted[sorted.len() / 2];
-    let outlier = |i: &usize| (gaps[*i] - usual).abs();
-    let index = (0..gaps.len()).max_by(|a, b| outlier(a).total_cmp(&outlier(b)));
-    let index = index.unwrap_or(0);
-    let (gap, between) = (gaps[index], [heights[index], heights[index + 1]]);
-    let missing = (gap / usual).round() - 1.0;
-    let cause = match missing {
-        missing if (1.0..=1e6).contains(&missing) => format!(" ({missing} missing?)"),
-        _ => String::new(),
-    };
-    format!(
-        "slices are not evenly spaced: {gap:.4} between those at {:.4} and {:.4}{cause}, usually {usual:.4}; \
-         they would have to be resampled",
-        between[0], between[1]
-    )
+/// Even places for slices at these heights, which must lie on one line.
+fn in_line(
+    heights: &[f64],
+    place: impl Fn(usize) -> DVec3,
+    context: &Context<'_>,
+) -> Result<Uneven, IoError> {
+    let last = heights.len() - 1;
+    let span = heights[last] - heights[0];
+    let whole = place(last) - place(0);
+    let off = |i: usize| (place(i) - place(0) - whole * ((heights[i] - heights[0]) / span)).length();
+    let worst = (0..=last).max_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0);
+    let distance = span / last as f64;
+    if off(worst) <= TOLERANCE * distance {
+        return Ok(Uneven::new(heights));
+    }
+    Err(context.unsupported(format!(
+        "slices do not follow one line: number {worst} from the lowest lies {:.4} beside it, where slices lie {distance:.4} apart",
+        off(worst)
+    )))
 }
 
 #[cfg(test)]
@@ -251,20 +283,38 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_refused_wherever_they_are_and_small_ones_reported() {
+    fn gaps_are_resampled_wherever_they_are_and_small_ones_reported() {
         for missing in 1..19 {
             let heights: Vec<f64> = (0..20)
                 .filter(|&i| i != missing)
                 .map(|i| f64::from(i) * 2.5)
                 .collect();
-            let text = stacked(&heights, 0).unwrap_err().to_string();
+            let stack = stacked(&heights, 0).unwrap();
+            assert_eq!(stack.uneven.map(|uneven| uneven.count), Some(20));
             assert!(
-                text.contains("5.0000 between") && text.contains("1 missing"),
-                "{text}"
+                stack.warnings[0].contains("steps of 2.5000, 5.0000)"),
+                "{:?}",
+                stack.warnings
             );
+            // The tilt is kept.
+            assert!((stack.patient_from_voxel.matrix3.z_axis - DVec3::new(0.0, 1.25, 2.5)).length() < 1e-9);
         }
         let stack = stacked(&[0.0, 1.0, 2.1, 3.0], 0).unwrap();
-        assert_eq!(stack.warnings.len(), 1, "{:?}", stack.warnings);
+        assert_eq!(
+            (stack.warnings.len(), stack.uneven),
+            (1, None),
+            "{:?}",
+            stack.warnings
+        );
+    }
+
+    #[test]
+    fn slices_beside_the_line_are_refused() {
+        let mut heads = slices(&[0.0, 1.0, 2.0, 9.0]);
+        heads[1].position = Some(DVec3::new(9.0, 2.5, 1.0));
+        let context = Context::new("DICOM", Path::new("a"));
+        let error = stack(&heads, &ReadOptions::default(), &context).unwrap_err();
+        assert!(error.to_string().contains("number 1 from the lowest"), "{error}");
     }
 
     #[test]

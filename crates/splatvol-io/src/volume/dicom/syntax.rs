@@ -10,7 +10,7 @@ pub(super) struct Syntax {
     pub(super) pixels: Pixels,
     explicit: bool,
     big: bool,
-    /// True where everything behind the file meta information is deflated.
+    /// True if everything behind the file meta information is deflated.
     pub(super) deflated: bool,
 }
 

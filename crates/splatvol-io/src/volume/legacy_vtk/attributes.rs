@@ -1,6 +1,6 @@
 //! The attributes (`POINT_DATA`, `CELL_DATA`) of a legacy VTK file: a list of arrays and where their data start.
 //!
-//! Binary data carry no length of their own, so that an array is only found by walking over those before it.
+//! Binary data carry no length of their own, so an array can only be found by walking over those before it.
 
 use crate::IoError;
 use crate::samples::SampleType;
@@ -94,7 +94,7 @@ impl Scan<'_, '_> {
     /// Fills `found`, up to the wanted array or the end.
     ///
     /// # Errors
-    /// An attribute that cannot be read; those before it are in `found` nevertheless.
+    /// An attribute that cannot be read; those before it are in `found` all the same.
     pub(crate) fn run(&mut self) -> Result<(), IoError> {
         let mut section = None;
         while let Some(keyword) = self.cursor.word() {

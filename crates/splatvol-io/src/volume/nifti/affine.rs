@@ -9,12 +9,12 @@ use super::header::Header;
 use crate::IoError;
 use crate::error::Context;
 
-/// A quaternion may be longer than 1 by rounding, not by more than this.
+/// Rounding may make a quaternion longer than 1, by at most this.
 const QUATERNION_SLACK: f64 = 1e-3;
 /// Below this, the remainder for `a^2` is the rounding error of a half turn (the limit of the reference
 /// implementation).
 const HALF_TURN: f64 = 1e-7;
-/// sform and qform are called different where they move a corner by more than this part of a voxel.
+/// sform and qform count as different if they move a corner by more than this share of a voxel.
 const NOTABLE: f64 = 0.1;
 
 /// The map and its warnings.
@@ -131,7 +131,7 @@ fn spacing(header: &Header, warnings: &mut Vec<String>, context: &Context<'_>) -
             return Err(context.field(name, value, place, "a positive number"));
         }
         spacing[axis] = if value == 0.0 { 1.0 } else { value.abs() };
-        // An axis of one sample has no spacing to speak of.
+        // The spacing of an axis of one sample does not matter.
         if value <= 0.0 && header.dim[axis + 1] > 1 && axis < header.dim[0] as usize {
             warnings.push(format!("{name} is {value}: {} is used", spacing[axis]));
         }
@@ -139,7 +139,7 @@ fn spacing(header: &Header, warnings: &mut Vec<String>, context: &Context<'_>) -
     Ok(spacing)
 }
 
-/// A warning where the two maps put a corner of the volume at notably different places.
+/// A warning if the two maps put a corner of the volume at notably different places.
 fn compare(sform: DAffine3, qform: DAffine3, dims: [usize; 3]) -> Option<String> {
     let mut distance: f64 = 0.0;
     for corner in 0..8 {

@@ -2,6 +2,8 @@
 //!
 //! Both hold the same fields at other places and in other widths; [`Places`] is the only difference below.
 
+use std::path::Path;
+
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
@@ -69,6 +71,7 @@ const NIFTI_2: Places = Places {
 /// A decoded header; nothing but `vox_offset`, magic number and size is checked yet.
 #[derive(Debug)]
 pub(super) struct Header {
+    /// 0 for Analyze 7.5.
     pub(super) version: u8,
     pub(super) endian: Endian,
     /// True for `.nii`, false for a `.hdr`/`.img` pair.
@@ -125,6 +128,12 @@ impl Header {
     }
 }
 
+/// True for the name of a header that has its data in another file.
+fn is_pair(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"))
+}
+
 /// The raw fields: sizes are 16 bits wide in NIfTI-1 and 64 in NIfTI-2, floats 32 and 64, codes 16 and 32.
 struct Fields<'a> {
     bytes: &'a [u8; LONGEST],
@@ -134,7 +143,31 @@ struct Fields<'a> {
 
 impl Fields<'_> {
     fn header(&self, version: u8, places: &'static Places, context: &Context<'_>) -> Result<Header, IoError> {
+        if !self.wide && is_pair(context.path) && self.bytes[places.magic..places.magic + 4] == [0; 4] {
+            return self.analyze(places, context);
+        }
         let single = self.magic(version, places, context)?;
+        self.fields(version, single, places, context)
+    }
+
+    /// Analyze 7.5, from which NIfTI-1 took the places of sizes, types and steps. Where NIfTI has its transforms, it has a
+    /// history; lengths are millimetres; a scale is SPM's.
+    fn analyze(&self, places: &'static Places, context: &Context<'_>) -> Result<Header, IoError> {
+        Ok(Header {
+            xyzt_units: 2,
+            qform_code: 0,
+            sform_code: 0,
+            ..self.fields(0, false, places, context)?
+        })
+    }
+
+    fn fields(
+        &self,
+        version: u8,
+        single: bool,
+        places: &'static Places,
+        context: &Context<'_>,
+    ) -> Result<Header, IoError> {
         Ok(Header {
             version,
             endian: self.endian,
@@ -167,7 +200,7 @@ impl Fields<'_> {
             (1, b"n+1\0") | (2, b"n+2\0\r\n\x1a\n") => Ok(true),
             (1, b"ni1\0") | (2, b"ni2\0\r\n\x1a\n") => Ok(false),
             (1, b"\0\0\0\0") => {
-                Err(context.unsupported("no NIfTI magic number; Analyze 7.5 files are not read"))
+                Err(context.unsupported("no NIfTI magic number; Analyze 7.5 has a header (.hdr) of its own"))
             }
             _ => {
                 let shown = String::from_utf8_lossy(magic);

@@ -1,9 +1,9 @@
-//! NIfTI-1 and NIfTI-2: `.nii`, `.nii.gz` and `.hdr`/`.img` pairs, in either byte order
+//! NIfTI-1, NIfTI-2 and Analyze 7.5: `.nii`, `.nii.gz` and `.hdr`/`.img` pairs, in either byte order
 //! (<https://nifti.nimh.nih.gov/nifti-1>, <https://nifti.nimh.nih.gov/nifti-2>).
 //!
-//! Real values are `scl_slope * stored + scl_inter` (a slope of 0 means none). One time point is taken of a series;
-//! colours, complex numbers and vectors are refused unless a component is chosen. Not read: 128-bit floats, bits,
-//! Analyze 7.5.
+//! Real values are `scl_slope * stored + scl_inter` (a slope of 0 means none). One time point of a series is read;
+//! colours, complex numbers and vectors are refused unless a component is chosen. Pairs of Analyze 7.5, which have no magic
+//! number and no orientation, are read, too. Not read: 128-bit floats, bits.
 
 mod affine;
 mod header;
@@ -24,7 +24,7 @@ use crate::samples::{Endian, SampleType};
 use crate::source::{Codec, Source};
 use header::Header;
 
-/// Reads a `.nii`, `.nii.gz`, `.hdr` or `.img` file; of a pair, either name will do.
+/// Reads a `.nii`, `.nii.gz`, `.hdr` or `.img` file; either name of a pair will do.
 ///
 /// # Errors
 /// See [`IoError`].
@@ -57,7 +57,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.warn_of_series(&selection);
     let codes = axis_codes(&draft.grid(&context)?);
     let mut layout = layout(&header, sample_type, compressed);
-    draft.description.format = format!("NIfTI-{}", header.version);
+    draft.description.format = match header.version {
+        0 => "Analyze 7.5".to_owned(),
+        version => format!("NIfTI-{version}"),
+    };
     draft.description.stored_type = layout.describe();
     draft.description.oriented = orientation.oriented;
     draft.description.orientation = format!("{}; voxel axes {codes}; RAS+ as stored", orientation.source);
@@ -83,7 +86,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(samples, &context)
 }
 
-/// The header of a pair, where the name of its other half is given.
+/// The header of a pair, given either name.
 fn header_path(path: &Path) -> PathBuf {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("img") => path.with_extension("hdr"),
@@ -233,7 +236,7 @@ fn set_unit(header: &Header, draft: &mut Draft) {
     };
 }
 
-/// Goes from the end of the header to the samples; a warning where the extension flag is wrong.
+/// Skips from the end of the header to the samples; a warning if the extension flag is wrong.
 fn skip_extensions(
     source: &mut Source<'_>,
     header: &Header,

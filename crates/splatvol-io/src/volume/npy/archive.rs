@@ -20,7 +20,7 @@ use crate::volume::{Loaded, ReadOptions};
 /// A corrupt archive, no such array, or as for a .npy file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("NPZ", path);
-    // Refuses what is not a regular file.
+    // Refuses anything but a regular file.
     Source::open(path)?;
     let file = File::open(path).map_err(|source| IoError::Open {
         source,
@@ -33,7 +33,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     super::samples(&mut source, &header, "NPZ".to_owned(), options, context)
 }
 
-/// The decompressed bytes of an entry; its length and checksum are held against the archive's directory.
+/// The decompressed bytes of an entry; its length and checksum are checked against the archive's directory.
 fn entry<'a, R: Read + Seek>(
     archive: &'a mut ZipArchive<R>,
     index: usize,

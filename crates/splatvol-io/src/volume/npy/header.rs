@@ -20,7 +20,7 @@ pub(super) enum ElementType {
 }
 
 impl ElementType {
-    /// Bytes as `SampleType` has them in the file.
+    /// The type as stored in the file.
     pub(super) fn stored(self) -> SampleType {
         match self {
             Self::Number(sample_type) => sample_type,

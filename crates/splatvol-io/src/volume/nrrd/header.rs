@@ -1,4 +1,5 @@
-//! The text header: magic line, `field: value` lines, `key:=value` lines, comments, and the end of it all.
+//! The text header: magic line, `field: value` lines, `key:=value` lines, comments, and the end of the
+//! header.
 
 use crate::IoError;
 use crate::error::Context;
@@ -8,7 +9,7 @@ use crate::volume::data_files::DataFiles;
 use crate::volume::fields::{Field, Fields, HeaderLines, Line, normalised};
 use crate::volume::stored::{Encoding, Layout};
 
-/// Fields that this reader uses, and those that do not bear on the picture.
+/// Fields that this reader uses, and those that do not affect the picture.
 const KNOWN: &[&str] = &[
     "dimension",
     "type",

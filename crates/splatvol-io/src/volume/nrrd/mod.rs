@@ -27,7 +27,7 @@ pub use write::write;
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    let context = Context::new("NRRD header", path);
+    let context = Context::new("NRRD header", path).following(options);
     let mut source = Source::open(path)?;
     let header = Header::read(&mut source, &context)?;
     let space = Space::new(&header.fields, &context)?;
@@ -56,7 +56,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         selection: axes.selection,
         files: header.files(&context)?,
     };
-    let context = Context::new("NRRD data", path);
+    let context = Context::new("NRRD data", path).following(options);
     let samples = stored.read(source, options, &mut draft.description, &context)?;
     draft.finish(samples, &context)
 }

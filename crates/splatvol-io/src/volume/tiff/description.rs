@@ -1,7 +1,7 @@
 //! Mapping of pages to slices, channels and time points: by ImageJ's description, OME's, or none.
 //!
-//! ImageJ's is lines `key=value`: `images`, `channels`, `slices`, `frames`, `spacing` (between slices), `unit`. Channels
-//! vary fastest, then slices, then frames; lengths of pixels are the inverse of the resolution tags.
+//! ImageJ's is lines `key=value`: `images`, `channels`, `slices`, `frames`, `spacing` (between slices), `unit`.
+//! Channels vary fastest, then slices, then frames; lengths of pixels are the inverse of the resolution tags.
 
 use glam::DVec3;
 use splatvol_scene::LengthUnit;
@@ -10,6 +10,9 @@ use super::{Pages, ome};
 use crate::IoError;
 use crate::error::Context;
 use crate::volume::{ReadOptions, length_unit};
+
+/// Channels of spectral cameras are hundreds.
+const MOST_CHANNELS: usize = 4096;
 
 /// The arrangement of a file's pages.
 #[derive(Debug)]
@@ -31,7 +34,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The layout of `count` pages by the text of the first.
+    /// The layout of `count` pages from the text of the first.
     pub(super) fn new(
         text: Option<&str>,
         count: usize,
@@ -103,6 +106,10 @@ impl Layout {
             let expected = format!("channels, slices and frames for {most} pages");
             return Err(context.field("ImageJ channels, slices, frames", shown, None, expected));
         }
+        if channels > MOST_CHANNELS {
+            let expected = format!("at most {MOST_CHANNELS}");
+            return Err(context.field("ImageJ channels", channels, None, expected));
+        }
         let mut layout = Self::plain(1);
         layout.format = "TIFF (ImageJ)";
         layout.slices = slices;
@@ -120,7 +127,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Spacing by ImageJ's unit. It writes "inch" or "pixel" where nobody has calibrated anything.
+    /// Spacing by ImageJ's unit. ImageJ writes "inch" or "pixel" if nobody has calibrated anything.
     fn calibrate(&mut self, unit: Option<&str>, spacing: Option<&str>, pages: &mut Pages) {
         let unit = unit.unwrap_or_default().replace("\\u00B5", "µ");
         let between = spacing.and_then(|spacing| spacing.parse::<f64>().ok());

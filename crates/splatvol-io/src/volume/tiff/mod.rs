@@ -1,11 +1,12 @@
-//! TIFF and `BigTIFF`: pages piled up to a volume, as ImageJ and OME-TIFF describe them, or simply one after the other
+//! TIFF and `BigTIFF`: pages stacked into a volume, as ImageJ and OME-TIFF describe them, or simply in their order
 //! (TIFF 6.0; <https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/>).
 //!
-//! Read: strips and tiles of 8, 16, 32 and 64 bits and floats; uncompressed, LZW, deflate, `PackBits`, JPEG; several
-//! channels and time points. Spacing comes from ImageJ's or OME's description only: the resolution of a printer, which
-//! most files state, says nothing. Not read: zstd (its decoder is C), planar colours, OME images that are spread over several
-//! files, levels of detail in sub-directories.
+//! Read: strips and tiles of 8, 16, 32 and 64 bits and floats; uncompressed, LZW, deflate, `PackBits`, JPEG, zstd; several
+//! channels and time points. Spacing comes from ImageJ's or OME's description only: the printing resolution that most
+//! files state says nothing about it. Of palettes the samples are read, not the colours. Not read: planar colours, OME images
+//! that are spread over several files, levels of detail in sub-directories.
 
+mod chunks;
 mod description;
 mod ome;
 
@@ -29,7 +30,8 @@ use crate::samples::{Endian, SampleBuffer, SampleType};
 use crate::source::Source;
 use description::Layout;
 
-/// Best ratio of the compressions (deflate has 1032, LZW a little more on large images), and what any file may hold.
+/// Best ratio of the compressions (deflate has 1032, LZW a little more on large images), and bytes that any file may
+/// hold.
 const RATIO: u64 = 1500;
 const SLACK: u64 = 1 << 20;
 
@@ -52,7 +54,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         series: layout.series.clone(),
         ..Description::default()
     };
-    // Channels are pages of their own or, where there are none, components of each.
+    // Channels are pages of their own or, if there are none, components of each page.
     let names = match layout.channels.len() {
         1 => component_names(first.components),
         _ => layout.channels.clone(),
@@ -110,6 +112,8 @@ pub(super) struct PageHead {
     pub(super) components: usize,
     sample_type: SampleType,
     half: bool,
+    /// True where samples are places in a palette.
+    palette: bool,
     compression: u64,
     endian: Endian,
 }
@@ -135,10 +139,12 @@ impl PageHead {
             7 => "JPEG",
             8 | 32946 => "deflate",
             32773 => "PackBits",
+            50000 => "zstd",
             _ => "compressed",
         };
         let name = if self.half { "f16" } else { self.sample_type.name() };
-        format!("{name}{order}, {coding}")
+        let palette = if self.palette { ", places in a palette" } else { "" };
+        format!("{name}{order}, {coding}{palette}")
     }
 }
 
@@ -153,7 +159,7 @@ pub(super) struct Pages {
 
 impl Pages {
     fn open(path: &Path, context: &Context<'_>) -> Result<Self, IoError> {
-        // Refuses what is no regular file.
+        // Refuses anything but a regular file.
         let length = Source::open(path)?.at_most();
         let file = File::open(path).map_err(|error| context.read(error))?;
         let limits = {
@@ -226,12 +232,7 @@ impl Pages {
         let format = number(Tag::SampleFormat)?.unwrap_or(1);
         let planar = number(Tag::PlanarConfiguration)?.unwrap_or(1) == 2;
         let compression = number(Tag::Compression)?.unwrap_or(1);
-        if compression == 50000 {
-            return Err(context.unsupported("pages compressed by zstd"));
-        }
-        if number(Tag::PhotometricInterpretation)? == Some(3) {
-            return Err(context.unsupported("colours by palette"));
-        }
+        let palette = number(Tag::PhotometricInterpretation)? == Some(3);
         if planar && components > 1 {
             return Err(context.unsupported("components in planes of their own (PlanarConfiguration 2)"));
         }
@@ -255,6 +256,7 @@ impl Pages {
             components,
             sample_type,
             half: (format, bits) == (3, 16),
+            palette,
             compression,
             endian: match self.decoder.byte_order() {
                 tiff::tags::ByteOrder::LittleEndian => Endian::Little,
@@ -288,8 +290,10 @@ impl Pages {
             return Err(context.too_small("samples", needed, available));
         }
         self.budget -= needed;
-        let result = self.decoder.read_image().map_err(|error| bad(error, context))?;
-        let samples = samples(result);
+        let samples = match chunks::reads(&head) {
+            true => chunks::read(&mut self.decoder, &head, context)?,
+            false => samples(self.decoder.read_image().map_err(|error| bad(error, context))?),
+        };
         let expected = head.size[0] * head.size[1] * head.components;
         match samples.len() == expected {
             true => Ok(Plane {
@@ -301,7 +305,7 @@ impl Pages {
         }
     }
 
-    /// Pages that follow the first without headers, as ImageJ writes more than 4 GB.
+    /// Pages that follow the first without headers, as ImageJ writes files of more than 4 GB.
     fn contiguous(
         &mut self,
         head: &PageHead,

@@ -2,15 +2,18 @@
 //! (`TiffData`; <https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/specification.html>).
 
 use glam::DVec3;
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 use splatvol_scene::LengthUnit;
 
 use super::description::Layout;
 use crate::IoError;
 use crate::error::Context;
 use crate::volume::{ReadOptions, length_unit};
+use crate::xml;
 
-/// Most images that are listed.
+/// A plane named several times lies where it is named last; a file that names all of them again and again is no image.
+const MOST_TIMES_NAMED: usize = 16;
+/// Maximum number of images that are listed.
 const SHOWN: usize = 50;
 
 pub(super) fn layout(
@@ -19,8 +22,7 @@ pub(super) fn layout(
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<Layout, IoError> {
-    let document = Document::parse(text.trim_end_matches('\0'))
-        .map_err(|error| context.field("OME-XML", error, None, "well-formed XML"))?;
+    let document = xml::parse(text.trim_end_matches('\0'), "OME-XML", context)?;
     let named = |node: &Node<'_, '_>, name: &str| node.is_element() && node.tag_name().name() == name;
     let images: Vec<Node<'_, '_>> = document
         .root_element()
@@ -145,6 +147,7 @@ impl OmePixels<'_, '_> {
             at[0] + sizes[0] * (at[1] + sizes[1] * at[2])
         };
         let mut pages = vec![None; total];
+        let mut named = 0;
         for data in self.children("TiffData") {
             let number = |name: &str| data.attribute(name).and_then(|value| value.parse::<usize>().ok());
             self.check_file(&data)?;
@@ -156,7 +159,14 @@ impl OmePixels<'_, '_> {
                 None => total,
             });
             let page = number("IFD").unwrap_or(0);
-            for offset in 0..planes.min(total.saturating_sub(start)) {
+            let planes = planes.min(total.saturating_sub(start));
+            named += planes;
+            if named > MOST_TIMES_NAMED.saturating_mul(total) {
+                let expected = format!("each of {total} planes once");
+                let found = format!("{named} planes and more");
+                return Err(self.context.field("OME-XML TiffData", found, None, expected));
+            }
+            for offset in 0..planes {
                 pages[ours(start + offset)] = Some(page.saturating_add(offset));
             }
         }
@@ -176,7 +186,7 @@ impl OmePixels<'_, '_> {
         let named = data.children().find_map(|node| node.attribute("FileName"));
         let own = self.context.path.file_name().map(|name| name.to_string_lossy());
         match named {
-            // A file that was renamed since holds all planes nevertheless; one that does not is found out by its pages.
+            // A file that was renamed since still holds all planes; one that does not is recognised by its pages.
             Some(name) if own.as_deref() != Some(name) && self.context.path.with_file_name(name).exists() => {
                 let what = format!("OME image spread over several files; also in {name}");
                 Err(self.context.unsupported(what))

@@ -5,18 +5,18 @@
 //! XML parser.
 
 use std::borrow::Cow;
+use std::rc::Rc;
 use std::str::FromStr;
 
 use glam::{DMat3, DVec3};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleType};
 use crate::volume::vtk_array::{ArrayHead, Association, ImageGeometry};
+use crate::xml;
 
-/// Far more elements than any header has.
-const MAX_ELEMENTS: u32 = 1 << 20;
 const APPENDED: &[u8] = b"<AppendedData";
 
 /// A .vti file cut into its header and its appended data.
@@ -67,13 +67,7 @@ fn find(bytes: &[u8], pattern: &[u8]) -> Option<usize> {
 
 /// The document, without document type or entities.
 pub(crate) fn parse<'a>(parts: &'a Parts<'_>, context: &Context<'_>) -> Result<Document<'a>, IoError> {
-    let options = ParsingOptions {
-        allow_dtd: false,
-        nodes_limit: MAX_ELEMENTS,
-        ..ParsingOptions::default()
-    };
-    Document::parse_with_options(&parts.xml, options)
-        .map_err(|error| context.field("XML", error, None, "well-formed XML without document type"))
+    xml::parse(&parts.xml, "XML", context)
 }
 
 /// Compression of the blocks of binary data.
@@ -138,12 +132,14 @@ impl<'a> ImageFile<'a> {
     }
 }
 
-/// Offsets of all arrays of a file in its appended data.
-pub(crate) fn offsets(document: &Document<'_>) -> Vec<u64> {
+/// Offsets of all arrays of a file in its appended data, in order.
+pub(crate) fn offsets(document: &Document<'_>) -> Rc<[u64]> {
     let elements = document.descendants();
-    elements
+    let mut offsets: Vec<u64> = elements
         .filter_map(|node| node.attribute("offset")?.parse().ok())
-        .collect()
+        .collect();
+    offsets.sort_unstable();
+    offsets.into()
 }
 
 /// The attributes of one piece.
@@ -151,14 +147,14 @@ pub(crate) struct Arrays<'a> {
     pub(crate) heads: Vec<ArrayHead>,
     /// The element of each head.
     elements: Vec<Node<'a, 'a>>,
-    offsets: Vec<u64>,
+    offsets: Rc<[u64]>,
 }
 
 impl<'a> Arrays<'a> {
     /// The arrays that a piece declares; `offsets` are those of the whole file.
     pub(crate) fn of_piece(
         piece: Node<'a, 'a>,
-        offsets: Vec<u64>,
+        offsets: Rc<[u64]>,
         context: &Context<'_>,
     ) -> Result<Self, IoError> {
         let mut arrays = Self {
@@ -235,7 +231,8 @@ impl<'a> Arrays<'a> {
                     .trim()
                     .parse()
                     .map_err(|_| context.field("offset", declared, None, "a number of bytes"))?;
-                let next = self.offsets.iter().copied().filter(|&other| other > offset).min();
+                let after = self.offsets.partition_point(|&other| other <= offset);
+                let next = self.offsets.get(after).copied();
                 Ok(Place::Appended { offset, next })
             }
             other => Err(context.unsupported(format!("DataArray format `{other}`"))),

@@ -1,9 +1,9 @@
 //! The numbers of one array of a .vti file.
 //!
-//! Binary data are a header of words (4 or 8 bytes each, in the file's byte order) and the data themselves.
-//! Plain: one word, the number of bytes. Compressed: number of blocks, bytes per block, bytes of the last block (0:
-//! a whole one), compressed bytes of each block; then the blocks, one zlib stream or bare LZ4 block each. In base64 the two parts may
-//! be encoded apart, which is seen from the padding in the middle.
+//! Binary data are a header of words (4 or 8 bytes each, in the file's byte order) and the data themselves. Plain: one
+//! word, the number of bytes. Compressed: number of blocks, bytes per block, bytes of the last block (0: a whole one),
+//! compressed bytes of each block; then the blocks, one zlib stream or bare LZ4 block each. In base64 the two parts may
+//! be encoded separately, which the padding in the middle shows.
 
 use std::borrow::Cow;
 
@@ -17,7 +17,7 @@ use crate::error::Context;
 use crate::samples::{Endian, SampleBuffer, SampleType, decode_text};
 use crate::source::{Codec, Rest, Source};
 
-/// `count` numbers from `place`, and a warning where they lost digits.
+/// `count` numbers from `place`, and a warning if they lost digits.
 pub(crate) fn samples(
     place: &Place<'_>,
     (sample_type, count): (SampleType, usize),

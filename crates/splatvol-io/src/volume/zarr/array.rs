@@ -1,5 +1,6 @@
 //! Metadata of one array, Zarr 2 (`.zarray`) or 3 (`zarr.json`)
-//! (<https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html>, <https://zarr-specs.readthedocs.io/en/latest/v3/core/>).
+//! (<https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html>,
+//! <https://zarr-specs.readthedocs.io/en/latest/v3/core/>).
 
 use std::path::{Path, PathBuf};
 
@@ -47,14 +48,13 @@ pub(super) struct Shard {
     pub(super) index_first: bool,
 }
 
-/// A JSON file, or `None` where it does not exist.
+/// A JSON file, or `None` if it does not exist.
 pub(super) fn json(path: &Path) -> Result<Option<Value>, IoError> {
     if !path.is_file() {
         return Ok(None);
     }
     let context = &Context::new("Zarr metadata", path);
     let bytes = read_file(path, context)?;
-    // Values that are no JSON, which numpy writes, stand for themselves.
     let value = serde_json::from_slice(&bytes);
     value
         .map(Some)
@@ -62,7 +62,7 @@ pub(super) fn json(path: &Path) -> Result<Option<Value>, IoError> {
 }
 
 impl Array {
-    /// The array in a folder, `None` where there is none.
+    /// The array in a folder, `None` if there is none.
     pub(super) fn open(folder: &Path) -> Result<Option<Self>, IoError> {
         let old = folder.join(".zarray");
         if let Some(value) = json(&old)? {
@@ -178,7 +178,16 @@ impl Fields<'_> {
             "b1" => (Some(SampleType::U8), false),
             "f4" => (Some(SampleType::F32), false),
             "f8" => (Some(SampleType::F64), false),
-            name => (SampleType::from_name(name), false),
+            // Numbers are bytes here, not bits.
+            "u1" => (Some(SampleType::U8), false),
+            "i1" => (Some(SampleType::I8), false),
+            "u2" => (Some(SampleType::U16), false),
+            "i2" => (Some(SampleType::I16), false),
+            "u4" => (Some(SampleType::U32), false),
+            "i4" => (Some(SampleType::I32), false),
+            "u8" => (Some(SampleType::U64), false),
+            "i8" => (Some(SampleType::I64), false),
+            _ => (None, false),
         };
         let sample_type = sample_type.ok_or_else(|| self.bad("dtype", dtype, "a real number type"))?;
         let endian = if text.starts_with('>') {
@@ -218,7 +227,7 @@ impl Fields<'_> {
             order,
             codecs,
             shard: None,
-            fill: self.fill(sample_type, half, endian),
+            fill: self.fill(sample_type, half, endian)?,
             prefix: "",
             separator: if slashes { '/' } else { '.' },
         })
@@ -273,11 +282,11 @@ impl Fields<'_> {
         {
             return Err(self.bad("chunk_shape", grid, "a multiple of the chunks inside"));
         }
-        array.fill = self.fill(sample_type, half, array.endian);
+        array.fill = self.fill(sample_type, half, array.endian)?;
         Ok(array)
     }
 
-    /// Takes the list of codecs of version 3 apart.
+    /// Interprets the list of codecs of version 3.
     fn codecs(&self, list: Option<&Value>, array: &mut Array) -> Result<(), IoError> {
         let codecs = list.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
         for codec in codecs {
@@ -326,25 +335,73 @@ impl Fields<'_> {
         Ok(())
     }
 
-    fn fill(&self, sample_type: SampleType, half: bool, endian: Endian) -> Vec<u8> {
-        let value = match self.value.get("fill_value") {
-            Some(Value::Number(number)) => number.as_f64().unwrap_or(0.0),
-            Some(Value::Bool(true)) => 1.0,
-            Some(Value::String(text)) if text == "NaN" => f64::NAN,
-            Some(Value::String(text)) if text == "Infinity" => f64::INFINITY,
-            Some(Value::String(text)) if text == "-Infinity" => f64::NEG_INFINITY,
-            _ => 0.0,
+    /// The bytes of a sample that no chunk holds: a number, `NaN`, `Infinity`, or the sample's bits in hexadecimal
+    /// digits (Zarr 3 core, "Fill value").
+    fn fill(&self, sample_type: SampleType, half: bool, endian: Endian) -> Result<Vec<u8>, IoError> {
+        let stated = self.value.get("fill_value");
+        let bad = || self.bad("fill_value", stated, "a number that fits the samples' type");
+        let value = match stated {
+            None | Some(Value::Null) => 0.0,
+            Some(Value::Bool(value)) => f64::from(u8::from(*value)),
+            Some(Value::Number(number)) => match whole(number, sample_type).filter(|_| !half) {
+                Some(bits) => return Ok(ordered(bits.to_le_bytes()[..sample_type.size()].to_vec(), endian)),
+                None => number.as_f64().ok_or_else(bad)?,
+            },
+            Some(Value::String(text)) => match text.as_str() {
+                "NaN" => f64::NAN,
+                "Infinity" => f64::INFINITY,
+                "-Infinity" => f64::NEG_INFINITY,
+                text => {
+                    let digits = text.strip_prefix("0x").ok_or_else(bad)?;
+                    let bits = u64::from_str_radix(digits, 16).map_err(|_| bad())?;
+                    if digits.len() != 2 * sample_type.size() {
+                        return Err(bad());
+                    }
+                    return Ok(ordered(bits.to_le_bytes()[..sample_type.size()].to_vec(), endian));
+                }
+            },
+            Some(_) => return Err(bad()),
         };
-        let mut bytes = match sample_type {
+        let bytes = match sample_type {
             _ if half => half::f16::from_f64(value).to_le_bytes().to_vec(),
             SampleType::F32 => (value as f32).to_le_bytes().to_vec(),
             SampleType::F64 => value.to_le_bytes().to_vec(),
-            SampleType::U64 => (value as u64).to_le_bytes().to_vec(),
-            integer => (value as i64).to_le_bytes()[..integer.size()].to_vec(),
+            // A whole number in decimal point form, such as 0.0.
+            integer => {
+                let bits = (value.fract() == 0.0 && value.abs() < EXACT).then_some(value as i64);
+                let number = serde_json::Number::from(bits.ok_or_else(bad)?);
+                let bits = whole(&number, integer).ok_or_else(bad)?;
+                bits.to_le_bytes()[..integer.size()].to_vec()
+            }
         };
-        if endian == Endian::Big {
-            bytes.reverse();
-        }
-        bytes
+        Ok(ordered(bytes, endian))
     }
+}
+
+/// Whole numbers below this are exact in 64-bit reals.
+const EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// The bits of a whole number that fits an integer type; `None` for other numbers and types.
+fn whole(number: &serde_json::Number, sample_type: SampleType) -> Option<u64> {
+    let bits = 8 * sample_type.size() as u32;
+    match sample_type {
+        SampleType::U8 | SampleType::U16 | SampleType::U32 | SampleType::U64 => {
+            number.as_u64().filter(|&n| bits == 64 || n >> bits == 0)
+        }
+        SampleType::I8 | SampleType::I16 | SampleType::I32 | SampleType::I64 => {
+            let most = i64::MAX >> (64 - bits);
+            number
+                .as_i64()
+                .filter(|n| (-most - 1..=most).contains(n))
+                .map(|n| n as u64)
+        }
+        _ => None,
+    }
+}
+
+fn ordered(mut little_endian: Vec<u8>, endian: Endian) -> Vec<u8> {
+    if endian == Endian::Big {
+        little_endian.reverse();
+    }
+    little_endian
 }

@@ -1,5 +1,6 @@
 //! Chunks of Blosc 1 (<https://github.com/Blosc/c-blosc/blob/main/README_CHUNK_FORMAT.rst>): blocks, split by the bytes
-//! of their elements, shuffled, and compressed by LZ4, zlib, Zstandard or `BloscLZ`. Crates bring the library in C.
+//! of their elements, shuffled, and compressed by LZ4, zlib, Zstandard or `BloscLZ`. Existing crates bring the library
+//! in C.
 
 use std::io::Read;
 
@@ -10,7 +11,7 @@ const HEADER: usize = 16;
 const SPLIT_SIZE: usize = 16;
 const SPLIT_ELEMENTS: usize = 128;
 
-/// The `expected` bytes of a chunk; else a description of the fault.
+/// The `expected` bytes of a chunk, or a description of the fault.
 pub(super) fn decode(chunk: &[u8], expected: usize) -> Result<Vec<u8>, String> {
     let word = |at: usize| {
         chunk
@@ -91,8 +92,8 @@ fn unshuffle(bytes: &[u8], size: usize, into: &mut Vec<u8>) {
     into.extend_from_slice(&bytes[count * size..]);
 }
 
-/// Bit b of byte j of element i is bit `i mod 8` of byte `(8 j + b) n / 8 + i / 8`. The library leaves blocks as they are
-/// whose number of elements is no multiple of eight.
+/// Bit b of byte j of element i is bit `i mod 8` of byte `(8 j + b) n / 8 + i / 8`. The library leaves blocks as they
+/// are if their number of elements is not a multiple of eight.
 fn unshuffle_bits(bytes: &[u8], size: usize, into: &mut Vec<u8>) {
     let row = if (bytes.len() / size).is_multiple_of(8) {
         bytes.len() / size / 8

@@ -11,12 +11,14 @@ use super::codec;
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::SampleBuffer;
-use crate::source::{Source, read_file};
+use crate::source::{Source, check_inside, read_file};
 
 /// Samples that need no justification by files: chunks that are all fill are often left out.
 const SPARSE: u64 = 64 << 20;
-/// Bytes of samples that a byte in files may stand for.
+/// Bytes of samples that a byte in the files may decode to.
 const RATIO: u64 = 1032;
+/// Bytes of a chunk's offset and length in the index of a shard.
+const INDEX_ENTRY: u64 = 16;
 /// Chunks that are looked for, per file that exists.
 const CHUNKS_PER_FILE: usize = 64;
 
@@ -35,7 +37,8 @@ pub(super) fn read(array: &Array, part: &Part, context: &Context<'_>) -> Result<
     let mut reader = ChunkReader {
         array,
         part,
-        index: None,
+        context,
+        shard: None,
     };
     let width = array.sample_type.size();
     let sizes: Vec<usize> = part.spatial.iter().map(|&axis| array.shape[axis]).collect();
@@ -80,13 +83,11 @@ fn check_files(array: &Array, part: &Part, context: &Context<'_>) -> Result<(), 
         return Err(context.too_small("chunks", wanted, most));
     }
     let chunks = product(&|axis| array.shape[axis].div_ceil(array.chunks[axis]));
+    // A shard lists its chunks at its end.
+    let listed = usize::try_from(bytes / INDEX_ENTRY).unwrap_or(usize::MAX);
     let per_file = array.shard.as_ref().map_or(1, |shard| {
-        let inner = shard
-            .shape
-            .iter()
-            .zip(&array.chunks)
-            .map(|(outer, inner)| outer / inner);
-        inner.fold(1usize, usize::saturating_mul)
+        let inner = chunks_along(array, shard);
+        inner.into_iter().fold(1usize, usize::saturating_mul).min(listed)
     });
     let looked_for = CHUNKS_PER_FILE
         .saturating_mul(files)
@@ -117,17 +118,62 @@ fn count_files(folder: &Path, depth: usize, files: &mut usize, bytes: &mut u64) 
     }
 }
 
-/// The index of a shard: offset and length of every chunk in it.
-struct ShardIndex {
+/// The open file of a shard, with offset and length of every chunk in it.
+struct OpenShard {
     path: PathBuf,
+    file: File,
+    length: u64,
     chunks: Vec<(u64, u64)>,
+}
+
+impl OpenShard {
+    /// `None` where all of it is fill, so that there is no file.
+    fn open(path: PathBuf, count: u64, shard: &Shard) -> Result<Option<Self>, IoError> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let context = &Context::new("Zarr shard", &path);
+        let length = Source::open(&path)?.at_most();
+        let mut file = File::open(&path).map_err(|error| context.read(error))?;
+        let chunks = shard_index(&mut file, length, count, shard, context)?;
+        Ok(Some(Self {
+            path,
+            file,
+            length,
+            chunks,
+        }))
+    }
+
+    /// The bytes of a chunk.
+    fn bytes(&mut self, place: usize) -> Result<Option<Vec<u8>>, IoError> {
+        let entry = self.chunks.get(place).copied();
+        let Some((offset, bytes)) = entry.filter(|&entry| entry != (u64::MAX, u64::MAX)) else {
+            return Ok(None);
+        };
+        let context = &Context::new("Zarr shard", &self.path);
+        let left = self.length.saturating_sub(offset);
+        if bytes > left {
+            return Err(context.truncated("chunk", bytes, left));
+        }
+        let sought = self.file.seek(SeekFrom::Start(offset));
+        sought.map_err(|error| context.read(error))?;
+        let mut source = Source::from_reader((&self.file).take(bytes), bytes);
+        source.read_bytes("chunk", bytes, context).map(Some)
+    }
+}
+
+/// Chunks along each axis of a shard.
+fn chunks_along(array: &Array, shard: &Shard) -> Vec<usize> {
+    let sizes = shard.shape.iter().zip(&array.chunks);
+    sizes.map(|(outer, inner)| outer / inner).collect()
 }
 
 struct ChunkReader<'a> {
     array: &'a Array,
     part: &'a Part,
-    /// Index of the shard that was read last.
-    index: Option<ShardIndex>,
+    context: &'a Context<'a>,
+    /// The shard that was looked for last, by its numbers along the axes.
+    shard: Option<(Vec<usize>, Option<OpenShard>)>,
 }
 
 impl ChunkReader<'_> {
@@ -209,13 +255,10 @@ impl ChunkReader<'_> {
         let (path, coded) = match &array.shard {
             None => {
                 let path = array.file(numbers);
-                if std::fs::symlink_metadata(&path).is_ok_and(|metadata| !metadata.is_file()) {
-                    let context = Context::new("Zarr chunk", &path);
-                    return Err(context.unsupported("a chunk that is not a regular file"));
-                }
                 if !path.exists() {
                     return Ok(None);
                 }
+                check_inside(&path, &array.folder, self.context)?;
                 let coded = read_file(&path, &Context::new("Zarr chunk", &path))?;
                 (path, coded)
             }
@@ -239,53 +282,31 @@ impl ChunkReader<'_> {
     /// The bytes of a chunk inside a shard, and the shard's file.
     fn sharded(&mut self, numbers: &[usize], shard: &Shard) -> Result<Option<(PathBuf, Vec<u8>)>, IoError> {
         let array = self.array;
-        let inner: Vec<usize> = shard
-            .shape
-            .iter()
-            .zip(&array.chunks)
-            .map(|(outer, inner)| outer / inner)
-            .collect();
+        let inner = chunks_along(array, shard);
         let outer: Vec<usize> = numbers
             .iter()
             .zip(&inner)
             .map(|(number, inner)| number / inner)
             .collect();
-        let path = array.file(&outer);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let context = &Context::new("Zarr shard", &path);
-        let length = Source::open(&path)?.at_most();
-        let mut file = File::open(&path).map_err(|error| context.read(error))?;
-        if self.index.as_ref().is_none_or(|index| index.path != path) {
+        let known = self.shard.as_ref().is_some_and(|(at, _)| *at == outer);
+        if !known {
             let count = inner
                 .iter()
                 .fold(1u64, |product, &size| product.saturating_mul(size as u64));
-            let chunks = shard_index(&mut file, length, count, shard, context)?;
-            self.index = Some(ShardIndex {
-                path: path.clone(),
-                chunks,
-            });
+            let path = array.file(&outer);
+            check_inside(&path, &array.folder, self.context)?;
+            let opened = OpenShard::open(path, count, shard)?;
+            self.shard = Some((outer, opened));
         }
+        let Some((_, Some(open))) = &mut self.shard else {
+            return Ok(None);
+        };
         let place = numbers
             .iter()
             .zip(&inner)
             .fold(0, |place, (number, inner)| place * inner + number % inner);
-        let entry = self
-            .index
-            .as_ref()
-            .and_then(|index| index.chunks.get(place).copied());
-        let Some((offset, bytes)) = entry.filter(|&entry| entry != (u64::MAX, u64::MAX)) else {
-            return Ok(None);
-        };
-        let left = length.saturating_sub(offset);
-        if bytes > left {
-            return Err(context.truncated("chunk", bytes, left));
-        }
-        file.seek(SeekFrom::Start(offset))
-            .map_err(|error| context.read(error))?;
-        let coded = Source::from_reader(file.take(bytes), bytes).read_bytes("chunk", bytes, context)?;
-        Ok(Some((path, coded)))
+        let bytes = open.bytes(place)?;
+        Ok(bytes.map(|bytes| (open.path.clone(), bytes)))
     }
 }
 

@@ -50,9 +50,9 @@ impl Codec {
         Self::from_name(value.get("id")?.as_str()?)
     }
 
-    /// At most `expected` bytes; what is wrong, otherwise.
+    /// At most `expected` bytes, or a description of the fault.
     fn decode(self, bytes: &[u8], expected: usize) -> Result<Vec<u8>, String> {
-        // One more than expected tells that there are too many.
+        // One byte more than expected shows that there are too many.
         let limit = expected as u64 + 1;
         let read = |reader: &mut dyn Read| {
             let mut decoded = Vec::new();
@@ -95,7 +95,7 @@ pub(super) fn decode(bytes: &[u8], codecs: &[Codec], expected: usize) -> Result<
 
 /// One block of LZ4.
 pub(super) fn lz4(coded: &[u8], length: usize) -> Result<Vec<u8>, String> {
-    // A byte stands for 255 at most.
+    // A byte decodes to 255 at most.
     if length > coded.len().saturating_mul(255) {
         return Err(format!("{} bytes of LZ4 for {length}", coded.len()));
     }

@@ -1,8 +1,8 @@
 //! OME-Zarr 0.1 to 0.5 in a local folder, and bare Zarr arrays, of versions 2 and 3.
 //!
-//! Read: chunks and shards, plain or compressed by Blosc, gzip, zlib, zstd or LZ4; level, channel and time by the options.
-//! The reader is our own: the crate for Zarr brings compressors in C and some hundred other crates. Not read: plates,
-//! label images other than by their own folder, data types that are no real numbers.
+//! Read: chunks and shards, plain or compressed by Blosc, gzip, zlib, zstd or LZ4; level, channel and time by the
+//! options. The reader is our own: the crate for Zarr brings compressors in C and about a hundred other crates. Not
+//! read: plates, label images except by their own folder, data types other than real numbers.
 
 mod array;
 mod blosc;
@@ -21,6 +21,7 @@ use super::{
 };
 use crate::IoError;
 use crate::error::Context;
+use crate::source::check_inside;
 use array::Array;
 use chunks::Part;
 use ome::{Axis, Image, Level};
@@ -37,7 +38,7 @@ pub(super) fn is_zarr(folder: &Path) -> bool {
 /// # Errors
 /// See [`IoError`].
 pub fn read(folder: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    let context = &Context::new("OME-Zarr", folder);
+    let context = &Context::new("OME-Zarr", folder).following(options);
     if let Some(array) = Array::open(folder)? {
         let level = Level {
             path: String::new(),
@@ -54,6 +55,7 @@ pub fn read(folder: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let mut arrays = Vec::new();
     for level in &image.levels {
         let path = folder.join(&level.path);
+        check_inside(&path, folder, context)?;
         let array = Array::open(&path)?;
         arrays.push(array.ok_or_else(|| IoError::MissingDataFile {
             data: path,
@@ -97,7 +99,7 @@ fn read_series(
         .collect();
     names.sort_by(|a, b| super::detect::natural_order(a, b));
     let asked = |name: &&String| options.series.as_ref().is_none_or(|series| series == *name);
-    // OME's own metadata are no image.
+    // OME's own metadata are not an image.
     names.retain(|name| name != "OME");
     let Some(name) = names.iter().find(asked) else {
         let what = match &options.series {
@@ -110,6 +112,7 @@ fn read_series(
         return Err(context.unsupported(what));
     };
     let inner = folder.join(name);
+    check_inside(&inner, folder, context)?;
     if Array::open(&inner)?.is_none()
         && ome::attributes(&inner)?.is_none_or(|value| value.get("multiscales").is_none())
     {
@@ -186,7 +189,7 @@ fn load(
     mut description: Description,
     options: &ReadOptions,
 ) -> Result<Loaded, IoError> {
-    let context = &Context::new("Zarr array", &array.folder);
+    let context = &Context::new("Zarr array", &array.folder).following(options);
     let axes = axes(array, image);
     let spatial: Vec<usize> = (0..axes.len()).filter(|&i| is_spatial(&axes[i])).collect();
     if !(1..=3).contains(&spatial.len()) {
@@ -211,7 +214,7 @@ fn load(
                 Some(name) if !name.is_empty() => name.clone(),
                 _ => format!("channel {i}"),
             };
-            // More than this are no channels, and not listed.
+            // More than this are not channels, and are not listed.
             let names: Vec<String> = (0..size.min(4096)).map(name).collect();
             let (channel, warning) = choose_channel(&names, options, context)?;
             place[i] = channel;
@@ -265,7 +268,7 @@ fn geometry(draft: &mut Draft, level: &Level, axes: &[Axis], spatial: &[usize]) 
         columns[voxel] = direction * scale(axis);
         origin += direction * translation(axis);
     }
-    // Flat axes take what direction is left, and the first axis' spacing.
+    // Flat axes take the remaining directions and the first axis's spacing.
     let length = columns[0].length();
     for (voxel, direction) in absent.into_iter().zip(free) {
         columns[voxel] = direction * length;

@@ -8,7 +8,7 @@ use super::array::json;
 use crate::IoError;
 use crate::error::Context;
 
-/// Levels that are looked at.
+/// Maximum number of levels that are read.
 const MAX_LEVELS: usize = 64;
 
 /// One axis.
@@ -31,7 +31,7 @@ pub(super) struct Level {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Image {
     pub(super) version: String,
-    /// Empty where nothing is said.
+    /// Empty if the metadata name none.
     pub(super) axes: Vec<Axis>,
     pub(super) levels: Vec<Level>,
     /// Names of channels.
@@ -53,7 +53,7 @@ pub(super) fn attributes(folder: &Path) -> Result<Option<Value>, IoError> {
 }
 
 impl Image {
-    /// The first image in the metadata, `None` where there is none.
+    /// The first image in the metadata, `None` if there is none.
     pub(super) fn new(attributes: &Value, context: &Context<'_>) -> Result<Option<Self>, IoError> {
         let Some(scales) = attributes.get("multiscales").and_then(Value::as_array) else {
             return Ok(None);

@@ -1,8 +1,9 @@
 //! Absorption: `1 - tau`, and nothing below it, in place of `exp(-tau)` (zwicker2001 eq. 4; the papers' opacities).
 //!
-//! One sheet of optical depth tau is `min(tau, 1)` opaque instead of `1 - exp(-tau)`: too much by `1/e` at tau = 1. Through
-//! a homogeneous medium of extinction kappa on sheets of thickness d the effective extinction is `-ln(1 - kappa d) / d`;
-//! splat by splat, with footprints `q_k` on a pixel, it is `-sum_k ln(1 - kappa q_k)` per voxel.
+//! One sheet of optical depth tau is `min(tau, 1)` opaque instead of `1 - exp(-tau)`: too much by `1/e` at tau = 1.
+//! Through a homogeneous medium of extinction kappa on sheets of thickness d the effective extinction is
+//! `-ln(1 - kappa d) / d`; splat by splat, with footprints `q_k` on a pixel, it is `-sum_k ln(1 - kappa q_k)` per
+//! voxel.
 
 use std::f64::consts::TAU;
 
@@ -19,9 +20,10 @@ use crate::{
 };
 
 const FIGURE: &str = "Absorption";
-/// Thickness of two boxes whose difference has no ends, voxels; kernels reach 4 beyond each end.
+/// Thicknesses of two boxes, voxels; kernels reach 4 beyond each end, so the boxes' difference is free of
+/// ends.
 const LENGTHS: [usize; 2] = [12, 24];
-/// The extinction per voxel at which pictures are told apart in words: an opacity of .39.
+/// The extinction per voxel at which pictures are compared in words: an opacity of .39.
 const HALF: f64 = 0.5;
 const GAIN: f32 = 4.0;
 
@@ -59,8 +61,8 @@ fn constant(length: usize) -> Result<Volume, SceneError> {
     Volume::new(grid, samples, Rescale::default(), LengthUnit::Unknown)
 }
 
-/// Optical depth and opacity in the middle of the box, seen along z. The picture is one voxel wide and has one pixel, whose
-/// centre is that of a voxel.
+/// Optical depth and opacity in the middle of the box, seen along z. The picture is one voxel wide and has one pixel,
+/// whose centre is that of a voxel.
 fn through(
     renderer: &mut Renderer,
     volume: &Volume,

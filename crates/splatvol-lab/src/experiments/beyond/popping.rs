@@ -1,5 +1,5 @@
 //! Popping: change of the picture from one frame to the next while the camera turns through 45 degrees about an axis of
-//! the grid. If the method has no influence, the change is equally large between all frames; a jump is a change larger
+//! the grid. If the method has no influence, the change is equally large between all frames. A jump is a change larger
 //! than its neighbours.
 
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! The field of a kernel of the distance over a cube of samples, in f64: `v(x) = S / W`, `S = sum_k c_k h(|x - k|)`,
 //! `W = sum_k h(|x - k|)`, as `splatvol_reference` defines it for Gaussians (docs/numerics.md, "The field").
 //!
-//! The lattice is continued by one mirrored sample beyond each face. With the interpolating prefilter the coefficients solve
-//! `sum_k c_k h(|i - k|) = F_i W(i)`, by conjugate gradients; without it they are the samples.
+//! The lattice is continued by one mirrored sample beyond each face. With the interpolating prefilter the coefficients
+//! solve `sum_k c_k h(|i - k|) = F_i W(i)`, by conjugate gradients; without it they are the samples.
 
 use std::ops::RangeInclusive;
 
@@ -13,7 +13,7 @@ use crate::LabError;
 
 /// Residual, as a share of the right-hand side, at which coefficients are accepted.
 const ACCURACY: f64 = 1e-9;
-/// Iterations after which a kernel counts as one that cannot be inverted.
+/// Iterations after which a kernel counts as not invertible.
 const MOST_ITERATIONS: usize = 2000;
 
 /// A cube of samples as a continuous field.

@@ -10,8 +10,8 @@ use splatvol_testing::sample;
 
 use crate::LabError;
 
-/// A Gaussian that is cut so late (five standard deviations) that the cut is below all else that is measured, and so wide
-/// that unit integral and unit sum over the lattice, which engines and reference take, are the same to 4e-7.
+/// A Gaussian cut so late (at five standard deviations) that the cut is below anything measured. It is so wide that the
+/// engines' unit integral and the reference's unit sum over the lattice are the same to 4e-7.
 pub(super) const SMOOTH: Kernel = Kernel::Gaussian {
     sigma: 0.9,
     radius: 4.5,
@@ -38,7 +38,8 @@ pub(super) fn orthographic(from: DVec3, up: DVec3, height: f64) -> Result<Camera
     Ok(Camera::new(position, DVec3::ZERO, up, projection)?)
 }
 
-/// A look of values from 0 to 1, from nothing below 0.4 to `opacity` per voxel from 0.65 on; colour runs with the value.
+/// A look of values from 0 to 1, from nothing below 0.4 to `opacity` per voxel from 0.65 on; colour runs with the
+/// value.
 pub(super) fn look(opacity: f64) -> Result<TransferFunction, LabError> {
     let colors = vec![
         ColorPoint::new(0.4, [0.15, 0.35, 0.8]),
@@ -49,8 +50,8 @@ pub(super) fn look(opacity: f64) -> Result<TransferFunction, LabError> {
     Ok(TransferFunction::new(colors, opacities, Some(1.0))?)
 }
 
-/// Seeded noise of waves longer than four voxels in a cube of `side` voxels of size 1, fading out towards a ball's rim, in
-/// [`look`].
+/// Seeded noise of waves longer than four voxels in a cube of `side` voxels of size 1, fading out towards a ball's rim,
+/// in [`look`].
 pub(super) fn noise_ball(side: usize, opacity: f64) -> Result<Scene, LabError> {
     let grid = Grid::centred([side; 3], DVec3::ONE)?;
     let field = NoiseBall {

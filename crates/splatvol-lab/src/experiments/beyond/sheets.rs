@@ -1,4 +1,5 @@
-//! Deviation of composited footprints from the emission-absorption integral, by the thickness of the sheets.
+//! Deviation of composited footprints from the emission-absorption integral, depending on the thickness of
+//! the sheets.
 //!
 //! A sheet holds the exact integral of extinction over its depth, but loses the order within it. So colours that change
 //! within a sheet make an error of second order in its thickness. Whole footprints, one by one or added up on slices of
@@ -20,7 +21,7 @@ use crate::{
 const FIGURE: &str = "Sheet thickness";
 /// Voxels, thickest first; each half of the one before.
 const THICKNESSES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
-/// The sheets as thick as a voxel, and the thinnest, between which the order of convergence is taken.
+/// The sheets as thick as a voxel, and the thinnest: the order of convergence is measured between them.
 const VOXEL: usize = 1;
 const THINNEST: usize = 3;
 const GAIN: f32 = 8.0;

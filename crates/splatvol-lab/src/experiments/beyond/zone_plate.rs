@@ -1,16 +1,18 @@
-//! A zone plate, `f(r) = (1 + cos(k r^2)) / 2`: a sheet of voxels whose rings have every frequency, from none in the middle
-//! to one cycle per pixel at the rim, so that a picture of it shows what a filter does to each.
+//! A zone plate, `f(r) = (1 + cos(k r^2)) / 2`: a sheet of voxels whose rings have every frequency, from none in the
+//! middle to one cycle per pixel at the rim. A picture of it shows the effect of a filter on each frequency.
 //!
 //! A wave of nu cycles per pixel is passed with the amplitude
 //!
-//! - no filter: `H(nu / m)`, H the kernel's response and m voxels per pixel; beyond nu = 1/2 what is passed is an alias
+//! - no filter: `H(nu / m)`, H the kernel's response and m voxels per pixel; what passes beyond nu = 1/2 is an alias
 //! - ewa: `H(nu / m) exp(-2 pi^2 sigma^2 nu^2)` (zwicker2001 section 4.5)
-//! - swan: the kernel is as many times as large as voxels are smaller than pixels: `H(nu)` (swan1997 section 4.3)
+//! - swan: the kernel is enlarged by the factor by which voxels are smaller than pixels: `H(nu)` (swan1997
+//!   section 4.3)
 //! - coverage of n x n samples: `H(nu / m) D(nu_x) D(nu_y)`, `D(f) = sin(pi f) / (n sin(pi f / n))`
 //!
-//! Convolved with a Gaussian of variance s^2, a zone plate is one again, in closed form: with `k = 2 pi / P` for P pixels and
-//! `d = 1 - 2 i k s^2`, the wave `cos(k rho^2)` becomes `Re(exp(i k rho^2 / d) / d)`. So the closed form of every pixel is
-//! known exactly: kernel and filter are Gaussians, whose variances add up, and coverage is a mean of samples.
+//! Convolved with a Gaussian of variance s^2, a zone plate is one again, in closed form: with `k = 2 pi / P` for P
+//! pixels and `d = 1 - 2 i k s^2`, the wave `cos(k rho^2)` becomes `Re(exp(i k rho^2 / d) / d)`. So the closed form of
+//! every pixel is known exactly: kernel and filter are Gaussians, whose variances add up, and coverage is a mean of
+//! samples.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,7 @@
-//! A volcano and its surroundings: 256 x 256 measured heights and a photograph of 2048 x 2048 pixels from a satellite, as
-//! Kitware's vtk-js keeps them (`Data/elevation/dem.csv`, `dem.jpg`, BSD-3-Clause). Heights are interpolated to the number of
-//! columns and stretched to that of layers, as their unit is not stated; the photograph's colours become a palette of 255.
-//! It is seen from the north, where the plain lies, so that mountains are behind.
+//! A volcano and its surroundings: 256 x 256 measured heights and a photograph of 2048 x 2048 pixels from a satellite,
+//! as Kitware's vtk-js keeps them (`Data/elevation/dem.csv`, `dem.jpg`, BSD-3-Clause). Heights are interpolated to the
+//! number of columns and stretched to that of layers, as their unit is not stated; the photograph's colours become a
+//! palette of 255. It is seen from the north, where the plain lies, so that mountains are behind.
 
 use color_quant::NeuQuant;
 use glam::DVec3;

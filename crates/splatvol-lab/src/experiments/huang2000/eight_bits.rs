@@ -1,8 +1,9 @@
-//! A splatter as small as can be whose buffers have 8 bits, as the paper's for pre-classified splatting (section 5.1): what
-//! rounding after every splat and every sheet does to a picture.
+//! A minimal splatter whose buffers have 8 bits, as the paper's for pre-classified splatting (section 5.1). It shows
+//! the effect of rounding after every splat and every sheet.
 //!
-//! Grey voxels of a cube, sheets a voxel thick perpendicular to an orthographic view. A splat adds `a w` and `a g w` to opacity
-//! and colour of a sheet, w being its section's line integral from a table. A sheet goes behind the picture: `C += (1 - A) c`.
+//! Grey voxels of a cube, sheets a voxel thick perpendicular to an orthographic view. A splat adds `a w` and `a g w` to
+//! opacity and colour of a sheet, w being its section's line integral from a table. A sheet goes behind the picture:
+//! `C += (1 - A) c`.
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol::radial::{FootprintTable, RadialKernel, TableSettings};
@@ -14,11 +15,11 @@ use crate::LabError;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lookup {
     pub table: TableSettings,
-    /// Cells per pixel and axis to whose centres splats are moved; none for none.
+    /// Cells per pixel and axis to whose centres splats are moved; `None` moves none.
     pub cells: Option<f64>,
 }
 
-/// The cube, and how it is seen.
+/// The cube and its view.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cube {
     /// Voxels along an edge.

@@ -1,5 +1,5 @@
-//! Cost of finding the table entries of a footprint's pixels, and of nothing else: one loop per method of section 3, to
-//! separate the method's share of the frame time.
+//! Cost of finding the table entries of a footprint's pixels alone: one loop per method of section 3, to separate the
+//! method's share of the frame time.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -36,7 +36,7 @@ pub(super) fn fastsplats(size: ImageSize, rasterizer: Rasterizer) -> FlatSetting
     }
 }
 
-/// Something to render again and again, by an engine of its own: what an engine derives from scene and settings it keeps.
+/// Something to render again and again, by an engine of its own, which keeps what it derives from scene and settings.
 pub(super) struct Subject<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
@@ -74,7 +74,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Five rounds, or what ten seconds hold; with `--quick` three.
+/// Five rounds, or as many as fit into ten seconds; with `--quick` three.
 pub(super) fn rounds(bench: &Workbench<'_>) -> Rounds {
     Rounds {
         least: bench.choose(5, 3),

@@ -17,8 +17,9 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     about: "The paper compares what footprints take: two-dimensional tables of real numbers for texture hardware, footprints drawn beforehand \
 for every radius and position within the pixel (eq. 5), and its one-dimensional tables of 128 sections.
 
-One-dimensional tables are the program's own, and counted. The 2D FastSplat is counted entry by entry: footprints of 1 to 128 pixels in diameter, centred on \
-the cells of a 2 x 2 grid within the pixel, one byte for each set of entries that mirrors at the axes and the diagonal make equal.
+One-dimensional tables are the program's own, and counted. The 2D FastSplat is counted entry by entry: footprints of \
+1 to 128 pixels in diameter, centred on the cells of a 2 x 2 grid within the pixel. Entries that mirrors at the axes \
+and the diagonal make equal count as one byte.
 
 Eq. 5 adds up k² i². Taken as a footprint of i x i pixels it gives the paper's number. So the radius of that section is an edge in pixels.",
     run,
@@ -32,8 +33,8 @@ fn equation_5(cells: usize, most: usize) -> f64 {
     (1..=most).map(|i| (cells * cells * i * i) as f64).sum()
 }
 
-/// Bytes that are left of footprints of `edge` x `edge` pixels on 2 x 2 positions, counted: those with different offsets,
-/// whatever their signs and order. Offsets are quarters of a pixel.
+/// Count of the bytes that remain of footprints of `edge` x `edge` pixels on 2 x 2 positions: those with different
+/// offsets, whatever their signs and order. Offsets are quarters of a pixel.
 fn distinct(edge: usize) -> usize {
     let edge = edge as i64;
     let along = |cell: i64| (0..edge).map(move |pixel| (4 * pixel - 2 * (edge - 1) - cell).abs());

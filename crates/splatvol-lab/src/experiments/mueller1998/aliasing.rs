@@ -19,9 +19,9 @@ pub(super) const TUNNEL: Experiment = Experiment {
     title: "A checkered tunnel, plain and anti-aliased",
     figures: &["Fig. 5", "Section 4.2"],
     about: "The paper looks through a hollow tube of 160x160x300 voxels whose squares are red or white; a black line marks z_k, beyond which \
-there is more than a voxel per pixel. Size of the squares, position and angle of the camera are not given: ours are 10 voxels long, 32 of them \
-around, seen from the tube's mouth with a field of view of 90 degrees in 240x240 pixels, so that z_k is 120 voxels away and 2.5 voxels fall on a \
-pixel at the far end.\n\n\
+there is more than a voxel per pixel. Size of the squares, position and angle of the camera are not given. Ours are \
+10 voxels long, 32 of them around, seen from the tube's mouth with a field of view of 90 degrees in 240x240 pixels. \
+So z_k is 120 voxels away, and 2.5 voxels fall on a pixel at the far end.\n\n\
 Splats are composited one by one, from the Crawfis-Max kernel, as in the paper. `swan-alpha` lowers opacities as its text has it, `swan` lowers \
 extinctions; `ewa` is zwicker2001's filter, and `coverage` takes 16 samples of pixels that differ from their neighbours.\n\n\
 The low-passed difference is the RMS difference in luminance from the mean of many samples per pixel, both low-passed by a Gaussian of one \
@@ -65,10 +65,10 @@ const FILTERS: [(&str, &str, Filter); 4] = [
     ("ewa", "EWA", Filter::Ewa { pixel_sigma: 0.55 }),
 ];
 
-/// A view's pictures: the right one, and one per method with how it differs.
+/// A view's pictures: the right one, and one per method with its differences.
 struct Compared {
     right: Image,
-    /// The right picture, low-passed, and shifted up by so many pixels.
+    /// The right picture, low-passed, and shifted up by this many pixels.
     shifted: Vec<(f64, Vec<f64>)>,
     beyond: Vec<bool>,
     methods: Vec<Method>,
@@ -165,7 +165,7 @@ impl Compared {
         of(key) / of("plain")
     }
 
-    /// The difference that is left of a method's when the right picture is shifted up, share of it.
+    /// The share of a method's difference that remains when the right picture is shifted up.
     fn left(&self, key: &str) -> f64 {
         self.method(key)
             .map_or(f64::NAN, |one| one.shifted[1] / one.difference)

@@ -1,9 +1,10 @@
 //! Table 1 of mueller1998: a kernel in perspective space, five ways, and its integrals along the rays.
 //!
-//! Coordinates are the paper's: `z` along the viewing axis from the eye, `y` across it, in voxels; a ray is named by where it
-//! meets the plane `z = z_k`, on which pixels are as far apart as voxels, so `y_p` counts pixels. The kernel is
-//! `h(a, b) = exp(-1.38 (a^2 + b^2))`, cut at 2: the paper's "standard deviation of 1.38" is this factor, as with that
-//! deviation its bounds would not hold. `s(z) = min(1, z_k / z)` undoes the stretch, `dy = y_p z / z_k - y_v`, `dz = z - z_v`:
+//! Coordinates are the paper's: `z` along the viewing axis from the eye, `y` across it, in voxels; a ray is named by
+//! where it meets the plane `z = z_k`, on which pixels are as far apart as voxels, so `y_p` counts pixels. The kernel
+//! is `h(a, b) = exp(-1.38 (a^2 + b^2))`, cut at 2: the paper's "standard deviation of 1.38" is this factor, because
+//! its bounds would not hold with that deviation. `s(z) = min(1, z_k / z)` undoes the stretch,
+//! `dy = y_p z / z_k - y_v`, `dz = z - z_v`:
 //!
 //! | row | argument of `h` | factor | integral |
 //! |---|---|---|---|
@@ -45,7 +46,8 @@ pub(super) enum Row {
     Grid,
     /// Row 3 with the squares that are printed, all else corrected.
     SquaredRayIdeal,
-    /// Row 3 without the squares, with `z_v` for `x_v` alone, which the plane of the axis and the voxel does not have.
+    /// Row 3 without the squares, with `z_v` only in place of `x_v`, which does not exist in the plane of the axis and
+    /// the voxel.
     SwappedRayIdeal,
     /// Row 4 with the minus that is printed.
     PrintedRay,
@@ -209,7 +211,7 @@ fn least([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Position, on the way to `far`, from which on a test that holds at `within` fails: bisection.
+/// Position, on the way to `far`, beyond which a test that holds at `within` fails: bisection.
 fn edge(mut within: f64, mut far: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..48 {
         let middle = 0.5 * (within + far);
@@ -237,8 +239,8 @@ fn simpson([low, high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     sum * step / 3.0
 }
 
-/// The paper's volume: 512 voxels a side, in a picture of 512 pixels within 30 degrees of the axis, a fifth of it before
-/// `z_k`.
+/// The paper's volume: 512 voxels a side, in a picture of 512 pixels within 30 degrees of the axis, a fifth of it
+/// before `z_k`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Setting {
     /// Voxels and pixels.
@@ -254,7 +256,7 @@ impl Setting {
         Self { side, z_k }
     }
 
-    /// The kernel so far across the axis and behind `z_k`.
+    /// The kernel this far across the axis and behind `z_k`.
     pub(super) fn kernel(&self, across: f64, behind: f64) -> Kernel {
         Kernel::new([across, self.z_k + behind], self.z_k)
     }

@@ -19,8 +19,9 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     paper: "mueller1998",
     title: "The energy of a motion-blurred splat",
     figures: &["Fig. 11"],
-    about: "The paper cuts a footprint of radius s in half, draws the halves apart by the length l of the motion, fills the rectangle \
-between them with the footprint's profile, and dims it by how much its area grows (eq. 11): A1 / (A1 + 2 l s), so that its energy remains constant.\n\n\
+    about: "The paper cuts a footprint of radius s in half, draws the halves apart by the length l of the motion, \
+and fills the rectangle between them with the footprint's profile. It dims the result by how much its area grows \
+(eq. 11): A1 / (A1 + 2 l s), so that its energy remains constant.\n\n\
 The energy of such a capsule is E + l L, where E is the footprint's integral over the plane and L that over a line through its middle; we \
 integrate both in 64 bits for the paper's two kernels and for a footprint of constant height. Then we measure the same on X-rays of a ball that \
 moves across the picture, by capsules and by our closed form (`--motion-blur exact`).",
@@ -94,8 +95,8 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// Energies of X-rays of a ball that moves by so many radii of its splats, by capsules and in closed form, share of the still
-/// one's.
+/// Energies of X-rays of a ball that moves by this many radii of its splats, by capsules and in closed form, share of
+/// the still one's.
 fn energies(bench: &Workbench<'_>, kernel: Kernel, ways: &[f64]) -> Result<Vec<[f64; 2]>, LabError> {
     let mut renderer = bench.renderer()?;
     let still = scene(Sample::Ball, [18; 3])?;

@@ -1,4 +1,4 @@
-//! Parts of pictures before and beyond a depth, and how pictures differ there.
+//! Parts of pictures before and beyond a depth, and the differences of pictures there.
 
 use splatvol::{Frame, Image};
 

@@ -1,4 +1,5 @@
-//! Figure 10: the errors over the whole volume, from where on the grid-aligned footprint is as good, and box against trapezoid.
+//! Figure 10: the errors over the whole volume, the depth beyond which the grid-aligned footprint is as good, and box
+//! against trapezoid.
 
 use rayon::prelude::*;
 
@@ -13,11 +14,11 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     paper: "mueller1998",
     title: "Errors of footprints over the whole volume",
     figures: &["Fig. 10", "Section 4.1", "Section 4.2"],
-    about: "The paper maps the largest error of the ray integrals of each voxel's footprint over a volume of 512^3, a fifth of it before \
-z_k, seen within 30 degrees of the axis in a picture of 512^2. Errors are not normalised, as in the paper: kernel heights times voxels.\n\n\
-We do the same with the corrected equations of Table 1, and look for z_s, the depth from which on the grid-aligned footprint is as good as the \
-ray-perpendicular one, on the curves of the volume's edge, where both are worst: the first depth where it errs by at most .05 levels of eight \
-bits more.\n\n\
+    about: "The paper maps the largest error of the ray integrals of each voxel's footprint over a volume of 512^3. \
+A fifth of the volume lies before z_k; it is seen within 30 degrees of the axis in a picture of 512^2. Errors are not normalised, as in the paper: kernel heights times voxels.\n\n\
+We do the same with the corrected equations of Table 1, and look for z_s, the depth from which on the grid-aligned \
+footprint is as good as the ray-perpendicular one. We take it from the curves of the volume's edge, where both are \
+worst: the first depth where it errs by at most .05 levels of eight bits more.\n\n\
 The box in place of the trapezoid is measured as the paper argues (how much the stretch changes across a kernel, 256^3) and as it plots. The paper calls \
 its error very small and gives no number: the condition, relative to the footprint's peak, is ours. It errs so little that the edge of the kernel, which is cut at 2, shows as speckles.",
     run,
@@ -224,7 +225,7 @@ fn claims(outcome: &mut Outcome, grid: &Map, ray: &Map) {
     );
 }
 
-/// Distance behind `z_k`, in voxels, from which on the grid-aligned footprint errs by at most `more` levels more at
+/// Distance behind `z_k`, in voxels, beyond which the grid-aligned footprint errs by at most `more` levels more at
 /// `y`.
 fn first_as_good(setting: &Setting, y: f64, more: f64, rays: usize) -> f64 {
     let worse = |behind: f64| {

@@ -1,4 +1,4 @@
-//! Figure 9: contours of three kernels in perspective space, and how far their ray integrals are off.
+//! Figure 9: contours of three kernels in perspective space, and the errors of their ray integrals.
 
 use super::alignment::{Kernel, Row, STEEPNESS, Setting};
 use crate::{
@@ -10,9 +10,10 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     paper: "mueller1998",
     title: "Kernels in perspective space, and the errors of their ray integrals",
     figures: &["Fig. 9", "Section 4.2"],
-    about: "The paper draws a Gaussian kernel in perspective space as it is (Table 1, row 1), aligned with the grid (row 5) and \
-perpendicular to the ray through its centre (row 4), and the errors of the ray integrals that the two approximate footprints have, \
-at three voxels of a volume of 512^3 in a picture of 512^2 within 30 degrees of the axis.\n\n\
+    about: "The paper draws a Gaussian kernel in perspective space as it is (Table 1, row 1), aligned with the grid \
+(row 5) and perpendicular to the ray through its centre (row 4). It also draws the errors that the ray integrals of \
+the two approximate footprints have. It does so at three voxels of a volume of 512^3 in a picture of 512^2, within \
+30 degrees of the axis.\n\n\
 We evaluate the corrected equations in 64 bits. The three voxels are on the axis at z_k, at the volume's edge at z_k, and at the edge \
 of its far face. Errors are in levels of eight bits of the footprint's largest value, as the paper counts \"bits\". The kernel is \
 `exp(-1.38 r^2)`, cut at 2; the last finding is what a standard deviation of 1.38 voxels, as the text has it, would give.",

@@ -8,14 +8,14 @@ use splatvol_samples::{Sample, SampleSize};
 
 use crate::LabError;
 
-/// A sample of some size with the look it comes with.
+/// A sample of some size with its own look.
 pub(super) fn scene(sample: Sample, dims: [usize; 3]) -> Result<Scene, LabError> {
     let volume = sample.generate(Some(SampleSize::Dims(dims)))?;
     Ok(Scene::new(volume, sample.default_transfer_function()?))
 }
 
-/// The paper's method, without motion blur: Crawfis-Max splats one by one, each aligned by an error budget; unlit, as its
-/// splats have the colours of the data.
+/// The paper's method, without motion blur: Crawfis-Max splats one by one, each aligned by an error budget; unlit, as
+/// its splats have the colours of the data.
 pub(super) fn settings([width, height]: [u32; 2], filter: Filter) -> Result<RenderSettings, LabError> {
     Ok(RenderSettings::try_from(FlatSettings {
         size: ImageSize::new(width, height)?,
@@ -59,7 +59,7 @@ pub(super) fn above_terrain(scene: &Scene, side: f64) -> Result<Camera, LabError
     )?)
 }
 
-/// Spins a scene about its vertical axis by so many degrees while the shutter is open.
+/// Spins a scene about its vertical axis by this many degrees while the shutter is open.
 pub(super) fn spinning(scene: Scene, degrees: f64) -> Result<Scene, LabError> {
     let motion = Motion::Spin {
         axis: DVec3::Z,

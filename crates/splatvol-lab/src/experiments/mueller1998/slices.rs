@@ -102,8 +102,8 @@ fn slices(bench: &Workbench<'_>, ground: Ground) -> Result<[Slice; 6], LabError>
     Ok(slices)
 }
 
-/// The upper half of the picture's middle column: of a picture that is one pixel wide, which the field of view, being
-/// vertical, does not change.
+/// The upper half of the picture's middle column, from a picture one pixel wide: the field of view is vertical, so
+/// the width does not change it.
 fn column(
     renderer: &mut Renderer,
     looking: (&Scene, &Camera),

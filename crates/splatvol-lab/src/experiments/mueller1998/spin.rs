@@ -209,7 +209,7 @@ fn nearest_voxels_per_pixel(scene: &Scene, camera: &Camera, size: [u32; 2]) -> R
     Ok(1.0 / (screen.scale_at(depth) * scene.single_volume()?.volume.grid().mean_spacing()))
 }
 
-/// The paper's four, and what ours are compared with.
+/// The paper's four pictures, and those that ours are compared with.
 struct Pictures {
     four: [Image; 4],
     /// Anti-aliased and blurred by the closed form.
@@ -239,7 +239,7 @@ impl Pictures {
         Ok(Self { four, exact, mean })
     }
 
-    /// The paper's four, then that by the closed form.
+    /// The paper's four pictures, then the one by the closed form.
     fn picture(&self, index: usize) -> &Image {
         self.four.get(index).unwrap_or(&self.exact)
     }

@@ -18,7 +18,7 @@ pub(super) struct View {
     pub(super) camera: Camera,
     /// Pixels.
     pub(super) size: [u32; 2],
-    /// Samples per pixel along each axis of what counts as right.
+    /// Samples per pixel along each axis of the picture that counts as right.
     pub(super) samples: u32,
 }
 
@@ -28,7 +28,7 @@ pub(super) fn z_k(view: &View, settings: &RenderSettings) -> Result<f64, LabErro
     Ok(screen.scale * view.scene.single_volume()?.volume.grid().mean_spacing())
 }
 
-/// The view's camera so many steps further on: a step is a hundredth of the longest side.
+/// The view's camera this many steps farther on: a step is a hundredth of the longest side.
 pub(super) fn forward(view: &View, steps: f64) -> Result<Camera, LabError> {
     let camera = &view.camera;
     let bounds = view.scene.bounds()?;

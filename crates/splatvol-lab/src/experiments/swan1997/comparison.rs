@@ -1,9 +1,11 @@
-//! One view of Fig. 7 with every filter: aliased energy, flicker, opacity, and the error against the mean of many samples.
+//! One view of Fig. 7 with every filter: aliased energy, flicker, opacity, and the error against the mean of many
+//! samples.
 //!
-//! *Aliased energy*: a picture takes samples, one per pixel, of a function of place, the sum of the footprints. What that
-//! function has at frequencies above half a cycle per pixel, along rows or columns, a raster of pixels cannot hold; it turns
-//! up at other frequencies, as aliasing. Its power inside a window is measured on samples that lie closer: half a pixel for all
-//! filters, an eighth for those that allow it; its unit is the power of standard splatting, without the mean.
+//! *Aliased energy*: a picture takes samples, one per pixel, of a function of place, the sum of the footprints. A
+//! raster of pixels cannot hold that function's frequencies above half a cycle per pixel, along rows or columns; they
+//! turn up at other frequencies, as aliasing. Their power inside a window is measured on samples that lie closer: half
+//! a pixel for all filters, an eighth for those that allow it. Its unit is the power of standard splatting, without the
+//! mean.
 
 use glam::DVec3;
 use splatvol::{Filter, Frame, Image, ImageSize, Renderer};
@@ -51,7 +53,7 @@ pub(super) struct Comparison {
     pub(super) truth_flicker: f64,
 }
 
-/// Renders and measures. `step` is the camera's way from frame to frame of the animation.
+/// Renders and measures. `step` is the camera's displacement from frame to frame of the animation.
 pub(super) fn compare(
     bench: &Workbench<'_>,
     view: &View,
@@ -157,7 +159,7 @@ fn mean_of(image: &Image, samples: u32) -> Result<Image, LabError> {
 }
 
 impl Comparison {
-    /// A number of the method of a key.
+    /// A number of the method with this key.
     pub(super) fn number(&self, key: &str, number: impl Fn(&Measured) -> f64) -> f64 {
         let of = self.measured.iter().find(|one| one.method.key == key);
         of.map_or(f64::NAN, number)

@@ -39,7 +39,7 @@ const CLAIMS: Claims = Claims {
     animated: Some("shimmering disappears"),
 };
 
-/// The value from which on voxels are splats, and how many they are.
+/// The least value of voxels that are splats, and the number of these.
 fn threshold(volume: &Volume) -> (f64, f64) {
     let [low, high] = volume.value_range();
     // One bin per stored value.

@@ -1,7 +1,7 @@
 //! Fig. 6: the factor that the distance k neglects off the axis, `1 / cos alpha`.
 //!
-//! Neighbouring rays at the angle alpha from the axis meet the plane of depth d in points r = d p / D apart, whatever the angle,
-//! but pass each other at the distance `r' = r cos alpha` (section 4.6). Eq. 4 takes r.
+//! Neighbouring rays at the angle alpha from the axis meet the plane of depth d in points r = d p / D apart, whatever
+//! the angle, but pass each other at the distance `r' = r cos alpha` (section 4.6). Eq. 4 takes r.
 
 use glam::{DVec2, DVec3};
 use splatvol::{Camera, Filter, ImageSize, Projection, ScreenFromCamera};
@@ -73,7 +73,7 @@ fn rays_apart(screen: &ScreenFromCamera, angle: f64) -> f64 {
     };
     let [near, far] = [ray(-0.5), ray(0.5)];
     let in_plane = (far - near).length();
-    // Of the outer ray's point at the depth 1 from the inner ray.
+    // Distance of the outer ray's point at depth 1 from the inner ray.
     let across = far.cross(near.normalize()).length();
     in_plane / across
 }

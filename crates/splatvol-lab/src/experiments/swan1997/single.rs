@@ -77,7 +77,7 @@ impl Single {
         let mut peak = 0.0_f64;
         let shifts = self.shifts;
         for shift in 0..shifts * shifts {
-            // With an even number of shifts one of them is none, and the splat in the middle of a pixel.
+            // With an even number of shifts one of them is zero, and the splat is in the middle of a pixel.
             let shift =
                 DVec2::new(f64::from(shift % shifts), f64::from(shift / shifts)) / f64::from(shifts) - 0.5;
             // Where it is seen: x to the right, y down, from the middle of the picture.

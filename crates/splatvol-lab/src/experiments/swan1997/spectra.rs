@@ -1,8 +1,8 @@
 //! Fig. 5: spectra before and beyond the distance k.
 //!
-//! Samples at the rate rho have the spectrum of the signal, F, repeated at all multiples of rho; splatting multiplies it by
-//! the kernel's frequency response H, the filter of section 4.3 by `H(f d / k)`; the picture samples the result at `phi = rho k / d`
-//! (eq. 11), which folds everything above `phi / 2` back.
+//! Samples at the rate rho have the spectrum of the signal, F, repeated at all multiples of rho; splatting multiplies
+//! it by the kernel's frequency response H, the filter of section 4.3 by `H(f d / k)`; the picture samples the result
+//! at `phi = rho k / d` (eq. 11), which folds everything above `phi / 2` back.
 
 use glam::DVec3;
 use splatvol::{

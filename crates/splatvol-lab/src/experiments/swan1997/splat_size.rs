@@ -62,7 +62,7 @@ fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, f64::max)
 }
 
-/// Slope of the line of least squares through the logarithms.
+/// Slope of the least-squares line through the logarithms.
 fn exponent(points: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
     let points: Vec<[f64; 2]> = points.map(|point| point.map(f64::ln)).collect();
     let n = points.len() as f64;

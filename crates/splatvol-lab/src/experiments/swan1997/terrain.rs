@@ -19,9 +19,10 @@ pub(super) const GENERATED: Experiment = Experiment {
 has the colour of its pixel in a satellite photograph, and extra splats fill the holes where neighbours differ in height. A \
 black line marks the distance k; the half above it, with about 90 % of the data, aliases, and flickers when animated.\n\n\
 The data are not published. Ours are the built-in sample of that size, height and photograph drawn from noise, reduced to the \
-paper's splats: the top of each column, and what is below it down to the height of the lowest of its eight neighbours. The camera is chosen \
-as the paper describes its view: k in the middle of the picture, where the mean height is seen at k, looking down by 20 degrees, \
-with a view cone of 30 degrees to either side, and the near edge of the data below the picture's lower edge.\n\n\
+paper's splats: the top of each column, and what is below it down to the height of the lowest of its eight neighbours. \
+The camera is chosen as the paper describes its view: it looks down by 20 degrees, with a view cone of 30 degrees to \
+either side. The mean height is seen at k in the middle of the picture, and the near edge of the data lies below the \
+picture's lower edge.\n\n\
 Filters, aliased energy and flicker as in swan1997-checker; the camera flies forward by a quarter of a voxel per frame.",
     run: generated,
 };
@@ -63,7 +64,8 @@ fn view(bench: &Workbench<'_>, ground: Ground) -> Result<View, LabError> {
     let looking = DVec3::new(0.0, cos, -sin);
     let at = |position: DVec3| Camera::new(position, position + looking, DVec3::Z, projection);
     let k = at(DVec3::ZERO)?.screen_from_camera(size).scale;
-    // The middle of the picture meets the mean height at k; the lower edge meets what is highest just inside the near edge.
+    // The middle of the picture meets the mean height at k; the lower edge meets the highest point just inside the near
+    // edge.
     let above = k * sin;
     let lower = (above + columns.mean_top() - columns.highest_near() as f64) / 50_f64.to_radians().tan();
     let camera = at(DVec3::new(0.0, bounds.min.y + 2.0 - lower, level + above))?;

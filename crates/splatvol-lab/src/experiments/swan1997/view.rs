@@ -17,8 +17,8 @@ pub(super) struct Method {
     pub(super) filter: Filter,
 }
 
-/// Standard splatting; the paper's method with the energy of a splat taken as its extinction, and as its opacity, as section
-/// 5 has it; and the filter of zwicker2001.
+/// Standard splatting; the paper's method with the energy of a splat taken as its extinction, and as its opacity, as
+/// section 5 has it; and the filter of zwicker2001.
 pub(super) const METHODS: [Method; 4] = [
     Method {
         key: "plain",
@@ -89,8 +89,8 @@ impl View {
         Ok(Self { scene, ..*self })
     }
 
-    /// The function of place that the picture samples, sampled at half pixels: pictures larger by one pixel have their axis, and
-    /// with it all their samples, half a pixel aside. Splats are the very same; only the samples differ.
+    /// The function of place that the picture samples, sampled at half pixels: in pictures larger by one pixel the
+    /// axis, and with it all samples, is shifted by half a pixel. Splats are exactly the same; only the samples differ.
     pub(super) fn at_half_pixels(&self, renderer: &mut Renderer, filter: Filter) -> Result<Fine, LabError> {
         let [width, height] = <[u32; 2]>::from(self.size);
         let (columns, rows) = (2 * width as usize, 2 * height as usize);
@@ -136,8 +136,8 @@ impl View {
         )?)
     }
 
-    /// The picture with `per_pixel` squared samples in every pixel. Filters in pixels keep their width in those of the
-    /// picture, apart from swan's, which would stretch to these samples instead: see [`View::at_half_pixels`].
+    /// The picture with `per_pixel` squared samples in every pixel. Filters in pixels keep their width in the
+    /// picture's pixels, except swan's, which would stretch to these samples instead: see [`View::at_half_pixels`].
     pub(super) fn sampled(
         &self,
         renderer: &mut Renderer,

@@ -27,7 +27,7 @@ pub(super) fn amplitudes() -> Vec<f64> {
         _ => 1.0 - 0.6 * wave as f64 / WAVES as f64,
     };
     let sum: f64 = (0..PERIOD / 2).map(shape).sum();
-    // Waves that all met would just reach 0.
+    // If all waves met, they would just reach 0.
     (0..PERIOD / 2).map(|wave| shape(wave) / sum).collect()
 }
 
@@ -82,7 +82,7 @@ pub(super) fn spectrum(values: &[f64]) -> Vec<f64> {
 pub(super) fn repeated(amplitudes: &[f64], line: usize) -> f64 {
     let within = line % PERIOD;
     if within == 0 && line > 0 {
-        // Both of its sides, where the mean itself has one.
+        // It has two sides, the mean itself only one.
         return 2.0;
     }
     amplitudes

@@ -24,7 +24,7 @@ impl Window {
         }
     }
 
-    /// The most rows on end whose middle half is opaque and lies at depths that a test takes.
+    /// The longest run of rows whose middle half is opaque and lies at depths that a test accepts.
     ///
     /// # Errors
     /// Fewer than eight such rows.
@@ -64,7 +64,7 @@ impl Window {
         }
     }
 
-    /// Luminances of a picture within it.
+    /// Luminances of a picture within this window.
     pub(super) fn luminance(&self, image: &Image) -> Vec<f64> {
         let light = luminance(image);
         let width = image.size().width() as usize;
@@ -74,7 +74,7 @@ impl Window {
             .collect()
     }
 
-    /// Mean opacity of a picture within it.
+    /// Mean opacity of a picture within this window.
     pub(super) fn opacity(&self, image: &Image) -> f64 {
         let pixels = self
             .rows

@@ -1,8 +1,9 @@
 //! Fig. 4: the error of the local affine approximation of the perspective.
 //!
-//! Exactly, a sphere of standard deviation sigma leaves on the ray d the line integral `exp(-r^2 / 2 sigma^2)` times that
-//! through its centre u, r being the distance of the ray from u: `r = |u x d| / |d|`. To first order the affine footprint
-//! differs from it by `max 2 rho^3 |q'| tan(angle) sigma / |u|`, which is `(3/e)^1.5 tan(angle) sigma / |u|` for a Gaussian.
+//! The exact line integral of a sphere of standard deviation sigma along the ray d is `exp(-r^2 / 2 sigma^2)` times
+//! that through its centre u. Here r is the distance of the ray from u: `r = |u x d| / |d|`. To first order the affine
+//! footprint differs from it by `max 2 rho^3 |q'| tan(angle) sigma / |u|`, which is `(3/e)^1.5 tan(angle) sigma / |u|`
+//! for a Gaussian.
 
 use glam::{DMat3, DVec2, DVec3};
 use splatvol::{
@@ -24,12 +25,12 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     paper: "zwicker2001",
     title: "The local affine approximation",
     figures: &["Fig. 4"],
-    about: "The paper draws a kernel in camera and in ray space, once mapped by the local affine approximation \
-            (eq. 17) and once exactly, and says that the approximation is exact for the ray through the centre, that \
+    about: "The paper draws a kernel in camera and in ray space, once mapped by the local affine approximation (eq. \
+            17) and once exactly. It says that the approximation is exact for the ray through the centre, that \
             errors grow with the divergence of rays, and that they do not lead to visual artifacts in general.\n\n\
-            We take a sphere of standard deviation sigma at the distance |u| and at an angle to the viewing axis, draw \
-            its footprint with the engine's affine projection, and compare it with the closed form of the line \
-            integral along each pixel's own ray, in 64 bits. The error is the largest difference, as a share of the \
+            We take a sphere of standard deviation sigma at the distance |u| and at an angle to the viewing axis, \
+            and draw its footprint with the engine's affine projection. We compare it with the closed form of the \
+            line integral along each pixel's own ray, in 64 bits. The error is the largest difference, as a share of the \
             peak. The divergence of rays within a kernel is sigma / |u|.\n\n\
             The paper gives no numbers. Its claim about artifacts is tested on the built-in head, with affine and \
             with exact footprints, otherwise equal: from where all of it is seen with 30 degrees, and with 90.",

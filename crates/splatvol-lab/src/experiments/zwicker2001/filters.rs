@@ -1,7 +1,7 @@
-//! Fig. 8: what shape the resampling filter has; Fig. 7: the box that it is rasterised in.
+//! Fig. 8: the shape of the resampling filter; Fig. 7: the box in which it is rasterised.
 //!
-//! With V the screen covariance of a kernel, the EWA filter has `V + I` (eq. 22). Swan's, as the paper has it, is V scaled
-//! until its minor radius is that of the low-pass.
+//! With V the screen covariance of a kernel, the EWA filter has `V + I` (eq. 22). Swan's, as the paper has it, is V
+//! scaled until its minor radius is that of the low-pass.
 
 use glam::{DMat2, DMat3, DVec3};
 use splatvol::{Alignment, Filter};
@@ -21,7 +21,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     about: "The paper draws the resampling filter of EWA and of Swan's method for a volume that is minified, one that \
             is magnified, and one that is stretched in one direction and shrunk in the other.\n\n\
             We take one kernel of one voxel's standard deviation with 1/8, 8, and 4 x 1/4 pixels per voxel, and a \
-            low-pass of one pixel, the paper's identity matrix, and plot the ellipses of the engine's own footprints. \
+            low-pass of one pixel, the paper's identity matrix. We plot the ellipses of the engine's own footprints. \
             The sizes are ours: the figure has none. (The engine's default low-pass is .55 pixels wide, and a square \
             pixel is as wide as .29: see the experiment with the zebra.)\n\n\
             Eq. 22 is checked on random kernels, and so is the box of Fig. 7, which must touch the ellipse.",
@@ -40,7 +40,7 @@ fn run(bench: &Workbench<'_>) -> Result<Outcome, LabError> {
     Ok(outcome)
 }
 
-/// A kernel on the axis whose voxels are so many pixels wide along x and y, turned by 30 degrees.
+/// A kernel on the axis whose voxels are this many pixels wide along x and y, turned by 30 degrees.
 fn kernel([along, across]: [f64; 2]) -> Splat {
     let turn = DMat3::from_rotation_z(30f64.to_radians());
     let pixels = DMat3::from_diagonal(DVec3::new(along, across, 1.0) / FOCAL);
@@ -83,7 +83,7 @@ fn shapes(outcome: &mut Outcome) -> Result<(), LabError> {
             let [minor, major] = widths(ellipse);
             table.row([name.into(), label.into(), minor.into(), major.into()]);
         }
-        // What is likely to be covered first.
+        // Ellipses that others are likely to cover come first.
         for (label, ellipse) in ellipses.into_iter().rev() {
             let curve = Curve::new(label, outline(ellipse));
             plot = plot.curve(match label {

@@ -1,8 +1,8 @@
 //! Fig. 5 and 6, eq. 23 and 24: a flattened volume kernel becomes a surface kernel.
 //!
-//! With T = J W, the screen covariance of a kernel flattened by s is `t0 t0^T + t1 t1^T + t2 t2^T / s^2`, t being T's columns:
-//! it converges to `T2D T2D^T` (eq. 24) as `1 / s^2`. T2D is the derivative, at the centre, of the plane's picture with
-//! respect to the plane's own coordinates, which is how Heckbert's texture filter is defined.
+//! With T = J W, the screen covariance of a kernel flattened by s is `t0 t0^T + t1 t1^T + t2 t2^T / s^2`, t being T's
+//! columns: it converges to `T2D T2D^T` (eq. 24) as `1 / s^2`. T2D is the derivative, at the centre, of the plane's
+//! picture with respect to the plane's own coordinates, which is how Heckbert's texture filter is defined.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 use splatvol::{Alignment, Filter};
@@ -22,7 +22,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
             becomes that of a circular kernel in the plane, `V = T2D T2D^T` (eq. 23 and 24), for infinite s, and that \
             this is Heckbert's texture filter.\n\n\
             We take a kernel 20 degrees off the axis whose normal is tilted by 5, 20, 45 and 85 degrees against the \
-            ray, flatten it by 1 to 256, and measure how far the covariance of the engine's footprint is from eq. \
+            ray, and flatten it by 1 to 256. We measure how far the covariance of the engine's footprint is from eq. \
             24, which is evaluated in 64 bits. The paper shows the limit only; that it is approached as 1 / s^2 \
             follows from its matrix elements. T2D itself is checked against the numerical derivative of the \
             perspective picture of the plane.",

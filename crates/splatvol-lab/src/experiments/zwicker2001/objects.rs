@@ -18,9 +18,9 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     paper: "zwicker2001",
     title: "Surfaces within translucent volumes",
     figures: &["Fig. 10"],
-    about: "The paper shows a head of 256 x 256 x 225 voxels, an engine of 256 x 256 x 110 and a foot of 152 x 261 x 220, \
-            translucent, with the skull, the engine's surface and the foot's bones made of kernels that are flattened \
-            along the gradient. It says that semitransparent objects are rendered correctly as well.\n\n\
+    about: "The paper shows a head of 256 x 256 x 225 voxels, an engine of 256 x 256 x 110 and a foot of 152 x 261 x \
+            220. All are translucent; the skull, the engine's surface and the foot's bones are made of kernels that \
+            are flattened along the gradient. It says that semitransparent objects are rendered correctly as well.\n\n\
             The paper's data are not used. The head is the built-in phantom; the engine is a block with cylinders, bolts and \
             a pipe, the foot capsules for bones in tissue that follows them, both from implicit shapes, in the paper's \
             sizes. Kernels are flattened 10 times where the gradient is steep: in the foot at bones only, in the head and the \
@@ -41,7 +41,7 @@ struct Object {
     name: &'static str,
     scene: Scene,
     camera: Camera,
-    /// Gradient from which on kernels are flattened, value ranges per voxel.
+    /// Least gradient at which kernels are flattened, value ranges per voxel.
     threshold: f64,
 }
 
@@ -99,7 +99,8 @@ fn foot(bench: &Workbench<'_>) -> Result<Object, LabError> {
     )
 }
 
-/// An object seen from a direction; `near`: the distance over that from which all of a sphere around its box is seen.
+/// An object seen from a direction; `near`: the distance relative to that at which all of a sphere around its box is
+/// seen.
 fn object(
     name: &'static str,
     scene: Scene,
@@ -143,7 +144,7 @@ impl Object {
     fn psnr(&self, image: &Image, count: usize) -> Result<f64, LabError> {
         let side = image.size().width();
         let mut random = Random::new(10);
-        // Pixels that show something, as the corners do not.
+        // Pixels that show something, unlike the corners.
         let mut pixel = || {
             [0; 2]
                 .map(|_| random.range(0.1, 0.9) * f64::from(side))

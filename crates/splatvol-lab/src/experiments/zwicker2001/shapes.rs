@@ -1,7 +1,7 @@
 //! Look-alikes of the data of Fig. 10 that are not public, from implicit shapes.
 //!
-//! Places are in voxels of the paper's sizes, whatever the size that is generated; edges are soft over three voxels, as those of
-//! scanned data are.
+//! Places are in voxels of the paper's sizes, whatever size is generated; edges are soft over three voxels, as in
+//! scanned data.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -170,7 +170,7 @@ fn look(colors: &[(f64, [f64; 3])], opacities: &[(f64, f64)]) -> Result<Transfer
     )?)
 }
 
-/// Share that is inside a surface at this signed distance.
+/// Share of a voxel that is inside a surface at this signed distance.
 fn filled(distance: f64, edge: f64) -> f64 {
     let t = (0.5 - 0.5 * distance / edge).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

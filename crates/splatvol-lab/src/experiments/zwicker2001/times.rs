@@ -1,5 +1,5 @@
-//! Seconds per frame, beside those of the paper's machine, a Pentium III of 866 MHz. They carry no verdict: twenty years of
-//! processors lie between the two.
+//! Seconds per frame, beside those of the paper's machine, a Pentium III of 866 MHz. They carry no verdict: twenty
+//! years of processors lie between the two.
 
 use splatvol::{Camera, RenderSettings, Scene};
 

@@ -39,7 +39,7 @@ impl Background {
     }
 }
 
-/// Robust mode (Robertson and Cryer 1974): the densest half, of that the densest half, and so on.
+/// Robust mode (Robertson and Cryer 1974): the densest half, the densest half of that, and so on.
 fn half_sample_mode(sorted: &[f64]) -> Option<f64> {
     let mut part = sorted;
     while part.len() > 2 {

@@ -1,9 +1,9 @@
 //! Automatic looks of meshes.
 //!
 //! A mesh is what it covers: beyond its border there is nothing. Where it is a shell or a plate
-//! ([`Mesh::shell_thickness`]) nothing lies behind its surface that an opaque one would hide, so the whole body is shown, as
-//! opaque through its thickness as a solid, whatever its values; without that a can would be wisps where its values are high.
-//! Solids show their insides by the values alone, as volumes do.
+//! ([`Mesh::shell_thickness`]), nothing lies behind its surface that an opaque one would hide. So the whole body is
+//! shown, as opaque through its thickness as a solid, whatever its values. Otherwise a can would be wisps where its
+//! values are high. Solids show their insides by the values alone, as volumes do.
 
 use super::shapes::PALETTE;
 use super::survey::quantile;
@@ -21,11 +21,11 @@ const SHELL_OPACITY: f64 = 0.95;
 const TAIL: f64 = 0.01;
 
 impl TransferFunction {
-    /// [`TransferFunction::automatic`] for the values of a mesh. Shells and plates show all of their body, with opacities
-    /// that refer to their thickness.
+    /// [`TransferFunction::automatic`] for the values of a mesh. Shells and plates show all of their body, with
+    /// opacities that refer to their thickness.
     ///
     /// # Errors
-    /// More values than a [`Grid`] can have rows for: a thousand million.
+    /// More values than a [`Grid`] can have rows for: some two thousand million.
     pub fn automatic_mesh(mesh: &Mesh, map: Option<ColorMap>) -> Result<(Self, AutomaticChoice), SceneError> {
         let (chosen, choice) = Self::automatic(&rows_of(&mesh.field().values)?, map);
         match mesh.shell_thickness() {
@@ -71,7 +71,7 @@ fn ramp([low, high]: [f64; 2]) -> Vec<ColorPoint> {
     points.map(|(i, rgb)| ColorPoint::new(at(i), rgb)).collect()
 }
 
-/// Range of the values but for the tails.
+/// Range of the values without the tails.
 fn bulk(mesh: &Mesh) -> [f64; 2] {
     let mut sorted: Vec<f64> = mesh
         .field()

@@ -11,11 +11,12 @@
 //! | materials | faces of the grid that differ from the rest | background transparent, three classes above it |
 //! | continuous | none of these | values above Otsu's threshold |
 //!
-//! Opacities come from optical depths: a class that rays cross in L voxels on average gets
-//! `1 - exp(-tau / L)` per voxel, with `tau = 8 m^2.5`, where m is the class's mean above the background relative to
-//! that of the densest class; it is at least 1 where the class's rays seldom meet denser ones. So soft material stays
-//! translucent at any resolution where it hides something, thin structures stay visible, and materials of about equal
-//! value look like one solid. Meshes that are shells or plates show their whole body instead ([`mesh`]). All of it is deterministic, and does not depend on the order of the file's axes.
+//! Opacities come from optical depths: a class that rays cross in L voxels on average gets `1 - exp(-tau / L)` per
+//! voxel, with `tau = 8 m^2.5`, where m is the class's mean above the background relative to that of the densest
+//! class; it is at least 1 where the class's rays seldom meet denser ones. So soft material stays translucent at
+//! any resolution where it hides something, thin structures stay visible, and materials of about equal value look
+//! like one solid. Meshes that are shells or plates show their whole body instead ([`mesh`]). All of it is
+//! deterministic, and does not depend on the order of the file's axes.
 
 mod labels;
 mod materials;

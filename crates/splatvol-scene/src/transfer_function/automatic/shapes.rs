@@ -235,7 +235,7 @@ impl Classes {
             (into(dense, middle), self.opacities[1]),
             (into(dense, self.high), self.opacities[2]),
         ];
-        // Of several transparent points only the last says something.
+        // Of several transparent points, only the last matters.
         let visible = points.iter().position(|&(_, opacity)| opacity > 0.0).unwrap_or(1);
         points[visible - 1..]
             .iter()

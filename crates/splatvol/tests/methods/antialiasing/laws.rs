@@ -11,7 +11,7 @@ use super::{EWA, settings};
 use crate::common;
 use crate::support::noise;
 
-/// A volume of one opacity, in optical depth per voxel.
+/// A volume of one opacity, given as optical depth per voxel.
 fn uniform(dims: [usize; 3], spacing: DVec3, values: Vec<u8>, depth: f64) -> Scene {
     let grid = Grid::centred(dims, spacing).unwrap();
     let volume = Volume::new(
@@ -30,8 +30,8 @@ fn uniform(dims: [usize; 3], spacing: DVec3, values: Vec<u8>, depth: f64) -> Sce
     Scene::new(volume, look.unwrap())
 }
 
-/// Second moments of the response to one voxel, pixels squared, along x and y of the picture, measured with 4 x 4 shifts of the
-/// pixels.
+/// Second moments of the response to one voxel, pixels squared, along x and y of the picture, measured with 4 x 4
+/// shifts of the pixels.
 fn moments(scene: &Scene, camera_at: impl Fn(DVec2) -> Camera, filter: Filter) -> DVec2 {
     const PIXELS: u32 = 33;
     let (mut mass, mut first, mut second) = (0.0, DVec2::ZERO, DVec2::ZERO);
@@ -70,7 +70,7 @@ fn ewa_is_not_too_wide_along_the_major_axis() {
                 Camera::new(aside + 100.0 * DVec3::Z, aside, DVec3::Y, projection).unwrap()
             };
             let widest = |filter| moments(&scene, camera, filter).y.sqrt();
-            // The kernel is cut where r = radius, and what it has there is taken off: its variance in f64.
+            // The kernel is cut where r = radius, and its value there is subtracted: its variance in f64.
             let kernel = (sigma * ratio / minification).powi(2) * kept_variance(radius / sigma);
             let ideal = |low_pass: f64| (kernel + low_pass * low_pass).sqrt();
             let [ewa, swan] = [widest(EWA), widest(Filter::Swan)];
@@ -118,8 +118,9 @@ fn layer(depth: f64, filter: Filter, method: (Compositing, Absorption)) -> f64 {
     middle.map(|(x, y)| f64::from(image.pixel(x, y)[3])).sum::<f64>() / 16.0
 }
 
-/// swan1997 section 4.3 lowers alpha as the area grows: opacities of 1, here spread over 16 times the area with a sixteenth of
-/// it, leave `1 - prod(1 - w)`, `sum w = 1`, which is near `1 - 1/e`; lowered extinction keeps opaque what is opaque.
+/// swan1997 section 4.3 lowers alpha as the area grows: opacities of 1, here spread over 16 times the area with a
+/// sixteenth of it, leave `1 - prod(1 - w)`, `sum w = 1`, which is near `1 - 1/e`; lowered extinction keeps opaque what
+/// is opaque.
 #[test]
 fn lowered_alpha_makes_opaque_data_translucent() {
     let voxel = (Compositing::PerSplat, Absorption::Linear);
@@ -153,7 +154,7 @@ fn energy(frame: &Frame, pixel_area: f64) -> f64 {
 }
 
 /// Extinction falls by `(k/d)^2` as the area grows by `(d/k)^2` (swan1997 eq. 4 and 8): X-rays of every kernel that the
-/// footprint engine renders keep their energy, that of a picture of 64 samples per pixel.
+/// footprint engine renders keep the energy of a picture of 64 samples per pixel.
 #[test]
 fn swan_keeps_the_energy_of_x_rays() {
     let scene = noise();
@@ -186,7 +187,7 @@ fn swan_keeps_the_energy_of_x_rays() {
                     kernel,
                     ..settings([pixels; 2], filter).into()
                 });
-                // Kernels that no engine renders are refused by name, which other tests hold.
+                // Kernels that no engine renders are refused by name; other tests check that.
                 settings.validate().ok()?;
                 let area = 1.0 / f64::from(pixels * pixels);
                 Some(energy(&common::render(&scene, &camera, &settings), area))

@@ -21,7 +21,7 @@ pub(super) fn beyond(kernel: &RadialKernel, radius: f64) -> f64 {
 pub(super) enum Edge {
     /// Truncated with a step, as in zwicker2001.
     Step,
-    /// Less its value there, with all its mass, as in the engine.
+    /// Minus its value there, with all its mass, as in the engine.
     Subtracted,
 }
 

@@ -5,8 +5,8 @@
 //! at the kernel's radius, subtracts the value there, and restores the mass: `q(r) = (exp(-r^2 / 2 s^2) - e) / 2 pi s^2
 //! (1 - e - e c^2 / 2)`, `e = exp(-c^2 / 2)`.
 //!
-//! Ripple is peak to peak, as a share of the mean, of `sum_k q(x - k)` over a square cell of the lattice: the picture of a
-//! layer of equal voxels.
+//! Ripple is peak to peak, as a share of the mean, of `sum_k q(x - k)` over a square cell of the lattice: the picture
+//! of a layer of equal voxels.
 
 mod layer;
 

@@ -1,4 +1,4 @@
-//! Fields over Marschner-Lobb samples, and how far they are from the signal.
+//! Fields over Marschner-Lobb samples, and their distance from the signal.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
-//! Marschner and Lobb's test signal (Visualization '94), 41 samples per axis: how far the field of each kernel is from it,
-//! with and without the interpolating prefilter, in f64; and how far the surface that the engine draws is.
+//! Marschner and Lobb's test signal (Visualization '94), 41 samples per axis: how far the field of each kernel is from
+//! it, with and without the interpolating prefilter, in f64; and how far the surface that the engine draws is.
 //!
-//! The surface of the value 1/2 has the closed form `z = 2/pi asin(alpha cos(2 pi f cos(pi r / 2)))`, alpha = 1/4, f = 6.
+//! The surface of the value 1/2 has the closed form `z = 2/pi asin(alpha cos(2 pi f cos(pi r / 2)))`, alpha = 1/4, f =
+//! 6.
 
 mod fields;
 mod surfaces;
@@ -154,7 +155,7 @@ fn field_findings(outcome: &mut Outcome, errors: &[(String, Errors)]) {
     );
 }
 
-/// Response of a kernel at the voxels' Nyquist frequency over the largest of the others'.
+/// Response of a kernel at the voxels' Nyquist frequency, divided by the largest of the others.
 fn sharpness(index: usize) -> f64 {
     let responses = KERNELS.map(|(_, kernel)| RadialKernel::new(kernel).response(0.5));
     let others = responses.iter().enumerate().filter(|(other, _)| *other != index);

@@ -53,7 +53,7 @@ pub(super) fn surfaces(
         "The engine's surface of the value 1/2",
         &columns,
     );
-    // As many samples as show the signal itself.
+    // Enough samples to show the signal itself.
     let samples = bench.choose(3, 2) * (SIDE - 1) + 1;
     let exact = format!("{samples} samples per axis");
     let mut plate = Plate::new(

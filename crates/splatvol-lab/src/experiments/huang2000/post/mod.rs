@@ -145,7 +145,7 @@ struct Operated {
     fastsplats: f64,
 }
 
-/// An operator that does nothing: measures the overhead of operators.
+/// An operator that does nothing, to measure the overhead of operators.
 #[derive(Debug)]
 struct Idle;
 

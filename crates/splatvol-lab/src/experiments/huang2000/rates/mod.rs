@@ -100,7 +100,7 @@ fn engine_settings(size: ImageSize, classification: Classification) -> FlatSetti
     }
 }
 
-/// Pixels of all footprints' sections in a frame, and the seconds for them. The footprint engine counts opening among
+/// Pixels of all footprints' sections in a frame, and the seconds for them. The footprint engine counts opening as
 /// splatting, and takes no sheets out of a ring.
 fn rate(subject: &mut Subject<'_>, radius: f64) -> Result<f64, LabError> {
     subject.render()?;

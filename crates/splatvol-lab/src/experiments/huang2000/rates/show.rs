@@ -15,7 +15,8 @@ pub(super) fn numbers(figure: &str, name: &str, rates: &Rates) -> Table {
     table
 }
 
-/// The paper's curves and ours of the same engine on a linear scale; and all, with the default engine's, on a logarithmic one.
+/// The paper's curves and ours of the same engine on a linear scale; and all, with the default engine's, on a
+/// logarithmic one.
 pub(super) fn plots(figure: &str, name: &str, rates: &Rates) -> [Plot; 2] {
     let plot = |name: &str, caption: &str, axis: Axis| {
         Plot::curves(name, figure, caption, Axis::new("radius (pixels)"), axis)

@@ -4,22 +4,23 @@ use super::Case;
 use crate::experiments::huang2000::lookups::Lookups;
 use crate::{Expectation, Finding, Outcome, Published};
 
-/// Orders and ratios within a volume. Seconds that differ by less than a fiftieth count as equal: so do the paper's own of the
-/// brain by the square and the RLUT method.
+/// Orders and ratios within a volume. Seconds that differ by less than a fiftieth count as equal, as do the paper's own
+/// for the brain by the square and the RLUT method.
 pub(super) fn time_findings(outcome: &mut Outcome, case: &Case, lookups: &Lookups) {
     let figure = format!("Table 1, {}", case.name);
     let mut order: Vec<&str> = case.methods.iter().map(|one| one.0).collect();
     order.sort_by(|a, b| case.published(a).total_cmp(&case.published(b)));
     let measured: Vec<(&str, f64)> = case.rows.iter().map(|row| (row.method, row.seconds)).collect();
     let key = |what: &str| format!("{}-{what}", case.name);
-    // What finding entries alone takes, nanoseconds per pixel.
+    // Cost of finding entries alone, nanoseconds per pixel.
     let alone = |method: &str| match method {
         "linear" => lookups.linear,
         "RLUT" => lookups.rlut,
         "2D" => lookups.copied,
         _ => lookups.square,
     };
-    // Seconds over those of square, if methods differ in nothing but that, and in how many sections they draw.
+    // Seconds relative to square's, if methods differ only in that cost and in the number of sections that
+    // they draw.
     let predicted = |method: &str| match (case.row(method), case.row("square")) {
         (Some(own), Some(square)) => {
             let more = 1e-9 * (alone(method) - alone("square")) * own.pixels;

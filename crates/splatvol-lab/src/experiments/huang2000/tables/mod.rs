@@ -1,8 +1,8 @@
 //! Errors of footprint tables: section 5.1, Fig. 3 and 4.
 //!
-//! A table holds the footprint `q` at n places from the centre to the edge, evenly in the distance or in its square, in levels of
-//! `q(0) / 255` or `q(0) / 65535`. A pixel takes the nearest entry. So it errs by half the difference of two neighbours at
-//! most, and by half a level.
+//! A table holds the footprint `q` at n places from the centre to the edge, evenly in the distance or in its square, in
+//! levels of `q(0) / 255` or `q(0) / 65535`. A pixel takes the nearest entry. So it errs by at most half the difference
+//! of two neighbours plus half a level.
 
 mod findings;
 mod show;
@@ -105,7 +105,8 @@ struct Pixel {
     back: f64,
 }
 
-/// Pixels even over the disc. Of whole footprints, or of sheets that cut kernels anywhere, on the table's sections.
+/// Pixels spread evenly over the disc: of whole footprints, or of sheets that cut kernels anywhere, on the table's
+/// sections.
 fn pixels(count: usize, sheets: bool) -> Vec<Pixel> {
     let mut random = Random::new(2000);
     let pixel = |_| {
@@ -154,7 +155,8 @@ fn mean_error_rounding_down(entries: usize, pixels: &[Pixel]) -> f64 {
     pixels.iter().map(error).sum::<f64>() / pixels.len() as f64
 }
 
-/// Largest difference between a place halfway between two entries and the entries beside it, by squared distance, levels.
+/// Largest difference between a place halfway between two entries and the entries beside it, by squared distance,
+/// levels.
 fn largest_halfway(entries: usize) -> f64 {
     let kernel = RadialKernel::new(KERNEL);
     let (support2, scale) = (kernel.support().powi(2), LEVELS / kernel.line_integral(0.0));

@@ -48,7 +48,7 @@ pub(super) fn plots(rows: &[Row]) -> Vec<Plot> {
     let curve = |label: &str, value: &dyn Fn(&Row) -> f64| {
         Curve::new(label, rows.iter().map(|row| [row.entries as f64, value(row)])).dots()
     };
-    // Bounds and what is found nearly coincide: only the latter has dots.
+    // Bounds and measurements nearly coincide: only measurements have dots.
     let line = |label: &str, value: &dyn Fn(&Row) -> f64| Curve {
         dots: false,
         ..curve(label, value)

@@ -19,7 +19,7 @@ pub(super) struct Case {
     pub(super) size: [u32; 2],
 }
 
-/// The settings of the paper, without light, kernels cut at so many standard deviations.
+/// The settings of the paper, without light, with kernels cut at this many standard deviations.
 pub(super) fn settings(
     [width, height]: [u32; 2],
     filter: Filter,
@@ -39,7 +39,7 @@ pub(super) fn settings(
 }
 
 impl Case {
-    /// The case of a ratio, of the bench's size.
+    /// The case of this ratio, in the bench's size.
     pub(super) fn of(bench: &Workbench<'_>, ratio: usize) -> Self {
         let (side, size) = bench.choose((1024, [400, 150]), (256, [100, 38]));
         Self { ratio, side, size }

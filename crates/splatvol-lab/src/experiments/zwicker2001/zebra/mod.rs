@@ -24,8 +24,8 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     paper: "zwicker2001",
     title: "EWA against Swan on anisotropic voxels",
     figures: &["Fig. 8 (plate)"],
-    about: "The paper's colour plate compares EWA with Swan's filter on a square zebra texture of 1024 x 512 x 3 \
-            voxels, whose kernels are ellipses of 2 to 1, and of 1024 x 256 x 3, of 4 to 1, at 400 x 150 pixels. EWA is \
+    about: "The paper's colour plate compares EWA with Swan's filter on a square zebra texture at 400 x 150 pixels. \
+            It has 1024 x 512 x 3 voxels, whose kernels are ellipses of 2 to 1, or 1024 x 256 x 3, of 4 to 1. EWA is \
             said to be crisper without aliasing, the more so the longer the ellipses.\n\n\
             The texture is generated: wavy stripes that get narrower along y, the same for both samplings. The paper's \
             camera is not known; ours looks down at the square by 60 degrees, from where a picture's pixel is 2.6 to 4 \
@@ -40,7 +40,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-/// Samples per pixel and axis of what pictures are compared with.
+/// Samples per pixel and axis of the pictures for comparison.
 const SAMPLES: usize = 4;
 /// Lengths of voxels over their widths.
 const RATIOS: [usize; 2] = [2, 4];

@@ -5,7 +5,9 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[path = "../common/mod.rs"]
 mod common;
+mod presets;
 
 use common::{PROJECTIONS, settings};
 use glam::{DMat3, DVec3, EulerRot};
@@ -69,8 +71,27 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
+/// Engine and reference, with settings of its own, on a lattice of every fourth pixel.
+fn compare_with(
+    scene: &Scene,
+    projection: Projection,
+    settings: &RenderSettings,
+    of_reference: &RenderSettings,
+) -> (Image, Image) {
+    pictures(scene, &camera(scene, projection), (settings, of_reference), 4)
+}
+
 /// Engine and reference on the same lattice of pixels.
 fn compare(scene: &Scene, camera: &Camera, settings: &RenderSettings, stride: u32) -> (Image, Image) {
+    pictures(scene, camera, (settings, settings), stride)
+}
+
+fn pictures(
+    scene: &Scene,
+    camera: &Camera,
+    (settings, of_reference): (&RenderSettings, &RenderSettings),
+    stride: u32,
+) -> (Image, Image) {
     let stride = if std::env::var_os("SPLATVOL_EVERY_PIXEL").is_some() {
         1
     } else {
@@ -87,7 +108,7 @@ fn compare(scene: &Scene, camera: &Camera, settings: &RenderSettings, stride: u3
         tolerance: 1e-5,
         ..ReferenceSettings::default()
     };
-    let exact = render_pixels(scene, camera, settings, &options, &pixels).unwrap();
+    let exact = render_pixels(scene, camera, of_reference, &options, &pixels).unwrap();
     let size = ImageSize::new(side, side).unwrap();
     let found = pixels
         .iter()
@@ -137,8 +158,8 @@ fn post_classified_pictures_agree() {
                 let images = compare(&scene, &camera(&scene, projection), &settings, 4);
                 let light = if lit { "lit" } else { "unlit" };
                 let name = format!("{name}-{}-{light}", name_of(projection));
-                // Between planes half a voxel apart the gradient across the ray runs linearly; Marschner-Lobb's waves, close to
-                // the Nyquist frequency, come out up to 0.3 % too bright by that.
+                // Between planes half a voxel apart the gradient across the ray runs linearly. This makes
+                // Marschner-Lobb's waves, close to the Nyquist frequency, up to 0.3 % too bright.
                 check(&name, &images, Tolerance::psnr(45.0).max_error(0.1).bias(3.5e-3));
             }
         }
@@ -190,7 +211,8 @@ fn values_of_rays_agree() {
                 });
                 let images = compare(&scene, &camera(&scene, projection), &settings, 8);
                 let name = format!("{name}-{}-{mode}", name_of(projection));
-                // Where the value steps to invisible or the coverage to less than half, single pixels fall on either side.
+                // Where the value steps to invisible, or the coverage to less than half, single pixels fall on either
+                // side.
                 check(&name, &images, Tolerance::psnr(30.0).outliers(8, 0.1).bias(4e-3));
             }
         }

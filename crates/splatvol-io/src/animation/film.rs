@@ -5,15 +5,18 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::JoinHandle;
 
-use anyhow::{Context, anyhow};
-use splatvol::{Image, ImageSize};
-use splatvol_io::image::png::srgb8;
+use splatvol_scene::Image;
 
-use crate::failure::{During, Failure, Step};
+use super::AnimationSettings;
+use crate::IoError;
+use crate::image::png::srgb8;
+
+/// Format, as errors have it.
+const FORMAT: &str = "film";
 
 /// Codec of the pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Codec {
+pub enum Codec {
     /// In .mp4, .mov and .mkv.
     H264,
     /// In .webm.
@@ -29,41 +32,53 @@ impl Codec {
     }
 }
 
-/// sRGB to BT.709 video of halved chroma, whose sides must be even; and that it says so.
+/// From sRGB to BT.709 video with halved chroma, whose sides must be even; the file is tagged as such.
 const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv:\
                       flags=bicubic+accurate_rnd+full_chroma_int,format=yuv420p,\
                       setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1";
 
 /// Refuses before the work what would fail after it.
-pub(crate) fn check_ffmpeg() -> Result<(), Failure> {
+///
+/// # Errors
+/// [`IoError::Encode`]: `ffmpeg` does not run from PATH.
+pub fn check_ffmpeg() -> Result<(), IoError> {
     let status = Command::new("ffmpeg")
         .arg("-version")
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .status();
-    let runs = status
-        .map_err(anyhow::Error::from)
-        .and_then(|status| match status.success() {
-            true => Ok(()),
-            false => Err(anyhow!("it ends with {status}")),
-        });
-    runs.context("films are made by ffmpeg, which does not run from PATH")
-        .during(Step::Output)
-        .map_err(|failure| {
-            failure.hint("install ffmpeg, or write .gif, .apng, or frames (name-####.png), which need no other program")
-        })
+    let why = match status {
+        Ok(status) if status.success() => return Ok(()),
+        Ok(status) => format!("it ends with {status}"),
+        Err(error) => error.to_string(),
+    };
+    Err(failed(format!(
+        "ffmpeg, which makes films, does not run from PATH ({why})"
+    )))
 }
 
-/// A running ffmpeg. It is stopped when dropped before the end.
-pub(crate) struct Film {
+fn failed(what: String) -> IoError {
+    IoError::Encode { format: FORMAT, what }
+}
+
+/// A film in the making: a running ffmpeg, which is stopped when this is dropped before the end.
+#[derive(Debug)]
+pub struct FilmWriter {
     child: Child,
     messages: Option<JoinHandle<String>>,
 }
 
-impl Film {
-    /// Starts a film of `size` at `path`.
-    pub(crate) fn start(path: &Path, codec: Codec, size: ImageSize, fps: f64) -> Result<Self, Failure> {
+impl FilmWriter {
+    /// Starts a film at `path`.
+    ///
+    /// # Errors
+    /// [`IoError::Encode`]: frames with alpha, which films have not; an ffmpeg that does not start.
+    pub fn new(path: &Path, codec: Codec, settings: AnimationSettings) -> Result<Self, IoError> {
+        let AnimationSettings { size, fps, alpha, .. } = settings;
+        if alpha {
+            return Err(failed("films have no transparency".to_owned()));
+        }
         let mut child = Command::new("ffmpeg")
             .args([
                 "-loglevel",
@@ -86,7 +101,7 @@ impl Film {
                 FILTER,
             ])
             .args(codec.flags())
-            // A name that begins with a dash is no flag behind a folder.
+            // With a folder in front, a name that begins with a dash is not a flag.
             .arg(if path.is_relative() {
                 Path::new(".").join(path)
             } else {
@@ -96,13 +111,12 @@ impl Film {
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
-            .context("cannot start ffmpeg")
-            .during(Step::Output)?;
+            .map_err(|error| failed(format!("cannot start ffmpeg: {error}")))?;
         // Read as it comes: a full pipe would stop ffmpeg.
         let messages = child.stderr.take().map(|mut stderr| {
             std::thread::spawn(move || {
                 let mut bytes = Vec::new();
-                // What cannot be read cannot be told.
+                // Messages that cannot be read cannot be reported.
                 let _ = stderr.read_to_end(&mut bytes);
                 String::from_utf8_lossy(&bytes).trim().to_owned()
             })
@@ -111,7 +125,10 @@ impl Film {
     }
 
     /// Adds a picture, whose alpha is left out.
-    pub(crate) fn write(&mut self, image: &Image) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// [`IoError::Encode`] with ffmpeg's messages.
+    pub fn write(&mut self, image: &Image) -> Result<(), IoError> {
         let bytes: Vec<u8> = srgb8(image).iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         let written = match &mut self.child.stdin {
             Some(pipe) => pipe.write_all(&bytes),
@@ -119,25 +136,27 @@ impl Film {
         };
         match written {
             Ok(()) => Ok(()),
-            // It ended; it says why.
+            // ffmpeg has ended; its messages say why.
             Err(error) => self
                 .end()
-                .and(Err(error).context("cannot write to ffmpeg").during(Step::Output)),
+                .and(Err(failed(format!("cannot write to ffmpeg: {error}")))),
         }
     }
 
-    /// Waits until the film is whole.
-    pub(crate) fn finish(mut self) -> Result<(), Failure> {
+    /// Waits until the film is complete.
+    ///
+    /// # Errors
+    /// [`IoError::Encode`] with ffmpeg's messages.
+    pub fn finish(mut self) -> Result<(), IoError> {
         self.end()
     }
 
-    fn end(&mut self) -> Result<(), Failure> {
+    fn end(&mut self) -> Result<(), IoError> {
         drop(self.child.stdin.take());
         let status = self
             .child
             .wait()
-            .context("cannot wait for ffmpeg")
-            .during(Step::Output)?;
+            .map_err(|error| failed(format!("cannot wait for ffmpeg: {error}")))?;
         let messages = self
             .messages
             .take()
@@ -146,11 +165,11 @@ impl Film {
         if status.success() {
             return Ok(());
         }
-        Err(anyhow!("ffmpeg failed ({status}): {messages}")).during(Step::Output)
+        Err(failed(format!("ffmpeg failed ({status}): {messages}")))
     }
 }
 
-impl Drop for Film {
+impl Drop for FilmWriter {
     fn drop(&mut self) {
         // It may have ended long ago.
         let _ = self.child.kill();

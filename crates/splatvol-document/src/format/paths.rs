@@ -1,0 +1,120 @@
+//! Paths in records: no more about a machine than finding the files again takes.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::Record;
+use crate::Document;
+
+impl Document {
+    /// Every path of a file that the document names; samples have none.
+    pub fn paths(&self) -> Vec<&str> {
+        let all = self
+            .items
+            .iter()
+            .flat_map(|item| [Some(&item.file), item.drape.as_ref()]);
+        let effects = [&self.effects.bump, &self.effects.environment, &self.effects.tf2d];
+        let all = all.chain(effects.map(Option::as_ref)).flatten();
+        all.map(String::as_str)
+            .filter(|path| !path.starts_with("sample:"))
+            .collect()
+    }
+
+    fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        let items = self.items.iter_mut();
+        let items = items.flat_map(|item| [Some(&mut item.file), item.drape.as_mut()]);
+        let effects = &mut self.effects;
+        let effects = [&mut effects.bump, &mut effects.environment, &mut effects.tf2d];
+        let named = items.chain(effects.map(Option::as_mut)).flatten();
+        named.filter(|path| !path.starts_with("sample:"))
+    }
+}
+
+impl Record {
+    /// The record for a picture in a folder. Absolute paths say who works where: those inside the current folder become
+    /// relative to it, others relative to the picture's folder, and where they share no more than the root, only the
+    /// file's name stays.
+    #[must_use]
+    pub fn shortened(mut self, folder: &Path) -> Self {
+        for path in self.document.paths_mut() {
+            *path = shortened(path, folder);
+        }
+        self
+    }
+}
+
+/// A path as a record holds it; see [`Record::shortened`].
+pub fn shortened(path: &str, folder: &Path) -> String {
+    let absolute = Path::new(path);
+    if !absolute.is_absolute() {
+        return path.to_owned();
+    }
+    let current = std::env::current_dir().unwrap_or_default();
+    if let Ok(inside) = absolute.strip_prefix(&current)
+        && !inside.as_os_str().is_empty()
+    {
+        return inside.to_string_lossy().into_owned();
+    }
+    let folder = std::path::absolute(folder).unwrap_or(current);
+    let relative = between(&folder, absolute);
+    let short = relative.unwrap_or_else(|| absolute.file_name().unwrap_or_default().into());
+    short.to_string_lossy().into_owned()
+}
+
+/// The path from a folder to a file, both absolute; `None` where they share no more than the root.
+fn between(folder: &Path, file: &Path) -> Option<PathBuf> {
+    let is_name = |component: &Component<'_>| matches!(component, Component::Normal(_));
+    let pairs = folder.components().zip(file.components());
+    let common: Vec<Component<'_>> = pairs.take_while(|(a, b)| a == b).map(|(a, _)| a).collect();
+    if !common.iter().any(is_name) || folder.components().any(|part| part == Component::ParentDir) {
+        return None;
+    }
+    let up = folder
+        .components()
+        .skip(common.len())
+        .map(|_| Component::ParentDir);
+    Some(up.chain(file.components().skip(common.len())).collect())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn absolute_paths_become_relative_or_names() {
+        let current = std::env::current_dir().unwrap();
+        let inside = current.join("data/scan.nrrd").display().to_string();
+        for (path, folder, short) in [
+            ("data/scan.nrrd", "/a", "data/scan.nrrd"),
+            ("../scan.nrrd", "/a", "../scan.nrrd"),
+            (inside.as_str(), "/a", "data/scan.nrrd"),
+            ("/a/b/data/scan.nrrd", "/a/b/out", "../data/scan.nrrd"),
+            ("/a/b/scan.nrrd", "/a/b", "scan.nrrd"),
+            ("/mnt/b/scan.nrrd", "/a/b/out", "scan.nrrd"),
+        ] {
+            assert_eq!(shortened(path, Path::new(folder)), short, "{path} {folder}");
+        }
+    }
+
+    #[test]
+    fn all_files_of_a_document_are_shortened_and_samples_stay() {
+        let mut items = ["sample:head", "/mnt/x/scan.nrrd"]
+            .map(crate::keys::ItemKeys::of_file)
+            .to_vec();
+        items[1].drape = Some("/mnt/x/photo.png".to_owned());
+        let document = Document {
+            items,
+            effects: crate::keys::EffectKeys {
+                bump: Some("/mnt/x/word.png".to_owned()),
+                ..Default::default()
+            },
+            ..Document::default()
+        };
+        let record = Record {
+            document,
+            command: String::new(),
+        };
+        let short = record.shortened(Path::new("/a/b")).document;
+        assert_eq!(short.paths(), ["scan.nrrd", "photo.png", "word.png"]);
+        assert_eq!(short.items[0].file, "sample:head");
+    }
+}

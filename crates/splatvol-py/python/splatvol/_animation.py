@@ -1,0 +1,157 @@
+"""Animations: a camera that moves, or data that change, frame by frame into one file or many."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from ._camera import Camera
+from ._data import Progress, Volume
+from ._errors import Cancelled, InvalidValue
+from ._frame import Frame
+from ._series import Series
+from ._vocabulary import Keys
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+#: Keywords of animations, and their keys.
+KEYWORDS = ("turntable", "path", "frames", "fps", "ease", "shutter")
+
+
+def animate(
+    scene: Scene,
+    output: str | os.PathLike[str],
+    *,
+    turntable: float | None = None,
+    keys: Sequence[tuple[float, Camera]] | str | os.PathLike[str] | None = None,
+    frames: int | None = None,
+    fps: float | None = None,
+    ease: bool | None = None,
+    shutter: float | None = None,
+    resume: bool = False,
+    progress: Progress | bool | None = None,
+    **overrides: Any,
+) -> Path:
+    """Writes an animation of a scene: see :meth:`splatvol.Scene.animate`."""
+    output = Path(output)
+    table = _table(turntable=turntable, keys=keys, frames=frames, fps=fps, ease=ease, shutter=shutter)
+    document = {**scene.to_dict(**overrides), "animation": table}
+    film = Film(scene, document)
+    if "#" in output.name:
+        return film.write_frames(output, resume=resume, progress=progress)
+    if resume:
+        raise InvalidValue("resume: frames can be continued, name-####.png, one file cannot", field="resume")
+    return film.write_movie(output, progress=progress)
+
+
+def _table(*, keys: Any, **rest: Any) -> Keys:
+    """The document's table of an animation."""
+    table = {name: value for name, value in rest.items() if value is not None}
+    if keys is None:
+        return table
+    if isinstance(keys, (str, os.PathLike)):
+        return {**table, "path": os.fspath(keys)}
+    return {**table, "key": [{"time": float(time), **_key(camera)} for time, camera in keys]}
+
+
+def _key(camera: Camera) -> Keys:
+    if not isinstance(camera, Camera):
+        raise InvalidValue("keys: expected pairs of a time and a Camera", field="keys")
+    return camera._keys()
+
+
+class Film:
+    """The frames of an animation: each a document, rendered when it is due."""
+
+    def __init__(self, scene: Scene, document: Keys) -> None:
+        self._scene = scene
+        self._series = [item.data for item in scene.items if isinstance(item.data, Series)]
+        held = [item._held() for item in scene.items]
+        self._animation = _core.Animation(json.dumps(document), held)
+
+    def __len__(self) -> int:
+        return self._animation.frames
+
+    def render(self, index: int) -> Frame:
+        """One of the frames."""
+        text = self._animation.document(index)
+        held = [item._held(index, len(self)) for item in self._scene.items]
+        picture = _core.Picture(text, held)
+        return Frame(picture.render(), text, int(json.loads(text).get("bits") or 8))
+
+    def _all(self, progress: Progress | bool | None) -> Iterator[tuple[int, Frame]]:
+        from ._scene import _progress
+
+        report = _progress(progress)
+        for index in range(len(self)):
+            yield index, self.render(index)
+            if report is not None and report((index + 1) / len(self)) is False:
+                raise Cancelled("stopped before the animation was finished")
+
+    def write_frames(self, output: Path, *, resume: bool, progress: Progress | bool | None) -> Path:
+        """A picture of each frame: ``name-####.png``."""
+        before, _, after = output.name.partition("#")
+        digits = 1 + len(after) - len(after.lstrip("#"))
+        after = after.lstrip("#")
+        if "#" in after:
+            raise InvalidValue(f"{output}: all # of a name must be together", field="path")
+        if len(str(len(self) - 1)) > digits:
+            raise InvalidValue(f"{output}: {len(self)} frames need more # in the name", field="path")
+        for index in range(len(self)):
+            path = output.with_name(f"{before}{index:0{digits}d}{after}")
+            if not (resume and self._is_made(path, index)):
+                self.render(index).save(path)
+            self._report(progress, index)
+        return output
+
+    def _report(self, progress: Progress | bool | None, index: int) -> None:
+        from ._scene import _progress
+
+        report = _progress(progress)
+        if report is not None and report((index + 1) / len(self)) is False:
+            raise Cancelled("stopped before the animation was finished")
+
+    def _is_made(self, path: Path, index: int) -> bool:
+        """Whether the file holds the frame that would be made: its own record says so."""
+        if not path.exists():
+            return False
+        try:
+            text, _ = _core.read_record(path)
+        except (ValueError, OSError):
+            return False
+        made: bool = json.loads(text) == json.loads(self._animation.document(index))
+        return made
+
+    def write_movie(self, output: Path, *, progress: Progress | bool | None) -> Path:
+        """One file of all frames, complete or not there at all."""
+        if not output.absolute().parent.is_dir():
+            raise FileNotFoundError(f"folder {output.parent} does not exist")
+        handle, scratch = tempfile.mkstemp(prefix=".", suffix=output.suffix, dir=output.absolute().parent)
+        os.close(handle)
+        movie: _core.Movie | None = None
+        try:
+            for _, frame in self._all(progress):
+                if movie is None:
+                    record = (frame.document, "splatvol for Python")
+                    movie = _core.Movie(scratch, output, frame._core, (len(self), self._animation.rate), record)
+                movie.write(frame._core)
+            if movie is not None:
+                movie.finish()
+            os.chmod(scratch, 0o644)
+            os.replace(scratch, output)
+        finally:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(scratch)
+        return output
+
+
+def volume_at(series: Series, frame: int, frames: int) -> Volume:
+    """The volume of a series that a frame shows: all its times over all the frames."""
+    return series[min(frame * len(series) // max(frames, 1), len(series) - 1)]

@@ -1,0 +1,223 @@
+"""The verbs: read, render, compare, and so on."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+
+from . import _core, _foreign
+from ._data import Data, Progress, read_item
+from ._errors import InvalidValue
+from ._frame import Frame
+from ._scene import Scene, scene_of
+from ._vocabulary import check, tables
+
+if TYPE_CHECKING:
+    from ._render_options import ReadOptions, RenderOptions
+    from ._widget import Widget
+
+
+def read(
+    source: Any, *, strict: bool = False, progress: Progress | None = None, **options: Unpack[ReadOptions]
+) -> Data:
+    """Reads data: a file, a folder, ``"sample:NAME"``, or an object of another package.
+
+    Parameters
+    ----------
+    source
+        Path, or an array, or an object of nibabel, SimpleITK, itk, xarray, zarr, dask, PyVista, VTK or napari.
+    strict : bool
+        Whether oddities of the file are errors.
+    **options
+        Keywords of :class:`splatvol.ReadOptions`: `level`, `channel`, `time`, `array`...
+
+    Returns
+    -------
+    Volume, Mesh, Points or Gaussians
+
+    Examples
+    --------
+    >>> import splatvol as sv
+    >>> sv.read("sample:head:16").shape
+    (16, 16, 16)
+    """
+    if isinstance(source, (str, os.PathLike)):
+        check(options)
+        keys = tables(options).get("item", {})
+        return read_item({"file": os.fspath(source), **keys}, strict=strict, progress=progress)
+    return _foreign.data_of(source, options)
+
+
+def info(source: Any) -> dict[str, Any]:
+    """What is known about data: format, dimensions, range, levels, channels, warnings."""
+    return dict(_foreign.data_of(source)._describe())
+
+
+def render(
+    data: Any,
+    *,
+    progress: Progress | bool | None = None,
+    cancel: _core.Stop | None = None,
+    **options: Unpack[RenderOptions],
+) -> Frame:
+    """Renders data, as the command ``splatvol render`` does: the same bytes.
+
+    Parameters
+    ----------
+    data
+        Anything that :func:`read` takes, a :class:`Scene`, or napari's viewer: what it shows.
+    progress, cancel
+        See :meth:`Scene.render`.
+    **options
+        Keywords of :class:`splatvol.RenderOptions`: the command's flags with ``_`` for ``-``.
+
+    Examples
+    --------
+    >>> import numpy as np, splatvol as sv
+    >>> frame = sv.render(np.ones((8, 8, 8), np.float32), size=16)
+    >>> np.asarray(frame).shape
+    (16, 16, 4)
+    """
+    if isinstance(data, Scene):
+        return data.render(progress=progress, cancel=cancel, **options)
+    if type(data).__module__.startswith("napari.") and hasattr(data, "dims"):
+        from ._napari.viewer import render_viewer
+
+        return render_viewer(data, progress=progress, cancel=cancel, **options)
+    return Scene(data, **options).render(progress=progress, cancel=cancel)
+
+
+def animate(data: Any, path: str | os.PathLike[str], **options: Any) -> Path:
+    """Writes an animation of data or a scene: see :meth:`Scene.animate`, which has the keywords."""
+    scene = data if isinstance(data, Scene) else Scene(data)
+    return scene.animate(path, **options)
+
+
+def show(data: Any, **options: Unpack[RenderOptions]) -> Widget:
+    """Shows data in a notebook: a widget that turns, zooms and edits them, rendered by the kernel.
+
+    Parameters
+    ----------
+    data
+        Anything that :func:`read` takes, or a :class:`Scene`, which is copied.
+    **options
+        Keywords of :class:`splatvol.RenderOptions`; `size` is (640, 480) by default.
+
+    Raises
+    ------
+    ImportError
+        Where anywidget is not installed.
+
+    Examples
+    --------
+    >>> import splatvol as sv
+    >>> sv.show("sample:head:16", size=32)
+    <splatvol.Widget of <splatvol.Scene of sample:head:16>>
+    """
+    try:
+        from ._widget import widget_of
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in ("anywidget", "ipywidgets", "traitlets"):
+            raise
+        raise ImportError("show() needs the package anywidget: pip install anywidget") from error
+    return widget_of(data, dict(options))
+
+
+def like(picture: str | os.PathLike[str], data: Any = None) -> Scene:
+    """The scene of a picture that splatvol made, by what its file says.
+
+    `data` takes the place of its only item: necessary where that was an array.
+    """
+    text, _ = _core.read_record(os.fspath(picture))
+    document = json.loads(text)
+    items = document.get("item", [])
+    if data is None:
+        arrays = [keys["file"] for keys in items if keys["file"].startswith("array:")]
+        if arrays:
+            message = (
+                f"{os.fspath(picture)}: {arrays[0].removeprefix('array:')} was an array: write like(picture, data)"
+            )
+            raise InvalidValue(message, field="data")
+        return scene_of(document)
+    if len(items) != 1:
+        raise InvalidValue(f"{os.fspath(picture)}: it shows {len(items)} things, not one", field="data")
+    scene = Scene(_foreign.data_of(data))
+    scene._document = {key: value for key, value in document.items() if key != "item"}
+    scene.items[0].keys = {**items[0], "file": scene.items[0].keys["file"]}
+    return scene
+
+
+def load(path: str | os.PathLike[str]) -> Scene:
+    """The scene of a scene's file, TOML or JSON."""
+    text = _core.read_document(os.fspath(path))
+    if text is None:
+        raise InvalidValue(f"{os.fspath(path)} is no scene: splatvol.read reads data", field="path")
+    return scene_of(json.loads(text))
+
+
+def samples() -> dict[str, str]:
+    """Built-in volumes, generated on the spot, and what they are: ``read("sample:NAME")``."""
+    return dict(_core.samples())
+
+
+def colormaps() -> list[str]:
+    """Names of splatvol's colour maps; matplotlib's are understood too."""
+    return list(_core.colormaps())
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far two pictures are apart, in codes from 0 to 255."""
+
+    #: Peak signal to noise ratio, decibels; infinite for equal pictures.
+    psnr: float
+    #: Largest difference of a channel.
+    maximum: int
+    #: Mean difference of the channels.
+    mean: float
+    #: Row and column of the largest difference.
+    where: tuple[int, int]
+    #: Share of pixels that differ.
+    share: float
+
+
+def compare(a: Any, b: Any) -> Difference:
+    """How far two pictures are apart: frames, arrays or paths of pictures.
+
+    Raises
+    ------
+    InvalidValue
+        Pictures of different sizes.
+    """
+    one, other = pixels_of(a).astype(np.int32), pixels_of(b).astype(np.int32)
+    if one.shape != other.shape:
+        raise InvalidValue(f"the pictures have shapes {one.shape} and {other.shape}", field="size")
+    apart = np.abs(one - other)
+    square = float(np.mean(apart.astype(float) ** 2))
+    worst = apart.max(axis=2)
+    row, column = np.unravel_index(int(worst.argmax()), worst.shape)
+    return Difference(
+        psnr=float("inf") if square == 0 else float(10 * np.log10(255**2 / square)),
+        maximum=int(worst.max()),
+        mean=float(apart.mean()),
+        where=(int(row), int(column)),
+        share=float((worst > 0).mean()),
+    )
+
+
+def pixels_of(picture: Any) -> Any:
+    """The codes of a picture: a frame's, an array's, or those of a file, PNG or EXR; height x width x 4."""
+    if isinstance(picture, (str, os.PathLike)):
+        width, height, stored = _core.read_picture(os.fspath(picture))
+        return np.frombuffer(stored, np.uint8).reshape(height, width, 4)
+    codes: Any = np.asarray(picture)
+    if codes.ndim != 3 or codes.shape[2] not in (3, 4) or codes.dtype != np.uint8:
+        raise InvalidValue(f"an array of shape {codes.shape} and type {codes.dtype} is no picture", field="picture")
+    if codes.shape[2] == 3:
+        codes = np.concatenate([codes, np.full((*codes.shape[:2], 1), 255, np.uint8)], axis=2)
+    return codes

@@ -1,0 +1,144 @@
+//! Threads and renderers of the process: one pool, and a few renderers that wait for work with what they have prepared.
+//!
+//! After a fork the child has none of its parent's threads, so it leaves what it inherited alone and starts its own.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use pyo3::prelude::*;
+use splatvol::{Content, EngineConfig, Item, Pool, Renderer, Scene};
+
+use crate::error::{Raise, refused};
+
+/// The environment's number of threads.
+const VARIABLE: &str = "SPLATVOL_THREADS";
+/// Renderers that wait with their prepared data: the scenes that a notebook turns to and fro between.
+const WAITING: usize = 2;
+
+/// What a process has.
+struct Engines {
+    process: u32,
+    /// Number of threads; one per processor without it.
+    threads: Option<usize>,
+    pool: Option<Pool>,
+    /// The last one last, each with the data that it has rendered.
+    waiting: Vec<(Vec<usize>, Renderer)>,
+}
+
+static ENGINES: Mutex<Engines> = Mutex::new(Engines {
+    process: 0,
+    threads: None,
+    pool: None,
+    waiting: Vec::new(),
+});
+
+/// Works with this process's engines. Renderers are dropped elsewhere: they may hold arrays, which are given back with the
+/// interpreter's lock, and whoever has that may be waiting for this.
+fn with<R>(work: impl FnOnce(&mut Engines) -> R) -> R {
+    let mut engines = ENGINES.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    if engines.process != process {
+        // Threads of a parent process cannot be joined, so nothing of theirs is dropped.
+        std::mem::forget(engines.pool.take());
+        std::mem::forget(std::mem::take(&mut engines.waiting));
+        engines.process = process;
+    }
+    work(&mut engines)
+}
+
+/// The threads.
+pub(crate) fn pool() -> PyResult<Pool> {
+    with(|engines| match &engines.pool {
+        Some(pool) => Ok(pool.clone()),
+        None => {
+            if engines.threads.is_none() {
+                engines.threads = threads_of_environment()?;
+            }
+            let pool = Pool::new(engines.threads).map_err(Raise::raised)?;
+            engines.pool = Some(pool.clone());
+            Ok(pool)
+        }
+    })
+}
+
+/// The number that `SPLATVOL_THREADS` says, if it is set.
+fn threads_of_environment() -> PyResult<Option<usize>> {
+    let Some(text) = std::env::var_os(VARIABLE).filter(|text| !text.is_empty()) else {
+        return Ok(None);
+    };
+    let count = text
+        .to_str()
+        .and_then(|text| text.parse().ok())
+        .filter(|&count| count > 0);
+    match count {
+        Some(count) => Ok(Some(count)),
+        None => Err(refused(
+            "threads",
+            format!("{VARIABLE}={}: expected a number above 0", text.display()),
+        )),
+    }
+}
+
+/// Renders a scene with the renderer that has prepared its data, if one waits; else with the one that waits longest, or a new one
+/// while there are few.
+pub(crate) fn render<R>(scene: &Scene, work: impl FnOnce(&mut Renderer) -> R) -> PyResult<R> {
+    let pool = pool()?;
+    let data = addresses(scene);
+    let waiting = with(|engines| {
+        let known = engines.waiting.iter().position(|(of, _)| *of == data);
+        let any = (engines.waiting.len() >= WAITING).then_some(0);
+        known.or(any).map(|index| engines.waiting.remove(index).1)
+    });
+    let mut renderer = match waiting {
+        Some(renderer) => renderer,
+        None => Renderer::with_pool(pool.clone(), EngineConfig::default()).map_err(Raise::raised)?,
+    };
+    let done = work(&mut renderer);
+    let surplus = with(|engines| {
+        let same_threads = engines
+            .threads
+            .is_none_or(|count| count == pool.current_num_threads());
+        if same_threads && engines.waiting.len() < WAITING {
+            engines.waiting.push((data, renderer));
+            None
+        } else {
+            Some(renderer)
+        }
+    });
+    drop(surplus);
+    Ok(done)
+}
+
+/// Where a scene's data lie: renderers recognise them by that, too.
+fn addresses(scene: &Scene) -> Vec<usize> {
+    let address = |item: &Item| match &item.content {
+        Content::Volume { volume, .. } => Arc::as_ptr(volume).addr(),
+        Content::Mesh { mesh, .. } => Arc::as_ptr(mesh).addr(),
+        Content::Points { points, .. } => Arc::as_ptr(points).addr(),
+        Content::Gaussians(gaussians) => Arc::as_ptr(gaussians).addr(),
+    };
+    scene.items.iter().map(address).collect()
+}
+
+/// Sets the number of threads of this process; `None` takes what `SPLATVOL_THREADS` says, or one per logical processor.
+#[pyfunction]
+#[pyo3(signature = (count))]
+pub(crate) fn set_threads(count: Option<usize>) -> PyResult<()> {
+    if count == Some(0) {
+        return Err(refused(
+            "threads",
+            "threads: 0 is not allowed (1 or more, or None)",
+        ));
+    }
+    let before = with(|engines| {
+        engines.threads = count;
+        (engines.pool.take(), std::mem::take(&mut engines.waiting))
+    });
+    drop(before);
+    Ok(())
+}
+
+/// Number of threads of this process.
+#[pyfunction]
+pub(crate) fn threads() -> PyResult<usize> {
+    Ok(pool()?.current_num_threads())
+}

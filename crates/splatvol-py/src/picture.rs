@@ -1,0 +1,198 @@
+//! A document with its data, resolved: the picture as it will be, and how it is rendered.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use splatvol::SceneError;
+use splatvol_document::format::{is_scene, read_scene};
+use splatvol_document::keys::ItemKeys;
+use splatvol_document::{CameraMotion, Document, Edit, Held, ReadRules, Reading, Record, Resolving};
+
+use crate::data::{Data, Notes};
+use crate::engines;
+use crate::error::Raise;
+use crate::frame::Frame;
+use crate::work::{self, Stop};
+
+/// A picture that can be rendered.
+#[pyclass(frozen)]
+#[derive(Debug)]
+pub(crate) struct Picture {
+    picture: splatvol_document::Picture,
+    notes: Vec<(bool, String)>,
+}
+
+#[pymethods]
+impl Picture {
+    /// Resolves a document, JSON. `held` has the data of each item, or `None` for those that are to be read.
+    #[new]
+    #[pyo3(signature = (document, held, strict = false, folder = None, keeps_alpha = false, stop = None, progress = None))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
+    fn new(
+        py: Python<'_>,
+        document: &str,
+        held: Vec<Option<Bound<'_, Data>>>,
+        strict: bool,
+        folder: Option<PathBuf>,
+        keeps_alpha: bool,
+        stop: Option<&Stop>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let document = Document::from_json(document, "document".as_ref()).map_err(Raise::raised)?;
+        let held: Vec<Option<Held>> = held
+            .into_iter()
+            .map(|data| data.map(|data| data.get().held.clone()))
+            .collect();
+        work::run(py, (stop, progress.as_ref()), |_| {
+            let notes = Notes::default();
+            let picture = document.resolve(Resolving {
+                reading: Reading {
+                    rules: ReadRules {
+                        strict,
+                        ..ReadRules::default()
+                    },
+                    folder: folder.as_deref(),
+                    listener: &notes,
+                },
+                held: &held,
+                moves: CameraMotion::default(),
+                keeps_alpha,
+            });
+            let picture = picture.map_err(Raise::raised)?;
+            splatvol::check(&picture.scene, &picture.camera, &picture.settings).map_err(Raise::raised)?;
+            Ok(Self {
+                picture,
+                notes: notes.taken(),
+            })
+        })
+    }
+
+    /// The document with nothing left open, JSON.
+    fn document(&self) -> PyResult<String> {
+        self.picture.document.to_json(false).map_err(Raise::raised)
+    }
+
+    /// Warnings and choices, each with whether it is a warning.
+    #[getter]
+    fn notes(&self) -> Vec<(bool, String)> {
+        self.notes.clone()
+    }
+
+    /// Bounds of the scene, world: least and greatest x, y, z.
+    fn bounds(&self) -> PyResult<([f64; 3], [f64; 3])> {
+        let bounds = self.picture.scene.bounds().map_err(Raise::raised)?;
+        Ok((bounds.min.to_array(), bounds.max.to_array()))
+    }
+
+    /// Renders it.
+    #[pyo3(signature = (stop = None, progress = None))]
+    fn render(&self, py: Python<'_>, stop: Option<&Stop>, progress: Option<Py<PyAny>>) -> PyResult<Frame> {
+        let picture = &self.picture;
+        let (frame, statistics) = work::run(py, (stop, progress.as_ref()), |watch| {
+            let rendered = engines::render(&picture.scene, |renderer| {
+                let mut frame = splatvol::Frame::empty(picture.settings.size);
+                watch.controls(|control| match &picture.sub_frames[..] {
+                    [] => renderer.render_with(
+                        &picture.scene,
+                        &picture.camera,
+                        &picture.settings,
+                        &mut frame,
+                        control,
+                    ),
+                    cameras => {
+                        renderer.expose(&picture.scene, cameras, &picture.settings, &mut frame, control)
+                    }
+                })?;
+                Ok::<_, SceneError>((frame, renderer.statistics().clone()))
+            });
+            rendered?.map_err(Raise::raised)
+        })?;
+        let [.., alpha] = picture.scene.background;
+        let is_blended = alpha > 0.0 && picture.scene.is_published(&picture.settings);
+        Ok(Frame::new(frame, picture.background()).of_render(is_blended, statistics))
+    }
+}
+
+/// A document over another, both JSON.
+#[pyfunction]
+pub(crate) fn document_over(above: &str, below: &str) -> PyResult<String> {
+    let read = |text| Document::from_json(text, "document".as_ref()).map_err(Raise::raised);
+    read(above)?
+        .over(&read(below)?)
+        .to_json(false)
+        .map_err(Raise::raised)
+}
+
+/// Why a key, in a table or in the document itself, cannot have a value, JSON; `None` where it can.
+#[pyfunction]
+pub(crate) fn refusal(table: &str, key: &str, value: &str) -> PyResult<Option<String>> {
+    let value: serde_json::Value = serde_json::from_str(value).map_err(Raise::raised)?;
+    let mut document = Document::of_items([ItemKeys::default()]);
+    let path = match table {
+        "" => key.to_owned(),
+        "item" => format!("item[0].{key}"),
+        table => format!("{table}.{key}"),
+    };
+    let Err(error) = document.apply(Edit::set(&path, value)) else {
+        return Ok(None);
+    };
+    let message = error.to_string();
+    let start = format!("{path} : ");
+    Ok(Some(message.strip_prefix(&start).unwrap_or(&message).to_owned()))
+}
+
+/// A document, JSON, as TOML for people, or as JSON in lines.
+#[pyfunction]
+pub(crate) fn document_text(document: &str, form: &str) -> PyResult<String> {
+    let document = Document::from_json(document, "document".as_ref()).map_err(Raise::raised)?;
+    let text = match form {
+        "toml" => document.to_toml(),
+        _ => document.to_json(true),
+    };
+    text.map_err(Raise::raised)
+}
+
+/// The document of a scene's file, JSON; `None` where the file is no scene.
+#[pyfunction]
+pub(crate) fn read_document(path: PathBuf) -> PyResult<Option<String>> {
+    if !is_scene(&path) {
+        return Ok(None);
+    }
+    let document = read_scene(&path).map_err(Raise::raised)?;
+    document.to_json(false).map(Some).map_err(Raise::raised)
+}
+
+/// The document that a picture's file carries, JSON, and the command that made it.
+#[pyfunction]
+pub(crate) fn read_record(path: PathBuf) -> PyResult<(String, String)> {
+    let record = Record::of_picture(&path).map_err(Raise::raised)?;
+    Ok((
+        record.document.to_json(false).map_err(Raise::raised)?,
+        record.command,
+    ))
+}
+
+/// The transfer function of a file, as the document has it, JSON, for data in a range; and warnings.
+#[pyfunction]
+pub(crate) fn read_transfer_function(path: PathBuf, range: [f64; 2]) -> PyResult<(String, Vec<String>)> {
+    let (function, warnings) = splatvol_io::read_transfer_function(path, range).map_err(Raise::raised)?;
+    Ok((serde_json::to_string(&function).map_err(Raise::raised)?, warnings))
+}
+
+/// Writes a transfer function, JSON, in the format of the file's extension.
+#[pyfunction]
+pub(crate) fn write_transfer_function(path: PathBuf, function: &str) -> PyResult<()> {
+    let function: splatvol::TransferFunction = serde_json::from_str(function).map_err(Raise::raised)?;
+    splatvol_io::write_transfer_function(path, &function).map_err(Raise::raised)
+}
+
+/// Statistics as a dictionary.
+pub(crate) fn statistics<'py>(
+    py: Python<'py>,
+    statistics: &splatvol::RenderStatistics,
+) -> PyResult<Bound<'py, PyDict>> {
+    let text = serde_json::to_string(statistics).map_err(Raise::raised)?;
+    let read = py.import("json")?.call_method1("loads", (text,))?;
+    read.cast_into::<PyDict>().map_err(Into::into)
+}

@@ -1,0 +1,53 @@
+"""Helpers of the tests: the command, and pictures compared by their pixels."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from splatvol._verbs import pixels_of
+
+SHARED = Path(os.environ.get("SPLATVOL_SHARED_DATA", Path(__file__).parents[4] / "shared" / "data"))
+
+
+def shared(*parts: str) -> Path:
+    """A file of the shared data; the test is skipped where it is absent."""
+    path = SHARED.joinpath(*parts)
+    if not path.exists():
+        pytest.skip(f"{'/'.join(parts)} of the shared data is not here")
+    return path
+
+
+@pytest.fixture
+def command(tmp_path: Path) -> Callable[..., np.ndarray]:
+    """Pixels of the command's picture: of the program that SPLATVOL_COMMAND names, or of the one in the package."""
+
+    def run(*arguments: object, folder: Path = tmp_path) -> np.ndarray:
+        picture = tmp_path / "command.png"
+        program = os.environ.get("SPLATVOL_COMMAND")
+        start = [program] if program else [sys.executable, "-m", "splatvol"]
+        line = [*start, "render", *map(str, arguments), "-o", str(picture), "--overwrite", "-q"]
+        subprocess.run(line, check=True, cwd=folder, capture_output=True, text=True)
+        codes = pixels_of(picture)
+        return np.asarray(codes)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def ball() -> np.ndarray:
+    """A soft ball, float32, z y x."""
+    z, y, x = np.mgrid[-1:1:20j, -1:1:24j, -1:1:28j]
+    return np.clip(1.2 - np.sqrt(x**2 + 2 * y**2 + 3 * z**2), 0, 1).astype(np.float32)
+
+
+def program() -> str | None:
+    """The command's program, if there is one."""
+    return os.environ.get("SPLATVOL_COMMAND") or shutil.which("splatvol")
