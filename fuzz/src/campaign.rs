@@ -13,7 +13,7 @@ use crate::input::Input;
 use crate::random::Random;
 use crate::target::Target;
 use crate::targets::KNOWN;
-use crate::trial::{Fault, Trial};
+use crate::trial::{Clock, Fault, Trial};
 
 /// Most inputs that are kept for their answers.
 const KEPT: usize = 400;
@@ -26,6 +26,7 @@ pub(crate) struct Extent {
     pub(crate) seed: u64,
     pub(crate) inputs: u64,
     pub(crate) seconds: f64,
+    pub(crate) clock: Clock,
 }
 
 /// Counts of a run, as a line of text between the processes.
@@ -70,7 +71,7 @@ pub(crate) fn run(target: &Target, extent: &Extent, work: &Path, findings: &Path
     let start = Instant::now();
     let mut campaign = Campaign {
         target,
-        trial: Trial::new(target.reader, work.to_owned()),
+        trial: Trial::new(target.reader, work.to_owned(), extent.clock),
         findings: findings.to_owned(),
         seed: extent.seed,
         seeds: (target.seeds)(),

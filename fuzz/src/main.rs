@@ -56,7 +56,7 @@ use input::Input;
 use parent::Run;
 use target::Target;
 use targets::TARGETS;
-use trial::Trial;
+use trial::{Clock, Trial};
 
 /// Feeds every reader with damaged files.
 #[derive(Debug, Parser)]
@@ -75,7 +75,7 @@ struct Arguments {
     /// Inputs per target, if they take less time.
     #[arg(long, default_value_t = u64::MAX)]
     inputs: u64,
-    /// The number of inputs that the tests run, however long they take.
+    /// The inputs that the tests run, however long they take: only what goes on for ever counts as slow.
     #[arg(long)]
     quick: bool,
     /// Targets at the same time.
@@ -114,6 +114,11 @@ fn main() -> Result<ExitCode> {
         seed: arguments.seed,
         inputs: arguments.inputs,
         seconds: if arguments.quick { 1e6 } else { arguments.seconds },
+        clock: if arguments.quick {
+            Clock::Ignored
+        } else {
+            Clock::Judges
+        },
     };
     if arguments.child {
         let work = arguments.work.context("--work")?;
@@ -146,7 +151,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<&'static Target>> {
 fn replay(target: &Target, folder: &std::path::Path) -> Result<ExitCode> {
     let input = Input::read(folder, &minimise::opened(target, folder))?;
     let work = parent::work_folder()?;
-    let outcome = Trial::new(target.reader, work.path().to_owned()).run(&input, true)?;
+    let outcome = Trial::new(target.reader, work.path().to_owned(), Clock::Judges).run(&input, true)?;
     println!("{}", outcome.answer);
     let Some(fault) = outcome.fault else {
         return Ok(ExitCode::SUCCESS);

@@ -13,7 +13,7 @@ use crate::campaign::{Counts, Extent, is_known};
 use crate::input::Input;
 use crate::minimise::minimise;
 use crate::target::Target;
-use crate::trial::HUNG;
+use crate::trial::{Clock, HUNG};
 
 /// Children of one target that may die before it is given up.
 const DEATHS: usize = 10;
@@ -77,6 +77,7 @@ impl Run {
                 seed: self.extent.seed + 1000 * death as u64,
                 inputs: inputs - total.inputs.min(inputs),
                 seconds: self.extent.seconds - start.elapsed().as_secs_f64(),
+                clock: self.extent.clock,
             };
             let (counts, complete) = self.child(target, &extent, work.path())?;
             total.inputs += counts.inputs;
@@ -105,7 +106,11 @@ impl Run {
 
     /// Counts of a child, and whether it came to its end.
     fn child(&self, target: &Target, extent: &Extent, work: &Path) -> Result<(Counts, bool)> {
-        let mut child = program()?
+        let mut child = program()?;
+        if extent.clock == Clock::Ignored {
+            child.arg("--quick");
+        }
+        let mut child = child
             .args(["--child", target.name])
             .args([
                 "--seed",
