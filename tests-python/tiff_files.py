@@ -26,10 +26,24 @@ FORMS = {
 }
 REFUSED = {
     **{code: {"compression": code} for code in ["lzma", "jpeg2000", "jpegxl", "lerc", "png"]},
-    **{f"{bits} bits": {"bitspersample": bits} for bits in [1, 2, 4, 12]},
-    "half floats by zstd": {"compression": "zstd", "dtype": "f2"},
-    "colours in planes": {"photometric": "rgb", "planarconfig": "separate", "shape": (4, 3, 21, 37)},
+    "12 bits": {"bitspersample": 12},
 }
+
+
+def with_tags(file, values):
+    """A little-endian TIFF with other values of short tags, in all of its pages."""
+    file = bytearray(file)
+    at = int.from_bytes(file[4:8], "little")
+    while at:
+        count = int.from_bytes(file[at : at + 2], "little")
+        for entry in range(at + 2, at + 2 + 12 * count, 12):
+            tag = int.from_bytes(file[entry : entry + 2], "little")
+            if tag in values:
+                size = {3: 2, 4: 4}[int.from_bytes(file[entry + 2 : entry + 4], "little")]
+                file[entry + 8 : entry + 8 + size] = values[tag].to_bytes(size, "little")
+        end = at + 2 + 12 * count
+        at = int.from_bytes(file[end : end + 4], "little")
+    return bytes(file)
 
 
 def cases(splatvol, folder):
@@ -87,36 +101,54 @@ class Tiff:
         kinds = [("u1", 2), ("i2", 2), ("u4", 2), ("f2", 3), ("f4", 3), ("f8", 3)]
         for (dtype, predictor), compression, endian in itertools.product(kinds, ["deflate", "LZW", "zstd"], "<>"):
             name = f"{dtype} {compression}, predictor {predictor}, {endian.replace('<', 'little').replace('>', 'big')}"
-            if (dtype, compression) == ("f2", "zstd"):
-                continue  # Refused, see below.
             options = {**LOSSLESS[compression], "predictor": predictor, "byteorder": endian, "metadata": None}
             yield f"TIFF {name}", lambda n=name, d=dtype, o=options: self.layout(n, d, o)
 
     # Meaning of samples
 
     def photometric(self):
-        for dtype in ["u1", "u2"]:
-            yield f"TIFF colours {dtype}", lambda d=dtype: self.colors(d)
-        yield "TIFF palette", self.palette
+        for dtype, compression in itertools.product(["u1", "u2"], ["none", "LZW"]):
+            for planes in ["contig", "separate"]:
+                name = f"TIFF colours {dtype} {compression} {planes}"
+                yield name, lambda d=dtype, c=compression, p=planes: self.colors(d, c, p)
+        for bits in [1, 2, 4]:
+            yield f"TIFF {bits} bits", lambda b=bits: self.bits(b)
+        for compression in ["none", "LZW"]:
+            yield f"TIFF palette {compression}", lambda c=compression: self.palette(c)
         for dtype, compression in itertools.product(["u1", "u2", "i2", "f4"], ["none", "LZW", "zstd"]):
             name = f"TIFF white is zero, {dtype} {compression}"
             yield name, lambda d=dtype, c=compression: self.white_is_zero(d, c)
         yield "TIFF JPEG", self.jpeg
 
-    def colors(self, dtype):
+    def colors(self, dtype, compression, planes):
+        """Components of one pixel behind each other, or each component in strips of its own."""
         values = noise(dtype, 2, (*SHAPE, 3))
-        path = self.write(f"colours {dtype}", values, photometric="rgb", metadata=None)
+        stored = values if planes == "contig" else np.moveaxis(values, -1, 1)
+        options = {**LOSSLESS[compression], "rowsperstrip": 5, "metadata": None}
+        name = f"colours {dtype} {compression} {planes}"
+        path = self.write(name, stored, photometric="rgb", planarconfig=planes, **options)
         for channel in range(3):
             compare(Volume(values[..., channel], np.eye(4)), self.splatvol.read(path, "--channel", channel))
 
-    def palette(self):
+    def bits(self, bits):
+        """Rows of several samples per byte, the highest bits first; 37 columns do not fill the last byte."""
+        values = noise("u1", 6, SHAPE) >> (8 - bits)
+        rows = np.unpackbits(values[..., None], axis=-1)[..., -bits:].reshape(*SHAPE[:2], -1)
+        packed = np.packbits(rows, axis=-1)
+        path = self.write(f"{bits} bits", packed, photometric="minisblack", metadata=None)
+        file = path.read_bytes()
+        path.write_bytes(with_tags(file, {256: SHAPE[2], 258: bits}))
+        compare(Volume(values, np.eye(4)), self.splatvol.read(path))
+
+    def palette(self, compression):
         """Samples are the palette's indices."""
         path = self.write(
-            "palette",
+            f"palette {compression}",
             noise("u1", 3, SHAPE),
             photometric="palette",
             colormap=noise("u2", 4, (3, 256)),
             metadata=None,
+            **LOSSLESS[compression],
         )
         self.agree(path)
 
@@ -205,6 +237,38 @@ class Tiff:
                 yield f"TIFF {name}", lambda n=name, a=axes, o=options: self.ome_file(n, a, o)
         for unit, said in [("µm", "um"), ("mm", "mm"), ("nm", "nm"), ("m", "m"), ("pixel", "")]:
             yield f"TIFF OME unit {unit}", lambda u=unit, s=said: self.ome_unit(u, s)
+
+        for companion in [False, True]:
+            name = f"TIFF OME over files{', described by another' if companion else ''}"
+            yield name, lambda c=companion: self.ome_set(c)
+
+    def ome_set(self, companion):
+        """A file for each channel, whose pages are its slices; described in each of them, or in a file of its own."""
+        folder = self.folder / f"set {companion}"
+        folder.mkdir()
+        values = noise("u2", 13, (2, 3, 21, 37))
+        names = ["a.ome.tif", "b.ome.tif"]
+        planes = "".join(
+            f'<TiffData FirstC="{channel}" FirstZ="{z}" IFD="{z}" PlaneCount="1">'
+            f'<UUID FileName="{name}">urn:uuid:{channel}</UUID></TiffData>'
+            for channel, name in enumerate(names)
+            for z in range(3)
+        )
+        described = (
+            '<?xml version="1.0"?><OME xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06" UUID="urn:uuid:0">'
+            '<Image ID="Image:0"><Pixels ID="Pixels:0" DimensionOrder="XYZCT" Type="uint16" SizeX="37" SizeY="21"'
+            ' SizeZ="3" SizeC="2" SizeT="1" PhysicalSizeX="0.25" PhysicalSizeY="0.5" PhysicalSizeZ="2.5">'
+            '<Channel ID="Channel:0:0" SamplesPerPixel="1"/><Channel ID="Channel:0:1" SamplesPerPixel="1"/>'
+            f"{planes}</Pixels></Image></OME>"
+        )
+        text = described
+        if companion:
+            (folder / "set.companion.ome").write_text(described)
+            text = '<?xml version="1.0"?><OME><BinaryOnly MetadataFile="set.companion.ome" UUID="urn:uuid:9"/></OME>'
+        for name, channel in zip(names, values, strict=True):
+            tifffile.imwrite(folder / name, channel, description=text, metadata=None, photometric="minisblack")
+        for name in names:
+            self.planes(folder / name, values, "CZYX", np.diag([0.25, 0.5, 2.5, 1.0]), "um")
 
     def ome_file(self, name, axes, options):
         sizes = {"T": 2, "C": 3, "Z": 4, "Y": 21, "X": 37}

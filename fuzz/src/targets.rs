@@ -411,17 +411,7 @@ const ANY: Reader = Reader::Data(None);
 
 /// Faults that were found and are still open (docs/robustness.md): the target, or all if empty, and a part of the
 /// fault's line. They are not counted, so that new ones are seen.
-pub(crate) const KNOWN: &[(&str, &str)] = &[
-    ("", "panic at crates/splatvol-core/src/visibility.rs"),
-    ("", "panic at crates/splatvol-core/src/plan/blocks.rs"),
-    // Layers of LAZ that claim gigabytes: the decoder reserves them first.
-    ("las", "the process ended: signal: 6"),
-    ("scene", "a document that does not come back"),
-    ("picture", "bytes of memory for: EXR"),
-    ("picture", "the process ended: signal: 6"),
-    ("tiff", "bytes of memory for: TIFF"),
-    ("geotiff", "bytes of memory for: TIFF"),
-];
+pub(crate) const KNOWN: &[(&str, &str)] = &[];
 
 /// All of them.
 pub(crate) const TARGETS: &[Target] = &[

@@ -33,6 +33,7 @@ mod ply;
 pub mod points;
 mod samples;
 mod source;
+mod tiff_pages;
 pub mod transfer_function;
 pub mod volume;
 mod xml;

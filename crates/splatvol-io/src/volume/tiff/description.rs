@@ -3,16 +3,36 @@
 //! ImageJ's is lines `key=value`: `images`, `channels`, `slices`, `frames`, `spacing` (between slices), `unit`.
 //! Channels vary fastest, then slices, then frames; lengths of pixels are the inverse of the resolution tags.
 
+use std::path::PathBuf;
+
 use glam::DVec3;
 use splatvol_scene::LengthUnit;
 
-use super::{Pages, ome};
+use super::ome;
 use crate::IoError;
 use crate::error::Context;
+use crate::tiff_pages::Pages;
 use crate::volume::{ReadOptions, length_unit};
 
 /// Channels of spectral cameras are hundreds.
 const MOST_CHANNELS: usize = 4096;
+
+/// Index of the opened file in [`Layout::files`].
+pub(super) const OWN_FILE: usize = 0;
+
+/// A page: an index into [`Layout::files`], and the page's number there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) file: usize,
+    pub(super) page: usize,
+}
+
+impl Place {
+    /// A page of the opened file.
+    pub(super) fn own(page: usize) -> Self {
+        Self { file: OWN_FILE, page }
+    }
+}
 
 /// The arrangement of a file's pages.
 #[derive(Debug)]
@@ -24,7 +44,9 @@ pub(super) struct Layout {
     pub(super) channels: Vec<String>,
     pub(super) times: usize,
     /// Page of every slice, channel and time: slices fastest, then channels.
-    pub(super) pages: Vec<usize>,
+    pub(super) pages: Vec<Place>,
+    /// The opened file, and others that hold pages.
+    pub(super) files: Vec<PathBuf>,
     /// True where pages follow the first without headers of their own.
     pub(super) contiguous: bool,
     pub(super) spacing: DVec3,
@@ -42,13 +64,15 @@ impl Layout {
         options: &ReadOptions,
         context: &Context<'_>,
     ) -> Result<Self, IoError> {
-        match text.map(str::trim_start) {
+        let mut layout = match text.map(str::trim_start) {
             Some(text) if text.starts_with("ImageJ=") => Self::imagej(text, count, pages, context),
             Some(text) if text.starts_with('<') && text.contains("<OME") => {
                 ome::layout(text, count, options, context)
             }
             _ => Ok(Self::plain(count)),
-        }
+        }?;
+        layout.files.insert(OWN_FILE, context.path.to_owned());
+        Ok(layout)
     }
 
     /// One page after the other.
@@ -59,7 +83,8 @@ impl Layout {
             slices: count,
             channels: vec!["0".to_owned()],
             times: 1,
-            pages: (0..count).collect(),
+            pages: (0..count).map(Place::own).collect(),
+            files: Vec::new(),
             contiguous: false,
             spacing: DVec3::ONE,
             unit: LengthUnit::Unknown,
@@ -68,7 +93,7 @@ impl Layout {
         }
     }
 
-    pub(super) fn page(&self, slice: usize, channel: usize, time: usize) -> usize {
+    pub(super) fn page(&self, slice: usize, channel: usize, time: usize) -> Place {
         self.pages[slice + self.slices * (channel + self.channels.len() * time)]
     }
 
@@ -97,7 +122,7 @@ impl Layout {
         let contiguous = count == 1 && images > 1;
         // Each page takes a byte of the file at least.
         let most = if contiguous {
-            pages.length.min(images as u64)
+            pages.length().min(images as u64)
         } else {
             count as u64
         };
@@ -122,6 +147,7 @@ impl Layout {
         layout.pages = (0..times)
             .flat_map(|time| (0..channels).map(of_time(time)))
             .flat_map(|page| (0..slices).map(page))
+            .map(Place::own)
             .collect();
         layout.calibrate(value("unit"), value("spacing"), pages);
         Ok(layout)

@@ -1,18 +1,25 @@
 //! OME-XML in a TIFF's description: sizes, order of dimensions, physical sizes, and which page holds which plane
 //! (`TiffData`; <https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/specification.html>).
 
+use std::path::{Path, PathBuf};
+
 use glam::DVec3;
 use roxmltree::Node;
 use splatvol_scene::LengthUnit;
+use tiff::tags::Tag;
 
-use super::description::Layout;
+use super::description::{Layout, OWN_FILE, Place};
 use crate::IoError;
 use crate::error::Context;
+use crate::source::{companion, read_file};
+use crate::tiff_pages::Pages;
 use crate::volume::{ReadOptions, length_unit};
 use crate::xml;
 
 /// A plane named several times lies where it is named last; a file that names all of them again and again is no image.
 const MOST_TIMES_NAMED: usize = 16;
+/// Bytes of text that name a plane at least, where planes lie in other files.
+const LEAST_TEXT: usize = 8;
 /// Maximum number of images that are listed.
 const SHOWN: usize = 50;
 
@@ -22,7 +29,46 @@ pub(super) fn layout(
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<Layout, IoError> {
-    let document = xml::parse(text.trim_end_matches('\0'), "OME-XML", context)?;
+    let text = text.trim_end_matches('\0');
+    match metadata_file(text, context)? {
+        Some(name) => {
+            let path = companion(&name, "OME-XML MetadataFile", None, context)?;
+            layout_of(&description_of(&path, context)?, count, options, context)
+        }
+        None => layout_of(text, count, options, context),
+    }
+}
+
+/// The file that holds the description, where this one holds pixels only.
+fn metadata_file(text: &str, context: &Context<'_>) -> Result<Option<String>, IoError> {
+    let document = xml::parse(text, "OME-XML", context)?;
+    let mut children = document.root_element().children();
+    let only = children.find(|node| node.tag_name().name() == "BinaryOnly");
+    Ok(only
+        .and_then(|node| node.attribute("MetadataFile"))
+        .map(str::to_owned))
+}
+
+/// The text of a companion file, or of the first page of another TIFF.
+fn description_of(path: &Path, context: &Context<'_>) -> Result<String, IoError> {
+    let bytes = read_file(path, context)?;
+    let text = match String::from_utf8(bytes) {
+        Ok(text) if text.trim_start().starts_with(['<', '\u{feff}']) => Some(text),
+        _ => Pages::open(path, context)?.text(Tag::ImageDescription),
+    };
+    text.ok_or_else(|| {
+        let expected = "a file of OME-XML, or a TIFF that holds it";
+        context.field("OME-XML MetadataFile", path.display(), None, expected)
+    })
+}
+
+fn layout_of(
+    text: &str,
+    count: usize,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<Layout, IoError> {
+    let document = xml::parse(text.trim_start_matches('\u{feff}'), "OME-XML", context)?;
     let named = |node: &Node<'_, '_>, name: &str| node.is_element() && node.tag_name().name() == name;
     let images: Vec<Node<'_, '_>> = document
         .root_element()
@@ -48,7 +94,11 @@ pub(super) fn layout(
     let pixels = image.children().find(|node| named(node, "Pixels"));
     let pixels =
         pixels.ok_or_else(|| context.field("OME-XML Pixels", "", None, "this element, which is missing"))?;
-    let pixels = OmePixels { pixels, context };
+    let pixels = OmePixels {
+        pixels,
+        most_planes: count.max(text.len() / LEAST_TEXT),
+        context,
+    };
     let mut layout = pixels.layout(count, images.len() == 1)?;
     if images.len() > 1 {
         layout.series = series;
@@ -62,6 +112,8 @@ pub(super) fn layout(
 
 struct OmePixels<'x, 'c> {
     pixels: Node<'x, 'x>,
+    /// Planes that the pages of this file, or the names of others, justify.
+    most_planes: usize,
     context: &'c Context<'c>,
 }
 
@@ -91,7 +143,7 @@ impl OmePixels<'_, '_> {
         let total = slices
             .checked_mul(times)
             .and_then(|product| product.checked_mul(channels));
-        let total = total.filter(|&total| total <= count).ok_or_else(|| {
+        let total = total.filter(|&total| total <= self.most_planes).ok_or_else(|| {
             let shown = format!("{slices} x {channels} x {times}");
             let expected = format!("slices, channels and times for the {count} pages of this file");
             self.context
@@ -110,19 +162,19 @@ impl OmePixels<'_, '_> {
             name.map_or_else(|| format!("channel {i}"), str::to_owned)
         };
         layout.channels = (0..channels).map(name).collect();
-        layout.pages = self.pages([slices, channels, times], total, count, alone)?;
+        (layout.pages, layout.files) = self.pages([slices, channels, times], total, count, alone)?;
         self.calibrate(&mut layout)?;
         Ok(layout)
     }
 
-    /// Page of every plane: slices fastest, then channels.
+    /// Page of every plane, slices fastest, then channels; and the other files that hold some.
     fn pages(
         &self,
         sizes: [usize; 3],
         total: usize,
         count: usize,
         alone: bool,
-    ) -> Result<Vec<usize>, IoError> {
+    ) -> Result<(Vec<Place>, Vec<PathBuf>), IoError> {
         let order = self.pixels.attribute("DimensionOrder").unwrap_or("XYZCT");
         let axes: Vec<usize> = order.chars().filter_map(|axis| "ZCT".find(axis)).collect();
         let mut sorted = axes.clone();
@@ -147,10 +199,11 @@ impl OmePixels<'_, '_> {
             at[0] + sizes[0] * (at[1] + sizes[1] * at[2])
         };
         let mut pages = vec![None; total];
+        let mut others = Vec::new();
         let mut named = 0;
         for data in self.children("TiffData") {
             let number = |name: &str| data.attribute(name).and_then(|value| value.parse::<usize>().ok());
-            self.check_file(&data)?;
+            let file = self.file(&data, &mut others)?;
             let first = ["FirstZ", "FirstC", "FirstT"].map(|name| number(name).unwrap_or(0));
             let start: usize = (0..3).map(|axis| first[axis].min(total) * strides[axis]).sum();
             // Without a page, planes follow each other from the first; with one, it is one plane.
@@ -167,32 +220,40 @@ impl OmePixels<'_, '_> {
                 return Err(self.context.field("OME-XML TiffData", found, None, expected));
             }
             for offset in 0..planes {
-                pages[ours(start + offset)] = Some(page.saturating_add(offset));
+                let page = page.saturating_add(offset);
+                pages[ours(start + offset)] = Some(Place { file, page });
             }
         }
         if alone && pages.iter().all(Option::is_none) {
-            (0..total).for_each(|plane| pages[ours(plane)] = Some(plane));
+            (0..total).for_each(|plane| pages[ours(plane)] = Some(Place::own(plane)));
         }
-        let known: Option<Vec<usize>> = pages.into_iter().collect();
-        let known = known.filter(|pages| pages.iter().all(|&page| page < count));
+        let known: Option<Vec<Place>> = pages.into_iter().collect();
+        let here = |place: &Place| place.file != OWN_FILE || place.page < count;
+        let known = known.filter(|pages| pages.iter().all(here));
+        let known = known.map(|pages| (pages, others));
         known.ok_or_else(|| {
             let expected = format!("one of the {count} pages for each of {total} planes");
             self.context.field("OME-XML TiffData", "", None, expected)
         })
     }
 
-    /// Planes in other files are refused.
-    fn check_file(&self, data: &Node<'_, '_>) -> Result<(), IoError> {
-        let named = data.children().find_map(|node| node.attribute("FileName"));
+    /// Index of the file that holds planes; other files than this one are added to `others`.
+    ///
+    /// A file that was renamed since still holds all planes; one that does not is recognised by its pages.
+    fn file(&self, data: &Node<'_, '_>, others: &mut Vec<PathBuf>) -> Result<usize, IoError> {
         let own = self.context.path.file_name().map(|name| name.to_string_lossy());
-        match named {
-            // A file that was renamed since still holds all planes; one that does not is recognised by its pages.
-            Some(name) if own.as_deref() != Some(name) && self.context.path.with_file_name(name).exists() => {
-                let what = format!("OME image spread over several files; also in {name}");
-                Err(self.context.unsupported(what))
-            }
-            _ => Ok(()),
-        }
+        let named = data.children().find_map(|node| node.attribute("FileName"));
+        let other = named
+            .filter(|name| own.as_deref() != Some(name) && self.context.path.with_file_name(name).exists());
+        let Some(name) = other else {
+            return Ok(OWN_FILE);
+        };
+        let path = companion(name, "OME-XML FileName", None, self.context)?;
+        let known = others.iter().rposition(|other| *other == path);
+        Ok(1 + known.unwrap_or_else(|| {
+            others.push(path);
+            others.len() - 1
+        }))
     }
 
     fn calibrate(&self, layout: &mut Layout) -> Result<(), IoError> {
