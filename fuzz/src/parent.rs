@@ -111,6 +111,8 @@ impl Run {
             child.arg("--quick");
         }
         let mut child = child
+            // What an abort has to say is its first line.
+            .env("RUST_BACKTRACE", "0")
             .args(["--child", target.name])
             .args([
                 "--seed",

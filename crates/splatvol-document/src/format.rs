@@ -53,7 +53,14 @@ impl Document {
     /// # Errors
     /// Malformed text, unknown keys, wrong values, with their line; later versions.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, DocumentError> {
-        let read = |text| toml::from_str::<Self>(text).map_err(|error| message::of_toml(&error, text));
+        let read = |text| {
+            let document = toml::from_str::<Self>(text).map_err(|error| message::of_toml(&error, text))?;
+            // TOML has infinities and NaN. No key takes them, and JSON could not hold them.
+            match toml::from_str(text).ok().and_then(|table| endless_number(&table)) {
+                Some(key) => Err(format!("{key}: expected a finite number")),
+                None => Ok(document),
+            }
+        };
         let old = |text| version1::scene(toml::from_str(text).ok()?);
         Self::versioned(path, toml::from_str(text).ok(), || read(text), || old(text))
     }
@@ -94,6 +101,21 @@ impl Document {
             },
         }
     }
+}
+
+/// The first key whose number is not finite, with that number.
+fn endless_number(table: &toml::Table) -> Option<String> {
+    fn of_value(value: &toml::Value) -> Option<String> {
+        match value {
+            toml::Value::Float(number) if !number.is_finite() => Some(format!(" = {number}")),
+            toml::Value::Array(values) => values.iter().find_map(of_value),
+            toml::Value::Table(table) => endless_number(table).map(|key| format!(".{key}")),
+            _ => None,
+        }
+    }
+    table
+        .iter()
+        .find_map(|(key, value)| of_value(value).map(|rest| format!("{key}{rest}")))
 }
 
 /// The version that a text names, whatever else it holds.

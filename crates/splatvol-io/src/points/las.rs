@@ -6,9 +6,10 @@
 //! by their classes or heights (`shown_as`).
 
 mod check;
+mod fenced;
+mod laszip;
 mod shown_as;
 
-use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -21,6 +22,7 @@ use crate::error::Context;
 use crate::source::read_file;
 use crate::{Description, IoError, ReadOptions};
 use check::Claims;
+use fenced::Fenced;
 
 /// Points that are decoded at a time.
 const BATCH: u64 = 1 << 16;
@@ -42,7 +44,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     let description = describe(&claims, path);
     // The decoder is not written for hostile files; a panic in it is blamed on the file.
     let mut classes = Vec::new();
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, &mut gather, &mut classes)));
+    let decoded = catch_unwind(AssertUnwindSafe(|| {
+        decode(bytes, claims.end, &mut gather, &mut classes)
+    }));
     let count = match decoded {
         Ok(Ok(count)) => count,
         Ok(Err(error)) => return Err(context.field("points", error, None, "what the header describes")),
@@ -58,8 +62,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedPoints, IoError>
     shown_as::colored(loaded, &classes, context)
 }
 
-fn decode(bytes: Vec<u8>, gather: &mut Gather, classes: &mut Vec<u8>) -> ::las::Result<u64> {
-    let mut reader = Reader::new(Cursor::new(bytes))?;
+/// Reads all points before `end`.
+fn decode(bytes: Vec<u8>, end: u64, gather: &mut Gather, classes: &mut Vec<u8>) -> ::las::Result<u64> {
+    let (file, fence) = Fenced::new(bytes);
+    let mut reader = Reader::new(file)?;
+    // A table of chunks that lies about their points leads the decoder beyond the last chunk.
+    fence.set(end);
     let total = reader.header().number_of_points();
     let mut count = 0;
     while count < total {

@@ -2,10 +2,9 @@
 
 use half::f16;
 use splatvol_scene::Samples;
-use tiff::decoder::ChunkType;
-use tiff::tags::Tag;
 
-use super::{PageHead, Pages, SLACK, compression, predictor};
+use super::directory::{Directories, tag};
+use super::{PageHead, SLACK, compression, jpeg, predictor};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleBuffer};
@@ -15,12 +14,16 @@ use crate::source::Source;
 const MOST_SPARE: u64 = 4;
 
 /// The samples of the current page.
-pub(super) fn read(pages: &mut Pages, head: &PageHead, context: &Context<'_>) -> Result<Samples, IoError> {
-    let grid = Grid::new(pages, head, context)?;
+pub(super) fn read(
+    directory: &Directories,
+    head: &PageHead,
+    context: &Context<'_>,
+) -> Result<Samples, IoError> {
+    let grid = Grid::new(directory, head, context)?;
     let mut image = vec![0; head.samples() * grid.sample];
     for plane in 0..grid.planes {
         for index in 0..grid.per_plane() {
-            let chunk = grid.chunk(plane * grid.per_plane() + index, pages, head, context)?;
+            let chunk = grid.chunk(plane * grid.per_plane() + index, directory, head, context)?;
             grid.place(&chunk, [plane, index], &mut image);
         }
     }
@@ -51,18 +54,27 @@ struct Grid {
     sample: usize,
     offsets: Vec<u64>,
     lengths: Vec<u64>,
+    /// Tables that all strips or tiles of JPEG share.
+    tables: Vec<u8>,
 }
 
 impl Grid {
-    fn new(pages: &mut Pages, head: &PageHead, context: &Context<'_>) -> Result<Self, IoError> {
-        let tiled = matches!(pages.decoder.get_chunk_type(), ChunkType::Tile);
-        let tags = match tiled {
-            false => [Tag::StripOffsets, Tag::StripByteCounts],
-            true => [Tag::TileOffsets, Tag::TileByteCounts],
+    fn new(directory: &Directories, head: &PageHead, context: &Context<'_>) -> Result<Self, IoError> {
+        let tiled = directory.has(tag::TILE_OFFSETS);
+        let number = |tag, default: usize| -> Result<usize, IoError> {
+            let found = directory.unsigned(tag, context)?.first().copied();
+            Ok(found.map_or(default, |number| usize::try_from(number).unwrap_or(usize::MAX)))
         };
-        let (width, height) = pages.decoder.chunk_dimensions();
-        let rows = if tiled { usize::MAX } else { head.size[1] };
-        let chunk = [width as usize, (height as usize).min(rows)];
+        let (tags, chunk) = match tiled {
+            false => {
+                let rows = number(tag::ROWS_PER_STRIP, head.size[1])?.min(head.size[1]);
+                ([tag::STRIP_OFFSETS, tag::STRIP_BYTE_COUNTS], [head.size[0], rows])
+            }
+            true => {
+                let sides = [number(tag::TILE_WIDTH, 0)?, number(tag::TILE_LENGTH, 0)?];
+                ([tag::TILE_OFFSETS, tag::TILE_BYTE_COUNTS], sides)
+            }
+        };
         let (planes, components) = match head.planar {
             true => (head.components, 1),
             false => (1, head.components),
@@ -73,7 +85,7 @@ impl Grid {
             .fold(chunk[0], |product, &factor| product.saturating_mul(factor)) as u64;
         let most = MOST_SPARE.saturating_mul(head.samples() as u64 * sample as u64);
         if whole == 0 || whole > most.saturating_add(SLACK) {
-            let found = format!("{width} x {height}");
+            let found = format!("{} x {}", chunk[0], chunk[1]);
             let expected = "about that of the page or less";
             return Err(context.field("size of strips or tiles", found, None, expected));
         }
@@ -85,8 +97,12 @@ impl Grid {
             planes,
             components,
             sample,
-            offsets: pages.unsigned(tags[0], context)?,
-            lengths: pages.unsigned(tags[1], context)?,
+            offsets: directory.unsigned(tags[0], context)?,
+            lengths: directory.unsigned(tags[1], context)?,
+            tables: match head.compression {
+                compression::JPEG => directory.blob(tag::JPEG_TABLES, context)?,
+                _ => Vec::new(),
+            },
         };
         let needed = grid.per_plane().saturating_mul(planes);
         if grid.offsets.len() < needed || grid.lengths.len() < needed {
@@ -117,7 +133,7 @@ impl Grid {
     fn chunk(
         &self,
         index: usize,
-        pages: &mut Pages,
+        directory: &Directories,
         head: &PageHead,
         context: &Context<'_>,
     ) -> Result<Vec<u8>, IoError> {
@@ -127,9 +143,18 @@ impl Grid {
         };
         let across = self.chunk[0] * self.components;
         let row_bytes = (across * head.bits as usize).div_ceil(8);
-        let mut coded = pages.bytes(self.offsets[index], self.lengths[index], context)?;
+        let mut coded = directory.bytes(self.offsets[index], self.lengths[index], context)?;
         if head.low_bits_first {
             coded.iter_mut().for_each(|byte| *byte = byte.reverse_bits());
+        }
+        if head.compression == compression::JPEG {
+            let [columns, components] = [self.chunk[0], self.components];
+            let form = jpeg::Form {
+                size: [columns, rows],
+                components,
+                photometric: head.photometric,
+            };
+            return jpeg::decode(&coded, &self.tables, form, context);
         }
         let mut bytes = compression::decompress((&coded, head.compression), row_bytes * rows, context)?;
         for row in bytes.chunks_exact_mut(row_bytes) {

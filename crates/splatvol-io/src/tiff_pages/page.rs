@@ -1,15 +1,15 @@
 //! The form of a page.
 
-use tiff::tags::{ByteOrder, Tag};
-
-use super::{Pages, bad, compression};
+use super::compression;
+use super::directory::{Directories, tag};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleType};
 
-/// Places of a palette, and scales whose end is white (`PhotometricInterpretation`).
-const PALETTE: u64 = 3;
+/// Meanings of samples (`PhotometricInterpretation`).
 const WHITE_IS_ZERO: u64 = 0;
+const BLACK_IS_ZERO: u64 = 1;
+const PALETTE: u64 = 3;
 
 /// The form of a page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +25,8 @@ pub(crate) struct PageHead {
     /// True where samples are places in a palette.
     pub(crate) palette: bool,
     pub(crate) white_is_zero: bool,
+    /// `PhotometricInterpretation`.
+    pub(super) photometric: u64,
     /// True where each component has strips or tiles of its own.
     pub(super) planar: bool,
     /// True where the lowest bit of a byte comes first.
@@ -36,33 +38,50 @@ pub(crate) struct PageHead {
 
 impl PageHead {
     /// The form of the current page.
-    pub(super) fn read(pages: &mut Pages, context: &Context<'_>) -> Result<Self, IoError> {
-        let (columns, rows) = pages.decoder.dimensions().map_err(|error| bad(error, context))?;
-        let mut number = |tag, default| -> Result<u64, IoError> {
-            Ok(pages.unsigned(tag, context)?.first().copied().unwrap_or(default))
+    pub(super) fn read(directory: &Directories, context: &Context<'_>) -> Result<Self, IoError> {
+        let number = |tag, default| -> Result<u64, IoError> {
+            Ok(directory
+                .unsigned(tag, context)?
+                .first()
+                .copied()
+                .unwrap_or(default))
         };
-        let bits = number(Tag::BitsPerSample, 1)?;
-        let format = number(Tag::SampleFormat, 1)?;
-        let photometric = number(Tag::PhotometricInterpretation, 1)?;
-        let components = number(Tag::SamplesPerPixel, 1)? as usize;
+        let side = |tag, name: &str| -> Result<usize, IoError> {
+            let found = number(tag, 0)?;
+            let side = u32::try_from(found).ok().filter(|&side| side > 0);
+            let side = side.ok_or_else(|| context.field(name.to_owned(), found, None, "1 to 2^32 - 1"))?;
+            Ok(side as usize)
+        };
+        let size = [
+            side(tag::IMAGE_WIDTH, "ImageWidth")?,
+            side(tag::IMAGE_LENGTH, "ImageLength")?,
+        ];
+        let bits = number(tag::BITS_PER_SAMPLE, 1)?;
+        let format = number(tag::SAMPLE_FORMAT, 1)?;
+        let photometric = number(tag::PHOTOMETRIC_INTERPRETATION, BLACK_IS_ZERO)?;
+        let components = number(tag::SAMPLES_PER_PIXEL, 1)?;
+        let components = usize::from(
+            u16::try_from(components)
+                .ok()
+                .filter(|&count| count > 0)
+                .ok_or_else(|| context.field("SamplesPerPixel", components, None, "1 to 65535"))?,
+        );
         let sample_type = sample_type(format, bits)
             .ok_or_else(|| context.unsupported(format!("samples of {bits} bits in format {format}")))?;
         Ok(Self {
-            size: [columns as usize, rows as usize],
+            size,
             components,
             sample_type,
             bits,
             half: (format, bits) == (3, 16),
             palette: photometric == PALETTE,
             white_is_zero: photometric == WHITE_IS_ZERO,
-            planar: number(Tag::PlanarConfiguration, 1)? == 2 && components > 1,
-            low_bits_first: number(Tag::FillOrder, 1)? == 2,
-            predictor: number(Tag::Predictor, 1)?,
-            compression: number(Tag::Compression, 1)?,
-            endian: match pages.decoder.byte_order() {
-                ByteOrder::LittleEndian => Endian::Little,
-                ByteOrder::BigEndian => Endian::Big,
-            },
+            photometric,
+            planar: number(tag::PLANAR_CONFIGURATION, 1)? == 2 && components > 1,
+            low_bits_first: number(tag::FILL_ORDER, 1)? == 2,
+            predictor: number(tag::PREDICTOR, 1)?,
+            compression: number(tag::COMPRESSION, 1)?,
+            endian: directory.endian,
         })
     }
 

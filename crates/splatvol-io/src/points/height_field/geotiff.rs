@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
+use crate::tiff_pages::tag;
 use glam::DVec2;
 use splatvol_scene::with_samples;
-use tiff::tags::Tag;
 
 use super::{HeightField, RowOrder};
 use crate::error::Context;
@@ -26,8 +26,8 @@ pub(super) fn is_geotiff(path: &Path) -> bool {
     let Ok(mut pages) = Pages::open(path, context) else {
         return false;
     };
-    let placed = !pages.numbers(Tag::ModelPixelScaleTag).is_empty()
-        || !pages.numbers(Tag::ModelTransformationTag).is_empty();
+    let placed = !pages.numbers(tag::MODEL_PIXEL_SCALE, context).is_empty()
+        || !pages.numbers(tag::MODEL_TRANSFORMATION, context).is_empty();
     placed
         && pages
             .head(0, context)
@@ -42,11 +42,11 @@ pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
         let bands = head.components;
         return Err(context.unsupported(format!("{bands} bands or a palette; heights are one band")));
     }
-    let scale = pages.numbers(Tag::ModelPixelScaleTag);
-    let tie = pages.numbers(Tag::ModelTiepointTag);
-    let transformation = pages.numbers(Tag::ModelTransformationTag);
-    let keys = pages.numbers(Tag::GeoKeyDirectoryTag);
-    let missing = pages.text(Tag::GdalNodata).unwrap_or_default();
+    let scale = pages.numbers(tag::MODEL_PIXEL_SCALE, context);
+    let tie = pages.numbers(tag::MODEL_TIEPOINT, context);
+    let transformation = pages.numbers(tag::MODEL_TRANSFORMATION, context);
+    let keys = pages.numbers(tag::GEO_KEY_DIRECTORY, context);
+    let missing = pages.text(tag::GDAL_NODATA, context).unwrap_or_default();
     let missing: Option<f64> = missing.trim().trim_end_matches('\0').parse().ok();
     if scale.is_empty() && !transformation.is_empty() {
         return Err(context

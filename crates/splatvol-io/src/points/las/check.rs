@@ -3,6 +3,7 @@
 //! The decoder crate allocates the lengths claimed by variable length records, chunk tables and layers of chunks. Here
 //! each of these lengths is checked against the length of the file first.
 
+use super::laszip::Laszip;
 use crate::IoError;
 use crate::error::Context;
 
@@ -20,6 +21,8 @@ pub(super) struct Claims {
     pub(super) format: u8,
     pub(super) compressed: bool,
     pub(super) count: u64,
+    /// Where compressed points end.
+    pub(super) end: u64,
     record: u16,
     header: u16,
     offset: u32,
@@ -27,19 +30,19 @@ pub(super) struct Claims {
 }
 
 /// Numbers at fixed places.
-struct Bytes<'a>(&'a [u8]);
+pub(super) struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
-    fn array<const N: usize>(&self, at: u64) -> Option<[u8; N]> {
+    pub(super) fn array<const N: usize>(&self, at: u64) -> Option<[u8; N]> {
         let at = usize::try_from(at).ok()?;
         self.0.get(at..at.checked_add(N)?)?.try_into().ok()
     }
 
-    fn u16(&self, at: u64) -> Option<u16> {
+    pub(super) fn u16(&self, at: u64) -> Option<u16> {
         self.array(at).map(u16::from_le_bytes)
     }
 
-    fn u32(&self, at: u64) -> Option<u32> {
+    pub(super) fn u32(&self, at: u64) -> Option<u32> {
         self.array(at).map(u32::from_le_bytes)
     }
 
@@ -60,11 +63,12 @@ impl Claims {
             let start = String::from_utf8_lossy(&file[..file.len().min(4)]);
             return Err(context.field("file signature", start, 0, "LASF"));
         }
-        let claims = Self::parse(&bytes).ok_or_else(|| context.truncated("header", 227, bytes.length()))?;
+        let mut claims =
+            Self::parse(&bytes).ok_or_else(|| context.truncated("header", 227, bytes.length()))?;
         claims.check_header(&bytes, context)?;
         claims.check_records(&bytes, context)?;
         if claims.compressed {
-            claims.check_chunks(&bytes, context)?;
+            claims.end = claims.check_chunks(&bytes, context)?;
         }
         Ok(claims)
     }
@@ -85,6 +89,7 @@ impl Claims {
             compressed: format & 0xc0 != 0,
             // By the specification, the old field counts unless it is zero.
             count: if legacy == 0 { large } else { legacy },
+            end: u64::MAX,
             record: bytes.u16(105)?,
             header: bytes.u16(94)?,
             offset: bytes.u32(96)?,
@@ -176,8 +181,24 @@ impl Claims {
         Ok(())
     }
 
-    /// The table of chunks, and the sizes of layers inside chunks.
-    fn check_chunks(&self, bytes: &Bytes<'_>, context: &Context<'_>) -> Result<(), IoError> {
+    /// The record of the compression, which stands among those that were checked.
+    fn laszip(&self, bytes: &Bytes<'_>) -> Option<Laszip> {
+        let mut at = u64::from(self.header);
+        (0..self.vlrs).find_map(|_| {
+            let header = at;
+            at += 54 + u64::from(bytes.u16(at + 20)?);
+            Laszip::read(bytes, header, header + 54)
+        })
+    }
+
+    /// The table of chunks, and the sizes of layers inside chunks. Returns where the points end.
+    fn check_chunks(&self, bytes: &Bytes<'_>, context: &Context<'_>) -> Result<u64, IoError> {
+        let laszip = self.laszip(bytes);
+        let laszip = laszip.ok_or_else(|| {
+            let expected = "the record of LAZ, which is missing or cut off";
+            context.field("variable length record 22204", "", None, expected)
+        })?;
+        laszip.check(self.record, context)?;
         let start = u64::from(self.offset);
         let wrong = |value: u64, expected: &str| Err(context.field("chunk table", value, start, expected));
         let Some(table) = bytes.u64(start) else {
@@ -197,34 +218,17 @@ impl Claims {
         if chunks.saturating_mul(u64::from(self.record)) > table - start {
             return wrong(chunks, "a number of chunks that the file can hold");
         }
-        if self.format < 6 {
-            return Ok(());
+        if laszip.chunks(self.count).is_some_and(|needed| needed > chunks) {
+            return wrong(chunks, "enough chunks for all points");
         }
         let mut at = start + 8;
-        for _ in 0..chunks {
-            let Some(end) = self.end_of_layers(bytes, at).filter(|end| *end <= table) else {
+        for _ in 0..if laszip.layered() { chunks } else { 0 } {
+            let end = laszip.end_of_layers(bytes, at, self.record);
+            let Some(end) = end.filter(|end| *end <= table) else {
                 return wrong(at, "layers that end before the chunk table");
             };
             at = end;
         }
-        Ok(())
-    }
-
-    /// End of a chunk of layers (LAZ specification, compressor 3): a point, the number of points, the size of each
-    /// layer.
-    fn end_of_layers(&self, bytes: &Bytes<'_>, at: u64) -> Option<u64> {
-        let fixed = RECORD.get(usize::from(self.format))?;
-        let others = match self.format {
-            7 => 1,
-            8 => 2,
-            9 => 1,
-            10 => 3,
-            _ => 0,
-        };
-        let layers = 9 + others + u64::from(self.record - fixed);
-        let sizes = at + u64::from(self.record) + 4;
-        (0..layers).try_fold(sizes + 4 * layers, |end, layer| {
-            end.checked_add(u64::from(bytes.u32(sizes + 4 * layer)?))
-        })
+        Ok(table)
     }
 }

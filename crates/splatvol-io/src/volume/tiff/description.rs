@@ -60,7 +60,7 @@ impl Layout {
     pub(super) fn new(
         text: Option<&str>,
         count: usize,
-        pages: &mut Pages,
+        pages: &Pages,
         options: &ReadOptions,
         context: &Context<'_>,
     ) -> Result<Self, IoError> {
@@ -97,7 +97,7 @@ impl Layout {
         self.pages[slice + self.slices * (channel + self.channels.len() * time)]
     }
 
-    fn imagej(text: &str, count: usize, pages: &mut Pages, context: &Context<'_>) -> Result<Self, IoError> {
+    fn imagej(text: &str, count: usize, pages: &Pages, context: &Context<'_>) -> Result<Self, IoError> {
         let value = |key: &str| {
             let pairs = text.lines().filter_map(|line| line.trim().split_once('='));
             pairs.rev().find(|(name, _)| *name == key).map(|(_, value)| value)
@@ -149,12 +149,12 @@ impl Layout {
             .flat_map(|page| (0..slices).map(page))
             .map(Place::own)
             .collect();
-        layout.calibrate(value("unit"), value("spacing"), pages);
+        layout.calibrate(value("unit"), value("spacing"), pages, context);
         Ok(layout)
     }
 
     /// Spacing by ImageJ's unit. ImageJ writes "inch" or "pixel" if nobody has calibrated anything.
-    fn calibrate(&mut self, unit: Option<&str>, spacing: Option<&str>, pages: &mut Pages) {
+    fn calibrate(&mut self, unit: Option<&str>, spacing: Option<&str>, pages: &Pages, context: &Context<'_>) {
         let unit = unit.unwrap_or_default().replace("\\u00B5", "µ");
         let between = spacing.and_then(|spacing| spacing.parse::<f64>().ok());
         let between = between
@@ -168,7 +168,7 @@ impl Layout {
         let scale = if unit == "cm" { 10.0 } else { 1.0 };
         match known {
             Some(unit) if unit != LengthUnit::Unknown => {
-                let [x, y] = pages.resolution();
+                let [x, y] = pages.resolution(context);
                 let x = x.unwrap_or(1.0);
                 self.spacing = DVec3::new(x, y.unwrap_or(x), between.unwrap_or(x)) * scale;
                 self.unit = unit;

@@ -11,9 +11,9 @@ mod ome;
 
 use std::path::Path;
 
+use crate::tiff_pages::tag;
 use glam::{DAffine3, DMat3};
 use splatvol_scene::Samples;
-use tiff::tags::Tag;
 
 use super::planes::{Plane, append, component_names};
 use super::{
@@ -33,8 +33,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let mut pages = Pages::open(path, context)?;
     let count = pages.count(context)?;
     let first = pages.head(0, context)?;
-    let text = pages.text(Tag::ImageDescription);
-    let layout = Layout::new(text.as_deref(), count, &mut pages, options, context)?;
+    let text = pages.text(tag::IMAGE_DESCRIPTION, context);
+    let layout = Layout::new(text.as_deref(), count, &pages, options, context)?;
     let mut description = Description {
         format: layout.format.to_owned(),
         stored_type: first.stored_type(),

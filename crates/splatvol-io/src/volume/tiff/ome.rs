@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::tiff_pages::tag;
 use glam::DVec3;
 use roxmltree::Node;
 use splatvol_scene::LengthUnit;
-use tiff::tags::Tag;
 
 use super::description::{Layout, OWN_FILE, Place};
 use crate::IoError;
@@ -54,7 +54,7 @@ fn description_of(path: &Path, context: &Context<'_>) -> Result<String, IoError>
     let bytes = read_file(path, context)?;
     let text = match String::from_utf8(bytes) {
         Ok(text) if text.trim_start().starts_with(['<', '\u{feff}']) => Some(text),
-        _ => Pages::open(path, context)?.text(Tag::ImageDescription),
+        _ => Pages::open(path, context)?.text(tag::IMAGE_DESCRIPTION, context),
     };
     text.ok_or_else(|| {
         let expected = "a file of OME-XML, or a TIFF that holds it";
