@@ -153,6 +153,18 @@ fn scenes_of_version_1_are_read_and_later_ones_are_not() {
 }
 
 #[test]
+fn endless_numbers_are_refused_with_their_key() {
+    refused(
+        "version = 2\n[camera]\nfov = nan\n",
+        &["camera.fov = NaN", "finite"],
+    );
+    refused(
+        "[[item]]\nfile = 'a.ply'\ntranslate = [1.0, -inf, 0.0]\n",
+        &["translate = -inf", "finite"],
+    );
+}
+
+#[test]
 fn misspelt_keys_and_names_are_guessed() {
     refused(
         "[[item]]\nfile = 'a.ply'\nradios = 3\n",
