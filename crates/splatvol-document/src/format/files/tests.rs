@@ -159,7 +159,7 @@ fn endless_numbers_are_refused_with_their_key() {
         &["camera.fov = NaN", "finite"],
     );
     refused(
-        "[[item]]\nfile = 'a.ply'\ntranslate = [1.0, -inf, 0.0]\n",
+        "version = 2\n[[item]]\nfile = 'a.ply'\ntranslate = [1.0, -inf, 0.0]\n",
         &["translate = -inf", "finite"],
     );
 }
