@@ -193,6 +193,31 @@ fn what_follows_the_scalars_does_not_disturb() {
 }
 
 #[test]
+fn colours_are_bytes_in_both_codings() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid = "DATASET STRUCTURED_POINTS\nDIMENSIONS 5 2 1\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 10\n";
+    let (colors, next) = (
+        "COLOR_SCALARS rgb 1\n",
+        "\nSCALARS other short\nLOOKUP_TABLE default\n",
+    );
+    // As VTK reads them, but for those outside, which are the nearest here.
+    let text = "0 1 0.5 0.2 0.999 0.0025 0.00235 0.996 -1 7";
+    let bytes = [0, 255, 128, 51, 255, 1, 1, 254, 0, 255];
+    for binary in [false, true] {
+        let values = if binary { bytes.to_vec() } else { text.into() };
+        let head = build(binary, &[Part::Text(grid), Part::Text(colors)]);
+        let tail = build(binary, &[Part::Shorts((0..10).collect())]);
+        let tail = &tail[build(binary, &[]).len()..];
+        let file = [&head, &values[..], next.as_bytes(), tail].concat();
+        std::fs::write(folder.path().join("a.vtk"), file).unwrap();
+        let read = |array: &str| with_array(&folder.path().join("a.vtk"), array).unwrap();
+        assert_eq!(read("rgb").volume.samples(), &Samples::U8(bytes.to_vec().into()));
+        // What follows is found.
+        assert_eq!(read("other").volume.samples(), &Samples::I16((0..10).collect()));
+    }
+}
+
+#[test]
 fn every_type_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let read = |binary: bool, name: &str, data: &[u8]| {

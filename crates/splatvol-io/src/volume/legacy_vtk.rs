@@ -171,6 +171,11 @@ fn structured_points(cursor: &mut Cursor<'_>) -> Result<(), IoError> {
     Err(cursor.error("DATASET", &kind, "STRUCTURED_POINTS"))
 }
 
+/// The byte that VTK makes of a part of 255; what lies outside is the nearest one.
+fn byte(share: &f32) -> u8 {
+    (share * 255.0 + 0.5) as u8
+}
+
 /// The numbers of an array, and a warning about them.
 pub(crate) fn decode(
     array: &Array,
@@ -181,9 +186,16 @@ pub(crate) fn decode(
 ) -> Result<(Samples, Option<String>), IoError> {
     let data = &bytes[array.start.min(bytes.len())..];
     match (coding, array.element) {
-        (Coding::Ascii, _) => {
-            let (samples, warning, used) =
-                decode_text(data, sample_type, count, array.start as u64, context)?;
+        (Coding::Ascii, element) => {
+            let written = match element {
+                ElementType::Share => SampleType::F32,
+                _ => sample_type,
+            };
+            let (samples, warning, used) = decode_text(data, written, count, array.start as u64, context)?;
+            let samples = match (element, samples) {
+                (ElementType::Share, Samples::F32(shares)) => Samples::U8(shares.iter().map(byte).collect()),
+                (_, samples) => samples,
+            };
             let cut = "the file ends right after the last number, which may be cut short";
             let cut = (used == data.len()).then(|| cut.to_owned());
             Ok((samples, warning.or(cut)))

@@ -15,12 +15,17 @@ pub(crate) enum Coding {
     Binary,
 }
 
+/// Type of bytes that text has as parts of 255. No word of a file is like it.
+const SHARES: &str = "unsigned_char, written from 0 to 1";
+
 /// Type of an array's elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ElementType {
     Number(SampleType),
     /// Eight to the byte in binary files, the first in the highest bit; digits 0 and 1 in text.
     Bit,
+    /// Bytes that text has as parts of 255, from 0 to 1.
+    Share,
     /// Strings and variants.
     Other,
 }
@@ -30,6 +35,7 @@ impl ElementType {
         use SampleType as T;
         Self::Number(match name.to_ascii_lowercase().as_str() {
             "bit" => return Self::Bit,
+            SHARES => return Self::Share,
             "char" | "signed_char" => T::I8,
             "unsigned_char" => T::U8,
             "short" => T::I16,
@@ -49,7 +55,7 @@ impl ElementType {
     pub(crate) fn sample_type(self) -> Option<SampleType> {
         match self {
             Self::Number(sample_type) => Some(sample_type),
-            Self::Bit => Some(SampleType::U8),
+            Self::Bit | Self::Share => Some(SampleType::U8),
             Self::Other => None,
         }
     }
@@ -148,7 +154,7 @@ impl Scan<'_, '_> {
                 .map_err(|_| start.error(keyword, &line, "a number of components or values"))
         };
         let colors = match self.coding {
-            Coding::Ascii => "float",
+            Coding::Ascii => SHARES,
             Coding::Binary => "unsigned_char",
         };
         let (type_name, components) = match keyword {
@@ -287,6 +293,7 @@ fn skip(cursor: &mut Cursor<'_>, coding: Coding, element: ElementType, count: u6
             .unsupported("an array of strings before the chosen one")),
         (Coding::Ascii, _) => cursor.skip_words(count),
         (Coding::Binary, ElementType::Bit) => cursor.skip_bytes(count.div_ceil(8)),
+        (Coding::Binary, ElementType::Share) => cursor.skip_bytes(count),
         (Coding::Binary, ElementType::Number(sample_type)) => {
             cursor.skip_bytes(count.saturating_mul(sample_type.size() as u64))
         }
