@@ -4,7 +4,7 @@
 //! innermost 99 % than a share of its size are left out of the outline (not out of the picture).
 
 use glam::{DAffine3, DVec3};
-use splatvol_scene::{Content, Gaussians, Item};
+use splatvol_scene::{Content, Gaussians, Item, Points};
 
 use crate::keys::names::Fit;
 use crate::mesh_outline::visible_cells;
@@ -32,8 +32,26 @@ const FEW: usize = 100;
 /// ...and the share of the square of their cloud's size below which they look like specks.
 const SPECKS: f64 = 1e-3;
 
-/// World positions that bound an item.
+/// World positions that bound an item. Points at one place are bounded by their largest disc.
 pub fn outline(item: &Item, fit: Fit) -> Vec<DVec3> {
+    let places = places(item, fit);
+    match (&item.content, places.first().copied()) {
+        (Content::Points { points, look }, Some(place)) if places.iter().all(|&other| other == place) => {
+            let frame = item.world_from_item * *points.world_from_local();
+            around(place, look.radius.unwrap_or(disc(points, &frame))).collect()
+        }
+        _ => places,
+    }
+}
+
+/// The radius with which points at one place are drawn, world: their own, or 1.
+fn disc(points: &Points, world_from_local: &DAffine3) -> f64 {
+    let radii = points.attributes().radii.iter().copied();
+    let own = radii.reduce(f32::max).map_or(1.0, f64::from);
+    own * libm::cbrt(world_from_local.matrix3.determinant().abs())
+}
+
+fn places(item: &Item, fit: Fit) -> Vec<DVec3> {
     let world = |frame: &DAffine3, places: &[[f32; 3]]| -> Vec<DVec3> {
         let frame = item.world_from_item * *frame;
         sampled(places)
@@ -194,7 +212,7 @@ fn reach(places: &[DVec3]) -> [DVec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatvol_scene::{GaussianAttributes, PointAttributes, PointLook, Points};
+    use splatvol_scene::{GaussianAttributes, PointAttributes, PointLook};
     use std::sync::Arc;
 
     fn item(positions: Vec<[f32; 3]>) -> Item {
@@ -223,8 +241,35 @@ mod tests {
         assert_eq!(last(&strayed, Fit::Volume), 5000.0);
         strayed.world_from_item = DAffine3::from_translation(DVec3::X);
         assert_eq!(last(&strayed, Fit::Visible), shown + 1.0);
-        let one = outline(&item(vec![[1.0; 3]]), Fit::Visible);
-        assert!(one.iter().all(|&place| place == DVec3::ONE), "{one:?}");
+    }
+
+    #[test]
+    fn points_at_one_place_are_bounded_by_their_disc() {
+        let reach = |item: &Item, fit| {
+            let places = outline(item, fit)
+                .into_iter()
+                .map(|place| (place - DVec3::ONE).length());
+            places.fold(0.0, f64::max)
+        };
+        for fit in [Fit::Visible, Fit::Volume] {
+            assert_eq!(reach(&item(vec![[1.0; 3]]), fit), 1.0);
+            let mut several = item(vec![[1.0; 3]; 3]);
+            assert_eq!(reach(&several, fit), 1.0);
+            if let Content::Points { look, .. } = &mut several.content {
+                look.radius = Some(0.25);
+            }
+            assert_eq!(reach(&several, fit), 0.25);
+        }
+        let attributes = PointAttributes {
+            radii: vec![0.5, 2.0],
+            ..PointAttributes::default()
+        };
+        let mut own = item(vec![[1.0; 3]; 2]);
+        if let Content::Points { points, .. } = &mut own.content {
+            let frame = DAffine3::from_translation(DVec3::ZERO);
+            *points = Arc::new(Points::new(vec![[1.0; 3]; 2], attributes, frame).unwrap());
+        }
+        assert_eq!(reach(&own, Fit::Visible), 2.0);
     }
 
     #[test]
