@@ -1,6 +1,7 @@
 """Coloured and tabulated DICOM files written by pydicom, whose channels and real values are as pydicom has them."""
 
 import imagecodecs
+import jpeg_ls
 import numpy as np
 import pydicom
 from pydicom.encaps import encapsulate
@@ -12,6 +13,7 @@ from pydicom.uid import (
     JPEG2000Lossless,
     JPEGExtended12Bit,
     JPEGLSLossless,
+    JPEGLSNearLossless,
     RLELossless,
 )
 
@@ -45,6 +47,10 @@ class Colors:
     def cases(self):
         for name in SYNTAXES:
             yield f"DICOM colours, {name}", lambda n=name: self.rgb(n)
+        for interleave, name in enumerate(["planes", "lines", "samples"]):
+            for near in [0, 3]:
+                label = f"DICOM colours, JPEG-LS by {name}, near {near}"
+                yield label, lambda i=interleave, n=near: self.jpeg_ls(i, n)
         for space in ["RGB", "YBR_FULL"]:
             for planes in [0, 1]:
                 name = f"DICOM colours, {space}, {'planes' if planes else 'pixels'}"
@@ -62,6 +68,24 @@ class Colors:
             dataset.compress(SYNTAXES[name], generate_instance_uid=False)
         dataset.file_meta.TransferSyntaxUID = SYNTAXES[name]
         self.agree(dataset, name, noise(1))
+
+    def jpeg_ls(self, interleave, near):
+        """Components one after the other, line by line, and sample by sample; runs where the left third is even."""
+        values = noise(3)
+        values[:, :, : COLUMNS // 3] = 77
+        # Planes are planes in memory, too; lines and samples are pixels there.
+        place = 1 if interleave == 0 else 3
+        ordered = np.ascontiguousarray(np.moveaxis(values, -1, place))
+        coded = [jpeg_ls.encode_array(frame, near, interleave) for frame in ordered]
+        dataset = colored(values)
+        dataset.PixelData = encapsulate([bytes(frame) for frame in coded])
+        dataset["PixelData"].VR = "OB"
+        dataset["PixelData"].is_undefined_length = True
+        dataset.file_meta.TransferSyntaxUID = JPEGLSNearLossless if near else JPEGLSLossless
+        decoded = [np.frombuffer(jpeg_ls.decode_pixel_data(bytes(frame))[0], "u1") for frame in coded]
+        expected = np.moveaxis(np.stack(decoded).reshape(ordered.shape), place, -1)
+        assert np.abs(expected.astype(int) - values).max() <= near, "CharLS reads other samples"
+        self.agree(dataset, f"jpeg-ls {interleave} {near}", expected)
 
     def native(self, space, planes):
         values = noise(2)

@@ -5,6 +5,7 @@ mod colors;
 #[path = "../common/mod.rs"]
 mod common;
 mod file;
+mod run_length;
 
 use std::io::Write;
 use std::path::Path;
@@ -292,6 +293,23 @@ fn frames_of_an_enhanced_image_lie_where_their_groups_say() {
     // Frames without places of their own lie in one place: three time points.
     file.set(0x5200_9230, b"SQ", items(&[frame("0"), frame("0"), frame("0")]));
     assert_eq!(one(&file).unwrap().description.times, 3);
+}
+
+#[test]
+fn elements_without_the_representations_they_promise_are_read_with_a_warning() {
+    let silent = DicomFile::slice(IMPLICIT, [0.0; 3], 1, &SAMPLES).dataset();
+    let promised = DicomFile::slice(EXPLICIT, [0.0; 3], 1, &SAMPLES);
+    let folder = tempfile::tempdir().unwrap();
+    let loaded = common::read_bytes(folder.path(), "silent.dcm", &promised.with_body(&silent)).unwrap();
+    assert_eq!(loaded.volume.samples(), one(&promised).unwrap().volume.samples());
+    let warned = |loaded: &Loaded| {
+        loaded
+            .description
+            .warnings
+            .iter()
+            .any(|w| w.contains("transfer syntax"))
+    };
+    assert!(warned(&loaded) && !warned(&one(&promised).unwrap()));
 }
 
 #[test]

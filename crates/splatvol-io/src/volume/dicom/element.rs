@@ -327,7 +327,8 @@ pub(super) fn start(bytes: &[u8], context: &Context<'_>) -> Result<(usize, Synta
     let meta = reader.meta()?;
     let position = reader.position();
     if let Some(uid) = meta.bytes(0x0002_0010) {
-        return Ok((position, Syntax::from_uid(&text(uid))));
+        let syntax = Syntax::from_uid(&text(uid));
+        return Ok((position, syntax.of_elements(&bytes[position..])));
     }
     // Files from before PS3.10 do not say; an explicit representation is one of a few pairs of letters.
     let explicit = bytes

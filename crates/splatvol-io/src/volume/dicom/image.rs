@@ -8,7 +8,7 @@ use splatvol_scene::Rescale;
 
 use super::colors::{Colors, Table};
 use super::element::{Dataset, Element, PIXEL_DATA, Tag, Value, name, text, unsigned};
-use super::syntax::Syntax;
+use super::syntax::{Pixels, Syntax};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
@@ -100,6 +100,10 @@ pub(super) struct FrameHead {
 pub(super) struct ImageHead {
     pub(super) path: PathBuf,
     pub(super) syntax: String,
+    /// Whether the elements are coded otherwise than the file says.
+    contradicted: bool,
+    /// Whether wavelets may lack bits.
+    lossy_wavelets: bool,
     pub(super) form: Form,
     pub(super) series: Series,
     pub(super) frames: Vec<FrameHead>,
@@ -112,6 +116,28 @@ pub(super) struct Elements<'d, 'a, 'c> {
     pub(super) dataset: &'d Dataset<'a>,
     pub(super) endian: Endian,
     pub(super) context: &'c Context<'c>,
+}
+
+impl ImageHead {
+    /// Oddities of the file that did not prevent reading it.
+    pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
+        let warnings = [
+            (
+                self.contradicted,
+                "elements lack the representations that the transfer syntax promises",
+            ),
+            (
+                self.form.inverted,
+                "MONOCHROME1: samples are turned round, so that high is bright",
+            ),
+            (
+                self.lossy_wavelets,
+                "JPEG 2000 with losses: bits that were cut off are taken as 0, where other programs take half",
+            ),
+        ];
+        let held = warnings.into_iter().filter(|(held, _)| *held);
+        held.map(|(_, warning)| warning.to_owned())
+    }
 }
 
 impl<'a> Elements<'_, 'a, '_> {
@@ -177,6 +203,8 @@ impl<'a> Elements<'_, 'a, '_> {
         Ok(Some(ImageHead {
             path: path.to_owned(),
             syntax: syntax.name.clone(),
+            contradicted: syntax.contradicted,
+            lossy_wavelets: syntax.pixels == Pixels::Jpeg2000 && !syntax.is_lossless(),
             form,
             series: Series {
                 uid: self.text(0x0020_000e),

@@ -11,8 +11,13 @@
 mod colors;
 mod element;
 mod image;
+mod jpeg_12;
+mod jpeg_12_bits;
 mod jpeg_ls;
+mod jpeg_ls_bits;
 mod jpeg_ls_context;
+mod jpeg_ls_header;
+mod jpeg_ls_scan;
 mod pixels;
 mod stack;
 mod syntax;
@@ -104,9 +109,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     };
     warnings.extend(stack.warnings);
     let (channels, channel) = channels(form, options, &mut warnings, context)?;
-    if form.inverted {
-        warnings.push("MONOCHROME1: samples are turned round, so that high is bright".to_owned());
-    }
+    warnings.extend(first.warnings());
     draft.description = Description {
         format: "DICOM".to_owned(),
         stored_type: format!(

@@ -11,7 +11,7 @@ use super::colors::{self, Colors};
 use super::element::{Reader, Value, unsigned};
 use super::image::{Elements, Form};
 use super::syntax::{Pixels, Syntax};
-use super::{contents, jpeg_ls};
+use super::{contents, jpeg_12, jpeg_ls};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
@@ -218,11 +218,8 @@ impl<'a> SliceReader<'a> {
         let bytes = match syntax.pixels {
             Pixels::Rle => rle(coded, form, context)?,
             Pixels::Jpeg => jpeg(coded, form, context)?,
-            Pixels::JpegLs if form.components > 1 => {
-                return Err(context.unsupported("coloured pixels coded as JPEG-LS"));
-            }
             Pixels::JpegLs => {
-                let samples = jpeg_ls::decode(coded, [form.columns, form.rows], context)?;
+                let samples = jpeg_ls::decode(coded, [form.columns, form.rows, form.components], context)?;
                 widen(samples, form, context)?
             }
             Pixels::Jpeg2000 => jpeg_2000(coded, form, context)?,
@@ -407,9 +404,13 @@ fn check_size(found: [usize; 2], form: &Form, context: &Context<'_>) -> Result<(
     }
 }
 
-/// Baseline, progressive and lossless JPEG. Coloured pixels become red, green and blue where the file says that they are, and
+/// Baseline, extended, progressive and lossless JPEG. Coloured pixels become red, green and blue where the file says that they are, and
 /// stay as they are otherwise.
 fn jpeg(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
+    if jpeg_12::is_12_bit(coded) && form.components == 1 {
+        let samples = jpeg_12::decode(coded, [form.columns, form.rows], context)?;
+        return widen(samples, form, context);
+    }
     let mut decoder = Decoder::new(coded);
     decoder.set_max_decoding_buffer_size(form.samples() * 2 * form.components);
     if form.components == 3 {

@@ -12,6 +12,8 @@ pub(super) struct Syntax {
     big: bool,
     /// True if everything behind the file meta information is deflated.
     pub(super) deflated: bool,
+    /// True if elements lack the representations that the file promises.
+    pub(super) contradicted: bool,
 }
 
 /// Coding of the pixels.
@@ -35,7 +37,18 @@ impl Syntax {
             explicit,
             big: false,
             deflated: false,
+            contradicted: false,
         }
+    }
+
+    /// The same for a data set that begins with `start`: some writers leave out the representations that they promise.
+    pub(super) fn of_elements(mut self, start: &[u8]) -> Self {
+        let letters = |pair: &[u8]| pair.iter().all(u8::is_ascii_uppercase);
+        let silent = start.get(4..6).is_some_and(|pair| !letters(pair));
+        if silent && self.explicit && !self.big && !self.deflated {
+            (self.explicit, self.contradicted) = (false, true);
+        }
+        self
     }
 
     pub(super) fn from_uid(uid: &str) -> Self {
@@ -84,6 +97,11 @@ impl Syntax {
                 coded(&format!("{name}, transfer syntax {uid}"), Pixels::Unknown)
             }
         }
+    }
+
+    /// Whether the coding promises to lose nothing.
+    pub(super) fn is_lossless(&self) -> bool {
+        self.name.ends_with("lossless")
     }
 
     pub(super) fn coding(&self) -> Coding {
