@@ -56,7 +56,10 @@ fn files() -> Vec<(&'static str, Vec<u8>)> {
             files.push((name, std::fs::read(points.join(name)).unwrap()));
         }
     } else {
-        println!("skipped: LAS, ../shared absent");
+        println!(
+            "skipped: {}: no ../shared/data",
+            std::thread::current().name().unwrap_or("a test")
+        );
     }
     files
 }

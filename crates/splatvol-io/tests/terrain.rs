@@ -15,7 +15,10 @@ fn shared() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("skipped: ../shared absent");
+    println!(
+        "skipped: {}: no ../shared/data",
+        std::thread::current().name().unwrap_or("a test")
+    );
     None
 }
 

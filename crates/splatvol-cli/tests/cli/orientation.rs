@@ -10,7 +10,10 @@ const ORDERS: [&str; 8] = ["RAS", "LPI", "PSR", "ASL", "IAR", "SPL", "ILP", "ARS
 fn shared_volumes() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volumes");
     if !folder.is_dir() {
-        println!("skipped: ../shared absent");
+        println!(
+            "skipped: {}: no ../shared/data",
+            std::thread::current().name().unwrap_or("a test")
+        );
         return None;
     }
     Some(folder)

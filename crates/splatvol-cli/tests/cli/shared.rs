@@ -20,7 +20,10 @@ const COMPANIONS: [&str; 7] = [
 fn shared() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     if !folder.is_dir() {
-        println!("skipped: ../shared absent");
+        println!(
+            "skipped: {}: no ../shared/data",
+            std::thread::current().name().unwrap_or("a test")
+        );
         return None;
     }
     Some(folder)

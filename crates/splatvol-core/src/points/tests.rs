@@ -199,7 +199,10 @@ fn threads_do_not_matter() {
 fn bunny() -> Option<(Vec<[f32; 3]>, Vec<DVec3>)> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/points/bunny.ply");
     let Ok(text) = std::fs::read_to_string(path) else {
-        println!("skipped: ../shared absent");
+        println!(
+            "skipped: {}: no ../shared/data",
+            std::thread::current().name().unwrap_or("a test")
+        );
         return None;
     };
     let mut lines = text.lines().skip_while(|line| *line != "end_header").skip(1);

@@ -21,7 +21,10 @@ pub fn shared_volumes() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("skipped: ../shared absent");
+    println!(
+        "skipped: {}: no ../shared/data",
+        std::thread::current().name().unwrap_or("a test")
+    );
     None
 }
 

@@ -13,7 +13,10 @@ fn folder() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("skipped: ../shared absent");
+    println!(
+        "skipped: {}: no ../shared/data",
+        std::thread::current().name().unwrap_or("a test")
+    );
     None
 }
 

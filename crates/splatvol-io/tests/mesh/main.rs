@@ -22,7 +22,10 @@ fn real_files() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("skipped: no shared data");
+    println!(
+        "skipped: {}: no ../shared/data",
+        std::thread::current().name().unwrap_or("a test")
+    );
     None
 }
 

@@ -281,7 +281,10 @@ fn a_given_map_replaces_the_colors_only_and_the_choice_repeats() {
 fn classic_scans_show_their_known_structures() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volumes");
     if !folder.is_dir() {
-        println!("skipped: ../shared absent");
+        println!(
+            "skipped: {}: no ../shared/data",
+            std::thread::current().name().unwrap_or("a test")
+        );
         return;
     }
     let load = |name: &str, dims| {
