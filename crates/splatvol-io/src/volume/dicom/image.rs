@@ -8,7 +8,7 @@ use splatvol_scene::Rescale;
 
 use super::colors::{Colors, Table};
 use super::element::{Dataset, Element, PIXEL_DATA, Tag, Value, name, text, unsigned};
-use super::syntax::{Pixels, Syntax};
+use super::syntax::Syntax;
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
@@ -102,8 +102,6 @@ pub(super) struct ImageHead {
     pub(super) syntax: String,
     /// Whether the elements are coded otherwise than the file says.
     contradicted: bool,
-    /// Whether wavelets may lack bits.
-    lossy_wavelets: bool,
     pub(super) form: Form,
     pub(super) series: Series,
     pub(super) frames: Vec<FrameHead>,
@@ -129,10 +127,6 @@ impl ImageHead {
             (
                 self.form.inverted,
                 "MONOCHROME1: samples are turned round, so that high is bright",
-            ),
-            (
-                self.lossy_wavelets,
-                "JPEG 2000 with losses: bits that were cut off are taken as 0, where other programs take half",
             ),
         ];
         let held = warnings.into_iter().filter(|(held, _)| *held);
@@ -204,7 +198,6 @@ impl<'a> Elements<'_, 'a, '_> {
             path: path.to_owned(),
             syntax: syntax.name.clone(),
             contradicted: syntax.contradicted,
-            lossy_wavelets: syntax.pixels == Pixels::Jpeg2000 && !syntax.is_lossless(),
             form,
             series: Series {
                 uid: self.text(0x0020_000e),

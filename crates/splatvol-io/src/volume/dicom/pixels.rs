@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use dicom_toolkit_jpeg2000::{DecodeSettings, Image};
+use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
 use splatvol_scene::Samples;
 
@@ -459,10 +459,8 @@ fn marked_ybr(coded: &[u8]) -> Option<bool> {
     None
 }
 
-/// JPEG 2000 codestreams.
-///
-/// The decoder treats all samples as unsigned and clips negative ones. A signed component is therefore decoded as an
-/// unsigned one, which adds half its range (ISO 15444-1, G.1.2), and the offset is subtracted again.
+/// JPEG 2000 codestreams. Bits that were cut off are put in the middle of their interval (ISO 15444-1, E.1.1.2: r = 0.5), as
+/// other decoders do.
 fn jpeg_2000(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     /// Place of the first component's precision and sign: SOC (2 bytes), then SIZ up to Ssiz (A.5.1).
     const SSIZ: usize = 42;
@@ -470,30 +468,34 @@ fn jpeg_2000(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>
     let Some(&precision) = coded.get(SSIZ).filter(|_| starts) else {
         return Err(context.unsupported("JPEG 2000 pixels that are no codestream"));
     };
-    let signed = precision & 0x80 != 0;
-    let mut stream = coded.to_vec();
-    stream[SSIZ] &= 0x7f;
-    let image = Image::new(&stream, &DecodeSettings::default()).map_err(|error| corrupt(context, error))?;
+    let image = Image::new(coded, &DecodeSettings::default()).map_err(|error| corrupt(context, error))?;
     check_size([image.width() as usize, image.height() as usize], form, context)?;
     let bits = u32::from(image.original_bit_depth());
     let components = usize::from(image.color_space().num_channels());
     if !(1..=16).contains(&bits) || image.has_alpha() || components != form.components {
         return Err(context.unsupported(format!("JPEG 2000 samples of {bits} bits, or of colours")));
     }
-    let decoded = image.decode_native().map_err(|error| corrupt(context, error))?;
-    let half = if signed { 1u16 << (bits - 1) } else { 0 };
-    let samples = match decoded.bytes_per_sample {
-        1 => decoded
-            .data
-            .iter()
-            .map(|&b| u16::from(b).wrapping_sub(half))
-            .collect(),
-        _ => {
-            let words = decoded.data.chunks_exact(2);
-            words
-                .map(|b| u16::from_le_bytes([b[0], b[1]]).wrapping_sub(half))
-                .collect()
-        }
+    let mut memory = DecoderContext::default();
+    let decoded = image
+        .decode(&mut memory)
+        .map_err(|error| corrupt(context, error))?;
+    // The decoder adds half the range to signed samples, too (G.1.2).
+    let half = if precision & 0x80 != 0 {
+        1u16 << (bits - 1)
+    } else {
+        0
     };
-    widen(samples, form, context)
+    let largest = ((1u32 << bits) - 1) as f32;
+    let sample = |value: f32| (value.round().clamp(0.0, largest) as u16).wrapping_sub(half);
+    let planes = decoded.components();
+    let short = planes
+        .iter()
+        .map(|plane| plane.samples().len())
+        .min()
+        .unwrap_or(0);
+    if planes.len() != components || short < form.samples() {
+        return Err(context.truncated("JPEG 2000 samples", form.samples() as u64, short as u64));
+    }
+    let pixels = (0..form.samples()).flat_map(|pixel| planes.iter().map(move |plane| plane.samples()[pixel]));
+    widen(pixels.map(sample).collect(), form, context)
 }

@@ -99,11 +99,6 @@ impl Syntax {
         }
     }
 
-    /// Whether the coding promises to lose nothing.
-    pub(super) fn is_lossless(&self) -> bool {
-        self.name.ends_with("lossless")
-    }
-
     pub(super) fn coding(&self) -> Coding {
         Coding {
             explicit: self.explicit,
