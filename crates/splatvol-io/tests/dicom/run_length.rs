@@ -10,7 +10,7 @@ const SIZE: [usize; 2] = [19, 7];
 /// Words with runs, and with bytes that never repeat.
 fn words() -> Vec<u16> {
     let word = |i: usize| {
-        if i / 20 % 2 == 0 {
+        if (i / 20).is_multiple_of(2) {
             0x0a0b
         } else {
             (i * 37 % 4096) as u16
