@@ -12,8 +12,11 @@ use crate::allocator;
 use crate::input::Input;
 use crate::target::{Reader, render};
 
-/// What any input may take: most of it is the renderer's tables and the first use of a thread.
-const TIME: Duration = Duration::from_millis(100);
+/// What reading any input may take.
+const READING: Duration = Duration::from_millis(100);
+/// What rendering it may take: most of it is the renderer's tables, the first use of a thread, and the discs of triangles,
+/// of which any mesh may have 262,144.
+const RENDERING: Duration = Duration::from_millis(500);
 /// What each byte of an input may take on top.
 const TIME_PER_BYTE: Duration = Duration::from_micros(2);
 /// Memory that any input may take, bytes.
@@ -113,18 +116,18 @@ impl Trial {
         let (mut accepted, mut rendered) = (false, false);
         let mut text = String::new();
         let mut item = None;
-        let limit = match self.clock {
-            Clock::Judges => TIME + TIME_PER_BYTE * u32::try_from(length).unwrap_or(u32::MAX),
+        let limit = |time| match self.clock {
+            Clock::Judges => time + TIME_PER_BYTE * u32::try_from(length).unwrap_or(u32::MAX),
             Clock::Ignored => Duration::MAX,
         };
-        let mut fault = measured(length, limit, &mut || {
+        let mut fault = measured(length, limit(READING), &mut || {
             let answer = self.reader.read(&path);
             (accepted, text, item) = (answer.accepted, answer.text, answer.item);
             text.clone()
         });
         if let (None, true, Some(item)) = (&fault, renders, item) {
             rendered = true;
-            fault = measured(length, limit, &mut || {
+            fault = measured(length, limit(RENDERING), &mut || {
                 let answer = render(item.clone()).map_err(|error| error.to_string());
                 format!("{text}, rendered: {answer:?}")
             });

@@ -15,7 +15,7 @@ use splatvol_io::image::metadata;
 
 use crate::{Document, DocumentError, VERSION, version1};
 pub use files::{is_scene, read_scene};
-pub use paths::shortened;
+pub use paths::{path_outside, shortened};
 
 /// A document, and the command line that made its picture.
 #[derive(Debug, Clone, PartialEq)]

@@ -52,6 +52,7 @@ pub use item::read_item;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};
+pub use points::triangles::surfels_of_triangles;
 pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
 pub use source::read_text;

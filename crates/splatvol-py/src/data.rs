@@ -173,14 +173,16 @@ impl Data {
         })
     }
 
-    /// Points of surfaces: rows of float32 x y z, uint8 red green blue opacity, float32 normals, float32 radii.
+    /// Points of surfaces: rows of float32 x y z, uint8 red green blue opacity, float32 normals, float32 radii. Triangles,
+    /// rows of three uint32 indices, make the points corners of a surface.
     #[staticmethod]
-    #[pyo3(signature = (positions, colors = None, normals = None, radii = None))]
+    #[pyo3(signature = (positions, colors = None, normals = None, radii = None, triangles = None))]
     fn points(
         positions: &Bound<'_, PyAny>,
         colors: Option<&Bound<'_, PyAny>>,
         normals: Option<&Bound<'_, PyAny>>,
         radii: Option<&Bound<'_, PyAny>>,
+        triangles: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let attributes = PointAttributes {
             colors: colors.map_or_else(|| Ok(Vec::new()), array::rows::<u8, 4>)?,
@@ -188,9 +190,12 @@ impl Data {
             radii: radii.map_or_else(|| Ok(Vec::new()), array::numbers::<f32>)?,
         };
         let points = Points::new(array::rows(positions)?, attributes, DAffine3::IDENTITY);
-        Ok(Self::new(splatvol_io::Data::Points(
-            points.map_err(Raise::raised)?,
-        )))
+        let mut points = points.map_err(Raise::raised)?;
+        if let Some(triangles) = triangles {
+            let corners = array::rows::<u32, 3>(triangles)?;
+            points = splatvol_io::surfels_of_triangles(&points, corners).map_err(Raise::raised)?;
+        }
+        Ok(Self::new(splatvol_io::Data::Points(points)))
     }
 
     /// 3-D Gaussians: rows of float32 means, standard deviations, quaternions x y z w, opacities, and spherical harmonics, of each

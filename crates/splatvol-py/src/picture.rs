@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use splatvol::SceneError;
-use splatvol_document::format::{is_scene, read_scene};
+use splatvol_document::format::{is_scene, path_outside, read_scene};
 use splatvol_document::keys::ItemKeys;
 use splatvol_document::{CameraMotion, Document, Edit, Held, ReadRules, Reading, Record, Resolving};
 
@@ -163,13 +163,15 @@ pub(crate) fn read_document(path: PathBuf) -> PyResult<Option<String>> {
     document.to_json(false).map(Some).map_err(Raise::raised)
 }
 
-/// The document that a picture's file carries, JSON, and the command that made it.
+/// The document that a picture's file carries, JSON, the command that made it, and a file that it names elsewhere.
 #[pyfunction]
-pub(crate) fn read_record(path: PathBuf) -> PyResult<(String, String)> {
+pub(crate) fn read_record(path: PathBuf) -> PyResult<(String, String, Option<String>)> {
     let record = Record::of_picture(&path).map_err(Raise::raised)?;
+    let outside = path_outside(record.document.paths(), Some(&path)).map(str::to_owned);
     Ok((
         record.document.to_json(false).map_err(Raise::raised)?,
         record.command,
+        outside,
     ))
 }
 

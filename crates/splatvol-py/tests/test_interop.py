@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -151,6 +152,28 @@ def test_normals_and_colours_of_polygonal_data() -> None:
         sv.from_vtk(cloud, "tangents")
     with pytest.raises(sv.InvalidValue, match="nothing"):
         sv.from_vtk(cloud, "nothing")
+
+
+def test_triangles_become_the_surface_that_their_file_becomes(tmp_path: Path) -> None:
+    pyvista, meshio = pytest.importorskip("pyvista"), pytest.importorskip("meshio")
+    sphere = pyvista.Sphere(theta_resolution=12, phi_resolution=9)
+    sphere.save(tmp_path / "sphere.vtp")
+    of_file = np.asarray(sv.read(tmp_path / "sphere.vtp").render(size=64))
+    np.testing.assert_array_equal(np.asarray(sv.render(sphere, size=64)), of_file)
+    faces = sphere.regular_faces
+    made = sv.Points(sphere.points, normal=sphere.point_data["Normals"], triangles=faces)
+    np.testing.assert_array_equal(np.asarray(made.render(size=64)), of_file)
+    cube = meshio.Mesh(pyvista.Cube().clean().points, [("quad", pyvista.Cube().clean().regular_faces)])
+    surface = sv.render(cube, size=48)
+    assert np.asarray(surface)[24, 24, 3] == 255, "a face of the cube is opaque between its corners"
+    strip = pyvista.PolyData(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], float), strips=[4, 0, 1, 2, 3])
+    plane = sv.Points(strip.points, triangles=[[0, 1, 2], [2, 1, 3]])
+    np.testing.assert_array_equal(np.asarray(sv.render(strip, size=32)), np.asarray(plane.render(size=32)))
+    for triangles, expected in [([[0, 1]], "shape"), ([[0.0, 1, 2]], "type"), ([[0, 1, 4]], "indices of 4")]:
+        with pytest.raises(sv.InvalidValue, match=expected):
+            sv.Points(strip.points, triangles=triangles)
+    with pytest.raises(sv.InvalidValue, match="radius"):
+        sv.Points(strip.points, triangles=faces[:1] * 0, radius=1)
 
 
 def test_pyvista_reads_what_the_command_reads(command: Command) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import pickle
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +121,30 @@ def test_arrays_of_scenes_are_not_saved_silently(tmp_path: Path) -> None:
         sv.like(picture)
     again = sv.like(picture, np.ones((4, 4, 4), np.float32))
     np.testing.assert_array_equal(np.asarray(again.render()), np.asarray(scene.render()))
+
+
+def test_structural_similarity_is_the_commands(tmp_path: Path) -> None:
+    one = sv.render("sample:head:24", size=(61, 45)).save(tmp_path / "a.png")
+    other = sv.render("sample:head:24", size=(61, 45), azimuth=15).save(tmp_path / "b.png")
+    compare = [sys.executable, "-m", "splatvol", "compare", str(one), str(other), "--json"]
+    said = json.loads(subprocess.run(compare, check=False, capture_output=True, text=True).stdout)
+    assert sv.compare(one, other).ssim == pytest.approx(said["ssim"], abs=1e-9)
+    assert sv.compare(one, one).ssim == 1
+
+
+def test_pictures_name_files_elsewhere_in_vain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    there, here = tmp_path / "there", tmp_path / "here"
+    there.mkdir()
+    here.mkdir()
+    data = np.random.default_rng(3).random((8, 8, 8)).astype(np.float32)
+    np.save(there / "a.npy", data)
+    monkeypatch.chdir(here)
+    frame = sv.render(there / "a.npy", size=16)
+    picture = frame.save(here / "a.png")
+    with pytest.raises(sv.InvalidValue, match="allow_outside=True"):
+        sv.like(picture)
+    np.testing.assert_array_equal(np.asarray(sv.like(picture, allow_outside=True).render()), np.asarray(frame))
+    np.testing.assert_array_equal(np.asarray(sv.like(picture, there / "a.npy").render()), np.asarray(frame))
 
 
 def test_pickles(ball: np.ndarray) -> None:

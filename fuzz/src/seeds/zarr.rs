@@ -2,13 +2,22 @@
 
 use serde_json::{Value, json};
 
+use super::codecs;
 use crate::coat::crc32c;
 use crate::common::gzip;
 use crate::input::Input;
 
 /// 4 x 4 x 4 in eight chunks.
 pub(crate) fn zarr() -> Vec<Input> {
-    vec![version_2(), version_3()]
+    let mut seeds = vec![version_2(), version_3()];
+    for (name, stream) in [
+        ("lz4", codecs::BLOSC_LZ4),
+        ("zstd", codecs::BLOSC_ZSTD),
+        ("zlib", codecs::BLOSC_ZLIB),
+    ] {
+        seeds.push(blosc(name, codecs::stream(stream)));
+    }
+    seeds
 }
 
 fn axes() -> Value {
@@ -49,6 +58,22 @@ fn version_2() -> Input {
     let bytes: Vec<u8> = (0..8u16).flat_map(|i| (i * 300).to_le_bytes()).collect();
     files.extend(chunks().map(|[z, y, x]| (format!("0/{z}.{y}.{x}"), gzip(&bytes))));
     files.push(("1/0.0.0".to_owned(), gzip(&bytes)));
+    Input::files("", files)
+}
+
+/// One level in one chunk, by Blosc.
+fn blosc(name: &str, chunk: Vec<u8>) -> Input {
+    let level = json!([{"path": "0", "coordinateTransformations": scale(1.0)}]);
+    let image = json!([{"version": "0.4", "axes": axes(), "datasets": level}]);
+    let array = json!({"zarr_format": 2, "shape": [2, 3, 4], "chunks": [2, 3, 4], "dtype": "<i2", "fill_value": 0,
+        "compressor": {"id": "blosc", "cname": name, "clevel": 5, "shuffle": 1, "blocksize": 0}, "order": "C",
+        "filters": null});
+    let files = vec![
+        text(".zgroup", &json!({"zarr_format": 2})),
+        text(".zattrs", &json!({"multiscales": image})),
+        text("0/.zarray", &array),
+        ("0/0.0.0".to_owned(), chunk),
+    ];
     Input::files("", files)
 }
 

@@ -75,6 +75,27 @@ fn between(folder: &Path, file: &Path) -> Option<PathBuf> {
     Some(up.chain(file.components().skip(common.len())).collect())
 }
 
+/// The first of the paths that a picture's record names and that leads elsewhere than into the current folder or the
+/// picture's, and below. Whoever made the picture chose them. Paths that lead nowhere pass: readers say so.
+pub fn path_outside<'a>(paths: impl IntoIterator<Item = &'a str>, picture: Option<&Path>) -> Option<&'a str> {
+    let current = std::env::current_dir().ok();
+    let beside = picture.map(|picture| picture.parent().unwrap_or(Path::new("")).join(""));
+    let beside = beside.and_then(|folder| std::path::absolute(folder).ok());
+    let folders: Vec<PathBuf> = [current, beside]
+        .into_iter()
+        .flatten()
+        .filter_map(|folder| folder.canonicalize().ok())
+        .collect();
+    paths.into_iter().find(|path| {
+        let mut found = folders
+            .iter()
+            .filter_map(|folder| folder.join(path).canonicalize().ok());
+        found
+            .next()
+            .is_some_and(|found| !folders.iter().any(|folder| found.starts_with(folder)))
+    })
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;

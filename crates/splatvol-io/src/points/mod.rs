@@ -7,6 +7,7 @@
 //! | [`las`] | LAS 1.0 to 1.4, LAZ, COPC |
 //! | [`pcd`] | PCD 0.5 to 0.7, ascii, binary, `binary_compressed` |
 //! | [`text`] | XYZ, CSV, PTS and other tables of numbers |
+//! | [`triangles`] | surfels of triangle meshes |
 //! | [`height_field`] | terrain: USGS DEM, `GeoTIFF`, tables, raw |
 //! | [`depth_image`] | frames of depth cameras |
 //!
@@ -22,7 +23,7 @@ pub mod pcd;
 pub mod ply;
 mod poly;
 pub mod text;
-mod triangles;
+pub mod triangles;
 
 use std::path::Path;
 

@@ -314,6 +314,9 @@ def _volume_again(
 class Points(Data):
     """Points of surfaces: rows of x y z, and where known colours (uint8, 3 or 4), normals, radii.
 
+    `triangles`, rows of three indices of points, make them the corners of a surface: it becomes discs of the triangles'
+    own places, sizes and normals, with colours and normals interpolated between the corners.
+
     Examples
     --------
     >>> import numpy as np, splatvol as sv
@@ -328,6 +331,7 @@ class Points(Data):
         rgb: Any = None,
         radius: Any = None,
         normal: Any = None,
+        triangles: Any = None,
         name: str | None = None,
     ) -> None:
         positions = _rows(xyz, 3, "xyz")
@@ -335,7 +339,11 @@ class Points(Data):
         colors = None if rgb is None else _colors(rgb, count)
         normals = None if normal is None else _rows(normal, 3, "normal")
         radii = None if radius is None else _numbers(radius, count, "radius")
-        core = _core.Data.points(positions, colors, normals, radii)
+        if triangles is not None:
+            if radius is not None:
+                raise InvalidValue("radius: discs of triangles have the triangles' sizes", field="radius")
+            triangles = _triangles(triangles, count)
+        core = _core.Data.points(positions, colors, normals, radii, triangles)
         super().__init__(core, {"file": f"array:{name or 'points'}"})
 
     def __len__(self) -> int:
@@ -429,6 +437,17 @@ def _rows(values: Any, width: int, field: str) -> npt.NDArray[np.float32]:
     if rows.ndim != 2 or rows.shape[1] != width:
         raise InvalidValue(f"{field}: its shape {rows.shape} is not (count, {width})", field=field)
     return rows
+
+
+def _triangles(values: Any, count: int) -> npt.NDArray[np.uint32]:
+    triangles = np.asarray(values)
+    if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
+        message = f"triangles: shape {triangles.shape} and type {triangles.dtype} are not (count, 3) of integers"
+        raise InvalidValue(message, field="triangles")
+    if triangles.size and not (triangles.min() >= 0 and triangles.max() < count):
+        message = f"triangles: {triangles.min()} to {triangles.max()} are no indices of {count} points"
+        raise InvalidValue(message, field="triangles")
+    return np.ascontiguousarray(triangles, dtype=np.uint32)
 
 
 def _numbers(values: Any, count: int, field: str) -> npt.NDArray[np.float32]:

@@ -128,12 +128,19 @@ def show(data: Any, **options: Unpack[RenderOptions]) -> Widget:
     return widget_of(data, dict(options))
 
 
-def like(picture: str | os.PathLike[str], data: Any = None) -> Scene:
+def like(picture: str | os.PathLike[str], data: Any = None, *, allow_outside: bool = False) -> Scene:
     """The scene of a picture that splatvol made, by what its file says.
 
-    `data` takes the place of its only item: necessary where that was an array.
+    `data` takes the place of its only item: necessary where that was an array. Files that the picture names and that
+    lie neither in its folder nor in the current one are read with `allow_outside` only: whoever made it chose them.
     """
-    text, _ = _core.read_record(os.fspath(picture))
+    text, _, outside = _core.read_record(os.fspath(picture))
+    if outside is not None and data is None and not allow_outside:
+        message = (
+            f"{os.fspath(picture)} names {outside}, which lies outside its folder and the current one:"
+            " write like(picture, allow_outside=True), or like(picture, data) for other data"
+        )
+        raise InvalidValue(message, field="picture")
     document = json.loads(text)
     items = document.get("item", [])
     if data is None:
@@ -184,6 +191,8 @@ class Difference:
     where: tuple[int, int]
     #: Share of pixels that differ.
     share: float
+    #: Structural similarity (Wang et al. 2004), of the worst of red, green and blue, over windows of 8 x 8 pixels.
+    ssim: float
 
 
 def compare(a: Any, b: Any) -> Difference:
@@ -207,7 +216,31 @@ def compare(a: Any, b: Any) -> Difference:
         mean=float(apart.mean()),
         where=(int(row), int(column)),
         share=float((worst > 0).mean()),
+        ssim=min(_similarity(one[..., channel], other[..., channel]) for channel in range(3)),
     )
+
+
+def _similarity(one: Any, other: Any) -> float:
+    """Structural similarity of two planes, as the command's: (co)variances are sums, windows count by their areas."""
+
+    def sums(values: Any) -> Any:
+        columns = np.add.reduceat(values.astype(float), np.arange(0, values.shape[1], 8), axis=1)
+        return np.add.reduceat(columns, np.arange(0, values.shape[0], 8), axis=0)
+
+    area = sums(np.ones(one.shape))
+    means = [sums(one) / area, sums(other) / area]
+    of_one, of_other, both = (
+        sums(a * b) - area * p * q
+        for a, b, p, q in [
+            (one, one, means[0], means[0]),
+            (other, other, means[1], means[1]),
+            (one, other, means[0], means[1]),
+        ]
+    )
+    small = [2.55**2, 7.65**2]
+    luminance = (2 * means[0] * means[1] + small[0]) / (means[0] ** 2 + means[1] ** 2 + small[0])
+    structure = (2 * both + small[1]) / (of_one + of_other + small[1])
+    return float((luminance * structure * area).sum() / area.sum())
 
 
 def pixels_of(picture: Any) -> Any:

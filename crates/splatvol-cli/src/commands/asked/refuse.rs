@@ -1,9 +1,10 @@
 //! Refuses flags that have no meaning for the scene, by name.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use splatvol::{Content, Item, RenderSettings, Scene};
 use splatvol_document::Document;
+use splatvol_document::format::path_outside;
 use splatvol_document::keys::{ItemKeys, SettingKeys};
 
 use crate::args::RenderArgs;
@@ -40,27 +41,13 @@ pub(super) fn outside(
     picture: Option<&Path>,
     named: Option<&str>,
 ) -> Result<(), Failure> {
-    let current = std::env::current_dir().ok();
-    let beside = picture.map(|picture| picture.parent().unwrap_or(Path::new("")).join(""));
-    let beside = beside.and_then(|folder| std::path::absolute(folder).ok());
-    let folders: Vec<PathBuf> = [current, beside]
-        .into_iter()
-        .flatten()
-        .filter_map(|folder| folder.canonicalize().ok())
-        .collect();
     let recorded = earlier.paths();
     let is_recorded = |path: &&str| recorded.contains(path) && named != Some(*path);
-    for path in document.paths().into_iter().filter(is_recorded) {
-        // What does not exist cannot be read; the reader says so.
-        let found = folders
-            .iter()
-            .filter_map(|folder| folder.join(path).canonicalize().ok())
-            .next();
-        if found.is_some_and(|found| !folders.iter().any(|folder| found.starts_with(folder))) {
-            let refused = format!("{path}, which the picture names, lies outside its folder and this one");
-            return Err(Failure::of(Step::Input, anyhow::anyhow!(refused))
-                .hint("--allow-outside reads it; or name the input: --like PICTURE INPUT"));
-        }
+    let read = document.paths().into_iter().filter(is_recorded);
+    if let Some(path) = path_outside(read, picture) {
+        let refused = format!("{path}, which the picture names, lies outside its folder and this one");
+        return Err(Failure::of(Step::Input, anyhow::anyhow!(refused))
+            .hint("--allow-outside reads it; or name the input: --like PICTURE INPUT"));
     }
     Ok(())
 }

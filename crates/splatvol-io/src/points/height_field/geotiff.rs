@@ -53,8 +53,7 @@ pub(super) fn read(path: &Path) -> Result<(HeightField, Description), IoError> {
             .unsupported("a map placed by ModelTransformation; only pixel scale and tie point are read"));
     }
     let samples = pages.samples(&head, context)?;
-    let mut heights: Vec<f64> =
-        with_samples!(&samples, data => data.iter().map(|&height| height.into()).collect());
+    let mut heights: Vec<f64> = with_samples!(&samples, data => widen(data));
     for height in heights.iter_mut().filter(|height| missing == Some(**height)) {
         *height = f64::NAN;
     }
@@ -114,4 +113,8 @@ fn place(
     field.origin *= degrees;
     field.spacing *= degrees;
     Ok("x east, y north, metres (from degrees, true to scale at the middle latitude)".to_owned())
+}
+
+fn widen<T: Copy + Into<f64>>(heights: &[T]) -> Vec<f64> {
+    heights.iter().map(|&height| height.into()).collect()
 }

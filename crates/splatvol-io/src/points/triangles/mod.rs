@@ -3,7 +3,7 @@
 //! A surfel of radius r stands for the area r^2 ([`splatvol_scene::PointAttributes::radii`]), so a triangle of area A is a disc of
 //! radius sqrt(A) at its centroid. Discs follow a surface as well as triangles do only where these are small and compact: long
 //! ones are halved across their longest edge (Rivara 1984), thin ones sliced, until all is short against the whole surface.
-//! How many that may become is bounded by the number of triangles; small files get [`FREE`].
+//! How many that may become is bounded by the number of triangles; small files get 262,144.
 //!
 //! | module | what |
 //! |---|---|
@@ -12,6 +12,8 @@
 
 mod split;
 mod winding;
+
+use std::path::Path;
 
 use glam::DVec3;
 use splatvol_scene::{PointAttributes, Points};
@@ -61,6 +63,25 @@ impl Triangles {
     pub(crate) fn len(&self) -> usize {
         self.corners.len()
     }
+}
+
+/// The surface that triangles make of points in memory, as files of triangles become ([`super::read_points`]): discs of the
+/// triangles' own places, sizes and normals, on one side of them. `corners` are indices of points.
+///
+/// # Errors
+/// Corners that are no points, no triangle that has an area, or more discs than memory grants.
+pub fn surfels_of_triangles(points: &Points, corners: Vec<[u32; 3]>) -> Result<Points, IoError> {
+    let context = &Context::new("triangles", Path::new("array"));
+    let missing = |corners: &&[u32; 3]| corners.iter().any(|&corner| corner as usize >= points.len());
+    if let Some(found) = corners.iter().find(missing) {
+        let expected = format!("indices of {} points", points.len());
+        return Err(context.field("corners", format!("{found:?}"), None, expected));
+    }
+    let triangles = Triangles {
+        corners,
+        colors: Vec::new(),
+    };
+    surfels(points, &triangles, &ReadOptions::default(), context)
 }
 
 /// The surface that `triangles` make of `points`, as discs. Normals and colours of the points are interpolated; without normals,

@@ -6,15 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from .._data import Mesh
+from .._data import Mesh, Points
 from .._errors import InvalidValue
+from ._faces import fans
 
 #: VTK's numbers of the kinds of solid cells that meshio has in VTK's order of points.
 SOLID = {"tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14}
 
 
-def from_meshio(mesh: Any, array: str | None = None) -> Mesh | None:
-    """A mesh of meshio's solid cells; others are left out. `array` is the name of its values, of points or cells.
+#: Kinds of flat cells whose corners go round.
+FLAT = ("triangle", "quad", "polygon")
+
+
+def from_meshio(mesh: Any, array: str | None = None) -> Mesh | Points | None:
+    """A mesh of meshio's solid cells, or a surface of its flat ones where there are no others; the rest is left out.
+
+    `array` is the name of a mesh's values, of points or cells.
 
     Raises
     ------
@@ -24,6 +31,8 @@ def from_meshio(mesh: Any, array: str | None = None) -> Mesh | None:
     if not hasattr(mesh, "cells") or not hasattr(mesh, "point_data"):
         return None
     solid = [i for i, block in enumerate(mesh.cells) if block.type in SOLID]
+    if not solid and array is None and any(block.type in FLAT for block in mesh.cells):
+        return _surface(mesh)
     if not solid:
         kinds = ", ".join(sorted({block.type for block in mesh.cells})) or "none"
         message = f"cells: {kinds} are not solid ({', '.join(SOLID)} are): write splatvol.Points(mesh.points)"
@@ -43,3 +52,10 @@ def from_meshio(mesh: Any, array: str | None = None) -> Mesh | None:
     types = [SOLID[mesh.cells[i].type] for i in solid for _ in range(len(mesh.cells[i].data))]
     points = np.asarray(mesh.points)
     return Mesh(points, lists, fields[chosen].ravel(), types=types, name=chosen)
+
+
+def _surface(mesh: Any) -> Points:
+    """The surface of the flat cells."""
+    faces = [np.asarray(cell) for block in mesh.cells if block.type in FLAT for cell in block.data]
+    offsets = np.cumsum([0, *(len(face) for face in faces)])
+    return Points(np.asarray(mesh.points), triangles=fans(np.concatenate(faces), offsets))

@@ -8,6 +8,7 @@ import numpy as np
 
 from .._data import Data, Mesh, Points, Volume
 from .._errors import InvalidValue
+from ._faces import fans, strips
 
 
 def from_vtk(grid: Any, array: str | None = None) -> Data:
@@ -37,7 +38,10 @@ def from_vtk(grid: Any, array: str | None = None) -> Data:
 
 
 def _cloud(poly: Any, name: str | None) -> Points:
-    """Points of polygonal data with their normals, and with the colours of an array of RGB or RGBA."""
+    """The surface of polygonal data, or its points where there are no polygons.
+
+    It has the data's normals, and the colours of an array of RGB or RGBA.
+    """
     from vtkmodules.util import numpy_support
 
     vtk_to_numpy: Any = numpy_support.vtk_to_numpy
@@ -64,7 +68,22 @@ def _cloud(poly: Any, name: str | None) -> Points:
         vtk_to_numpy(poly.GetPoints().GetData()),
         normal=None if normals is None else vtk_to_numpy(normals),
         rgb=vtk_to_numpy(colors[0]) if colors else None,
+        triangles=_triangles(poly),
     )
+
+
+def _triangles(poly: Any) -> Any:
+    """Triangles of the polygons, then of the strips; `None` where there are none."""
+    from vtkmodules.util import numpy_support
+
+    vtk_to_numpy: Any = numpy_support.vtk_to_numpy
+    found = []
+    for cells, divide in [(poly.GetPolys(), fans), (poly.GetStrips(), strips)]:
+        if cells.GetNumberOfCells():
+            connectivity, offsets = cells.GetConnectivityArray(), cells.GetOffsetsArray()
+            found.append(divide(vtk_to_numpy(connectivity), vtk_to_numpy(offsets)))
+    triangles = np.concatenate(found) if found else np.empty((0, 3), np.int64)
+    return triangles if len(triangles) else None
 
 
 def _array_of(fields: list[Any], name: str | None) -> tuple[Any, Any]:

@@ -69,11 +69,25 @@ struct Proposal {
     opacities: Vec<OpacityPoint>,
 }
 
+impl Proposal {
+    /// The same with finite values: widths between values near the ends of f64 overflow.
+    fn bounded(mut self) -> Self {
+        let bounded = |value: f64| value.clamp(f64::MIN, f64::MAX);
+        self.colors
+            .iter_mut()
+            .for_each(|point| point.value = bounded(point.value));
+        self.opacities
+            .iter_mut()
+            .for_each(|point| point.value = bounded(point.value));
+        self
+    }
+}
+
 impl TransferFunction {
     /// Transfer function that shows the volume's structure, with the reason; `map` replaces the colours but not the
     /// opacities. `unit_distance` is left to the volume's mean voxel spacing.
     pub fn automatic(volume: &Volume, map: Option<ColorMap>) -> (Self, AutomaticChoice) {
-        let proposal = propose(volume);
+        let proposal = propose(volume).bounded();
         let range = span(&proposal.opacities, volume);
         let colors = map.map_or(proposal.colors, |map| recolor(map, range, proposal.kind));
         let choice = AutomaticChoice {

@@ -308,3 +308,13 @@ fn classic_scans_show_their_known_structures() {
     assert_eq!(neghip.opacity(1.0), 0.0);
     assert!(neghip.opacity(255.0) > 0.3);
 }
+
+#[test]
+fn values_at_the_ends_of_their_type_have_a_look() {
+    let f64s = |values: Vec<f64>| Samples::F64(values.into());
+    for (low, high) in [(-1e308, 0.7e308), (0.0, f64::MAX), (f64::MIN, 0.0)] {
+        let volume = volume(f64s, |place, _| if place.length() < 0.5 { high } else { low });
+        let (tf, _) = TransferFunction::automatic(&volume, None);
+        assert!(tf.opacities().iter().all(|point| point.value.is_finite()));
+    }
+}

@@ -1,0 +1,66 @@
+//! Streams of compressions for which there is no encoder in Rust here: pictures of 8 x 6 pixels, written by the libraries
+//! named, through the Python packages `imagecodecs` and `numcodecs`. Base64.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// The bytes of a stream.
+pub(crate) fn stream(text: &str) -> Vec<u8> {
+    STANDARD
+        .decode(text.replace(['\n', ' '], ""))
+        .expect("constants are valid")
+}
+
+/// Words of a DICOM slice, by JPEG-LS (`CharLS`).
+pub(crate) const JPEG_LS: &str = "\
+    /9j/6AAgU1BJRkYAAgAAAQAAAAYAAAAIChAGAQAAASwAAAEs/+gACAAAAAH/2P/3AAsQAAYACAEBEQD/+AANAf//ABIAQwEUAED/\
+    2gAIAQEAAAAApjzHmLMeYth2DEqJkUJYk6kUaKkSqBRJtQry6ilEi0oqqgsK6OpGqKyeqo6Ok6RJ6krTr16bAP/Z";
+/// The same, by lossless JPEG (libjpeg-turbo).
+pub(crate) const JPEG_LOSSLESS: &str = "\
+    /9j/xAAYAAEBAQEBAAAAAAAAAAAAAAAFBAcGEP/DAAsQAAYACAEAEQD/2gAIAQAABgAA9smybJsmybJsnSqLNJpqLdKoteymot0q\
+    lalzKlfSqLXs0XudKotfcypW/9k=";
+/// The same, by reversible JPEG 2000 (`OpenJPEG`).
+pub(crate) const JPEG_2000: &str = "\
+    /0//UQApAAAAAAAIAAAABgAAAAAAAAAAAAAACAAAAAYAAAAAAAAAAAABDwEB/1IADAAAAAEAAAQEAAH/XAAEQID/ZAAlAAFDcmVh\
+    dGVkIGJ5IE9wZW5KUEVHIHZlcnNpb24gMi41LjT/kAAKAAAAAABcAAH/k9/4klASKBpNIm1YA/9YRTIoIQC2aERaU5Z5Xpl88+g2\
+    ZJ+BhxfJLTOAqPuTu46RrFeLyoQ9esOnBJ9CJd4A87N+cnIkfhE+bfjyXKTVjP/Z";
+/// The same, by irreversible JPEG 2000.
+pub(crate) const JPEG_2000_LOSSY: &str = "\
+    /0//UQApAAAAAAAIAAAABgAAAAAAAAAAAAAACAAAAAYAAAAAAAAAAAABDwEB/1IADQECAAEAAAQEAACI/1wABUKAAP9kACUAAUNy\
+    ZWF0ZWQgYnkgT3BlbkpQRUcgdmVyc2lvbiAyLjUuNP+QAAoAAAAAABgAAf+T3wDgEigaTSJtWP/Z";
+/// Bytes, by baseline JPEG (libjpeg-turbo).
+pub(crate) const JPEG: &str = "\
+    /9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAIBAQEBAQIBAQECAgICAgQDAgICAgUEBAMEBgUGBgYFBgYGBwkIBgcJBwYGCAsICQoK\
+    CgoKBggLDAsKDAkKCgr/wAALCAAGAAgBAREA/8QAHwAAAQUBAQEBAQEAAAAAAAAAAAECAwQFBgcICQoL/8QAtRAAAgEDAwIEAwUF\
+    BAQAAAF9AQIDAAQRBRIhMUEGE1FhByJxFDKBkaEII0KxwRVS0fAkM2JyggkKFhcYGRolJicoKSo0NTY3ODk6Q0RFRkdISUpTVFVW\
+    V1hZWmNkZWZnaGlqc3R1dnd4eXqDhIWGh4iJipKTlJWWl5iZmqKjpKWmp6ipqrKztLW2t7i5usLDxMXGx8jJytLT1NXW19jZ2uHi\
+    4+Tl5ufo6erx8vP09fb3+Pn6/9oACAEBAAA/APzi/ZJ+Dek/6LzH27V//9k=";
+/// Colours, by baseline JPEG.
+pub(crate) const JPEG_COLORS: &str = "\
+    /9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAIBAQEBAQIBAQECAgICAgQDAgICAgUEBAMEBgUGBgYFBgYGBwkIBgcJBwYGCAsICQoK\
+    CgoKBggLDAsKDAkKCgr/2wBDAQICAgICAgUDAwUKBwYHCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoKCgoK\
+    CgoKCgoKCgr/wAARCAAGAAgDASIAAhEBAxEB/8QAHwAAAQUBAQEBAQEAAAAAAAAAAAECAwQFBgcICQoL/8QAtRAAAgEDAwIEAwUF\
+    BAQAAAF9AQIDAAQRBRIhMUEGE1FhByJxFDKBkaEII0KxwRVS0fAkM2JyggkKFhcYGRolJicoKSo0NTY3ODk6Q0RFRkdISUpTVFVW\
+    V1hZWmNkZWZnaGlqc3R1dnd4eXqDhIWGh4iJipKTlJWWl5iZmqKjpKWmp6ipqrKztLW2t7i5usLDxMXGx8jJytLT1NXW19jZ2uHi\
+    4+Tl5ufo6erx8vP09fb3+Pn6/8QAHwEAAwEBAQEBAQEBAQAAAAAAAAECAwQFBgcICQoL/8QAtREAAgECBAQDBAcFBAQAAQJ3AAEC\
+    AxEEBSExBhJBUQdhcRMiMoEIFEKRobHBCSMzUvAVYnLRChYkNOEl8RcYGRomJygpKjU2Nzg5OkNERUZHSElKU1RVVldYWVpjZGVm\
+    Z2hpanN0dXZ3eHl6goOEhYaHiImKkpOUlZaXmJmaoqOkpaanqKmqsrO0tba3uLm6wsPExcbHyMnK0tPU1dbX2Nna4uPk5ebn6Onq\
+    8vP09fb3+Pn6/9oADAMBAAIRAxEAPwD8zv2ctSk/cHntRRRXyPillmA/1tq/u1/TPqMFlGW+wX7pH//Z";
+/// 0 to 23 as words, by Blosc.
+pub(crate) const BLOSC_LZ4: &str = "\
+    AgEzAjAAAAAwAAAAQAAAAAAAAQACAAMABAAFAAYABwAIAAkACgALAAwADQAOAA8AEAARABIAEwAUABUAFgAXAA==";
+/// 0 to 23 as words, by Blosc.
+pub(crate) const BLOSC_ZSTD: &str = "\
+    AgGTAjAAAAAwAAAAQAAAAAAAAQACAAMABAAFAAYABwAIAAkACgALAAwADQAOAA8AEAARABIAEwAUABUAFgAXAA==";
+/// 0 to 23 as words, by Blosc.
+pub(crate) const BLOSC_ZLIB: &str = "\
+    AgFzAjAAAAAwAAAAQAAAAAAAAQACAAMABAAFAAYABwAIAAkACgALAAwADQAOAA8AEAARABIAEwAUABUAFgAXAA==";
+/// Words of 12 bits, by extended JPEG (libjpeg-turbo).
+pub(crate) const JPEG_12: &str = "\
+    /9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAIBAQEBAQIBAQECAgICAgQDAgICAgUEBAMEBgUGBgYFBgYGBwkIBgcJBwYGCAsICQoK\
+    CgoKBggLDAsKDAkKCgr/wQALDAAGAAgBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAADf/EACEQAAECBAcAAAAAAAAAAAAAAAIRMQED\
+    ByIABAUKCxQh/9oACAEBAAA/AB1Tg2tvZQMJNHBmjpRRiOQJeuSpa9vrNj//2Q==";
+/// Colours, by JPEG-LS, interleaved by pixel.
+pub(crate) const JPEG_LS_COLORS: &str = "\
+    /9j/6AAgU1BJRkYAAgAAAwAAAAYAAAAICggGAQAAASwAAAEs/+gACAAAAAH/2P/3ABEIAAYACAMBEQACEQADEQD/2gAMAwEAAgAD\
+    AAACAEAAACigHAQOcHTWJTWTRYRRYR+I/ysMKKNJlVo+8xpYKvPe972y5P73Oc5q5u3d3do67u7u77D/2Q==";
