@@ -26,6 +26,7 @@ mod error;
 pub mod gaussians;
 pub mod image;
 pub mod item;
+mod jpeg;
 mod json;
 pub mod memory;
 pub mod mesh;

@@ -55,7 +55,7 @@ pub(super) fn decode(
         let expected = format!("{wide} x {high}, {} samples of a byte", form.components);
         return Err(context.field("form of a strip or tile of JPEG", found, None, expected));
     }
-    let mut bytes = decoder.decode().map_err(corrupt)?;
+    let mut bytes = crate::jpeg::decode(&mut decoder, context)?;
     bytes.truncate(wide * high * components);
     Ok(bytes)
 }

@@ -163,7 +163,7 @@ fn jpeg(path: &Path, context: &Context<'_>) -> Result<Plane, IoError> {
         bytes.len() as u64,
         context,
     )?;
-    let data = decoder.decode().map_err(|error| invalid(error, context))?;
+    let data = crate::jpeg::decode(&mut decoder, context)?;
     let (components, samples) = match info.pixel_format {
         PixelFormat::L8 => (1, Samples::U8(data.into())),
         PixelFormat::RGB24 => (3, Samples::U8(data.into())),

@@ -425,7 +425,7 @@ fn jpeg(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoE
     check_size([info.width.into(), info.height.into()], form, context)?;
     let decoded = match (info.pixel_format, form.components) {
         (PixelFormat::L8 | PixelFormat::L16, 1) | (PixelFormat::RGB24, 3) => {
-            decoder.decode().map_err(|error| corrupt(context, error))?
+            crate::jpeg::decode(&mut decoder, context)?
         }
         (other, _) => return Err(context.unsupported(format!("JPEG samples of format {other:?}"))),
     };

@@ -70,16 +70,14 @@ struct Proposal {
 }
 
 impl Proposal {
-    /// The same with finite values: widths between values near the ends of f64 overflow.
-    fn bounded(mut self) -> Self {
-        let bounded = |value: f64| value.clamp(f64::MIN, f64::MAX);
-        self.colors
-            .iter_mut()
-            .for_each(|point| point.value = bounded(point.value));
-        self.opacities
-            .iter_mut()
-            .for_each(|point| point.value = bounded(point.value));
-        self
+    /// False where statistics of values near the ends of f64 have overflowed.
+    fn is_finite(&self) -> bool {
+        let mut colors = self.colors.iter().map(|point| point.value);
+        let mut opacities = self
+            .opacities
+            .iter()
+            .flat_map(|point| [point.value, point.opacity]);
+        colors.all(f64::is_finite) && opacities.all(f64::is_finite)
     }
 }
 
@@ -87,7 +85,8 @@ impl TransferFunction {
     /// Transfer function that shows the volume's structure, with the reason; `map` replaces the colours but not the
     /// opacities. `unit_distance` is left to the volume's mean voxel spacing.
     pub fn automatic(volume: &Volume, map: Option<ColorMap>) -> (Self, AutomaticChoice) {
-        let proposal = propose(volume).bounded();
+        let proposal = Some(propose(volume)).filter(Proposal::is_finite);
+        let proposal = proposal.unwrap_or_else(|| shapes::ramp(volume.value_range()));
         let range = span(&proposal.opacities, volume);
         let colors = map.map_or(proposal.colors, |map| recolor(map, range, proposal.kind));
         let choice = AutomaticChoice {

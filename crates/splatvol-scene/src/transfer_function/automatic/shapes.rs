@@ -46,6 +46,17 @@ pub(super) fn constant(value: f64) -> Proposal {
     }
 }
 
+/// Values of which no statistics can be made: large ones are opaque.
+pub(super) fn ramp([min, max]: [f64; 2]) -> Proposal {
+    let [first, .., last] = PALETTE;
+    Proposal {
+        kind: ValueKind::Continuous,
+        reason: format!("values from {min} to {max} are too large for statistics: shown by a ramp"),
+        colors: vec![ColorPoint::new(min, first), ColorPoint::new(max, last)],
+        opacities: vec![OpacityPoint::new(min, 0.0), OpacityPoint::new(max, 0.5)],
+    }
+}
+
 /// Air near -1000, and something as dense as bone.
 pub(super) fn is_hounsfield(survey: &Survey, [min, max]: [f64; 2]) -> bool {
     (-4096.0..=-900.0).contains(&min) && (300.0..32_768.0).contains(&max) && survey.quantile(0.1) < -800.0
@@ -54,8 +65,8 @@ pub(super) fn is_hounsfield(survey: &Survey, [min, max]: [f64; 2]) -> bool {
 /// CT in Hounsfield units: air -1000, fat -100, water 0, muscle 50, contrast medium and cancellous bone 150 to 400,
 /// compact bone above.
 pub(super) fn hounsfield(survey: &Survey) -> Proposal {
-    let soft = opacity(0.7, survey.mean_path([-300.0, 130.0]));
-    let medium = opacity(2.0, survey.mean_path([130.0, 350.0])).max(soft);
+    let soft = opacity(0.7, survey.mean_path([-300.0, 130.0])).min(0.95);
+    let medium = opacity(2.0, survey.mean_path([130.0, 350.0])).max(soft).min(0.95);
     let dense = opacity(DENSE_OPTICAL_DEPTH, survey.mean_path([350.0, f64::INFINITY]))
         .clamp(0.3f64.max(medium), 0.95);
     let points = |list: &[(f64, f64)]| list.iter().map(|&(v, o)| OpacityPoint::new(v, o)).collect();
@@ -142,7 +153,9 @@ pub(super) fn materials(survey: &Survey, background: Background, max: f64) -> Op
 pub(super) fn continuous(survey: &Survey, [min, max]: [f64; 2]) -> Proposal {
     let (low, high) = (survey.quantile(0.001), survey.quantile(0.9997));
     let [low, high] = if low < high { [low, high] } else { [min, max] };
-    let threshold = thresholds(survey, [low, high], 2)[0].clamp(low + 0.02 * (high - low), high);
+    let threshold = thresholds(survey, [low, high], 2)[0]
+        .max(low + 0.02 * (high - low))
+        .min(high);
     let width = 0.02 * (high - low);
     // Colours are for the bulk; a few large values would press it into the first one.
     let top = survey.quantile(0.99).max(threshold + width);
