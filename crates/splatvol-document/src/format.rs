@@ -53,14 +53,14 @@ impl Document {
     /// # Errors
     /// Malformed text, unknown keys, wrong values, with their line; later versions.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, DocumentError> {
-        let read = |text| {
-            let document = toml::from_str::<Self>(text).map_err(|error| message::of_toml(&error, text))?;
-            // TOML has infinities and NaN. No key takes them, and JSON could not hold them.
-            match toml::from_str(text).ok().and_then(|table| endless_number(&table)) {
-                Some(key) => Err(format!("{key}: expected a finite number")),
-                None => Ok(document),
-            }
-        };
+        // TOML has infinities and NaN. No key takes them, and JSON could not hold them.
+        if let Some(key) = toml::from_str(text).ok().and_then(|table| endless_number(&table)) {
+            return Err(DocumentError::Malformed {
+                path: path.to_owned(),
+                message: format!("{key}: expected a finite number"),
+            });
+        }
+        let read = |text| toml::from_str::<Self>(text).map_err(|error| message::of_toml(&error, text));
         let old = |text| version1::scene(toml::from_str(text).ok()?);
         Self::versioned(path, toml::from_str(text).ok(), || read(text), || old(text))
     }

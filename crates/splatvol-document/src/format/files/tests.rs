@@ -158,8 +158,13 @@ fn endless_numbers_are_refused_with_their_key() {
         "version = 2\n[camera]\nfov = nan\n",
         &["camera.fov = NaN", "finite"],
     );
+    // Text without a version could be of either.
     refused(
-        "version = 2\n[[item]]\nfile = 'a.ply'\ntranslate = [1.0, -inf, 0.0]\n",
+        "[[item]]\nfile = 'a.ply'\n[camera]\nfov = -nan\n",
+        &["camera.fov = NaN"],
+    );
+    refused(
+        "[[item]]\nfile = 'a.ply'\ntranslate = [1.0, -inf, 0.0]\n",
         &["translate = -inf", "finite"],
     );
 }

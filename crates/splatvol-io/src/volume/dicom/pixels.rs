@@ -459,11 +459,33 @@ fn marked_ybr(coded: &[u8]) -> Option<bool> {
     None
 }
 
+/// The codestream in a JP2 file (ISO 15444-1, annex I), which some writers store whole; others stay as they are.
+fn codestream(coded: &[u8]) -> &[u8] {
+    const SIGNATURE: &[u8] = b"\0\0\0\x0cjP  ";
+    let mut rest = coded;
+    while let (true, [a, b, c, d, kind @ ..]) = (coded.starts_with(SIGNATURE), rest) {
+        let length = match u32::from_be_bytes([*a, *b, *c, *d]) as usize {
+            // The last box ends with the file.
+            0 => rest.len(),
+            length => length,
+        };
+        if kind.starts_with(b"jp2c") {
+            return rest.get(8..length).unwrap_or(coded);
+        }
+        match rest.get(length.max(8)..) {
+            Some(next) => rest = next,
+            None => break,
+        }
+    }
+    coded
+}
+
 /// JPEG 2000 codestreams. Bits that were cut off are put in the middle of their interval (ISO 15444-1, E.1.1.2: r = 0.5), as
 /// other decoders do.
 fn jpeg_2000(coded: &[u8], form: &Form, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     /// Place of the first component's precision and sign: SOC (2 bytes), then SIZ up to Ssiz (A.5.1).
     const SSIZ: usize = 42;
+    let coded = codestream(coded);
     let starts = coded.starts_with(&[0xff, 0x4f, 0xff, 0x51]);
     let Some(&precision) = coded.get(SSIZ).filter(|_| starts) else {
         return Err(context.unsupported("JPEG 2000 pixels that are no codestream"));
