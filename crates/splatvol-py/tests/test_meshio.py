@@ -26,5 +26,7 @@ def test_solid_cells_with_values_of_points_and_of_cells() -> None:
     assert sv.info(mesh)["count"] == 2
     with pytest.raises(sv.InvalidValue, match="vectors"):
         sv.render(mesh, array="vectors")
-    with pytest.raises(sv.InvalidValue, match="triangle"):
-        sv.render(meshio.Mesh(POINTS, CELLS[:1]))
+    surface = sv.render(meshio.Mesh(POINTS, CELLS[:1]), size=24)
+    assert np.asarray(surface)[..., 3].max() > 0, "flat cells alone are a surface"
+    with pytest.raises(sv.InvalidValue, match="line"):
+        sv.render(meshio.Mesh(POINTS, [("line", np.array([[0, 1]]))]))
