@@ -103,12 +103,15 @@ impl Document {
     }
 }
 
-/// The first key whose number is not finite, with that number.
+/// The first key whose number is not finite, with that number: `item[0].translate = NaN`.
 fn endless_number(table: &toml::Table) -> Option<String> {
     fn of_value(value: &toml::Value) -> Option<String> {
         match value {
             toml::Value::Float(number) if !number.is_finite() => Some(format!(" = {number}")),
-            toml::Value::Array(values) => values.iter().find_map(of_value),
+            toml::Value::Array(values) => values.iter().enumerate().find_map(|(i, value)| match value {
+                toml::Value::Table(_) => of_value(value).map(|rest| format!("[{i}]{rest}")),
+                _ => of_value(value),
+            }),
             toml::Value::Table(table) => endless_number(table).map(|key| format!(".{key}")),
             _ => None,
         }
