@@ -310,12 +310,16 @@ impl PlaneShader<'_> {
 
     #[inline(always)]
     fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
-        let count = std::mem::take(&mut target.batch.len).min(BATCH);
-        for n in 0..count {
-            match interval.is_whole() {
-                true => self.classify::<S, false>(simd, interval, target, n),
-                false => self.classify::<S, true>(simd, interval, target, n),
-            }
+        let found = std::mem::take(&mut target.batch.len).min(BATCH);
+        let mut count = 0;
+        for n in 0..found {
+            // Vectors without material leave their place to the next.
+            target.batch.places[count] = target.batch.places[n];
+            let holds = match interval.is_whole() {
+                true => self.classify::<S, false>(simd, interval, target, count),
+                false => self.classify::<S, true>(simd, interval, target, count),
+            };
+            count += usize::from(holds);
         }
         if let Some(phong) = &self.phong {
             let batch = &mut *target.batch;
@@ -339,7 +343,7 @@ impl PlaneShader<'_> {
         }
     }
 
-    /// Opacity, colour and gradient of the batch's n-th vector.
+    /// Opacity, colour and gradient of the batch's n-th vector; false if none of its open pixels holds material.
     #[inline(always)]
     fn classify<S: Simd, const HOLED: bool>(
         &self,
@@ -347,7 +351,7 @@ impl PlaneShader<'_> {
         interval: &Interval<'_>,
         target: &mut ShadeTarget<'_>,
         n: usize,
-    ) {
+    ) -> bool {
         let [x, y] = target.batch.places[n];
         let pitch = interval.planes[1].pitch;
         let at = (y + HALO) * pitch + x + HALO;
@@ -416,6 +420,9 @@ impl PlaneShader<'_> {
             ];
             let first = halves[0].extinction * (coverage[0] + covered) * 0.5;
             let second = halves[1].extinction * (covered + coverage[1]) * 0.5;
+            if !((first + second).simd_gt(splat(simd, 0.0)) & open).any_true() {
+                return false;
+            }
             let half = length * (-0.5 * std::f32::consts::LOG2_E);
             let front = exp2_quick(simd, (first * half).max(splat(simd, LEAST_EXPONENT)));
             let back = exp2_quick(simd, (second * half).max(splat(simd, LEAST_EXPONENT)));
@@ -456,7 +463,7 @@ impl PlaneShader<'_> {
         if self.phong.is_none() {
             splat(simd, 1.0).store_slice(&mut batch.light[n][0].0);
             splat(simd, 0.0).store_slice(&mut batch.light[n][1].0);
-            return;
+            return true;
         }
         behind.store_slice(&mut batch.behind[n].0);
         batch.halves[n] = in_halves;
@@ -495,6 +502,7 @@ impl PlaneShader<'_> {
             gy.store_slice(&mut gradient[1].0);
             gz.store_slice(&mut gradient[2].0);
         }
+        true
     }
 
     /// Composites the batch's n-th vector behind its pixels.
