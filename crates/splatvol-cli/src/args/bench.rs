@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use splatvol::{ImageSize, Projection};
+use splatvol::Projection;
+use splatvol_document::Document;
+use splatvol_document::keys::{PictureSize, SettingKeys};
 
 use super::help::{CASES, MEASUREMENT, OUTPUT};
-use super::{CameraArgs, InputArgs, LookArgs, MethodArgs, WriteArgs, values};
+use super::{PictureArgs, WriteArgs, values};
 use crate::commands::bench::scenes::FIXED_SCENES;
 
 /// Raw arguments of `bench`.
@@ -19,9 +21,11 @@ use crate::commands::bench::scenes::FIXED_SCENES;
   splatvol bench scan.nii.gz --preset fast --threads 1,4",
     after_long_help = "Without INPUT, fixed scenes are rendered in all combinations of look, classification, projection
 and threads, and the pictures are compared with recorded ones. Pictures of a given INPUT, and those
-that other flags change, are not compared. Unless camera flags say otherwise, the camera sees the
-whole grid from 0.90,0.25,0.35, with 0,1,0 up. One renderer makes all frames of a case, and keeps
-between frames what it can.
+that other flags change, are not compared. INPUT and all flags about the picture are those of
+render: scenes, points, Gaussians and meshes are measured, too, and --like measures an earlier
+picture. Unless camera flags say otherwise, the camera sees the whole box of what is shown from
+0.90,0.25,0.35, with 0,1,0 up. One renderer makes all frames of a case, and keeps between frames
+what it can.
 
 Exit codes: those of splatvol; 4 also where a picture differs from the recorded one.
 
@@ -30,22 +34,25 @@ Examples:
   splatvol bench --quick
   splatvol bench --scenes shells:256 --looks opaque --projection perspective --threads 2
   splatvol bench scan.nii.gz --preset fast --threads 1,4
-  splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -"
+  splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -
+  splatvol bench scan.raw --dims 256x256x109 --type u16 --up -y --view front
+  splatvol bench scene.toml --orbit 2 --picture first.png
+  splatvol bench --like head.png --preset fast"
 )]
 pub(crate) struct BenchArgs {
-    /// Volumes: files, folders, or sample:NAME[:SIZE] [default: the fixed scenes]
+    /// Files or folders (as render takes them), or sample:NAME[:SIZE] [default: the fixed scenes]
     #[arg(value_name = "INPUT")]
     pub(crate) inputs: Vec<String>,
     /// Fixed scenes to run [default: shells:256,head:256,head:512]
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES, conflicts_with = "inputs",
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES, conflicts_with_all = ["inputs", "like"],
           value_parser = PossibleValuesParser::new(FIXED_SCENES.map(|scene| scene.name)))]
     pub(crate) scenes: Vec<String>,
     /// Run the small fixed scenes only, in small pictures
-    #[arg(long, help_heading = CASES, conflicts_with_all = ["inputs", "scenes"])]
+    #[arg(long, help_heading = CASES, conflicts_with_all = ["inputs", "like", "scenes"])]
     pub(crate) quick: bool,
     /// Transfer functions [default: all for fixed scenes; for INPUT as render]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES,
-          conflicts_with_all = ["tf", "cmap", "opacity", "iso"])]
+          conflicts_with_all = ["tf", "cmap", "opacity", "iso", "tf2d", "labels"])]
     pub(crate) looks: Vec<LookName>,
     /// Projections [default: both for fixed scenes, perspective for INPUT]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = CASES,
@@ -66,47 +73,43 @@ pub(crate) struct BenchArgs {
           allow_negative_numbers = true, value_parser = values::finite)]
     pub(crate) orbit: f64,
     /// Picture size, pixels: WxH, W,H or N [default: 512x512; 128x128 for the small scenes]
-    #[arg(long, value_name = "WxH", value_parser = values::image_size, help_heading = OUTPUT)]
-    pub(crate) size: Option<ImageSize>,
+    #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
+    pub(crate) size: Option<PictureSize>,
     /// Write settings, times and checksums as JSON to this file, or to stdout (-)
     ///
     /// Settings, times, counts and checksums of all cases. On stdout, JSON takes the place of the table.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) json: Option<PathBuf>,
     /// Write the first measured frame of the first case: .png or .exr
-    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
-    pub(crate) picture: Option<PathBuf>,
+    #[arg(long = "picture", value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) first_frame: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
     #[command(flatten)]
-    pub(crate) camera: CameraArgs,
-    #[command(flatten)]
-    pub(crate) look: LookArgs,
-    #[command(flatten)]
-    pub(crate) method: MethodArgs,
-    #[command(flatten)]
-    pub(crate) read: InputArgs,
+    pub(crate) picture: PictureArgs,
     /// Compare the fixed scenes' pictures with those recorded in this file, instead of with those built in
-    #[arg(long, value_name = "FILE", hide = true, conflicts_with = "inputs")]
+    #[arg(long, value_name = "FILE", hide = true, conflicts_with_all = ["inputs", "like"])]
     pub(crate) expected: Option<PathBuf>,
     /// Record the pictures of all fixed scenes, or of those selected, as expected from now on, in this file
-    #[arg(long, value_name = "FILE", hide = true, conflicts_with_all = ["inputs", "quick"])]
+    #[arg(long, value_name = "FILE", hide = true, conflicts_with_all = ["inputs", "like", "quick"])]
     pub(crate) update_expected: Option<PathBuf>,
 }
 
 impl BenchArgs {
     /// Whether flags neither name other volumes than the fixed scenes nor change their pictures.
     pub(crate) fn keeps_fixed_pictures(&self) -> bool {
-        let method = MethodArgs {
+        let asked = self.document(None);
+        let settings = SettingKeys {
             // Selects among the fixed cases.
-            classification: self.method.classification,
-            ..MethodArgs::default()
+            classification: None,
+            ..asked.settings.clone()
         };
-        self.inputs.is_empty()
-            && self.size.is_none()
-            && self.camera == CameraArgs::default()
-            && self.look.is_empty()
-            && self.method == method
+        self.is_fixed() && Document { settings, ..asked } == Document::default()
+    }
+
+    /// Whether the fixed scenes are rendered.
+    pub(crate) fn is_fixed(&self) -> bool {
+        self.inputs.is_empty() && self.picture.like.is_none()
     }
 }
 

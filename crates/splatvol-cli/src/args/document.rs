@@ -11,16 +11,35 @@ use splatvol_io::Endian;
 
 use super::{
     AnimateArgs, BenchArgs, CameraArgs, EffectArgs, FastSplatsArgs, FootprintArgs, InputArgs, KernelArgs,
-    LookArgs, MethodArgs, MotionArgs, RenderArgs,
+    LookArgs, MethodArgs, MotionArgs, PictureArgs, RenderArgs,
 };
 
 impl RenderArgs {
     /// The flags as a document. A scene file has items of its own, so it leaves none here.
     pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
+        Document {
+            size: self.size,
+            ..self.picture.document(item_file)
+        }
+    }
+}
+
+impl BenchArgs {
+    /// The flags as a document, as those of `render`.
+    pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
+        Document {
+            size: self.size,
+            ..self.picture.document(item_file)
+        }
+    }
+}
+
+impl PictureArgs {
+    /// The flags as a document without a size.
+    fn document(&self, item_file: Option<&str>) -> Document {
         let item = self.item_keys(item_file.unwrap_or_default());
         let given = item != ItemKeys::default();
         Document {
-            size: self.size,
             background: self.background,
             bits: self.bits,
             items: given.then_some(item).into_iter().collect(),
@@ -49,13 +68,6 @@ impl RenderArgs {
             radius: item.radius,
             ..keys
         }
-    }
-}
-
-impl BenchArgs {
-    /// The keys of an item with this look.
-    pub(crate) fn item_keys(&self, file: &str) -> ItemKeys {
-        self.look.over(of_input(&self.read, file))
     }
 }
 

@@ -104,8 +104,8 @@ fn short_flags(command: &str) -> Option<&'static str> {
              size background overwrite threads",
         ),
         "bench" => Some(
-            "inputs scenes quick looks projection threads frames warm_up orbit preset size json picture \
-             overwrite",
+            "inputs scenes quick looks projection threads frames warm_up orbit preset size json \
+             first_frame overwrite",
         ),
         "info" => Some("input kernel kind time channel series json bins"),
         "convert" => Some("input output clim unit_distance time channel series overwrite"),

@@ -24,6 +24,7 @@ mod lab;
 mod look;
 mod method;
 mod motion;
+mod picture;
 mod render;
 pub(crate) mod values;
 
@@ -47,6 +48,7 @@ pub(crate) use lab::LabArgs;
 pub(crate) use look::LookArgs;
 pub(crate) use method::MethodArgs;
 pub(crate) use motion::MotionArgs;
+pub(crate) use picture::PictureArgs;
 pub(crate) use render::RenderArgs;
 
 /// Volume rendering by splatting.

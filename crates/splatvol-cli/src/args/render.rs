@@ -3,12 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use splatvol_document::keys::{Background, PictureSize};
+use splatvol_document::keys::PictureSize;
 
 use super::help::{GENERAL, METHOD, OUTPUT};
-use super::{
-    CameraArgs, EffectArgs, InputArgs, ItemArgs, LookArgs, MethodArgs, MotionArgs, WriteArgs, values,
-};
+use super::{PictureArgs, WriteArgs, values};
 
 /// Raw arguments of `render`.
 #[derive(Debug, Clone, Args)]
@@ -66,14 +64,8 @@ pub(crate) struct RenderArgs {
     /// Size of the picture in pixels: WxH, or N for both [default: 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
     pub(crate) size: Option<PictureSize>,
-    /// Colour: white, gray, none, #rrggbb, r,g,b[,a]... [default: charcoal]
-    ///
-    /// black, white, gray, charcoal, none (the picture keeps its alpha), #rrggbb, or r,g,b or r,g,b,a from 0 to 1.
-    #[arg(long, value_name = "COLOUR", value_parser = values::background, help_heading = OUTPUT)]
-    pub(crate) background: Option<Background>,
-    /// Bits per channel of a PNG: 8 or 16 [default: 8]
-    #[arg(long, value_name = "BITS", value_parser = values::bits, help_heading = OUTPUT)]
-    pub(crate) bits: Option<u8>,
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
     /// Write depths too, in world lengths: .exr, .npy or .png
     ///
     /// Along the camera's axis. A PNG has 16 bits, and says in its text which range they stand for.
@@ -86,23 +78,6 @@ pub(crate) struct RenderArgs {
     /// --like then cannot make it again. Without this flag, absolute paths are shortened.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) no_metadata: bool,
-    /// Make the picture as this PNG of splatvol, but for the flags given here
-    #[arg(long, value_name = "PICTURE", help_heading = OUTPUT)]
-    pub(crate) like: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) camera: CameraArgs,
-    #[command(flatten)]
-    pub(crate) look: LookArgs,
-    #[command(flatten)]
-    pub(crate) effects: EffectArgs,
-    #[command(flatten)]
-    pub(crate) method: MethodArgs,
-    #[command(flatten)]
-    pub(crate) motion: MotionArgs,
-    #[command(flatten)]
-    pub(crate) read: InputArgs,
-    #[command(flatten)]
-    pub(crate) item: ItemArgs,
     /// List all methods, and the flags that select them
     #[arg(long, help_heading = METHOD)]
     pub(crate) list_methods: bool,

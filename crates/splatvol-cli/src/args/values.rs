@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use glam::DVec3;
-use splatvol::{ClipPlane, GradientOpacity, GradientOpacityPoint, ImageSize};
+use splatvol::{ClipPlane, GradientOpacity, GradientOpacityPoint};
 use splatvol_document::keys::{Axis, Background, PictureSize, Rotate, Scale};
 use splatvol_document::spelling;
 pub(crate) use splatvol_document::spelling::{endian, kind, sample_size, sample_type};
@@ -142,10 +142,6 @@ pub(crate) fn posts(text: &str) -> Result<[usize; 2], String> {
         .and_then(|values| <[usize; 2]>::try_from(values).ok())
         .filter(|sides| sides.iter().all(|&side| side >= 2))
         .ok_or_else(|| "expected two integers, at least 2 each: COLUMNSxROWS".to_owned())
-}
-
-pub(crate) fn image_size(text: &str) -> Result<ImageSize, String> {
-    picture_size(text).map(|size| size.0)
 }
 
 pub(crate) fn bits(text: &str) -> Result<u8, String> {

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::motion::CameraMotion;
-use splatvol_document::{Document, Picture, Reading, Record, Resolving};
+use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resolving};
 
 use super::render::describe;
 use super::studio::threads_within;
-use crate::args::{AnimateArgs, RenderArgs};
+use crate::args::{AnimateArgs, BenchArgs, PictureArgs, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::record;
 use crate::terminal::Terminal;
@@ -36,18 +36,29 @@ pub(super) struct Prepared {
 impl Asked {
     /// The document that `render` asks for.
     pub(super) fn of(args: &RenderArgs) -> Result<Self, Failure> {
-        Self::over(args, |file| args.document(file))
+        Self::over((args.input.as_deref(), &args.picture), |file| args.document(file))
     }
 
     /// The document that `animate` asks for.
     pub(super) fn of_animation(args: &AnimateArgs) -> Result<Self, Failure> {
-        Self::over(&args.render, |file| args.document(file))
+        let render = &args.render;
+        Self::over((render.input.as_deref(), &render.picture), |file| {
+            args.document(file)
+        })
+    }
+
+    /// The document that `bench` asks for of one of its inputs.
+    pub(super) fn of_bench(args: &BenchArgs, input: Option<&str>) -> Result<Self, Failure> {
+        Self::over((input, &args.picture), |file| args.document(file))
     }
 
     /// Flags over what the input or the earlier picture says.
-    fn over(args: &RenderArgs, flags: impl Fn(Option<&str>) -> Document) -> Result<Self, Failure> {
+    fn over(
+        (input, args): (Option<&str>, &PictureArgs),
+        flags: impl Fn(Option<&str>) -> Document,
+    ) -> Result<Self, Failure> {
         let earlier = args.like.as_deref().map(record::of_picture).transpose()?;
-        let scene = args.input.as_deref().filter(|input| is_scene(Path::new(input)));
+        let scene = input.filter(|input| is_scene(Path::new(input)));
         let below = match (scene, &earlier) {
             (Some(_), Some(_)) => {
                 return Err(Failure::usage(
@@ -56,7 +67,7 @@ impl Asked {
             }
             (Some(scene), None) => of_file(scene, args)?,
             (None, Some(earlier)) => {
-                refuse::other_items(args, &earlier.document)?;
+                refuse::other_items((input, args), &earlier.document)?;
                 match args.effects.no_effects {
                     true => earlier.document.clone().without_effects(),
                     false => earlier.document.clone(),
@@ -64,12 +75,12 @@ impl Asked {
             }
             (None, None) => Document::default(),
         };
-        let file = args.input.as_deref().filter(|_| scene.is_none());
+        let file = input.filter(|_| scene.is_none());
         let document = flags(file).over(&below);
         if document.items.is_empty() {
             return Err(Failure::usage("no input").hint("name a file, or sample:head"));
         }
-        let folder = args.like.as_deref().filter(|_| args.input.is_none());
+        let folder = args.like.as_deref().filter(|_| input.is_none());
         if let (Some(earlier), false) = (&earlier, args.read.allow_outside) {
             refuse::outside((&document, &earlier.document), folder, file)?;
         }
@@ -88,7 +99,7 @@ impl Asked {
     }
 
     /// The places and the way in which files are read.
-    pub(super) fn reading<'a>(&'a self, args: &RenderArgs, terminal: &'a Terminal) -> Reading<'a> {
+    pub(super) fn reading<'a>(&'a self, args: &PictureArgs, terminal: &'a Terminal) -> Reading<'a> {
         Reading {
             rules: args.read.rules(),
             folder: self.folder.as_deref(),
@@ -111,19 +122,14 @@ impl Asked {
                 .num_threads(threads)
                 .build_global();
         }
-        let picture = self.document.resolve(Resolving {
-            reading: self.reading(args, terminal),
+        let resolving = Resolving {
+            reading: self.reading(&args.picture, terminal),
             held: &[],
             moves,
             keeps_alpha,
-        });
-        let picture = picture.map_err(|error| match self.is_scene {
-            true => Failure::of_scene(error),
-            false => error.into(),
-        })?;
+        };
+        let picture = self.picture(&self.document, &args.picture, resolving)?;
         terminal.detail(format!("camera: {}", describe(&picture.camera)));
-        refuse::gaussians(args, &picture.scene, &picture.settings)?;
-        splatvol::check(&picture.scene, &picture.camera, &picture.settings).during(Step::Usage)?;
         let folder = args
             .output
             .as_deref()
@@ -135,9 +141,30 @@ impl Asked {
             threads,
         })
     }
+
+    /// A picture of the document, or of a variation of it; refuses flags that have no meaning for it.
+    pub(super) fn picture(
+        &self,
+        document: &Document,
+        args: &PictureArgs,
+        resolving: Resolving<'_>,
+    ) -> Result<Picture, Failure> {
+        let picture = document.resolve(resolving).map_err(|error| self.failure(error))?;
+        refuse::gaussians(args, &picture.scene, &picture.settings)?;
+        splatvol::check(&picture.scene, &picture.camera, &picture.settings).during(Step::Usage)?;
+        Ok(picture)
+    }
+
+    /// An error as that of the scene file or of the flags.
+    pub(super) fn failure(&self, error: DocumentError) -> Failure {
+        match self.is_scene {
+            true => Failure::of_scene(error),
+            false => error.into(),
+        }
+    }
 }
 
-fn of_file(scene: &str, args: &RenderArgs) -> Result<Document, Failure> {
+fn of_file(scene: &str, args: &PictureArgs) -> Result<Document, Failure> {
     refuse::no_item_flags(args, "a scene, whose items say it themselves")?;
     let document = read_scene(scene)?;
     let nested = document.items.iter().position(|item| is_scene(&item.file));

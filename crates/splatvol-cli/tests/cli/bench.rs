@@ -113,6 +113,9 @@ fn the_first_frame_is_the_picture_that_render_makes() {
         "--tf tf.json --camera-pos 30,40,50 --camera-target 0,1,0 --camera-up 0,1,0 --camera-fov 35 --ambient 0.2 --diffuse 0.7",
         "--view left --orthographic --preset fast --cmap magma --opacity linear",
         "--fit volume --classification pre --no-shade",
+        "--up -y --view front --background white --bits 16",
+        "--rotate z:30 --scale 2,1,1 --view iso --clip-box -5,5,-50,50,-50,50 --texture marble",
+        "--spin 20 --classification pre --motion-blur exact --view left",
     ] {
         sandbox
             .run(&format!("render shells.nrrd --size 40x30 {flags} -o a.png -w"))
@@ -168,6 +171,7 @@ fn looks_are_made_for_any_volume() {
 fn mistakes_are_named_with_their_exit_code() {
     let sandbox = Sandbox::new();
     sandbox.write("a.json", "{}");
+    sandbox.write("points.xyz", "0 0 0\n1 1 1\n");
     for (arguments, code, words) in [
         ("bench --scenes shell", 2, &["shell", "shells:256"][..]),
         ("bench sample:ball --quick", 2, &["--quick"]),
@@ -187,10 +191,53 @@ fn mistakes_are_named_with_their_exit_code() {
         ("bench sample:ball --picture a.gif", 2, &["a.gif", ".png or .exr"]),
         ("bench sample:ball --kernel-sigma 99", 2, &["kernel sigma", "99"]),
         ("bench absent.nrrd", 3, &["absent.nrrd"]),
+        ("bench --up y --scenes ball", 2, &["--scenes", "ball"]),
+        ("bench sample:ball --radius 3", 2, &["--radius"]),
+        ("bench points.xyz --looks opaque", 2, &["--looks", "volumes"]),
+        ("bench --like a.png --quick", 2, &["--like", "--quick"]),
         ("bench --quick --expected absent.json", 3, &["absent.json"]),
         ("bench sample:ball --json a.json", 5, &["a.json already exists"]),
     ] {
         sandbox.run(arguments).fails(code, words);
     }
-    assert_eq!(sandbox.files(), ["a.json"]);
+    assert_eq!(sandbox.files(), ["a.json", "points.xyz"]);
+}
+
+#[test]
+fn scenes_points_and_earlier_pictures_are_measured_as_render_shows_them() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample ball --size 16 -o ball.nrrd").succeeds();
+    sandbox.write("points.xyz", "0 0 0\n4 0 0\n0 4 0\n0 0 4\n4 4 4\n");
+    sandbox.write(
+        "scene.toml",
+        "size = \"40x30\"\n[[item]]\nfile = \"ball.nrrd\"\niso = 100\n[[item]]\nfile = \"points.xyz\"\nradius = 2\n\
+         translate = [9, 0, 0]\n[camera]\nview = \"front\"\n",
+    );
+    for (what, flags) in [
+        ("scene.toml", "--azimuth 20"),
+        (
+            "points.xyz",
+            "--radius 0.7 --point-color 1,0,0 --view left --size 40",
+        ),
+    ] {
+        let render = format!("render {what} {flags} -o a.png -w");
+        sandbox.run(&render).succeeds();
+        let bench = format!("bench {what} {flags} --threads 1 {ONE_FRAME} --picture b.png -w --json -");
+        let run = sandbox.run(&bench).succeeds();
+        let (rendered, measured) = (png(&sandbox.path("a.png")), png(&sandbox.path("b.png")));
+        assert_eq!(rendered, measured, "{what}");
+        let case = &json(&run.stdout())["cases"][0];
+        assert_eq!(case["input"], what);
+        assert!(case["document"]["item"].is_array(), "{case}");
+    }
+    sandbox
+        .run(&format!(
+            "bench --like a.png --point-color 0,1,0 --threads 1 {ONE_FRAME} --picture c.png"
+        ))
+        .succeeds();
+    sandbox
+        .run("render --like a.png --point-color 0,1,0 -o d.png")
+        .succeeds();
+    assert_eq!(png(&sandbox.path("c.png")), png(&sandbox.path("d.png")));
+    assert!(png(&sandbox.path("a.png")) != png(&sandbox.path("d.png")));
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser};
 use serde_json::Value;
+use splatvol_document::Document;
 
 use crate::args::{Cli, Command};
 use crate::failure::flag;
@@ -38,12 +39,25 @@ const NEEDED: [(&str, &str); 7] = [
 ];
 
 fn keys(flags: &str) -> BTreeMap<String, Value> {
-    let line = format!("splatvol animate sample:ball -o a.gif {flags}");
-    let parsed = Cli::try_parse_from(line.split_whitespace());
-    let Command::Animate(args) = parsed.unwrap_or_else(|error| panic!("{flags}: {error}")).command else {
-        panic!("{line}")
-    };
-    let tree = serde_json::to_value(args.document(Some("sample:ball"))).unwrap();
+    keys_of(&document(&format!("animate sample:ball -o a.gif {flags}")))
+}
+
+/// The document of a command line.
+fn document(line: &str) -> Document {
+    let words = std::iter::once("splatvol").chain(line.split_whitespace());
+    let parsed = Cli::try_parse_from(words);
+    let command = parsed.unwrap_or_else(|error| panic!("{line}: {error}")).command;
+    let file = Some("sample:ball");
+    match command {
+        Command::Animate(args) => args.document(file),
+        Command::Render(args) => args.document(file),
+        Command::Bench(args) => args.document(file),
+        _ => panic!("{line}"),
+    }
+}
+
+fn keys_of(document: &Document) -> BTreeMap<String, Value> {
+    let tree = serde_json::to_value(document).unwrap();
     let mut keys = BTreeMap::new();
     for (name, table) in tree.as_object().unwrap() {
         let table = if table.is_array() { &table[0] } else { table };
@@ -94,10 +108,29 @@ fn sample(arg: &Arg) -> Option<String> {
 }
 
 fn flags() -> Vec<Arg> {
-    let command = Cli::command();
-    let animate = command.find_subcommand("animate").unwrap();
+    flags_of("animate")
+}
+
+/// Flags of a command that say something about the picture.
+fn flags_of(command: &str) -> Vec<Arg> {
+    let commands = Cli::command();
+    let command = commands.find_subcommand(command).unwrap();
     let said = |arg: &&Arg| !NO_KEYS.split(' ').any(|name| arg.get_id() == name);
-    animate.get_arguments().filter(said).cloned().collect()
+    command.get_arguments().filter(said).cloned().collect()
+}
+
+/// A flag as it is given, and those that it needs.
+fn given(arg: &Arg) -> (String, &'static str) {
+    let (id, long) = (arg.get_id().as_str(), arg.get_long().unwrap());
+    let needed = NEEDED.iter().find(|(name, _)| *name == id);
+    let needed = needed.map_or("", |(_, flags)| flags);
+    let flag = match sample(arg) {
+        // These two go together.
+        _ if id == "dims" || id == "sample_type" => "--dims 2x2x2 --type u8".to_owned(),
+        Some(value) => format!("--{long}={value}"),
+        None => format!("--{long}"),
+    };
+    (format!("{flag} {needed}"), needed)
 }
 
 #[test]
@@ -105,20 +138,12 @@ fn every_flag_has_a_key_of_its_name() {
     for arg in flags() {
         let id = arg.get_id().as_str();
         let long = arg.get_long().unwrap();
-        let needed = NEEDED
-            .iter()
-            .find(|(name, _)| *name == id)
-            .map_or("", |(_, flags)| flags);
-        let given = match sample(&arg) {
-            // These two go together, and were given as those that others need.
-            _ if id == "dims" || id == "sample_type" => {
-                let both = keys("--dims 2x2x2 --type u8");
-                assert!(both.contains_key(&format!("item.{long}")), "{both:?}");
-                continue;
-            }
-            Some(value) => format!("--{long}={value} {needed}"),
-            None => format!("--{long} {needed}"),
-        };
+        let (given, needed) = given(&arg);
+        if id == "dims" || id == "sample_type" {
+            let both = keys(&given);
+            assert!(both.contains_key(&format!("item.{long}")), "{both:?}");
+            continue;
+        }
         let (without, with) = (keys(needed), keys(&given));
         let new: Vec<_> = with
             .iter()
@@ -161,5 +186,29 @@ fn flags_that_are_not_given_say_nothing() {
     let Command::Render(args) = Cli::from_arg_matches(&cli).unwrap().command else {
         panic!()
     };
-    assert_eq!(args.document(None), splatvol_document::Document::default());
+    assert_eq!(args.document(None), Document::default());
+}
+
+#[test]
+fn bench_takes_all_flags_of_render_that_say_something_about_the_picture() {
+    let of_bench = flags_of("bench");
+    for arg in flags_of("render") {
+        let id = arg.get_id();
+        let same = of_bench.iter().find(|other| other.get_id() == id);
+        let same = same.unwrap_or_else(|| panic!("bench has no {id}"));
+        assert_eq!(same.get_long(), arg.get_long());
+        let (given, _) = given(&arg);
+        let [shown, measured] =
+            ["render", "bench"].map(|command| document(&format!("{command} sample:ball {given}")));
+        assert_eq!(shown, measured, "{given}");
+        let bare = document("bench sample:ball");
+        assert!(bare != measured, "{given} says nothing");
+    }
+    // What an input is and how it is read says nothing about the picture, but bench must take it as well.
+    let commands = Cli::command();
+    let bench = commands.find_subcommand("bench").unwrap();
+    for id in "like strict allow_outside max_memory no_effects".split(' ') {
+        let has = bench.get_arguments().any(|arg| arg.get_id() == id);
+        assert!(has, "bench has no {id}");
+    }
 }

@@ -65,7 +65,7 @@ impl Destination {
             return Err(Failure::usage(format!("--resume cannot continue {name}"))
                 .hint("frames can be continued: name-####.png"));
         }
-        if args.render.bits == Some(16) && container != Container::Apng {
+        if args.render.picture.bits == Some(16) && container != Container::Apng {
             return Err(Failure::usage(format!("--bits 16 has no meaning for {name}")));
         }
         Target::File(path.to_owned()).check(args.render.write.overwrite)?;

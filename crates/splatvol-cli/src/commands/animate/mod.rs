@@ -37,7 +37,7 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
     let animation = asked
         .document
         .animation
-        .loaded(asked.reading(&args.render, terminal))?;
+        .loaded(asked.reading(&args.render.picture, terminal))?;
     let destination = Destination::new(args)?;
     let stats = args.render.stats.as_deref().map(Target::new);
     if let Some(stats) = &stats {

@@ -7,11 +7,11 @@ use splatvol_document::Document;
 use splatvol_document::format::path_outside;
 use splatvol_document::keys::{ItemKeys, SettingKeys};
 
-use crate::args::RenderArgs;
+use crate::args::PictureArgs;
 use crate::failure::{Failure, Step};
 
 /// Flags that belong to one of several items are refused.
-pub(super) fn no_item_flags(args: &RenderArgs, what: &str) -> Result<(), Failure> {
+pub(super) fn no_item_flags(args: &PictureArgs, what: &str) -> Result<(), Failure> {
     if args.item_keys("") != ItemKeys::default() {
         return Err(Failure::usage(format!(
             "flags about reading, place, colour, opacity, radius and orientation have no meaning for {what}"
@@ -21,12 +21,15 @@ pub(super) fn no_item_flags(args: &RenderArgs, what: &str) -> Result<(), Failure
 }
 
 /// A picture of several items shows those and no others.
-pub(super) fn other_items(args: &RenderArgs, earlier: &Document) -> Result<(), Failure> {
+pub(super) fn other_items(
+    (input, args): (Option<&str>, &PictureArgs),
+    earlier: &Document,
+) -> Result<(), Failure> {
     if earlier.items.len() < 2 {
         return Ok(());
     }
     no_item_flags(args, "the scene of an earlier picture")?;
-    if args.input.is_some() {
+    if input.is_some() {
         return Err(Failure::usage(
             "--like: the picture shows several items and says what is in it, so it takes no other input",
         ));
@@ -53,7 +56,7 @@ pub(super) fn outside(
 }
 
 /// Flags about Gaussians need Gaussians; flags about sheets need sheets.
-pub(super) fn gaussians(args: &RenderArgs, scene: &Scene, settings: &RenderSettings) -> Result<(), Failure> {
+pub(super) fn gaussians(args: &PictureArgs, scene: &Scene, settings: &RenderSettings) -> Result<(), Failure> {
     let has = |item: &Item| matches!(item.content, Content::Gaussians(_));
     if args.item.gaussians.is_some() && !scene.items.iter().any(has) {
         return Err(Failure::usage(match scene.single_volume() {

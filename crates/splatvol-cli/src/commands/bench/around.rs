@@ -1,11 +1,11 @@
 //! The camera that benchmarks turn around a volume: its direction is parallel to no axis of the grid.
 //!
-//! It looks at the middle of the grid's box; its distance d is the smallest at which every corner (x, y, z) in camera
+//! It looks at the middle of the box of what is shown; its distance d is the smallest at which every corner (x, y, z) in camera
 //! axes from that middle keeps `|x| <= f a s (d + z)` and `|y| <= f s (d + z)`: s the slope of the picture's upper
 //! edge, a its aspect, f the share of it that the box may fill.
 
 use glam::DVec3;
-use splatvol::{Camera, Grid, Projection, SceneError};
+use splatvol::{Camera, Projection, SceneError};
 
 use crate::args::ProjectionName;
 
@@ -18,23 +18,29 @@ const FOV_DEGREES: f64 = 30.0;
 /// Share of the picture's width or height that the box fills.
 const FILL: f64 = 0.85;
 
-/// The camera for a picture `aspect` times as wide as high.
-pub(crate) fn around(grid: &Grid, projection: ProjectionName, aspect: f64) -> Result<Camera, SceneError> {
-    let bounds = grid.bounds();
-    let target = bounds.centre();
+/// The camera for a picture `aspect` times as wide as high of what lies between corners, world.
+pub(crate) fn around(
+    corners: &[DVec3; 8],
+    projection: ProjectionName,
+    aspect: f64,
+) -> Result<Camera, SceneError> {
+    let [low, high] =
+        [DVec3::min, DVec3::max].map(|pick| corners.iter().copied().reduce(pick).unwrap_or_default());
+    let target = 0.5 * (low + high);
+    let diagonal = (high - low).length();
     let direction = TOWARDS_CAMERA.normalize();
     let at = |distance: f64, projection| Camera::new(target + distance * direction, target, UP, projection);
     let perspective = Projection::Perspective {
         fov_degrees: FOV_DEGREES,
     };
-    let axes = at(bounds.diagonal(), perspective)?.camera_from_world().matrix3;
-    let corners = grid.corners().map(|corner| axes * (corner - target));
+    let axes = at(diagonal, perspective)?.camera_from_world().matrix3;
+    let corners = corners.map(|corner| axes * (corner - target));
     let most = |value: &dyn Fn(&DVec3) -> f64| corners.iter().map(value).fold(0.0, f64::max);
     let extent = |corner: &DVec3| corner.y.abs().max(corner.x.abs() / aspect) / FILL;
     match projection {
         ProjectionName::Orthographic => {
             let height = 2.0 * most(&extent);
-            at(bounds.diagonal(), Projection::Orthographic { height })
+            at(diagonal, Projection::Orthographic { height })
         }
         ProjectionName::Perspective => {
             let slope = (0.5 * FOV_DEGREES).to_radians().tan();
@@ -46,7 +52,7 @@ pub(crate) fn around(grid: &Grid, projection: ProjectionName, aspect: f64) -> Re
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splatvol::ImageSize;
+    use splatvol::{Grid, ImageSize};
 
     #[test]
     fn the_box_fills_its_share_of_the_picture() {
@@ -54,7 +60,7 @@ mod tests {
         for (width, height) in [(200, 200), (50, 400)] {
             let size = ImageSize::new(width, height).unwrap();
             for projection in [ProjectionName::Perspective, ProjectionName::Orthographic] {
-                let camera = around(&grid, projection, size.aspect()).unwrap();
+                let camera = around(&grid.corners(), projection, size.aspect()).unwrap();
                 let screen = camera.screen_from_camera(size);
                 let reach = grid
                     .corners()

@@ -5,7 +5,6 @@
 //! which ends none. Opacities are per mean voxel spacing.
 
 use splatvol::{ColorPoint, OpacityPoint, SceneError, TransferFunction, Volume};
-use splatvol_document::input::Input;
 use splatvol_samples::Sample;
 
 use crate::args::LookArgs;
@@ -38,13 +37,13 @@ pub(super) struct Window {
 impl Window {
     /// The requested range, or the sample's, or all values; and the sample's best known surface, or the value that
     /// divides the data best.
-    pub(super) fn new(input: &Input, args: &LookArgs) -> Self {
-        let (range, iso) = match input.sample {
+    pub(super) fn new((volume, sample): (&Volume, Option<Sample>), args: &LookArgs) -> Self {
+        let (range, iso) = match sample {
             // Bone, in Hounsfield units.
             Some(Sample::Head) => ([-1000.0, 2000.0], 350.0),
             // The outermost shell, whose values reach 110.
             Some(Sample::Shells) => ([0.0, 255.0], 60.0),
-            _ => (input.volume.value_range(), dividing_value(&input.volume)),
+            _ => (volume.value_range(), dividing_value(volume)),
         };
         Self {
             range: args.clim.unwrap_or(range),

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use splatvol::{Camera, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene};
+use splatvol::{Camera, Control, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene};
 use splatvol_document::orbited;
 
 use super::process;
@@ -24,8 +24,8 @@ pub(super) struct Course {
 /// Subject of a case.
 pub(super) struct Subject {
     pub(super) scene: Scene,
-    /// Of the first measured frame.
-    pub(super) camera: Camera,
+    /// Of the first measured frame: one, or those of the pictures of which it is the mean.
+    pub(super) cameras: Vec<Camera>,
     pub(super) settings: RenderSettings,
     pub(super) threads: usize,
 }
@@ -89,10 +89,25 @@ struct Times {
 }
 
 fn timed_frame(renderer: &mut Renderer, subject: &Subject, turn: f64) -> Result<(Frame, Times), Failure> {
-    let camera = orbited(subject.camera, turn, 0.0).during(Step::Render)?;
+    let turned = |camera: &Camera| orbited(*camera, turn, 0.0);
+    let cameras: Vec<Camera> = subject
+        .cameras
+        .iter()
+        .map(turned)
+        .collect::<Result<_, _>>()
+        .during(Step::Render)?;
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
     let (start, cpu_before) = (Instant::now(), process::cpu_time());
-    let frame = renderer.render(&subject.scene, &camera, &subject.settings);
+    let frame = match &cameras[..] {
+        [camera] => renderer.render(&subject.scene, camera, &subject.settings),
+        cameras => {
+            let mut mean = Frame::empty(subject.settings.size);
+            let exposed = (&subject.scene, cameras, &subject.settings);
+            renderer
+                .expose(exposed.0, exposed.1, exposed.2, &mut mean, &Control::default())
+                .map(|()| mean)
+        }
+    };
     let (wall, cpu_after) = (start.elapsed(), process::cpu_time());
     let cpu = cpu_after
         .zip(cpu_before)

@@ -12,26 +12,21 @@ mod measure;
 mod process;
 mod report;
 pub(crate) mod scenes;
+mod shown;
 
 use std::path::Path;
-use std::sync::Arc;
 
-use splatvol::{ImageSize, Item, Scene};
-use splatvol_document::input::{self, Input};
-use splatvol_document::keys::{CHARCOAL, CameraKeys};
-use splatvol_document::look::{self, Look};
-use splatvol_document::upright::Up;
-use splatvol_document::{CameraPose, Surroundings, outline};
+use splatvol_document::{CameraPose, Picture};
 
-use self::around::around;
 use self::checksum::{Check, Checksum, Expected};
-use self::looks::Window;
 use self::measure::{Course, Measured, Subject, measure, median};
 use self::report::{CaseReport, Report, Table};
 use self::scenes::{SceneChoice, Variant};
-use crate::args::{BenchArgs, LookName, MethodArgs, ProjectionName, of_input};
+use self::shown::Shown;
+use crate::args::BenchArgs;
+use crate::commands::outputs::encode_with_bits;
 use crate::failure::{During, Failure, Step};
-use crate::output::{Target, check_distinct, encode_frame, picture_format};
+use crate::output::{Target, check_distinct, picture_format};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &BenchArgs, terminal: &Terminal) -> Result<(), Failure> {
@@ -90,7 +85,7 @@ impl<'a> Bench<'a> {
                 "--update-expected: other flags change the pictures of the fixed scenes",
             ));
         }
-        let picture = args.picture.as_deref();
+        let picture = args.first_frame.as_deref();
         picture.map(picture_format).transpose()?;
         let results = [("picture", picture), ("report", args.json.as_deref())];
         let results = results.map(|(name, path)| path.map(|path| (name, Target::new(path))));
@@ -125,16 +120,12 @@ impl<'a> Bench<'a> {
         let mut cases = Vec::new();
         self.print(&self.table.head())?;
         for scene in scenes::scenes(self.args) {
-            let keys = of_input(&self.args.read, &scene.reference);
-            let mut input = input::load(&keys, self.terminal.reads(self.args.read.rules()))?;
-            if let Some(axis) = Up::of(&input).said(&scene.reference, self.terminal) {
-                input.turn(axis)?;
-            }
+            let shown = Shown::read(&scene, self.args, self.terminal)?;
             for variant in &self.variants {
-                let subject = self.subject(&scene, &input, variant)?;
-                let (case, measured) = self.case(&scene, variant, &subject)?;
+                let picture = shown.picture(variant)?;
+                let (case, measured) = self.case(&scene, (&picture, variant))?;
                 if cases.is_empty() {
-                    self.write_picture(&measured)?;
+                    self.write_picture(&picture, &measured)?;
                 }
                 self.print(&self.table.line(&case))?;
                 cases.push(case);
@@ -155,63 +146,29 @@ impl<'a> Bench<'a> {
         })
     }
 
-    fn subject(&self, scene: &SceneChoice, input: &Input, variant: &Variant) -> Result<Subject, Failure> {
-        let args = self.args;
-        let method = MethodArgs {
-            classification: variant.classification,
-            ..args.method.clone()
-        };
-        let settings = method.keys(None);
-        let window = || Window::new(input, &args.look);
-        let look = match variant.look {
-            LookName::Opaque => Look::from(window().opaque().during(Step::Usage)?),
-            LookName::Translucent => Look::from(window().translucent().during(Step::Usage)?),
-            LookName::AsRender => {
-                let keys = args.item_keys(&scene.reference);
-                look::resolve(
-                    &keys,
-                    input,
-                    settings.compositing(),
-                    self.terminal.reads(self.args.read.rules()),
-                )?
-            }
-        };
-        let size = match args.size {
-            Some(size) => size,
-            None => ImageSize::new(scene.side, scene.side).during(Step::Usage)?,
-        };
-        let settings = settings.resolve(Some(size), look.wishes)?;
-        let projection = variant.projection.unwrap_or(ProjectionName::Perspective);
-        let around = around(input.volume.grid(), projection, size.aspect()).during(Step::Usage)?;
-        let camera = CameraKeys::from(&args.camera).over(&CameraKeys::from(&CameraPose::from(&around)));
-        let item = Item::volume(Arc::clone(&input.volume), look.transfer_function.clone());
-        let outlines = || outline(&item, camera.fit.unwrap_or_default());
-        let preferred = input.sample.and_then(|sample| sample.preferred_view());
-        let surroundings = Surroundings::of_outline(outlines, size.aspect()).preferring(preferred);
-        let camera = camera.resolve(&surroundings)?;
-        Ok(Subject {
-            scene: Scene::new(Arc::clone(&input.volume), look.transfer_function),
-            camera,
-            settings,
-            threads: variant.threads,
-        })
-    }
-
     fn case(
         &self,
         scene: &SceneChoice,
-        variant: &Variant,
-        subject: &Subject,
+        (shown, variant): (&Picture, &Variant),
     ) -> Result<(CaseReport, Measured), Failure> {
-        let classification = subject.settings.method.classification();
-        let projection = subject.camera.projection().into();
+        let classification = shown.settings.method.classification();
+        let projection = shown.camera.projection().into();
         let name = scenes::case_name(&scene.name, variant.look, classification, projection);
+        let subject = Subject {
+            scene: shown.scene.clone(),
+            cameras: match &shown.sub_frames[..] {
+                [] => vec![shown.camera],
+                several => several.to_vec(),
+            },
+            settings: shown.settings,
+            threads: variant.threads,
+        };
         process::reset_peak_memory();
         let measured = {
             let bar = self
                 .terminal
                 .progress(format!("{name}, {} threads", subject.threads));
-            measure(subject, &self.course, &|share| bar.set(share))?
+            measure(&subject, &self.course, &|share| bar.set(share))?
         };
         let peak_memory_bytes = process::peak_memory();
         let picture = Checksum::new(&measured.first.image);
@@ -219,16 +176,17 @@ impl<'a> Bench<'a> {
             Some(expected) => expected.check(&name, &picture),
             None => Check::Unchecked,
         };
-        let single = subject.scene.single_volume().during(Step::Render)?;
+        let single = shown.scene.single_volume().ok();
         let case = CaseReport {
             name,
-            input: scene.reference.clone(),
-            dims: single.volume.grid().dims(),
+            input: scene.input.clone().unwrap_or_else(|| scene.name.clone()),
+            dims: single.as_ref().map(|single| single.volume.grid().dims()),
             look: variant.look,
             threads: subject.threads,
             settings: subject.settings,
-            camera: CameraPose::from(&subject.camera),
-            transfer_function: single.transfer_function.clone(),
+            camera: CameraPose::from(&shown.camera),
+            transfer_function: single.map(|single| single.transfer_function.clone()),
+            document: shown.document.clone(),
             median_wall_ms: median(&measured.wall_ms),
             median_cpu_ms: measured.cpu_ms.as_deref().map(median),
             wall_ms: measured.wall_ms.clone(),
@@ -241,11 +199,12 @@ impl<'a> Bench<'a> {
         Ok((case, measured))
     }
 
-    fn write_picture(&self, measured: &Measured) -> Result<(), Failure> {
-        let Some(path) = &self.args.picture else {
+    fn write_picture(&self, shown: &Picture, measured: &Measured) -> Result<(), Failure> {
+        let Some(path) = &self.args.first_frame else {
             return Ok(());
         };
-        let bytes = encode_frame(&measured.first, picture_format(path)?, Some(CHARCOAL), &[])?;
+        let format = (picture_format(path)?, shown.bits());
+        let bytes = encode_with_bits(&measured.first, format, shown.background(), &[])?;
         Target::File(path.clone()).write(&bytes, self.args.write.overwrite)
     }
 

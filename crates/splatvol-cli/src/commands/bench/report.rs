@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use splatvol::{RenderSettings, RenderStatistics, StageSeconds, TransferFunction};
-use splatvol_document::CameraPose;
+use splatvol_document::{CameraPose, Document};
 
 use super::checksum::{Check, Checksum};
 use super::measure::Course;
@@ -32,16 +32,19 @@ pub(super) struct Report {
 pub(super) struct CaseReport {
     /// Scene, look, classification and projection.
     pub(super) name: String,
-    /// The volume, as `splatvol render` takes it.
+    /// The file or the earlier picture, as `splatvol render` takes it.
     pub(super) input: String,
-    /// Samples along x, y, z.
-    pub(super) dims: [usize; 3],
+    /// Samples along x, y, z of a volume that is shown alone.
+    pub(super) dims: Option<[usize; 3]>,
     pub(super) look: LookName,
     pub(super) threads: usize,
     pub(super) settings: RenderSettings,
     /// Of the first measured frame.
     pub(super) camera: CameraPose,
-    pub(super) transfer_function: TransferFunction,
+    /// Of a volume that is shown alone.
+    pub(super) transfer_function: Option<TransferFunction>,
+    /// All that the picture is made of, as a scene file has it.
+    pub(super) document: Document,
     pub(super) median_wall_ms: f64,
     pub(super) median_cpu_ms: Option<f64>,
     /// Wall clock per frame.

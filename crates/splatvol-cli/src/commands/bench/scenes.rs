@@ -34,13 +34,13 @@ impl FixedScene {
     }
 }
 
-/// A volume to measure.
+/// What is measured.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SceneChoice {
     /// In names of cases.
     pub(super) name: String,
-    /// As `splatvol render` takes it.
-    pub(super) reference: String,
+    /// As `splatvol render` takes it; `None` if an earlier picture says it.
+    pub(super) input: Option<String>,
     /// Side of its picture unless asked otherwise, pixels.
     pub(super) side: u32,
 }
@@ -58,7 +58,14 @@ pub(super) struct Variant {
 pub(super) fn scenes(args: &BenchArgs) -> Vec<SceneChoice> {
     let given = args.inputs.iter().map(|input| SceneChoice {
         name: input.clone(),
-        reference: input.clone(),
+        input: Some(input.clone()),
+        side: 512,
+    });
+    // Without an input, an earlier picture says what is shown.
+    let earlier = args.picture.like.iter().filter(|_| args.inputs.is_empty());
+    let earlier = earlier.map(|like| SceneChoice {
+        name: like.display().to_string(),
+        input: None,
         side: 512,
     });
     let selected = |scene: &&FixedScene| match (&args.scenes[..], &args.update_expected) {
@@ -66,28 +73,30 @@ pub(super) fn scenes(args: &BenchArgs) -> Vec<SceneChoice> {
         ([], None) => scene.quick == args.quick,
         (names, _) => names.iter().any(|name| name == scene.name),
     };
-    let fixed = FIXED_SCENES.iter().filter(|_| args.inputs.is_empty());
+    let fixed = FIXED_SCENES.iter().filter(|_| args.is_fixed());
     let fixed = fixed.filter(selected).map(|scene| SceneChoice {
         name: scene.name.to_owned(),
-        reference: format!("sample:{}", scene.name),
+        input: Some(format!("sample:{}", scene.name)),
         side: scene.side,
     });
-    given.chain(fixed).collect()
+    given.chain(earlier).chain(fixed).collect()
 }
 
 /// The cases of each volume; threads vary fastest.
 pub(super) fn variants(args: &BenchArgs) -> Vec<Variant> {
-    let fixed = args.inputs.is_empty();
+    let fixed = args.is_fixed();
+    let picture = &args.picture;
+    let looks_given = !picture.look.is_empty() || picture.effects.tf2d.is_some();
     let looks = match &args.looks[..] {
-        [] if fixed && args.look.is_empty() => vec![LookName::Opaque, LookName::Translucent],
+        [] if fixed && !looks_given => vec![LookName::Opaque, LookName::Translucent],
         [] => vec![LookName::AsRender],
         looks => looks.to_vec(),
     };
-    let classifications = match args.method.classification {
+    let classifications = match picture.method.classification {
         None if fixed => vec![Some(ClassificationName::Post), Some(ClassificationName::Pre)],
         one => vec![one],
     };
-    let flags_project = args.camera.camera_fov.is_some() || args.camera.orthographic.is_some();
+    let flags_project = picture.camera.camera_fov.is_some() || picture.camera.orthographic.is_some();
     let projections = match &args.projection[..] {
         [] if fixed && !flags_project => vec![
             Some(ProjectionName::Perspective),
