@@ -1,11 +1,13 @@
 """One case: a volume under a transfer function, by both renderers."""
 
 import dataclasses
+import importlib.metadata
 import statistics
 
 from PIL import Image
 
 import quality
+import references
 import scenes
 from splatvol_renderer import CONVERGED, TERMINATION
 from vtk_renderer import REFERENCE_STEP, VtkRenderer
@@ -42,6 +44,7 @@ class Comparison:
         self.splatvol = None if args.only == "vtk" else splatvol
         self.vtk = None if args.only == "splatvol" else VtkRenderer(args.size, args.threads)
         self.reader = splatvol
+        self.references = references.References(None if args.fresh_references else args.references)
 
     def cases(self, reference):
         """Yields the figures of each transfer function on a volume."""
@@ -99,14 +102,23 @@ class Comparison:
         picture = self.vtk.frame(scene.camera).copy()
         truth = scene.of(scenes.marschner_lobb(VTK_REFINEMENT, whole_voxels=False)) if analytic else scene
         step = ANALYTIC_STEP if analytic else REFERENCE_STEP
-        return picture, self.vtk.reference(truth.volume, scene.transfer_function, LIGHTING, scene.camera, step)
+        key = {"renderer": f"VTK {importlib.metadata.version('vtk')}", "step": step,
+               **references.of_scene(truth, LIGHTING, self.args.size)}
+        return picture, self.references.picture(key, lambda: self.vtk.reference(
+            truth.volume, scene.transfer_function, LIGHTING, scene.camera, step))
 
     def _splatvol_pictures(self, scene, analytic):
         arguments = self.splatvol.scene(scene.volume, scene.transfer_function, LIGHTING, scene.camera)
         picture = self.splatvol.picture(arguments)[0]
+        key = {"renderer": self.splatvol.digest(), "flags": [] if analytic else self.splatvol.extra,
+               "converged": "truth" if analytic else CONVERGED, **references.of_scene(scene, LIGHTING, self.args.size)}
         if analytic:
-            return picture, self._splatvol_truth(scene)
-        return picture, self.splatvol.picture(arguments, *CONVERGED)[0]
+            return picture, self.references.picture(key, lambda: self._splatvol_truth(scene))
+        return picture, self.references.picture(key, lambda: self.splatvol.picture(arguments, *self._converged())[0])
+
+    def _converged(self):
+        """The same kernel at full resolution, with thin sheets and nearly no early end."""
+        return [*CONVERGED, *(["--level-bias=0"] if self.splatvol.is_draft() else [])]
 
     def _splatvol_truth(self, scene):
         """The function itself, whatever preset and flags are compared with it."""

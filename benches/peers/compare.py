@@ -20,6 +20,7 @@ import tempfile
 from pathlib import Path
 
 import cold_start
+import references
 import report
 import scenes
 from cases import Comparison
@@ -28,12 +29,14 @@ from vtk_renderer import VtkError
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS = ROOT.parent / "shared/data/volumes"
+RESULTS = Path(__file__).resolve().parent / "results"
 EXAMPLES = """examples:
   compare.py                                    the default volumes: a few minutes
   compare.py sample:shells --tf semi --rounds 5
   compare.py scan.nii.gz@300 --view diag --orthographic
   compare.py sample:marschner-lobb --pictures out
   compare.py engine.vti --only vtk --json vtk.json
+  compare.py --preset fast --record             a table of this machine in benches/peers/results
   compare.py --cold-start bonsai.vti            process start to picture written, with PyVista too"""
 
 
@@ -62,6 +65,13 @@ def arguments():
     parser.add_argument("--flag", action="append", default=[], metavar="FLAG",
                         help="another flag for splatvol, repeatable: --flag=--kernel-sigma=0.6")
     parser.add_argument("--splatvol", type=Path, help="the program [default: target/release/splatvol, or on PATH]")
+    parser.add_argument("--references", type=Path, metavar="DIR", default=references.DEFAULT_FOLDER,
+                        help="keep converged pictures here between runs, by samples, look, camera and program "
+                        "[default: %(default)s]")
+    parser.add_argument("--fresh-references", action="store_true", help="make converged pictures anew, and keep none")
+    parser.add_argument("--record", type=Path, metavar="DIR", nargs="?", const=RESULTS,
+                        help="write the table, with date and processor, to a file of this machine in a folder "
+                        "[default: benches/peers/results]")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="save both renderers' pictures and references")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every figure")
     parser.add_argument("--cold-start", action="store_true", help="time whole processes instead of frames")
@@ -123,6 +133,8 @@ def main():
                     document["cases"].append(case)
                     print(report.progress(case), file=sys.stderr)
             print(report.table(document))
+    if args.record:
+        print(f"recorded in {report.record(document, args.record, extra)}", file=sys.stderr)
     if args.json:
         args.json.write_text(json.dumps(document, indent=1) + "\n")
 

@@ -1,8 +1,10 @@
 """The figures as a table."""
 
+import datetime
 import importlib.metadata
 import os
 import platform
+import re
 from pathlib import Path
 
 
@@ -56,6 +58,19 @@ def table(document):
                 for name in ("vtk", "splatvol")]
         lines.append("| " + " | ".join(row) + " |")
     return "\n".join(lines)
+
+
+def record(document, folder, flags):
+    """Writes the tables to this machine's file in a folder; returns its path. One file per processor, threads and flags."""
+    parts = [document["processor"] or "unknown", f"{document['threads']} threads", *flags]
+    name = "-".join(filter(None, (re.sub(r"[^a-z0-9.]+", "-", part.lower()).strip("-") for part in parts)))
+    made = cold_start_table(document) if "cold-start" in document else table(document)
+    kind = "cold-start-" if "cold-start" in document else ""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{kind}{name}.md"
+    flags = " ".join(flags) or "none"
+    path.write_text(f"# {datetime.date.today().isoformat()}\n\nFlags of splatvol: {flags}.\n\n{made}\n")
+    return path
 
 
 def cold_start_table(document):

@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 from PIL import Image, PngImagePlugin
 
+import references
 import scenes
 import timing
 
@@ -39,6 +40,15 @@ class Splatvol:
         """The same program with its most exact method instead of the user's flags."""
         return Splatvol(self.program, self.folder, self.size, self.threads, ["--preset=best"])
 
+    def digest(self):
+        """What tells this program from others, of the same version too."""
+        return references.of_file(self.program)
+
+    def is_draft(self):
+        """Whether pictures have less than full resolution."""
+        flags = " ".join(self.extra).replace("=", " ")
+        return "--preset draft" in flags or "--level-bias" in flags
+
     def version(self):
         """As `--version` says."""
         return self.run("--version").decode().strip()
@@ -57,7 +67,8 @@ class Splatvol:
         volume.write_nrrd(nrrd)
         transfer_function.write_paraview(preset)
         look = {
-            "size": f"{self.size}x{self.size}", "tf": preset, "unit-distance": transfer_function.unit_distance,
+            # Without it, volumes that seem to stand on y are turned to z, in front of a camera that is not.
+            "up": "z", "size": f"{self.size}x{self.size}", "tf": preset, "unit-distance": transfer_function.unit_distance,
             "threads": self.threads, "ambient": lighting.ambient, "diffuse": lighting.diffuse,
             "specular": lighting.specular, "specular-power": lighting.power, "camera-pos": _triple(camera.eye),
             "camera-target": _triple(camera.target), "camera-up": _triple(scenes.UP),
@@ -76,6 +87,14 @@ class Splatvol:
         if case["cpu_ms"] is None:
             raise SplatvolError("splatvol bench knows no processor times on this system")
         return timing.Batch(case["wall_ms"], case["cpu_ms"], machine.others)
+
+    def first_frame(self, scene):
+        """RGB of the first frame that `batch` measures."""
+        path = self.folder / "first-frame.png"
+        self.run("bench", *scene, "--frames", 1, "--warm-up", 0, "--background", "black", "--picture", path, "--overwrite",
+                 "--json", self.folder / "bench.json")
+        with Image.open(path) as png:
+            return np.array(png.convert("RGB"))
 
     def picture(self, scene, *more):
         """Renders the first frame; returns RGB and the settings it was made with. Later flags win over earlier."""
