@@ -146,7 +146,7 @@ pub fn options(item: &ItemKeys, rules: ReadRules) -> Result<ReadOptions, Documen
         raw: layout(item)?,
         array: item.array.clone(),
         component: item.component,
-        time: item.time.unwrap_or(0),
+        time: item.time,
         channel: item.channel,
         level: item.level.unwrap_or(0),
         series: item.series.clone(),

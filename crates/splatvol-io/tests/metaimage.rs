@@ -197,7 +197,7 @@ fn images_series_and_channels() {
                   TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nElementDataFile = LOCAL\n";
     std::fs::write(&path, [series.as_bytes(), &data].concat()).unwrap();
     let second = ReadOptions {
-        time: 1,
+        time: Some(1),
         ..ReadOptions::default()
     };
     assert_eq!(
@@ -206,7 +206,7 @@ fn images_series_and_channels() {
     );
     assert_eq!(*load(&path).volume.samples(), Samples::U8((0..8).collect()));
     let third = ReadOptions {
-        time: 2,
+        time: Some(2),
         ..ReadOptions::default()
     };
     assert!(read_volume(&path, &third).is_err());

@@ -95,7 +95,7 @@ fn what_is_not_there_is_said() {
         "{error}"
     );
     let time = ReadOptions {
-        time: 1,
+        time: Some(1),
         ..ReadOptions::default()
     };
     assert!(read_volume(folder.join("wm.mgz"), &time).is_err());

@@ -78,7 +78,10 @@ fn hyperstacks_of_imagej_have_channels_slices_and_frames() {
         (first.description.times, first.description.channels.len()),
         (2, 2)
     );
-    let other = read_bytes(&bytes, |options| (options.channel, options.time) = (Some(1), 1)).unwrap();
+    let other = read_bytes(&bytes, |options| {
+        (options.channel, options.time) = (Some(1), Some(1));
+    })
+    .unwrap();
     assert_eq!(found(&other), [7, 9, 11]);
     let error = read_bytes(&bytes, |options| options.channel = Some(2))
         .unwrap_err()

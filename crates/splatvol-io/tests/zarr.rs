@@ -104,7 +104,7 @@ fn levels_channels_and_times_are_chosen() {
         assert_eq!(first.volume.grid().origin(), DVec3::new(90.0, 8.0, 7.0));
         assert_eq!(first.volume.unit(), LengthUnit::Micrometre);
         let other = read(folder.path(), |options| {
-            (options.level, options.channel, options.time) = (1, Some(1), 1);
+            (options.level, options.channel, options.time) = (1, Some(1), Some(1));
         });
         let other = other.unwrap();
         assert_eq!(words(&other), expected(1, 1, [3, 2, 2]), "{order}");

@@ -3,7 +3,6 @@
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
 
-use super::stored::Selection;
 use super::{Description, Loaded, ReadOptions};
 use crate::error::Context;
 use crate::{IoError, SampleType};
@@ -33,22 +32,11 @@ impl Draft {
         self.description.warnings.push(warning.into());
     }
 
-    /// Records the number of time points and, if there are several, which one is read.
-    pub(crate) fn set_times(&mut self, times: usize, time: usize) {
+    /// Records the number of time points, and warns if the first of several is read that nobody asked for.
+    pub(crate) fn set_times(&mut self, times: usize, options: &ReadOptions) {
         self.description.times = times;
-        if times > 1 {
-            self.warn(format!("time point {time} of {times} is read"));
-        }
-    }
-
-    /// Warns which of several volumes is read.
-    pub(super) fn warn_of_series(&mut self, selection: &Selection) {
-        self.description.times = selection.times;
-        if selection.volumes > 1 {
-            self.warn(format!(
-                "volume {} of {} is read",
-                selection.volume, selection.volumes
-            ));
+        if times > 1 && options.time.is_none() {
+            self.warn(format!("time point 0 of {times} is read"));
         }
     }
 
@@ -164,10 +152,11 @@ pub(crate) fn choose_time(
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<usize, IoError> {
-    if options.time < count {
-        return Ok(options.time);
+    let time = options.time.unwrap_or(0);
+    if time < count {
+        return Ok(time);
     }
-    let what = format!("time point {} was asked for, the file has {count}", options.time);
+    let what = format!("time point {time} was asked for, the file has {count}");
     Err(context.unsupported(what))
 }
 

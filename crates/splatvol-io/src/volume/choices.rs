@@ -26,7 +26,7 @@ pub(super) fn check(format: Format, options: &ReadOptions, context: &Context<'_>
         ),
         (
             "time",
-            number(options.time),
+            options.time.and_then(number),
             &[Mgh, Nrrd, Dicom, Zarr, Nifti, Tiff, MetaImage],
         ),
         ("level", number(options.level), &[Zarr]),

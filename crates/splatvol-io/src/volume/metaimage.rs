@@ -64,7 +64,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
             None => draft.warn(format!("length units are not kept: {}", excerpt(&field.value))),
         }
     }
-    draft.warn_of_series(&selection);
+    draft.set_times(selection.times, options);
     draft.grid(&context)?;
     let stored = Stored {
         layout,

@@ -63,7 +63,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         files: vec![path.to_owned()],
         ..Description::default()
     };
-    draft.set_times(frames, time);
+    draft.set_times(frames, options);
     let count = sample_count(dims, 1, sample_type, options, context)?;
     source.skip(sample_type.byte_count(count).saturating_mul(time as u64), context)?;
     let mut buffer = SampleBuffer::new(sample_type, Endian::Big);

@@ -85,8 +85,8 @@ pub struct ReadOptions {
     pub array: Option<String>,
     /// Component to take from vector-valued samples; without it they are refused.
     pub component: Option<usize>,
-    /// Time point to take from a series.
-    pub time: usize,
+    /// Time point to read, from 0; if absent, the first one, with a warning if there are others.
+    pub time: Option<usize>,
     /// Channel to read, from 0; if absent, the first one, with a warning if there are others.
     pub channel: Option<usize>,
     /// Level of detail to take from multi-scale images; 0 is the finest.
@@ -110,7 +110,7 @@ impl Default for ReadOptions {
             raw: None,
             array: None,
             component: None,
-            time: 0,
+            time: None,
             channel: None,
             level: 0,
             series: None,

@@ -159,7 +159,7 @@ fn bits_are_read_from_the_lowest_on_without_gaps_between_frames() {
     // Frames of six bits: 1 0 0 1 1 0, then 0 1 1 0 1 0.
     file.set(0x7fe0_0010, b"OB", vec![0b1001_1001, 0b0000_0101]);
     let options = |time| ReadOptions {
-        time,
+        time: Some(time),
         ..ReadOptions::default()
     };
     for (time, expected) in [[1, 0, 0, 1, 1, 0], [0, 1, 1, 0, 1, 0]].into_iter().enumerate() {

@@ -233,13 +233,13 @@ fn missing_and_doubled_slices_are_told_and_times_chosen() {
     assert!(doubled.description.warnings[0].starts_with("1 slices lie where another one lies"));
     let folder = tempfile::tempdir().unwrap();
     series(folder.path(), EXPLICIT, &[0.0, 1.0, 0.0, 1.0]);
-    let second = read_in(folder.path(), |options| options.time = 1).unwrap();
+    let second = read_in(folder.path(), |options| options.time = Some(1)).unwrap();
     assert_eq!(second.description.times, 2);
     let Samples::U16(samples) = second.volume.samples() else {
         panic!("words")
     };
     assert_eq!([samples[0], samples[6]], [2, 3]);
-    assert!(read_in(folder.path(), |options| options.time = 2).is_err());
+    assert!(read_in(folder.path(), |options| options.time = Some(2)).is_err());
 }
 
 #[test]

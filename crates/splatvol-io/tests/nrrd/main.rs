@@ -281,7 +281,7 @@ fn vectors_and_series_are_chosen_from_never_guessed() {
     let series = "type: uchar\nencoding: raw\ndimension: 4\nsizes: 2 2 2 3\nspacings: 1 1 1 NaN\n\
                   kinds: space space space time";
     let time = |n| ReadOptions {
-        time: n,
+        time: Some(n),
         ..ReadOptions::default()
     };
     for n in 0..3 {
@@ -290,7 +290,8 @@ fn vectors_and_series_are_chosen_from_never_guessed() {
             *loaded.volume.samples(),
             Samples::U8(rgb[8 * n..8 * n + 8].to_vec().into())
         );
-        assert_eq!(loaded.description.warnings, [format!("volume {n} of 3 is read")]);
+        // Who asks for a time point is not warned that it is read.
+        assert!(loaded.description.warnings.is_empty());
         let zipped = series.replace("raw", "gzip");
         assert_eq!(
             with(&zipped, &gzip(&rgb), &time(n)).unwrap().volume.samples(),
@@ -304,6 +305,8 @@ fn vectors_and_series_are_chosen_from_never_guessed() {
         );
     }
     assert!(with(series, &rgb, &time(3)).is_err());
+    let first = with(series, &rgb, &ReadOptions::default()).unwrap();
+    assert_eq!(first.description.warnings, ["time point 0 of 3 is read"]);
 
     let unnamed = "type: uchar\nencoding: raw\ndimension: 4\nsizes: 3 2 2 2";
     assert!(refused(read_fields(unnamed, &rgb)).contains("4 spatial axes"));

@@ -127,7 +127,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let codes = axis_codes(&draft.grid(context)?);
     draft.description.oriented = stack.placed;
     draft.description.orientation = orientation(stack.placed, &codes, stack.tilt);
-    draft.set_times(stack.times, options.time);
+    draft.set_times(stack.times, options);
     sample_count(draft.dims, 1, SampleType::F32, options, context)?;
     let ordered: Vec<&Slice> = stack.order.iter().map(|&i| &slices[i]).collect();
     let (samples, rescale) = samples((&ordered, channel), &images, &mut draft.description)?;

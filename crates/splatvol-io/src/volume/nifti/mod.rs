@@ -54,7 +54,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
             header.bitpix, header.datatype
         ));
     }
-    draft.warn_of_series(&selection);
+    draft.set_times(selection.times, options);
     let codes = axis_codes(&draft.grid(&context)?);
     let mut layout = layout(&header, sample_type, compressed);
     draft.description.format = match header.version {

@@ -49,7 +49,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         .warnings
         .into_iter()
         .for_each(|warning| draft.warn(warning));
-    draft.warn_of_series(&axes.selection);
+    draft.set_times(axes.selection.times, options);
     draft.grid(&context)?;
     let stored = Stored {
         layout: header.layout,

@@ -70,7 +70,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         .warnings
         .iter()
         .for_each(|warning| draft.warn(warning.clone()));
-    draft.set_times(layout.times, time);
+    draft.set_times(layout.times, options);
     draft.world_from_voxel = DAffine3::from_mat3(DMat3::from_diagonal(layout.spacing));
     draft.unit = layout.unit;
     draft.grid(context)?;

@@ -240,7 +240,7 @@ fn load(
     description.files = vec![array.folder.clone()];
     let sizes = spatial_sizes(array, image).map(|size| i64::try_from(size).unwrap_or(i64::MAX));
     let mut draft = Draft::new(checked_dims(&sizes, "shape", None, context)?, description);
-    draft.set_times(times, options.time);
+    draft.set_times(times, options);
     geometry(&mut draft, level, &axes, &spatial);
     draft.grid(context)?;
     sample_count(draft.dims, 1, array.sample_type, options, context)?;
