@@ -1,24 +1,11 @@
 //! Readers of points against known figures of real files, and against small files made here.
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use splatvol_io::{IoError, LoadedPoints, ReadOptions, read_points};
-
-fn shared(folder: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(folder);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!(
-        "skipped: {}: no ../shared/data",
-        std::thread::current().name().unwrap_or("a test")
-    );
-    None
-}
+use splatvol_recorded::recorded;
 
 fn load(path: &Path) -> LoadedPoints {
     read_points(path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -115,7 +102,7 @@ const KNOWN: &[Known] = &[
 
 #[test]
 fn real_files_hold_what_is_known_of_them() {
-    let Some(folder) = shared("points") else { return };
+    let Some(folder) = recorded("points") else { return };
     for known in KNOWN {
         let loaded = load(&folder.join(known.name));
         let (points, name) = (&loaded.points, known.name);
@@ -145,7 +132,7 @@ fn real_files_hold_what_is_known_of_them() {
 
 #[test]
 fn real_meshes_become_surfels_inside_their_boxes() {
-    let Some(folder) = shared("points") else { return };
+    let Some(folder) = recorded("points") else { return };
     for &(name, triangles, [low, high]) in MESHES {
         let loaded = load(&folder.join(name));
         let stored = &loaded.description.stored_type;
@@ -173,7 +160,7 @@ fn real_meshes_become_surfels_inside_their_boxes() {
 
 #[test]
 fn files_of_the_same_points_agree() {
-    let Some(folder) = shared("points") else { return };
+    let Some(folder) = recorded("points") else { return };
     let [text, binary] =
         ["beetle.ascii.ply", "beetle.binary.ply"].map(|name| load(&folder.join(name)).points);
     for (a, b) in text.positions().iter().zip(binary.positions()) {
@@ -196,7 +183,7 @@ fn files_of_the_same_points_agree() {
 
 #[test]
 fn coordinates_of_maps_keep_their_centimetres() {
-    let Some(folder) = shared("points") else { return };
+    let Some(folder) = recorded("points") else { return };
     let loaded = load(&folder.join("autzen-utm.pcd"));
     let bytes = std::fs::read(folder.join("autzen-utm.pcd")).unwrap();
     let start = bytes.windows(12).position(|w| w == b"DATA binary\n").unwrap() + 12;

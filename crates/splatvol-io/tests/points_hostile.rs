@@ -6,7 +6,7 @@ mod common;
 #[path = "common/small_points.rs"]
 mod small_points;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::Random;
@@ -14,6 +14,7 @@ use splatvol_io::{
     DepthImageOptions, HeightFieldOptions, IoError, LoadedPoints, ReadOptions, read_depth_images,
     read_height_field, read_points,
 };
+use splatvol_recorded::recorded;
 
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Memory of the whole test at its worst moment.
@@ -41,25 +42,13 @@ fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<LoadedPoints, I
     result
 }
 
-fn shared(folder: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../../shared/data")
-        .join(folder);
-    folder.is_dir().then_some(folder)
-}
-
 /// Small files of every format; LAS is the real one.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
     let mut files = small_points::files();
-    if let Some(points) = shared("points") {
+    if let Some(points) = recorded("points") {
         for name in ["1.2-with-color.las", "1.2-with-color.copc.laz"] {
             files.push((name, std::fs::read(points.join(name)).unwrap()));
         }
-    } else {
-        println!(
-            "skipped: {}: no ../shared/data",
-            std::thread::current().name().unwrap_or("a test")
-        );
     }
     files
 }
@@ -165,7 +154,7 @@ fn promises_cost_nothing() {
     std::fs::write(&path, steep).unwrap();
     let error = read_height_field(&path, &options).unwrap_err().to_string();
     assert!(error.contains("another scale"), "{error}");
-    let Some(points) = shared("points") else { return };
+    let Some(points) = recorded("points") else { return };
     for name in ["1.2-with-color.las", "1.2-with-color.copc.laz"] {
         let mut bytes = std::fs::read(points.join(name)).unwrap();
         // LAS 1.4 has its own count, which holds if the old one is zero.

@@ -8,18 +8,11 @@ use splatvol_io::{
     DepthImageOptions, Endian, HeightFieldOptions, ImageFormat, LoadedPoints, RawLayout, RowOrder,
     SampleType, read_depth_images, read_height_field, write_image,
 };
+use splatvol_recorded::recorded;
 use splatvol_scene::{Image, ImageSize};
 
 fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/terrain");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!(
-        "skipped: {}: no ../shared/data",
-        std::thread::current().name().unwrap_or("a test")
-    );
-    None
+    recorded("terrain")
 }
 
 fn load(path: &Path, options: &HeightFieldOptions) -> LoadedPoints {

@@ -69,7 +69,7 @@ fn check(paper: &str) {
         };
         let outcome = match (experiment.run)(&bench) {
             Err(error @ LabError::NoData { .. }) => {
-                println!("skipped {}: {error}", experiment.name);
+                splatvol_recorded::skip(&format!("{}: {error}", experiment.name));
                 skipped.push(experiment.name);
                 continue;
             }

@@ -2,21 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use splatvol_recorded::recorded;
+
 use crate::sandbox::{Sandbox, png};
 
 /// Voxel orders of the same head, with the letters L and R on either side of it.
 const ORDERS: [&str; 8] = ["RAS", "LPI", "PSR", "ASL", "IAR", "SPL", "ILP", "ARS"];
 
 fn shared_volumes() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volumes");
-    if !folder.is_dir() {
-        println!(
-            "skipped: {}: no ../shared/data",
-            std::thread::current().name().unwrap_or("a test")
-        );
-        return None;
-    }
-    Some(folder)
+    recorded("volumes")
 }
 
 fn picture(sandbox: &Sandbox, path: &Path, view: &str) -> (u32, u32, Vec<u8>) {

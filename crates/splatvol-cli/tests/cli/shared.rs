@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use splatvol_recorded::recorded;
+
 use crate::orientation::psnr;
 use crate::sandbox::{Sandbox, png};
 
@@ -18,15 +20,7 @@ const COMPANIONS: [&str; 7] = [
 ];
 
 fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    if !folder.is_dir() {
-        println!(
-            "skipped: {}: no ../shared/data",
-            std::thread::current().name().unwrap_or("a test")
-        );
-        return None;
-    }
-    Some(folder)
+    recorded("")
 }
 
 /// Files and folders of data in a folder of the shared ones.

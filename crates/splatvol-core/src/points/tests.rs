@@ -197,14 +197,8 @@ fn threads_do_not_matter() {
 
 /// Vertices and the sums of their triangles' normals, which point inward in this file: its volume comes out negative.
 fn bunny() -> Option<(Vec<[f32; 3]>, Vec<DVec3>)> {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/points/bunny.ply");
-    let Ok(text) = std::fs::read_to_string(path) else {
-        println!(
-            "skipped: {}: no ../shared/data",
-            std::thread::current().name().unwrap_or("a test")
-        );
-        return None;
-    };
+    let path = splatvol_recorded::recorded("points")?.join("bunny.ply");
+    let text = std::fs::read_to_string(path).unwrap();
     let mut lines = text.lines().skip_while(|line| *line != "end_header").skip(1);
     let numbers = |line: &str| -> Vec<f64> { line.split_whitespace().map(|w| w.parse().unwrap()).collect() };
     let vertices: Vec<DVec3> = lines

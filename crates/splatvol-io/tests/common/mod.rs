@@ -11,21 +11,14 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
+use splatvol_recorded::recorded;
 
 /// A reader must finish with a small malformed file within this time, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The folder of real volumes, or `None` (with a line saying so) where it is absent.
 pub fn shared_volumes() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volumes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!(
-        "skipped: {}: no ../shared/data",
-        std::thread::current().name().unwrap_or("a test")
-    );
-    None
+    recorded("volumes")
 }
 
 /// Reads with default options.

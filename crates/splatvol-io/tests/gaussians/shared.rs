@@ -4,20 +4,13 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use splatvol_io::{LoadedGaussians, ReadOptions, is_gaussians, read_gaussians, write_gaussians};
+use splatvol_recorded::recorded;
 use splatvol_scene::Gaussians;
 
 use crate::harmonics::{differences, in_world};
 
 fn folder() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gaussians");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!(
-        "skipped: {}: no ../shared/data",
-        std::thread::current().name().unwrap_or("a test")
-    );
-    None
+    recorded("gaussians")
 }
 
 fn load(path: &Path) -> LoadedGaussians {

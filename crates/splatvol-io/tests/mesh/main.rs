@@ -7,6 +7,7 @@ mod written;
 use std::path::{Path, PathBuf};
 
 use splatvol_io::{LoadedMesh, ReadOptions, read_mesh};
+use splatvol_recorded::recorded;
 
 /// Options that name an array.
 fn array(name: &str) -> ReadOptions {
@@ -18,15 +19,7 @@ fn array(name: &str) -> ReadOptions {
 
 /// Folder of the real files; none outside the project's own workplace.
 fn real_files() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!(
-        "skipped: {}: no ../shared/data",
-        std::thread::current().name().unwrap_or("a test")
-    );
-    None
+    recorded("meshes")
 }
 
 fn read(path: &Path, name: Option<&str>) -> LoadedMesh {

@@ -105,7 +105,7 @@ fn instructions_do_not_change_a_bit() {
     let expected = frames(EngineConfig::default(), &views);
     for simd in SimdLevel::ALL {
         if !simd.is_available() {
-            println!("skipped: this processor has no {simd:?}");
+            splatvol_recorded::skip(&format!("this processor has no {simd:?}"));
             continue;
         }
         let config = EngineConfig {

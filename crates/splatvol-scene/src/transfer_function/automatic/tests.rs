@@ -279,14 +279,9 @@ fn a_given_map_replaces_the_colors_only_and_the_choice_repeats() {
 
 #[test]
 fn classic_scans_show_their_known_structures() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volumes");
-    if !folder.is_dir() {
-        println!(
-            "skipped: {}: no ../shared/data",
-            std::thread::current().name().unwrap_or("a test")
-        );
+    let Some(folder) = splatvol_recorded::recorded("volumes") else {
         return;
-    }
+    };
     let load = |name: &str, dims| {
         let samples = Samples::U8(std::fs::read(folder.join(name)).unwrap().into());
         let grid = Grid::centred(dims, DVec3::ONE).unwrap();

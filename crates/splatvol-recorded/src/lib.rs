@@ -1,0 +1,44 @@
+//! Recorded files of the tests, and a word where a test cannot run.
+//!
+//! Test runners hide what passing tests print. So each line `skipped: NAME: why` also goes to the file that the environment
+//! variable `SPLATVOL_SKIPPED` names, if it is set: `scripts/test` sets it, and prints the file at the end.
+//!
+//! The crate has no dependencies, so that the tests of every crate can use it.
+#![forbid(unsafe_code)]
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The environment variable that names the list of what was skipped.
+pub const LIST: &str = "SPLATVOL_SKIPPED";
+
+/// The folder of recorded files of a kind, `../shared/data/KIND` beside the repository; an empty kind is all of them. Without
+/// the folder the calling test is [skipped](skip), and there is nothing to test with.
+pub fn recorded(kind: &str) -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data")
+        .join(kind);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    skip("no ../shared/data");
+    None
+}
+
+/// Says that the calling test, or a part of it, cannot run, and why.
+pub fn skip(why: &str) {
+    let thread = std::thread::current();
+    let line = format!("skipped: {}: {why}", thread.name().unwrap_or("a test"));
+    println!("{line}");
+    if let Some(list) = std::env::var_os(LIST) {
+        note(Path::new(&list), &line);
+    }
+}
+
+/// Appends a line in one piece: tests run side by side. A list that cannot be written must not fail the test.
+fn note(list: &Path, line: &str) {
+    let file = std::fs::OpenOptions::new().append(true).create(true).open(list);
+    if let Err(error) = file.and_then(|mut file| file.write_all(format!("{line}\n").as_bytes())) {
+        println!("{}: {error}", list.display());
+    }
+}
