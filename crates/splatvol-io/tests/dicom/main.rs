@@ -6,6 +6,7 @@ mod colors;
 mod common;
 mod file;
 mod run_length;
+mod uneven;
 
 use std::io::Write;
 use std::path::Path;
