@@ -26,8 +26,8 @@ use splatvol_scene::{Gaussians, Mesh, Points, Volume};
 use crate::points::{self, height_field};
 use crate::{
     DepthImageOptions, Description, GaussiansDescription, HeightFieldOptions, IoError, Loaded,
-    LoadedGaussians, LoadedMesh, LoadedPoints, ReadOptions, is_gaussians, is_mesh, read_depth_images,
-    read_gaussians, read_height_field, read_mesh, read_points, read_volume, volume,
+    LoadedGaussians, LoadedMesh, LoadedPoints, ReadOptions, is_gaussians, is_mesh, is_plot3d_pair,
+    read_depth_images, read_gaussians, read_height_field, read_mesh, read_points, read_volume, volume,
 };
 
 /// Data of any kind that can be read.
@@ -164,7 +164,9 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
     if points::is_poly_data(path)? {
         return Ok(DataKind::Points);
     }
-    if is_mesh(path)? {
+    // A solution beside a file says what a file of text is that could be a table, too.
+    let is_grid = |solution: &PathBuf| is_plot3d_pair(path, solution);
+    if is_mesh(path)? || options.read.solution.as_ref().is_some_and(is_grid) {
         return Ok(DataKind::Mesh);
     }
     let volume = volume::known(path);

@@ -50,6 +50,7 @@ pub use image::{
     write_image,
 };
 pub use item::read_item;
+pub use mesh::plot3d::is_plot3d_pair;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use points::depth_image::{DepthImageOptions, read_depth_images};
 pub use points::height_field::{HeightFieldOptions, RowOrder, read_height_field};

@@ -58,6 +58,9 @@ pub(crate) struct RenderArgs {
     /// File or folder (volume, points, Gaussians, mesh, scene.toml), or sample:NAME[:SIZE]
     #[arg(required_unless_present_any = ["like", "list_methods"])]
     pub(crate) input: Option<String>,
+    /// Solution, where the input is a PLOT3D grid: the same as --solution
+    #[arg(value_name = "SOLUTION", conflicts_with = "solution", requires = "input")]
+    pub(crate) second_input: Option<String>,
     /// PNG or EXR to write, - for stdout [default: INPUT's name with .png]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,

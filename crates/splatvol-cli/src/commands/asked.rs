@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use splatvol_document::format::{is_scene, read_scene};
 use splatvol_document::motion::CameraMotion;
 use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resolving};
+use splatvol_io::is_plot3d_pair;
 
 use super::render::describe;
 use super::studio::threads_within;
@@ -36,14 +37,17 @@ pub(super) struct Prepared {
 impl Asked {
     /// The document that `render` asks for.
     pub(super) fn of(args: &RenderArgs) -> Result<Self, Failure> {
-        Self::over((args.input.as_deref(), &args.picture), |file| args.document(file))
+        let (input, solution) = inputs(args)?;
+        Self::over((input, &args.picture), |file| {
+            with_solution(args.document(file), solution)
+        })
     }
 
     /// The document that `animate` asks for.
     pub(super) fn of_animation(args: &AnimateArgs) -> Result<Self, Failure> {
-        let render = &args.render;
-        Self::over((render.input.as_deref(), &render.picture), |file| {
-            args.document(file)
+        let (input, solution) = inputs(&args.render)?;
+        Self::over((input, &args.render.picture), |file| {
+            with_solution(args.document(file), solution)
         })
     }
 
@@ -162,6 +166,28 @@ impl Asked {
             false => error.into(),
         }
     }
+}
+
+/// The input and, if there are two, its solution: a grid and a solution of PLOT3D, in either order.
+fn inputs(args: &RenderArgs) -> Result<(Option<&str>, Option<&str>), Failure> {
+    let (Some(first), Some(second)) = (args.input.as_deref(), args.second_input.as_deref()) else {
+        return Ok((args.input.as_deref(), None));
+    };
+    for (grid, solution) in [(first, second), (second, first)] {
+        if is_plot3d_pair(grid, solution) {
+            return Ok((Some(grid), Some(solution)));
+        }
+    }
+    let what = format!("two inputs, {first} and {second}, which are no grid and solution of PLOT3D");
+    Err(Failure::usage(what).hint("a scene shows several files (scene.toml); -o names the picture"))
+}
+
+/// The document of flags, with the solution that is the second input.
+fn with_solution(mut flags: Document, solution: Option<&str>) -> Document {
+    if let (Some(item), Some(solution)) = (flags.items.first_mut(), solution) {
+        item.solution = Some(solution.to_owned());
+    }
+    flags
 }
 
 fn of_file(scene: &str, args: &PictureArgs) -> Result<Document, Failure> {

@@ -82,6 +82,7 @@ fn read_array(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError>
         Some(Format::LegacyVtk) => legacy_vtk::read(path, options),
         Some(Format::VtkXml) => vtk_xml::read(path, options),
         Some(Format::Plot3d) => plot3d::read(path, options),
+        None if options.solution.is_some() => plot3d::read(path, options),
         None => {
             let what = "no mesh: neither a VTK grid (legacy or XML) that is not regular nor PLOT3D";
             Err(Context::new("mesh", path).unsupported(what))

@@ -1,13 +1,15 @@
 //! PLOT3D: a grid (.xyz, .x, .g) and its solution (.q), after NASA's PLOT3D manual (TM 101067, section 8).
 //!
-//! The files do not record their own layout. Byte order, Fortran record marks, one grid or several, 32 or 64 bits and
-//! IBLANK are chosen so that the dimensions agree with the length of the file.
+//! The files do not record their own layout. Byte order, Fortran record marks, one grid or several, two dimensions or three, 32
+//! or 64 bits and IBLANK are chosen so that the dimensions agree with the length of the file. Files of text have the same
+//! numbers in the same order, and are told apart by how many there are.
 //!
 //! The solution holds density rho, momentum rho u, and energy per volume e; with gamma = 1.4 they give velocity u and
 //! pressure `(gamma - 1) (e - rho u^2 / 2)`.
 
 mod companion;
 mod layout;
+mod text;
 
 use std::path::Path;
 
@@ -36,15 +38,56 @@ const ARRAYS: [(&str, usize); 5] = [
 ];
 
 /// True where a file of `length` bytes that begins with `start` has one of PLOT3D's layouts; nearly, if it has a customary
-/// extension.
+/// extension. Flat grids and text need an extension of PLOT3D's own; text that may be a table also needs its companion.
 pub(super) fn recognises(path: &Path, start: &[u8], length: u64) -> bool {
+    let is_own = companion::has_own_extension(path);
+    if text::is_text(start) {
+        return is_own && text::is_plausible(start, length) && companion::is_text(path);
+    }
     let near = companion::is_customary(path);
-    [Content::Grid, Content::Solution]
-        .into_iter()
-        .any(|content| match near {
-            true => Layout::near(start, length, content).is_some(),
-            false => Layout::find(start, length, content).is_some(),
-        })
+    let layout = |content| match near {
+        true => Layout::near(start, length, content),
+        false => Layout::find(start, length, content),
+    };
+    let mut layouts = [Content::Grid, Content::Solution].into_iter().filter_map(layout);
+    layouts.any(|layout| is_own || !layout.is_flat())
+}
+
+/// True if `grid` is a grid and `solution` a solution of its dimensions, whatever their names. Files that cannot be read are
+/// neither.
+pub fn is_plot3d_pair(grid: impl AsRef<Path>, solution: impl AsRef<Path>) -> bool {
+    let blocks = |path: &Path, content| {
+        let context = &Context::new("PLOT3D", path);
+        let found = companion::is_candidate(path).then(|| load(path, content, context).ok());
+        Some(found??.layout.blocks)
+    };
+    let grid = blocks(grid.as_ref(), Content::Grid);
+    grid.is_some() && grid == blocks(solution.as_ref(), Content::Solution)
+}
+
+/// A file's numbers and their layout.
+struct Loaded {
+    layout: Layout,
+    bytes: Vec<u8>,
+    warning: Option<String>,
+}
+
+fn load(path: &Path, content: Content, context: &Context<'_>) -> Result<Loaded, IoError> {
+    let bytes = read_file(path, context)?;
+    if text::is_text(&bytes) {
+        let (layout, bytes) = text::read(&bytes, content, context)?;
+        return Ok(Loaded {
+            layout,
+            bytes,
+            warning: None,
+        });
+    }
+    let (layout, warning) = Layout::of(&bytes, content, context)?;
+    Ok(Loaded {
+        layout,
+        bytes,
+        warning,
+    })
 }
 
 /// Reads a grid and its solution; `path` is either. The other is [`ReadOptions::solution`] or lies beside it under the
@@ -56,14 +99,18 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
     let context = &Context::new("PLOT3D", path);
     let (grid_path, solution_path) = companion::pair(path, options.solution.as_deref(), context)?;
     let grid_context = &Context::new("PLOT3D grid", &grid_path);
-    let bytes = read_file(&grid_path, grid_context)?;
-    let (grid, warning) = Layout::of(&bytes, Content::Grid, grid_context)?;
-    let mut warnings: Vec<String> = warning.map(|text| format!("grid: {text}")).into_iter().collect();
-    let mut draft = grid.draft(&bytes);
-    drop(bytes);
+    let stored = load(&grid_path, Content::Grid, grid_context)?;
+    let grid = stored.layout;
+    let mut warnings: Vec<String> = Vec::new();
+    warnings.extend(stored.warning.map(|text| format!("grid: {text}")));
+    let mut draft = grid.draft(&stored.bytes);
+    drop(stored.bytes);
     let context = &Context::new("PLOT3D solution", &solution_path);
-    let bytes = read_file(&solution_path, context)?;
-    let (solution, warning) = Layout::of(&bytes, Content::Solution, context)?;
+    let Loaded {
+        layout: solution,
+        bytes,
+        warning,
+    } = load(&solution_path, Content::Solution, context)?;
     warnings.extend(warning.map(|text| format!("solution: {text}")));
     if solution.blocks != grid.blocks {
         let (found, expected) = (
@@ -98,7 +145,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
         warnings,
         ..Description::default()
     };
-    draft.finish((&heads[index], component), description, &heads, context)
+    draft.finish((&heads[index], component), description, &heads, grid_context)
 }
 
 fn head(name: &str, components: usize, sample_type: SampleType) -> ArrayHead {
@@ -133,10 +180,14 @@ impl Layout {
         for block in 0..self.blocks.len() {
             let (start, count) = (self.start(block, Content::Grid), self.points(block));
             let coordinate = |axis: usize, point: usize| self.real(bytes, start, axis * count + point);
-            let point = |point| DVec3::new(coordinate(0, point), coordinate(1, point), coordinate(2, point));
+            let height = |point| match self.plane {
+                true => 0.0,
+                false => coordinate(2, point),
+            };
+            let point = |point| DVec3::new(coordinate(0, point), coordinate(1, point), height(point));
             draft.positions.extend((0..count).map(point));
             if self.blanked {
-                let marks = start + 3 * count * self.real_size();
+                let marks = start + self.axes() * count * self.real_size();
                 // 0 is a point inside a body. Others are valid: 1, walls (2), points that another grid gives
                 // (negative).
                 let blank = |point| self.integer(bytes, marks + 4 * point) == 0;
@@ -150,15 +201,20 @@ impl Layout {
     fn values(&self, bytes: &[u8], block: usize, index: usize) -> Vec<f64> {
         let (start, count) = (self.start(block, Content::Solution), self.points(block));
         let stored = |variable: usize, point: usize| self.real(bytes, start, variable * count + point);
-        let momentum = |point| DVec3::new(stored(1, point), stored(2, point), stored(3, point));
+        let energy = self.variables() - 1;
+        let across = |point| match self.plane {
+            true => 0.0,
+            false => stored(3, point),
+        };
+        let momentum = |point| DVec3::new(stored(1, point), stored(2, point), across(point));
         let pressure = |point| {
             let kinetic = 0.5 * momentum(point).length_squared() / stored(0, point);
-            (GAMMA - 1.0) * (stored(4, point) - kinetic)
+            (GAMMA - 1.0) * (stored(energy, point) - kinetic)
         };
         let velocity = |point| (momentum(point) / stored(0, point)).to_array();
         match ARRAYS[index].0 {
             "density" => (0..count).map(|point| stored(0, point)).collect(),
-            "energy" => (0..count).map(|point| stored(4, point)).collect(),
+            "energy" => (0..count).map(|point| stored(energy, point)).collect(),
             "pressure" => (0..count).map(pressure).collect(),
             "velocity" => (0..count).flat_map(velocity).collect(),
             _ => (0..count).flat_map(|point| momentum(point).to_array()).collect(),
@@ -166,12 +222,16 @@ impl Layout {
     }
 
     fn describe(&self) -> String {
+        let grids = self.blocks.len();
+        if self.text {
+            return format!("text, {grids} grid(s)");
+        }
         let order = match self.endian {
             Endian::Little => "little-endian",
             Endian::Big => "big-endian",
         };
         let records = if self.records { ", Fortran records" } else { "" };
         let bits = 8 * self.real_size();
-        format!("f{bits}, {order}{records}, {} grid(s)", self.blocks.len())
+        format!("f{bits}, {order}{records}, {grids} grid(s)")
     }
 }

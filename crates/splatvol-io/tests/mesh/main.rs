@@ -1,6 +1,7 @@
 //! Meshes: real files against the figures of other readers (VTK's own, six digits), and small files made by hand.
 
 mod malformed;
+mod plot3d_text;
 mod real;
 mod written;
 

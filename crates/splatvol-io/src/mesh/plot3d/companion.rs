@@ -3,15 +3,56 @@
 use std::path::{Path, PathBuf};
 
 use super::layout::{Content, Layout};
+use super::text;
 use crate::IoError;
 use crate::error::Context;
 use crate::source::read_file;
 
 /// True for the extensions of grids and solutions, and of binary files.
 pub(super) fn is_customary(path: &Path) -> bool {
+    has_own_extension(path)
+        || path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("bin"))
+}
+
+/// True for the extensions of grids and solutions.
+pub(super) fn has_own_extension(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let extension = extension.to_string_lossy();
-    extension == "bin" || EXTENSIONS.iter().any(|names| names.contains(&extension.as_ref()))
+    EXTENSIONS.iter().any(|names| names.contains(&extension.as_ref()))
+}
+
+/// True for a file that may be read to see whether it is a grid or a solution.
+pub(super) fn is_candidate(path: &Path) -> bool {
+    is_customary(path) && path.is_file()
+}
+
+/// True where a file of text has as many numbers as a grid or a solution, and is no table, or has its companion.
+pub(super) fn is_text(path: &Path) -> bool {
+    let context = &Context::new("PLOT3D", path);
+    let Ok(bytes) = read_file(path, context) else {
+        return false;
+    };
+    let mut contents = [Content::Grid, Content::Solution].into_iter();
+    contents.any(|content| text::layout(&bytes, content).is_some())
+        && (!text::is_table(&bytes) || pair(path, None, context).is_ok())
+}
+
+/// Whether a file holds this, a few bytes more or less.
+fn holds(bytes: &[u8], content: Content) -> bool {
+    match text::is_text(bytes) {
+        true => text::layout(bytes, content).is_some(),
+        false => Layout::near(bytes, bytes.len() as u64, content).is_some(),
+    }
+}
+
+/// Whether a file holds this and nothing else.
+fn holds_exactly(bytes: &[u8], content: Content) -> bool {
+    match text::is_text(bytes) {
+        true => holds(bytes, content),
+        false => Layout::find(bytes, bytes.len() as u64, content).is_some(),
+    }
 }
 
 /// Extensions, and ends or parts of names, of grids and of the solutions that go with them.
@@ -28,8 +69,7 @@ pub(super) fn pair(
         return Ok((path.to_owned(), solution.to_owned()));
     }
     let bytes = read_file(path, context)?;
-    let holds = |bytes: &[u8], content| Layout::near(bytes, bytes.len() as u64, content).is_some();
-    let exactly = |content| Layout::find(&bytes, bytes.len() as u64, content).is_some();
+    let exactly = |content| holds_exactly(&bytes, content);
     let is_grid = exactly(Content::Grid) || (holds(&bytes, Content::Grid) && !exactly(Content::Solution));
     let wanted = match is_grid {
         true => Content::Solution,

@@ -16,9 +16,9 @@ const SLACK: u64 = 64;
 /// Kind of file: grid or solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Content {
-    /// x, y, z, and perhaps IBLANK.
+    /// x, y and, unless the grid is plane, z; and perhaps IBLANK.
     Grid,
-    /// Four numbers of the flow, and five variables.
+    /// Four numbers of the flow, and five variables; four on a plane, whose momentum lies in it.
     Solution,
 }
 
@@ -29,14 +29,18 @@ pub(super) struct Layout {
     /// True where every record stands between two counts of its bytes, as Fortran writes unformatted files.
     pub(super) records: bool,
     /// True where a number of grids comes first.
-    several: bool,
+    pub(super) several: bool,
+    /// True for two dimensions and coordinates instead of three.
+    pub(super) plane: bool,
+    /// True where the file was text, and its numbers are given here in big-endian order.
+    pub(super) text: bool,
     /// True for 64-bit reals.
     pub(super) wide: bool,
     /// True where an integer per point follows the coordinates.
     pub(super) blanked: bool,
     pub(super) blocks: Vec<[usize; 3]>,
     /// Bytes of all blocks before each one.
-    before: Vec<u64>,
+    pub(super) before: Vec<u64>,
 }
 
 impl Layout {
@@ -52,8 +56,8 @@ impl Layout {
         let layout = Self::near(bytes, length, content).ok_or_else(|| {
             let found = format!("{} bytes", bytes.len());
             let what = match content {
-                Content::Grid => "x, y, z and perhaps IBLANK of the grids' dimensions",
-                Content::Solution => "4 and 5 n numbers of the grids' dimensions",
+                Content::Grid => "x, y, z (or x, y) and perhaps IBLANK of the grids' dimensions",
+                Content::Solution => "4 and 5 n numbers (or 4 and 4 n) of the grids' dimensions",
             };
             context.field(
                 "length",
@@ -80,11 +84,13 @@ impl Layout {
         layouts.find(|layout| layout.length(content) == Some(length))
     }
 
-    /// The layout that misses `length` by the fewest bytes, and by no more than a part of it.
+    /// The layout that misses `length` by the fewest bytes, and by no more than a part of it; flat grids by none, because two
+    /// dimensions fit too much.
     pub(super) fn near(start: &[u8], length: u64, content: Content) -> Option<Self> {
         let misses = |layout: &Self| {
             let needed = layout.length(content)?;
-            Some(needed.abs_diff(length)).filter(|missed| *missed <= length / SLACK)
+            let slack = if layout.is_flat() { 0 } else { length / SLACK };
+            Some(needed.abs_diff(length)).filter(|missed| *missed <= slack)
         };
         let layouts = Self::all(start, content).filter_map(|layout| Some((misses(&layout)?, layout)));
         layouts
@@ -94,14 +100,16 @@ impl Layout {
 
     /// The layouts whose dimensions can be read.
     fn all(start: &[u8], content: Content) -> impl Iterator<Item = Self> {
-        let choices = (0..32u8).map(|bits| [0, 1, 2, 3, 4].map(|bit| bits >> bit & 1 == 1));
+        let choices = (0..64u8).map(|bits| [0, 1, 2, 3, 4, 5].map(|bit| bits >> bit & 1 == 1));
         choices
-            .filter(move |&[.., blanked]| !blanked || content == Content::Grid)
-            .filter_map(move |[little, records, several, wide, blanked]| {
+            .filter(move |&[.., blanked, _]| !blanked || content == Content::Grid)
+            .filter_map(move |[little, records, several, wide, blanked, plane]| {
                 let layout = Self {
                     endian: if little { Endian::Little } else { Endian::Big },
                     records,
                     several,
+                    plane,
+                    text: false,
                     wide,
                     blanked,
                     blocks: Vec::new(),
@@ -111,8 +119,23 @@ impl Layout {
             })
     }
 
+    /// True where a grid has one point along an axis, or no such axis.
+    pub(super) fn is_flat(&self) -> bool {
+        self.blocks.iter().flatten().any(|&size| size == 1)
+    }
+
+    /// Coordinates of a point.
+    pub(super) fn axes(&self) -> usize {
+        if self.plane { 2 } else { 3 }
+    }
+
+    /// Variables of a solution: density, momentum, energy.
+    pub(super) fn variables(&self) -> usize {
+        2 + self.axes()
+    }
+
     /// Reads the dimensions.
-    fn with_blocks(mut self, start: &[u8]) -> Option<Self> {
+    pub(super) fn with_blocks(mut self, start: &[u8]) -> Option<Self> {
         let mark =
             |at: usize, bytes: usize| !self.records || self.try_integer(start, at) == Some(bytes as i32);
         let margin = self.margin();
@@ -126,14 +149,22 @@ impl Layout {
             }
         }
         let head = self.head();
-        if !mark(head, 12 * grids) || start.len() < head + 12 * grids {
+        let axes = self.axes();
+        if !mark(head, 4 * axes * grids) || start.len() < head + 4 * axes * grids {
             return None;
         }
         let size = |index: usize| {
             let size = self.try_integer(start, head + margin + 4 * index)?;
-            (2..=MOST).contains(&size).then_some(size as usize)
+            (1..=MOST).contains(&size).then_some(size as usize)
         };
-        let block = |grid: usize| Some([size(3 * grid)?, size(3 * grid + 1)?, size(3 * grid + 2)?]);
+        let block = |grid: usize| {
+            let mut block = [1; 3];
+            for (axis, place) in block.iter_mut().enumerate().take(axes) {
+                *place = size(axes * grid + axis)?;
+            }
+            // A line of points has no layer.
+            (block.iter().filter(|&&size| size > 1).count() > 1).then_some(block)
+        };
         self.blocks = (0..grids).map(block).collect::<Option<_>>()?;
         Some(self)
     }
@@ -164,21 +195,24 @@ impl Layout {
             .iter()
             .try_fold(1u64, |n, &size| n.checked_mul(size as u64))?;
         let (real, margin) = (self.real_size() as u64, self.margin() as u64);
+        let (axes, variables) = (self.axes() as u64, self.variables() as u64);
         match content {
             Content::Grid => {
                 let blanks = if self.blanked { 4 } else { 0 };
-                points.checked_mul(3 * real + blanks)?.checked_add(2 * margin)
+                points.checked_mul(axes * real + blanks)?.checked_add(2 * margin)
             }
-            Content::Solution => points.checked_mul(5 * real)?.checked_add(4 * real + 4 * margin),
+            Content::Solution => points
+                .checked_mul(variables * real)?
+                .checked_add(4 * real + 4 * margin),
         }
     }
 
     fn blocks_start(&self) -> usize {
-        self.head() + 12 * self.blocks.len() + 2 * self.margin()
+        self.head() + 4 * self.axes() * self.blocks.len() + 2 * self.margin()
     }
 
     /// Adds up the lengths of the blocks.
-    fn with_places(mut self, content: Content) -> Option<Self> {
+    pub(super) fn with_places(mut self, content: Content) -> Option<Self> {
         let mut sum = 0u64;
         for block in 0..self.blocks.len() {
             self.before.push(sum);
@@ -187,7 +221,7 @@ impl Layout {
         Some(self)
     }
 
-    fn length(&self, content: Content) -> Option<u64> {
+    pub(super) fn length(&self, content: Content) -> Option<u64> {
         let last = self.blocks.len().checked_sub(1)?;
         let blocks = self.before[last].checked_add(self.block_length(last, content)?)?;
         blocks.checked_add(self.blocks_start() as u64)
