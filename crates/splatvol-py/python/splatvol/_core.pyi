@@ -67,7 +67,10 @@ class Data:
 
     @staticmethod
     def read(
-        item: str, strict: bool = False, stop: Stop | None = None, progress: _Progress | None = None
+        item: str,
+        rules: tuple[bool, bool, int | None] = (False, False, None),
+        stop: Stop | None = None,
+        progress: _Progress | None = None,
     ) -> tuple[Data, list[tuple[bool, str]]]: ...
     @staticmethod
     def volume(
