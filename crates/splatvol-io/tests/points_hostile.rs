@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 mod common;
+#[path = "common/small_las.rs"]
+mod small_las;
 #[path = "common/small_points.rs"]
 mod small_points;
 
@@ -42,9 +44,15 @@ fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<LoadedPoints, I
     result
 }
 
-/// Small files of every format; LAS is the real one.
+/// Small files of every format, and recorded LAS where there is any.
 fn files() -> Vec<(&'static str, Vec<u8>)> {
     let mut files = small_points::files();
+    files.extend(las_files());
+    files
+}
+
+fn las_files() -> Vec<(&'static str, Vec<u8>)> {
+    let mut files = small_las::files();
     if let Some(points) = recorded("points") {
         for name in ["1.2-with-color.las", "1.2-with-color.copc.laz"] {
             files.push((name, std::fs::read(points.join(name)).unwrap()));
@@ -154,9 +162,7 @@ fn promises_cost_nothing() {
     std::fs::write(&path, steep).unwrap();
     let error = read_height_field(&path, &options).unwrap_err().to_string();
     assert!(error.contains("another scale"), "{error}");
-    let Some(points) = recorded("points") else { return };
-    for name in ["1.2-with-color.las", "1.2-with-color.copc.laz"] {
-        let mut bytes = std::fs::read(points.join(name)).unwrap();
+    for (name, mut bytes) in las_files() {
         // LAS 1.4 has its own count, which holds if the old one is zero.
         let large = bytes[25] == 4;
         let old: u32 = if large { 0 } else { u32::MAX };
