@@ -57,7 +57,8 @@ pub fn check(item: &ItemKeys, kind: DataKind) -> Result<(), DocumentError> {
 fn known_keys(kind: DataKind) -> &'static [&'static str] {
     match kind {
         DataKind::Volume => &VOLUMES,
-        DataKind::Points | DataKind::DepthImages => &POINTS,
+        DataKind::Points => &POINTS,
+        DataKind::DepthImages => &DEPTH_IMAGES,
         DataKind::Terrain => &TERRAIN,
         DataKind::Gaussians => &[],
         DataKind::Mesh => &MESHES,
@@ -114,7 +115,9 @@ const MESHES: [&str; 9] = [
     "unit-distance",
 ];
 /// Keys of points.
-const POINTS: [&str; 3] = ["color", "point-opacity", "radius"];
+const POINTS: [&str; 4] = ["array", "color", "point-opacity", "radius"];
+/// Keys of what depth cameras saw.
+const DEPTH_IMAGES: [&str; 3] = ["color", "point-opacity", "radius"];
 /// Keys of terrain.
 const TERRAIN: [&str; 10] = [
     "dims",

@@ -26,11 +26,11 @@ pub(super) struct Draft {
 }
 
 /// Cells of one piece, as VTK's two file formats store them.
-pub(super) struct StoredCells {
-    pub(super) types: Vec<u8>,
+pub(crate) struct StoredCells {
+    pub(crate) types: Vec<u8>,
     /// End of each cell's points in the connectivity.
-    pub(super) ends: Vec<u64>,
-    pub(super) connectivity: Vec<u64>,
+    pub(crate) ends: Vec<u64>,
+    pub(crate) connectivity: Vec<u64>,
 }
 
 impl Draft {

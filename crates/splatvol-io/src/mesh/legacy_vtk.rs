@@ -18,7 +18,7 @@ use crate::volume::vtk_array::{self, ArrayHead, TupleCounts};
 use crate::volume::{Description, ReadOptions};
 use crate::{IoError, SampleType};
 
-pub(crate) use poly::read as read_poly;
+pub(crate) use poly::{has_flat_cells, read as read_poly};
 
 /// Reads a .vtk file.
 ///

@@ -119,7 +119,7 @@ pub(crate) enum PolyFormat {
 }
 
 /// The kind of polygonal data that a file begins like, if it does.
-pub(crate) fn poly_format(start: &[u8]) -> Option<PolyFormat> {
+fn poly_format(start: &[u8]) -> Option<PolyFormat> {
     let text = String::from_utf8_lossy(start).to_ascii_uppercase();
     if data_set(&text) == Some("POLYDATA") {
         return Some(PolyFormat::LegacyVtk);
@@ -127,6 +127,19 @@ pub(crate) fn poly_format(start: &[u8]) -> Option<PolyFormat> {
     let xml =
         text.trim_start().starts_with('<') && text.contains("<VTKFILE") && text.contains("\"POLYDATA\"");
     xml.then_some(PolyFormat::VtkXml)
+}
+
+/// The reader of a file's surface: polygonal data, or an unstructured grid of flat cells.
+pub(crate) fn surface_format(path: &Path, start: &[u8]) -> Option<PolyFormat> {
+    let text = String::from_utf8_lossy(start).to_ascii_uppercase();
+    if data_set(&text) == Some("UNSTRUCTURED_GRID") {
+        return legacy_vtk::has_flat_cells(path).then_some(PolyFormat::LegacyVtk);
+    }
+    let is_xml = text.trim_start().starts_with('<') && text.contains("<VTKFILE");
+    if is_xml && text.contains("\"UNSTRUCTUREDGRID\"") {
+        return vtk_xml::has_flat_cells(path).then_some(PolyFormat::VtkXml);
+    }
+    poly_format(start)
 }
 
 /// The data set of a legacy VTK file, in capitals.

@@ -1,4 +1,8 @@
-//! Polygonal data of VTK: points, polygons and strips of triangles, and the attributes that say how they look.
+//! Polygonal data of VTK: points, polygons and strips of triangles, and the attributes that say how they look. Unstructured grids
+//! of flat cells are the same in another file.
+
+pub(crate) mod flat;
+mod scalars;
 
 use splatvol_scene::Samples;
 
@@ -6,6 +10,7 @@ use crate::IoError;
 use crate::SampleType;
 use crate::error::Context;
 use crate::volume::vtk_array::{ArrayHead, Association};
+pub(crate) use scalars::{Choice, Scalars, choose};
 
 /// Polygonal data as stored.
 #[derive(Debug, Default)]
@@ -22,6 +27,8 @@ pub(crate) struct PolyData {
     pub(crate) normals: Vec<f64>,
     /// Red, green and blue of each point, 0 to 255, or none.
     pub(crate) colors: Vec<[u8; 3]>,
+    /// Values that colour the surface, where no colours do.
+    pub(crate) scalars: Option<Scalars>,
     /// Format and version.
     pub(crate) format: String,
     /// Names of the arrays that were used.
@@ -129,6 +136,8 @@ impl PolyData {
         if self.colors.len() * 3 != self.points.len() {
             self.colors.clear();
         }
+        let counts = [self.points.len() / 3, self.polygons.len(), self.strips.len()];
+        self.scalars = self.scalars.filter(|scalars| scalars.fits(counts));
         self
     }
 }

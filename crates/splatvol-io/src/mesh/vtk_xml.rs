@@ -22,7 +22,7 @@ use crate::volume::vtk_array::{self, ArrayHead, Association, Component};
 use crate::volume::{Description, ReadOptions};
 use crate::{IoError, SampleType};
 
-pub(crate) use poly::read as read_poly;
+pub(crate) use poly::{has_flat_cells, read as read_poly};
 
 /// Reads a .vtr, .vts or .vtu file.
 ///
@@ -258,10 +258,15 @@ impl<'d> Element<'_, 'd> {
     }
 
     fn unstructured(&self, piece: Node<'d, 'd>, draft: &mut Draft) -> Result<Vec<usize>, IoError> {
-        let context = self.file.context;
-        let cells = self.declared(piece, "NumberOfCells")?;
         let first = draft.positions.len();
         draft.add_points(&self.points(piece, self.declared(piece, "NumberOfPoints")?)?);
+        draft.add_cells(&self.cells(piece)?, first, self.file.context)
+    }
+
+    /// Cells of an unstructured piece.
+    fn cells(&self, piece: Node<'d, 'd>) -> Result<StoredCells, IoError> {
+        let context = self.file.context;
+        let cells = self.declared(piece, "NumberOfCells")?;
         let lists = document::only_child(piece, "Cells", context)?;
         let list = |name: &'static str, length: u64| {
             let node = self
@@ -278,12 +283,11 @@ impl<'d> Element<'_, 'd> {
             .into_iter()
             .map(|code| u8::try_from(code).unwrap_or(0))
             .collect();
-        let stored = StoredCells {
+        Ok(StoredCells {
             types,
             ends,
             connectivity,
-        };
-        draft.add_cells(&stored, first, context)
+        })
     }
 
     fn points(&self, piece: Node<'d, 'd>, points: u64) -> Result<Samples, IoError> {

@@ -3,7 +3,7 @@
 //! | module | formats |
 //! |---|---|
 //! | `ply` | PLY: clouds, and meshes as surfels |
-//! | `poly` | polygonal data of VTK, legacy and .vtp, as surfels |
+//! | `poly` | polygonal data and flat cells of VTK, legacy, .vtp and .vtu, as surfels |
 //! | [`las`] | LAS 1.0 to 1.4, LAZ, COPC |
 //! | [`pcd`] | PCD 0.5 to 0.7, ascii, binary, `binary_compressed` |
 //! | [`text`] | XYZ, CSV, PTS and other tables of numbers |
@@ -22,6 +22,7 @@ pub mod las;
 pub mod pcd;
 pub mod ply;
 mod poly;
+mod scalar_colors;
 pub mod text;
 pub mod triangles;
 
@@ -31,7 +32,7 @@ use glam::DVec3;
 use splatvol_scene::Points;
 
 use crate::error::Context;
-use crate::mesh::{PolyFormat, poly_format};
+use crate::mesh::{PolyFormat, surface_format};
 use crate::source::Source;
 use crate::{Description, IoError, ReadOptions};
 
@@ -63,13 +64,18 @@ impl LoadedPoints {
 }
 
 /// Reads points of any supported format. The first bytes of the file decide; its extension counts only if they do
-/// not. Only the options `strict` and `max_bytes` matter.
+/// not. Only the options `strict`, `max_bytes` and, for surfaces of VTK, `array` matter.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
 pub fn read_points(path: impl AsRef<Path>, options: &ReadOptions) -> Result<LoadedPoints, IoError> {
     let path = path.as_ref();
-    let loaded = match format(path)? {
+    let format = format(path)?;
+    if let (Some(array), false) = (&options.array, matches!(format, Format::Poly(_))) {
+        let expected = "no such choice: only surfaces of VTK have arrays to choose from";
+        return Err(Context::new("points", path).field("array", array, None, expected));
+    }
+    let loaded = match format {
         Format::Poly(format) => poly::read(path, format, options),
         Format::Ply => ply::read(path, options),
         Format::Las => las::read(path, options),
@@ -98,9 +104,9 @@ enum Format {
     Text,
 }
 
-/// Whether the file holds polygons in one of VTK's formats.
+/// Whether the file holds a surface in one of VTK's formats.
 pub(crate) fn is_poly_data(path: &Path) -> Result<bool, IoError> {
-    Ok(poly_format(&start_of(path)?).is_some())
+    Ok(surface_format(path, &start_of(path)?).is_some())
 }
 
 fn start_of(path: &Path) -> Result<Vec<u8>, IoError> {
@@ -121,7 +127,7 @@ fn format(path: &Path) -> Result<Format, IoError> {
     if start.starts_with(b"ply") && start.get(3).is_some_and(u8::is_ascii_whitespace) {
         return Ok(Format::Ply);
     }
-    if let Some(format) = poly_format(&start) {
+    if let Some(format) = surface_format(path, &start) {
         return Ok(Format::Poly(format));
     }
     if start.starts_with(b"LASF") {

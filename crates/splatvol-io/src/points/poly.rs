@@ -5,9 +5,10 @@ use std::path::Path;
 use super::LoadedPoints;
 use super::columns::{NORMAL, RED, ROLES, X};
 use super::gather::{ColorKind, Gather};
+use super::scalar_colors::Coloring;
 use super::triangles::{self, Triangles};
 use crate::error::Context;
-use crate::mesh::poly::PolyData;
+use crate::mesh::poly::{PolyData, Scalars};
 use crate::mesh::{PolyFormat, legacy_vtk, vtk_xml};
 use crate::{Description, IoError, ReadOptions};
 
@@ -18,12 +19,25 @@ pub(super) fn read(path: &Path, format: PolyFormat, options: &ReadOptions) -> Re
         PolyFormat::VtkXml => vtk_xml::read_poly(path, options),
     }?;
     let context = &Context::new("VTK PolyData", path);
+    let colors = poly
+        .scalars
+        .as_ref()
+        .and_then(|scalars| Coloring::of(scalars, &mut warnings));
     let mut triangles = Triangles::default();
-    for polygon in poly.polygons.iter() {
-        triangles.add_polygon(polygon, None);
+    let of_cell = |values: fn(&Scalars) -> &[f64], cell: usize| {
+        let value = values(poly.scalars.as_ref()?).get(cell)?;
+        Some(colors?.color(*value))
+    };
+    for (cell, polygon) in poly.polygons.iter().enumerate() {
+        triangles.add_polygon(polygon, of_cell(|scalars| &scalars.polygons, cell));
     }
-    for strip in poly.strips.iter() {
-        triangles.add_strip(strip, None);
+    for (cell, strip) in poly.strips.iter().enumerate() {
+        triangles.add_strip(strip, of_cell(|scalars| &scalars.strips, cell));
+    }
+    if let (Some(scalars), Some(colors)) = (&poly.scalars, colors)
+        && scalars.is_of_points()
+    {
+        triangles.color_by(scalars.points.clone(), colors);
     }
     if poly.thin > 0 && triangles.len() > 0 {
         warnings.push(format!(
@@ -41,11 +55,18 @@ pub(super) fn read(path: &Path, format: PolyFormat, options: &ReadOptions) -> Re
         warnings,
         ..Description::default()
     };
-    let mut loaded = gather(&poly, triangles.len() > 0, options, context)?.finish(
+    let mut loaded = gather(&poly, (triangles.len() > 0, colors), options, context)?.finish(
         ColorKind::Integer,
         description,
         context,
     )?;
+    if let (Some(scalars), Some(colors)) = (&poly.scalars, colors) {
+        let shown = format!(
+            "; coloured by `{}` from {} to {}",
+            scalars.name, colors.low, colors.high
+        );
+        loaded.description.stored_type.push_str(&shown);
+    }
     if triangles.len() > 0 {
         loaded.points = triangles::surfels(&loaded.points, &triangles, options, context)?;
         let made = format!(
@@ -61,14 +82,18 @@ pub(super) fn read(path: &Path, format: PolyFormat, options: &ReadOptions) -> Re
 /// The points. Those of polygons keep their numbers, so that all of them must have a place.
 fn gather(
     poly: &PolyData,
-    all: bool,
+    (all, colors): (bool, Option<Coloring>),
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<Gather, IoError> {
     let mut present = [false; ROLES];
     present[X..X + 3].fill(true);
     present[NORMAL..NORMAL + 3].fill(!poly.normals.is_empty());
-    present[RED..RED + 3].fill(!poly.colors.is_empty());
+    // Values of a surface's points are interpolated before they become colours; those of a cloud are colours here.
+    let values = poly.scalars.as_ref().map_or(&[][..], |scalars| &scalars.points);
+    let colors = colors.filter(|_| !all && !values.is_empty());
+    let stored = colors.is_none() && poly.scalars.is_none() && !poly.colors.is_empty();
+    present[RED..RED + 3].fill(stored || colors.is_some());
     let mut gather = Gather::new(present, options);
     gather.check_count(poly.points.len() as u64 / 3, context)?;
     for (index, place) in poly.points.chunks_exact(3).enumerate() {
@@ -81,7 +106,10 @@ fn gather(
         if let Some(normal) = poly.normals.get(index * 3..index * 3 + 3) {
             row[NORMAL..NORMAL + 3].copy_from_slice(normal);
         }
-        if let Some(color) = poly.colors.get(index) {
+        if let Some((colors, value)) = colors.zip(values.get(index)) {
+            let [red, green, blue, _] = colors.color(*value);
+            row[RED..RED + 3].copy_from_slice(&[red, green, blue].map(f64::from));
+        } else if let Some(color) = poly.colors.get(index) {
             row[RED..RED + 3].copy_from_slice(&color.map(f64::from));
         }
         gather.push(&row);

@@ -3,6 +3,7 @@
 mod malformed;
 mod plot3d_text;
 mod real;
+mod surfaces;
 mod written;
 
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! .vtp: `PolyData` of VTK XML. The points and cells of its pieces follow each other.
+//! .vtp: `PolyData` of VTK XML, and .vtu of flat cells. The points and cells of their pieces follow each other.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::{Element, File, Kind};
 use crate::IoError;
 use crate::error::Context;
 use crate::mesh::assemble::{to_f64, to_indices};
-use crate::mesh::poly::{Lists, Look, PolyData};
+use crate::mesh::poly::{self, Choice, Lists, Look, PolyData, flat};
 use crate::source::read_file;
 use crate::volume::ReadOptions;
 use crate::volume::vti::document::{self, Arrays};
@@ -29,24 +29,76 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<(PolyData, Vec<
         options,
         context,
     };
-    let grid = document::only_child(root, "PolyData", context)?;
+    let kind = match root.attribute("type") {
+        Some("UnstructuredGrid") => "UnstructuredGrid",
+        _ => "PolyData",
+    };
+    let grid = document::only_child(root, kind, context)?;
     let mut poly = PolyData {
-        format: "VTK XML PolyData".to_owned(),
+        format: format!("VTK XML {kind}"),
         ..PolyData::default()
     };
+    let mut choice = None;
     for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
         let arrays = Arrays::of_piece(piece, document::offsets(&document), context)?;
         let element = Element {
             file: &file,
             arrays: &arrays,
         };
-        element.add_piece(piece, &mut poly)?;
+        element.add_piece(piece, &mut poly, &mut choice)?;
     }
     Ok((poly.complete(), Vec::new()))
 }
 
+/// True for an unstructured grid of flat cells. What cannot be read is none: the reader of meshes says why.
+pub(crate) fn has_flat_cells(path: &Path) -> bool {
+    types(path).is_ok_and(|types| flat::are_surface(&types))
+}
+
+/// Types of an unstructured grid's cells.
+fn types(path: &Path) -> Result<Vec<u8>, IoError> {
+    let context = &Context::new("VTK XML", path);
+    let bytes = read_file(path, context)?;
+    let parts = document::split(&bytes, context)?;
+    let document = document::parse(&parts, context)?;
+    let root = document.root_element();
+    let file = File {
+        kind: Kind::Unstructured,
+        coding: document::coding(root, context)?,
+        appended: parts.appended,
+        length: bytes.len() as u64,
+        options: &ReadOptions::default(),
+        context,
+    };
+    let grid = document::only_child(root, "UnstructuredGrid", context)?;
+    let mut types = Vec::new();
+    for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
+        let arrays = Arrays::of_piece(piece, document::offsets(&document), context)?;
+        let element = Element {
+            file: &file,
+            arrays: &arrays,
+        };
+        types.extend(element.cells(piece)?.types);
+    }
+    Ok(types)
+}
+
+/// The cells of a piece.
+struct PieceCells {
+    count: u64,
+    /// The cell of every polygon.
+    of_polygons: Vec<usize>,
+    /// Strips, which are the last cells.
+    strips: usize,
+}
+
 impl<'d> Element<'_, 'd> {
-    fn add_piece(&self, piece: Node<'d, 'd>, poly: &mut PolyData) -> Result<(), IoError> {
+    fn add_piece(
+        &self,
+        piece: Node<'d, 'd>,
+        poly: &mut PolyData,
+        choice: &mut Option<Choice>,
+    ) -> Result<(), IoError> {
         let first = poly.points.len() / 3;
         let points = self.declared(piece, "NumberOfPoints")?;
         if points == 0 {
@@ -54,19 +106,88 @@ impl<'d> Element<'_, 'd> {
         }
         poly.points.extend(to_f64(&self.points(piece, points)?));
         let place = (first, points as usize);
-        self.lists(piece, ("Polys", "NumberOfPolys"), place, &mut poly.polygons)?;
-        self.lists(piece, ("Strips", "NumberOfStrips"), place, &mut poly.strips)?;
-        for thin in ["NumberOfVerts", "NumberOfLines"] {
-            if piece.has_attribute(thin) {
-                poly.thin += self.declared(piece, thin)?;
-            }
-        }
+        let cells = self.add_cells(piece, place, poly)?;
         for wanted in [Look::Normals, Look::Colors] {
             let heads = &self.arrays.heads;
             let found = heads.iter().position(|head| Look::of(head) == Some(wanted));
             if let Some(index) = found {
                 let (samples, _) = self.values(index, points)?;
                 poly.add_look(wanted, &heads[index], &samples);
+            }
+        }
+        self.add_scalars((points, &cells), poly, choice)
+    }
+
+    /// Adds a piece's cells.
+    fn add_cells(
+        &self,
+        piece: Node<'d, 'd>,
+        place: (usize, usize),
+        poly: &mut PolyData,
+    ) -> Result<PieceCells, IoError> {
+        let known = [poly.polygons.len(), poly.strips.len()];
+        if piece.has_attribute("NumberOfCells") {
+            let stored = self.cells(piece)?;
+            let (of_polygons, thin) = flat::add(&stored, place, &mut poly.polygons, self.file.context)?;
+            poly.thin += thin;
+            return Ok(PieceCells {
+                count: stored.types.len() as u64,
+                of_polygons,
+                strips: 0,
+            });
+        }
+        self.lists(piece, ("Polys", "NumberOfPolys"), place, &mut poly.polygons)?;
+        self.lists(piece, ("Strips", "NumberOfStrips"), place, &mut poly.strips)?;
+        let mut thin = 0;
+        for name in ["NumberOfVerts", "NumberOfLines"] {
+            if piece.has_attribute(name) {
+                thin += self.declared(piece, name)?;
+            }
+        }
+        poly.thin = poly.thin.saturating_add(thin);
+        let [polygons, strips] = [poly.polygons.len() - known[0], poly.strips.len() - known[1]];
+        // Cells are in this order: vertices and lines, polygons, strips.
+        let first = usize::try_from(thin).unwrap_or(usize::MAX);
+        Ok(PieceCells {
+            count: thin.saturating_add((polygons + strips) as u64),
+            of_polygons: (0..polygons)
+                .map(|polygon| first.saturating_add(polygon))
+                .collect(),
+            strips,
+        })
+    }
+
+    /// Adds a piece's values of the array that colours. A piece without it leaves the surface without.
+    fn add_scalars(
+        &self,
+        (points, cells): (u64, &PieceCells),
+        poly: &mut PolyData,
+        choice: &mut Option<Choice>,
+    ) -> Result<(), IoError> {
+        let heads = &self.arrays.heads;
+        if choice.is_none() {
+            *choice = poly::choose(heads, self.file.options, self.file.context)?;
+        }
+        let Some(choice) = choice else { return Ok(()) };
+        let Some(index) = choice.position(heads) else {
+            return Ok(());
+        };
+        let tuples = if choice.is_of_points() {
+            points
+        } else {
+            cells.count
+        };
+        let (samples, _) = self.values(index, tuples)?;
+        let values = choice.pick(samples);
+        let scalars = poly.scalars.get_or_insert_with(|| choice.scalars());
+        match choice.is_of_points() {
+            true => scalars.points.extend(values),
+            false => {
+                let strips = values.len() - cells.strips;
+                scalars
+                    .polygons
+                    .extend(cells.of_polygons.iter().map(|&cell| values[cell]));
+                scalars.strips.extend(&values[strips..]);
             }
         }
         Ok(())

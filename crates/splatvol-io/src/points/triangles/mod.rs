@@ -18,6 +18,7 @@ use std::path::Path;
 use glam::DVec3;
 use splatvol_scene::{PointAttributes, Points};
 
+use super::scalar_colors::Coloring;
 use crate::error::Context;
 use crate::{IoError, ReadOptions};
 use split::{Limit, Patch, Piece};
@@ -34,9 +35,16 @@ pub(crate) struct Triangles {
     corners: Vec<[u32; 3]>,
     /// sRGB and opacity of each triangle; empty where they have none.
     colors: Vec<[u8; 4]>,
+    /// Values of the points, and what colours they become.
+    values: Option<(Vec<f64>, Coloring)>,
 }
 
 impl Triangles {
+    /// Colours the surface by values of the points, which are interpolated.
+    pub(crate) fn color_by(&mut self, values: Vec<f64>, coloring: Coloring) {
+        self.values = Some((values, coloring));
+    }
+
     /// A convex polygon, as a fan of triangles. Fewer than three corners are nothing.
     pub(crate) fn add_polygon(&mut self, corners: &[u32], color: Option<[u8; 4]>) {
         let Some((&first, rest)) = corners.split_first() else {
@@ -79,7 +87,7 @@ pub fn surfels_of_triangles(points: &Points, corners: Vec<[u32; 3]>) -> Result<P
     }
     let triangles = Triangles {
         corners,
-        colors: Vec::new(),
+        ..Triangles::default()
     };
     surfels(points, &triangles, &ReadOptions::default(), context)
 }
@@ -120,6 +128,11 @@ pub(crate) fn surfels(
                     .normalize_or(face)
             });
             let color = triangles.colors.get(index).copied();
+            let color = color.or_else(|| {
+                let (values, coloring) = triangles.values.as_ref()?;
+                let value = Corners::of(values, corners)?.mix(weights, |value| *value, 0.0);
+                Some(coloring.color(value))
+            });
             let color = color.or_else(|| {
                 let mixed = colors.as_ref()?.mix(weights, color_vector, glam::DVec4::ZERO);
                 Some(mixed.to_array().map(|part| part.round() as u8))
