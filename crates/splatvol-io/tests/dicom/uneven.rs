@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use splatvol_io::{ReadOptions, read_volume};
+use splatvol_scene::volume::widen;
 use splatvol_scene::with_samples;
 
 use super::file::{DicomFile, EXPLICIT};
@@ -81,7 +82,7 @@ fn three_distances_under_a_tilted_gantry_lie_where_they_were_taken() {
     assert_eq!([columns, rows], SIZE);
     assert!(slices > heights().len());
     let values: Vec<f64> = with_samples!(loaded.volume.samples(), samples => {
-        samples.iter().map(|&sample| f64::from(sample)).collect()
+        samples.iter().map(|&sample| widen(sample)).collect()
     });
     for (index, found) in values.iter().enumerate() {
         let voxel = DVec3::new(
