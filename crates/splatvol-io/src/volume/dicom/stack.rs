@@ -265,7 +265,7 @@ mod tests {
 
     fn stacked(heights: &[f64], time: usize) -> Result<Stack, IoError> {
         let options = ReadOptions {
-            time,
+            time: Some(time),
             ..ReadOptions::default()
         };
         stack(&slices(heights), &options, &Context::new("DICOM", Path::new("a")))
