@@ -322,7 +322,6 @@ fn flags_that_cannot_apply_are_refused() {
     for (arguments, words) in [
         ("render a.txt --cmap viridis", vec!["--cmap", "points"]),
         ("render a.txt --iso 3", vec!["--iso", "points"]),
-        ("render a.txt --array density", vec!["--array", "points"]),
         ("render a.txt --level 1", vec!["--level", "points"]),
         ("render a.txt --gaussians 3dgs", vec!["--gaussians"]),
         ("render a.txt --texture marble", vec!["effects"]),
@@ -346,6 +345,10 @@ fn flags_that_cannot_apply_are_refused() {
     ] {
         sandbox.run(arguments).fails(2, &words);
     }
+    // The format decides whether there is a choice.
+    sandbox
+        .run("render a.txt --array density")
+        .fails(3, &["array", "density", "VTK"]);
     sandbox.run("render missing.ply").fails(3, &["missing.ply"]);
     sandbox.write(
         "bad.ply",

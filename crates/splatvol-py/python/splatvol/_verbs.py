@@ -152,7 +152,7 @@ def like(
 
     `data` takes the place of its only item: necessary where that was an array. Files that the picture names and that
     lie neither in its folder nor in the current one are read with `allow_outside` only: whoever made it chose them.
-    `time` is another time point than the picture's, of its only item; the rest are rules for files, those of :func:`read`.
+    `time` is another time point than the picture's, of its only item; the rest are rules for files, as in :func:`read`.
     """
     rules = Rules(strict, allow_outside, max_memory)
     text, _, outside = _core.read_record(os.fspath(picture))
