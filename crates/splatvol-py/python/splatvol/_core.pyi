@@ -68,7 +68,7 @@ class Data:
     @staticmethod
     def read(
         item: str,
-        rules: tuple[bool, bool, int | None] = (False, False, None),
+        rules: tuple[bool, bool, int | None] = ...,
         stop: Stop | None = None,
         progress: _Progress | None = None,
     ) -> tuple[Data, list[tuple[bool, str]]]: ...
