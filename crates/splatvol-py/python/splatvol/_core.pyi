@@ -67,10 +67,7 @@ class Data:
 
     @staticmethod
     def read(
-        item: str,
-        rules: tuple[bool, bool, int | None] = ...,
-        stop: Stop | None = None,
-        progress: _Progress | None = None,
+        item: str, strict: bool = False, stop: Stop | None = None, progress: _Progress | None = None
     ) -> tuple[Data, list[tuple[bool, str]]]: ...
     @staticmethod
     def volume(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from . import _core, _foreign
-from ._data import Data, Progress, Rules, read_item
+from ._data import Data, Progress, read_item
 from ._errors import InvalidValue
 from ._frame import Frame
 from ._scene import Scene, scene_of
@@ -23,13 +23,7 @@ if TYPE_CHECKING:
 
 
 def read(
-    source: Any,
-    *,
-    strict: bool = False,
-    allow_outside: bool = False,
-    max_memory: int | None = None,
-    progress: Progress | None = None,
-    **options: Unpack[ReadOptions],
+    source: Any, *, strict: bool = False, progress: Progress | None = None, **options: Unpack[ReadOptions]
 ) -> Data:
     """Reads data: a file, a folder, ``"sample:NAME"``, or an object of another package.
 
@@ -39,10 +33,6 @@ def read(
         Path, or an array, or an object of nibabel, SimpleITK, itk, xarray, zarr, dask, PyVista, VTK or napari.
     strict : bool
         Whether oddities of the file are errors.
-    allow_outside : bool
-        Whether links are followed that lead out of the folder of the file.
-    max_memory : int, optional
-        Most bytes of samples; half of the machine's memory by default.
     **options
         Keywords of :class:`splatvol.ReadOptions`: `level`, `channel`, `time`, `array`...
 
@@ -56,12 +46,11 @@ def read(
     >>> sv.read("sample:head:16").shape
     (16, 16, 16)
     """
-    rules = Rules(strict, allow_outside, max_memory)
     if isinstance(source, (str, os.PathLike)):
         check(options)
         keys = tables(options).get("item", {})
-        return read_item({"file": os.fspath(source), **keys}, rules, progress=progress)
-    return _foreign.data_of(source, options, rules)
+        return read_item({"file": os.fspath(source), **keys}, strict=strict, progress=progress)
+    return _foreign.data_of(source, options)
 
 
 def info(source: Any) -> dict[str, Any]:
@@ -139,22 +128,12 @@ def show(data: Any, **options: Unpack[RenderOptions]) -> Widget:
     return widget_of(data, dict(options))
 
 
-def like(
-    picture: str | os.PathLike[str],
-    data: Any = None,
-    *,
-    strict: bool = False,
-    allow_outside: bool = False,
-    max_memory: int | None = None,
-    time: int | None = None,
-) -> Scene:
+def like(picture: str | os.PathLike[str], data: Any = None, *, allow_outside: bool = False) -> Scene:
     """The scene of a picture that splatvol made, by what its file says.
 
     `data` takes the place of its only item: necessary where that was an array. Files that the picture names and that
     lie neither in its folder nor in the current one are read with `allow_outside` only: whoever made it chose them.
-    `time` is another time point than the picture's, of its only item; the rest are rules for files, as in :func:`read`.
     """
-    rules = Rules(strict, allow_outside, max_memory)
     text, _, outside = _core.read_record(os.fspath(picture))
     if outside is not None and data is None and not allow_outside:
         message = (
@@ -171,22 +150,13 @@ def like(
                 f"{os.fspath(picture)}: {arrays[0].removeprefix('array:')} was an array: write like(picture, data)"
             )
             raise InvalidValue(message, field="data")
-        if time is not None:
-            only_item(picture, items, "time")["time"] = time
-        return scene_of(document, rules)
-    only_item(picture, items, "data")
-    scene = Scene(_foreign.data_of(data, {"time": time}, rules))
-    scene._document = {key: value for key, value in document.items() if key != "item"}
-    chosen = {} if time is None else {"time": time}
-    scene.items[0].keys = {**items[0], **chosen, "file": scene.items[0].keys["file"]}
-    return scene
-
-
-def only_item(picture: str | os.PathLike[str], items: list[dict[str, Any]], field: str) -> dict[str, Any]:
-    """The one item of a picture that a keyword is about."""
+        return scene_of(document)
     if len(items) != 1:
-        raise InvalidValue(f"{os.fspath(picture)}: it shows {len(items)} things, not one", field=field)
-    return items[0]
+        raise InvalidValue(f"{os.fspath(picture)}: it shows {len(items)} things, not one", field="data")
+    scene = Scene(_foreign.data_of(data))
+    scene._document = {key: value for key, value in document.items() if key != "item"}
+    scene.items[0].keys = {**items[0], "file": scene.items[0].keys["file"]}
+    return scene
 
 
 def load(path: str | os.PathLike[str]) -> Scene:
