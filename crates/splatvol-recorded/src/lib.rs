@@ -27,11 +27,16 @@ pub fn recorded(kind: &str) -> Option<PathBuf> {
 
 /// Says that the calling test, or a part of it, cannot run, and why.
 pub fn skip(why: &str) {
+    skip_in(std::env::var_os(LIST).as_deref().map(Path::new), why);
+}
+
+/// Says so on the terminal and, if there is one, in a list.
+fn skip_in(list: Option<&Path>, why: &str) {
     let thread = std::thread::current();
     let line = format!("skipped: {}: {why}", thread.name().unwrap_or("a test"));
     println!("{line}");
-    if let Some(list) = std::env::var_os(LIST) {
-        note(Path::new(&list), &line);
+    if let Some(list) = list {
+        note(list, &line);
     }
 }
 
@@ -40,5 +45,31 @@ fn note(list: &Path, line: &str) {
     let file = std::fs::OpenOptions::new().append(true).create(true).open(list);
     if let Err(error) = file.and_then(|mut file| file.write_all(format!("{line}\n").as_bytes())) {
         println!("{}: {error}", list.display());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn skipped_parts_are_named_in_the_list() {
+        let list = std::env::temp_dir().join(format!("splatvol-skipped-{}", std::process::id()));
+        let path = list.clone();
+        let test = std::thread::Builder::new().name("of_scans".to_owned());
+        let test = test.spawn(move || {
+            for why in ["no scan", "no memory"] {
+                skip_in(Some(&path), why);
+            }
+        });
+        assert!(test.is_ok_and(|test| test.join().is_ok()));
+        let text = std::fs::read_to_string(&list).unwrap_or_default();
+        let _ = std::fs::remove_file(&list);
+        assert_eq!(text, "skipped: of_scans: no scan\nskipped: of_scans: no memory\n");
+    }
+
+    #[test]
+    fn lists_that_cannot_be_written_do_not_fail_the_test() {
+        skip_in(Some(&std::env::temp_dir()), "its list is a folder");
     }
 }
