@@ -13,7 +13,7 @@ use crate::input::Input;
 use crate::random::Random;
 use crate::target::Target;
 use crate::targets::KNOWN;
-use crate::trial::{Clock, Fault, Trial};
+use crate::trial::{Clock, Fault, Trial, processor_time};
 
 /// Most inputs that are kept for their answers.
 const KEPT: usize = 400;
@@ -25,6 +25,7 @@ const FINDINGS: usize = 10;
 pub(crate) struct Extent {
     pub(crate) seed: u64,
     pub(crate) inputs: u64,
+    /// Of the processor.
     pub(crate) seconds: f64,
     pub(crate) clock: Clock,
 }
@@ -37,6 +38,8 @@ pub(crate) struct Counts {
     pub(crate) answers: u64,
     pub(crate) rendered: u64,
     pub(crate) findings: u64,
+    /// Time of the processor.
+    pub(crate) milliseconds: u64,
 }
 
 impl Counts {
@@ -47,13 +50,14 @@ impl Counts {
             answers,
             rendered,
             findings,
+            milliseconds,
         } = self;
-        format!("{inputs} {accepted} {answers} {rendered} {findings}")
+        format!("{inputs} {accepted} {answers} {rendered} {findings} {milliseconds}")
     }
 
     pub(crate) fn of_line(line: &str) -> Option<Self> {
         let numbers: Vec<u64> = line.split(' ').map_while(|number| number.parse().ok()).collect();
-        let [inputs, accepted, answers, rendered, findings] = numbers[..] else {
+        let [inputs, accepted, answers, rendered, findings, milliseconds] = numbers[..] else {
             return None;
         };
         Some(Self {
@@ -62,13 +66,15 @@ impl Counts {
             answers,
             rendered,
             findings,
+            milliseconds,
         })
     }
 }
 
 /// Runs to the end of the extent. Faults are written below `findings`, counts to standard output.
 pub(crate) fn run(target: &Target, extent: &Extent, work: &Path, findings: &Path) -> Result<()> {
-    let start = Instant::now();
+    let start = processor_time();
+    let elapsed = || processor_time().saturating_sub(start);
     let mut campaign = Campaign {
         target,
         trial: Trial::new(target.reader, work.to_owned(), extent.clock),
@@ -96,16 +102,16 @@ pub(crate) fn run(target: &Target, extent: &Extent, work: &Path, findings: &Path
     };
     let mut random = Random(extent.seed ^ 0x5eed);
     let mut reported = Instant::now();
-    while campaign.counts.inputs < extent.inputs && start.elapsed().as_secs_f64() < extent.seconds {
+    while campaign.counts.inputs < extent.inputs && elapsed().as_secs_f64() < extent.seconds {
         let input = campaign.next(&mut random);
         let renders = random.below(8) == 0;
         campaign.try_input(&input, renders)?;
         if reported.elapsed() > Duration::from_millis(500) {
             reported = Instant::now();
-            campaign.report()?;
+            campaign.report(elapsed())?;
         }
     }
-    campaign.report()
+    campaign.report(elapsed())
 }
 
 struct Campaign<'a> {
@@ -175,7 +181,8 @@ impl Campaign<'_> {
         Ok(())
     }
 
-    fn report(&self) -> Result<()> {
+    fn report(&mut self, elapsed: Duration) -> Result<()> {
+        self.counts.milliseconds = elapsed.as_millis() as u64;
         let mut out = std::io::stdout().lock();
         writeln!(out, "counts {}", self.counts.line())?;
         out.flush()?;

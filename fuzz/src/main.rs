@@ -69,7 +69,7 @@ struct Arguments {
     /// Name the targets.
     #[arg(long)]
     list: bool,
-    /// Seconds per target.
+    /// Seconds of the processor per target: what other programs take does not count.
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
     /// Inputs per target, if they take less time.

@@ -5,7 +5,6 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
-use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
@@ -64,7 +63,6 @@ impl Run {
     }
 
     fn target(&self, target: &Target) -> Result<Counts> {
-        let start = Instant::now();
         let work = work_folder()?;
         let mut total = Counts::default();
         let inputs = if self.quick {
@@ -76,7 +74,7 @@ impl Run {
             let extent = Extent {
                 seed: self.extent.seed + 1000 * death as u64,
                 inputs: inputs - total.inputs.min(inputs),
-                seconds: self.extent.seconds - start.elapsed().as_secs_f64(),
+                seconds: self.extent.seconds - total.milliseconds as f64 * 1e-3,
                 clock: self.extent.clock,
             };
             let (counts, complete) = self.child(target, &extent, work.path())?;
@@ -84,6 +82,7 @@ impl Run {
             total.accepted += counts.accepted;
             total.rendered += counts.rendered;
             total.findings += counts.findings;
+            total.milliseconds += counts.milliseconds;
             total.answers = total.answers.max(counts.answers);
             if complete {
                 break;
@@ -95,11 +94,12 @@ impl Run {
             answers,
             rendered,
             findings,
+            milliseconds,
         } = total;
         println!(
             "{:<16} {inputs:>10} {accepted:>10} {answers:>8} {rendered:>9} {findings:>8} {:>7.1}",
             target.name,
-            start.elapsed().as_secs_f64()
+            milliseconds as f64 * 1e-3
         );
         Ok(total)
     }

@@ -200,7 +200,7 @@ fn watch() {
 
 /// Time that the process has had of the processors: other programs do not count.
 #[cfg(unix)]
-fn processor_time() -> Duration {
+pub(crate) fn processor_time() -> Duration {
     use rustix::time::{ClockId, clock_gettime};
     clock_gettime(ClockId::ProcessCPUTime)
         .try_into()
@@ -209,7 +209,7 @@ fn processor_time() -> Duration {
 
 /// The clock, where the processor's time cannot be asked for.
 #[cfg(not(unix))]
-fn processor_time() -> Duration {
+pub(crate) fn processor_time() -> Duration {
     static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
     START.get_or_init(Instant::now).elapsed()
 }
