@@ -27,6 +27,10 @@ mod targets;
 mod trial;
 
 // Generators of the readers' own tests.
+#[path = "../../crates/splatvol-io/tests/common/codecs.rs"]
+mod codecs;
+#[path = "../../crates/splatvol-io/tests/dicom/coded_files.rs"]
+mod coded_files;
 #[path = "../../crates/splatvol-io/tests/common/mod.rs"]
 mod common;
 #[path = "../../crates/splatvol-io/tests/dicom/file.rs"]

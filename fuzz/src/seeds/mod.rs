@@ -5,7 +5,6 @@
     reason = "valid files are made of constants: a failure is a mistake here, and ends the program"
 )]
 
-pub(crate) mod codecs;
 pub(crate) mod gaussians;
 pub(crate) mod looks;
 pub(crate) mod meshes;

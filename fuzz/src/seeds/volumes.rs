@@ -5,10 +5,10 @@ use std::io::Write;
 use splatvol::{Grid, LengthUnit, Rescale, Samples, Volume};
 use splatvol_io::{WriteOptions, write_volume};
 
-use super::{codecs, ending, written};
+use super::{ending, written};
 use crate::dicom_file::{BIG, DicomFile, EXPLICIT, IMPLICIT, element, items};
 use crate::input::Input;
-use crate::{small_volumes, vti_file};
+use crate::{codecs, coded_files, small_volumes, vti_file};
 
 fn of_name(ends: &[&str]) -> Vec<Input> {
     ending(small_volumes::files(), ends)
@@ -224,26 +224,8 @@ pub(crate) fn dicom() -> Vec<Input> {
     seeds.push(Input::files("", vec![file(1.0), file(2.0), file(3.0)]));
     seeds.push(Input::file("frames.dcm", frames().bytes()));
     seeds.push(Input::file("runs.dcm", runs()));
-    for (syntax, bits, stream) in [
-        ("1.2.840.10008.1.2.4.50", 8, codecs::JPEG),
-        ("1.2.840.10008.1.2.4.51", 12, codecs::JPEG_12),
-        ("1.2.840.10008.1.2.4.70", 16, codecs::JPEG_LOSSLESS),
-        ("1.2.840.10008.1.2.4.80", 16, codecs::JPEG_LS),
-        ("1.2.840.10008.1.2.4.90", 16, codecs::JPEG_2000),
-        ("1.2.840.10008.1.2.4.91", 16, codecs::JPEG_2000_LOSSY),
-    ] {
-        let file = picture(syntax, bits);
-        seeds.push(Input::file(
-            "coded.dcm",
-            with_fragment(file, codecs::stream(stream)),
-        ));
-    }
-    let mut colors = picture("1.2.840.10008.1.2.4.80", 8);
-    colors.short(0x0028_0002, 3);
-    colors.short(0x0028_0006, 0);
-    colors.text(0x0028_0004, b"CS", "RGB");
-    let bytes = with_fragment(colors, codecs::stream(codecs::JPEG_LS_COLORS));
-    seeds.push(Input::file("colors.dcm", bytes));
+    let coded = coded_files::FRAMES.iter().chain(&coded_files::COLORS);
+    seeds.extend(coded.map(|frame| Input::file("coded.dcm", frame.file())));
     let mut other = slice(IMPLICIT, 1.0);
     other.text(0x0028_1052, b"DS", "-1024");
     other.text(0x0028_1053, b"DS", "2.5");
@@ -290,37 +272,5 @@ fn runs() -> Vec<u8> {
         frame[place..place + 4].copy_from_slice(&number.to_le_bytes());
     }
     frame.extend([0xfb, 0, 5, 1, 2, 3, 4, 5, 6, 0]);
-    with_fragment(file, frame)
-}
-
-/// The head of a slice of 8 x 6 pixels.
-fn picture(syntax: &'static str, bits: u16) -> DicomFile {
-    let mut file = DicomFile::slice(syntax, [0.0; 3], 1, &[0; 6]);
-    for (tag, value) in [
-        (0x0028_0010, 6),
-        (0x0028_0011, 8),
-        (0x0028_0100, bits.next_multiple_of(8)),
-        (0x0028_0101, bits),
-        (0x0028_0102, bits - 1),
-    ] {
-        file.short(tag, value);
-    }
-    file
-}
-
-/// A file whose pixels are one fragment.
-fn with_fragment(mut file: DicomFile, mut fragment: Vec<u8>) -> Vec<u8> {
-    fragment.resize(fragment.len().next_multiple_of(2), 0);
-    file.set(0x7fe0_0010, b"OW", Vec::new());
-    let body = file.dataset();
-    let pixels = [0xe0, 0x7f, 0x10, 0x00, b'O', b'B', 0, 0, 0xff, 0xff, 0xff, 0xff];
-    let end = [0xfe, 0xff, 0xdd, 0xe0, 0, 0, 0, 0];
-    let body = [
-        &body[..body.len() - 12],
-        &pixels,
-        &items(&[Vec::new(), fragment]),
-        &end,
-    ]
-    .concat();
-    file.with_body(&body)
+    file.encapsulated(&[frame])
 }

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::codecs;
 use crate::coat::crc32c;
+use crate::codecs;
 use crate::common::gzip;
 use crate::input::Input;
 

@@ -3,7 +3,7 @@
 use splatvol_io::ReadOptions;
 use splatvol_scene::Samples;
 
-use super::file::{BIG, DicomFile, EXPLICIT, element, items};
+use super::dicom_file::{BIG, DicomFile, EXPLICIT, element, items};
 use super::{one, one_with};
 
 /// Red, green and blue of 3 x 2 pixels.

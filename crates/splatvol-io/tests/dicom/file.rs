@@ -12,6 +12,9 @@ pub const EXPLICIT: &str = "1.2.840.10008.1.2.1";
 pub const IMPLICIT: &str = "1.2.840.10008.1.2";
 pub const BIG: &str = "1.2.840.10008.1.2.2";
 
+/// The tag of the pixels.
+const PIXELS: u32 = 0x7fe0_0010;
+
 impl DicomFile {
     /// A slice of 3 x 2 words at a height, of 16 bits each.
     pub fn slice(syntax: &'static str, position: [f64; 3], number: i32, samples: &[u16; 6]) -> Self {
@@ -42,6 +45,21 @@ impl DicomFile {
         file
     }
 
+    /// A slice of so many columns and rows of `bits` stored bits, in whole bytes. Its pixels are still those of a small slice.
+    pub fn picture(syntax: &'static str, [columns, rows]: [u16; 2], bits: u16) -> Self {
+        let mut file = Self::slice(syntax, [0.0; 3], 1, &[0; 6]);
+        for (tag, value) in [
+            (0x0028_0010, rows),
+            (0x0028_0011, columns),
+            (0x0028_0100, bits.next_multiple_of(8)),
+            (0x0028_0101, bits),
+            (0x0028_0102, bits - 1),
+        ] {
+            file.short(tag, value);
+        }
+        file
+    }
+
     pub fn set(&mut self, tag: u32, representation: &[u8; 2], mut value: Vec<u8>) {
         if value.len() % 2 == 1 {
             value.push(b' ');
@@ -61,7 +79,7 @@ impl DicomFile {
 
     pub fn pixels(&mut self, samples: &[u16]) {
         let bytes = samples.iter().flat_map(|&sample| self.word(sample)).collect();
-        self.set(0x7fe0_0010, b"OW", bytes);
+        self.set(PIXELS, b"OW", bytes);
     }
 
     fn word(&self, value: u16) -> [u8; 2] {
@@ -82,6 +100,25 @@ impl DicomFile {
 
     pub fn bytes(&self) -> Vec<u8> {
         self.with_body(&self.dataset())
+    }
+
+    /// The file with these fragments for pixels, after an empty table of offsets (PS3.5, annex A.4).
+    pub fn encapsulated(&self, fragments: &[Vec<u8>]) -> Vec<u8> {
+        let mut file = self.clone();
+        file.set(PIXELS, b"OB", Vec::new());
+        let mut body = file.dataset();
+        // The pixels are last, and their length is unknown.
+        let length = body.len() - 4;
+        body[length..].copy_from_slice(&[0xff; 4]);
+        let even = |fragment: &Vec<u8>| {
+            let mut fragment = fragment.clone();
+            fragment.resize(fragment.len().next_multiple_of(2), 0);
+            fragment
+        };
+        body.extend(items(&[Vec::new()]));
+        body.extend(items(&fragments.iter().map(even).collect::<Vec<_>>()));
+        body.extend([0xfe, 0xff, 0xdd, 0xe0, 0, 0, 0, 0]);
+        self.with_body(&body)
     }
 
     /// Preamble and file meta information before `body`.

@@ -2,7 +2,7 @@
 
 use splatvol_scene::Samples;
 
-use super::file::{DicomFile, EXPLICIT};
+use super::dicom_file::{DicomFile, EXPLICIT};
 use super::{common, one};
 
 const SIZE: [usize; 2] = [19, 7];
@@ -52,35 +52,21 @@ fn frame(words: &[u16]) -> Vec<u8> {
     head.chain(planes.concat()).collect()
 }
 
-/// A file whose pixels are one fragment.
-fn encapsulated(syntax: &'static str, fragment: &[u8]) -> Vec<u8> {
-    let mut file = DicomFile::slice(EXPLICIT, [0.0; 3], 1, &[0; 6]);
-    file.short(0x0028_0011, SIZE[0] as u16);
-    file.short(0x0028_0010, SIZE[1] as u16);
-    file.syntax = syntax;
-    let mut body = file.dataset();
-    // The native pixels are last: twelve bytes of head, and as many of samples.
-    body.truncate(body.len() - 24);
-    body.extend([0xe0, 0x7f, 0x10, 0x00]);
-    body.extend(b"OB\0\0");
-    body.extend([0xff; 4]);
-    for item in [&[][..], fragment] {
-        body.extend([0xfe, 0xff, 0x00, 0xe0]);
-        body.extend((item.len() as u32).to_le_bytes());
-        body.extend(item);
-    }
-    body.extend([0xfe, 0xff, 0xdd, 0xe0, 0, 0, 0, 0]);
-    file.with_body(&body)
+/// The head of a file of the words.
+fn picture(syntax: &'static str) -> DicomFile {
+    DicomFile::picture(syntax, SIZE.map(|size| size as u16), 12)
+}
+
+fn encapsulated(frame: Vec<u8>) -> Vec<u8> {
+    picture("1.2.840.10008.1.2.5").encapsulated(&[frame])
 }
 
 #[test]
 fn runs_and_literals_are_unpacked() {
     let folder = tempfile::tempdir().unwrap();
-    let bytes = encapsulated("1.2.840.10008.1.2.5", &frame(&words()));
+    let bytes = encapsulated(frame(&words()));
     let loaded = common::read_bytes(folder.path(), "a.dcm", &bytes).unwrap();
-    let mut native = DicomFile::slice(EXPLICIT, [0.0; 3], 1, &[0; 6]);
-    native.short(0x0028_0011, SIZE[0] as u16);
-    native.short(0x0028_0010, SIZE[1] as u16);
+    let mut native = picture(EXPLICIT);
     native.pixels(&words());
     assert_eq!(loaded.volume.samples(), one(&native).unwrap().volume.samples());
     assert_eq!(loaded.volume.samples(), &Samples::U16(words().into()));
@@ -88,13 +74,13 @@ fn runs_and_literals_are_unpacked() {
 
 #[test]
 fn cut_and_changed_runs_are_answered() {
-    let bytes = encapsulated("1.2.840.10008.1.2.5", &frame(&words()));
+    let bytes = encapsulated(frame(&words()));
     common::truncations("cut.dcm", &bytes, bytes.len());
     common::flips("changed.dcm", &bytes, bytes.len());
     let mut planes = frame(&words());
     planes[0] = 3;
     let folder = tempfile::tempdir().unwrap();
-    let bytes = encapsulated("1.2.840.10008.1.2.5", &planes);
+    let bytes = encapsulated(planes);
     let error = common::read_bytes(folder.path(), "a.dcm", &bytes)
         .unwrap_err()
         .to_string();
