@@ -41,6 +41,8 @@ mod gaussian_files;
 #[path = "../../crates/splatvol-io/tests/nifti/file.rs"]
 #[allow(dead_code, clippy::unwrap_used, reason = "a module of tests, used in part")]
 mod nifti_file;
+#[path = "../../crates/splatvol-io/tests/common/small_meshes.rs"]
+mod small_meshes;
 #[path = "../../crates/splatvol-io/tests/common/small_points.rs"]
 mod small_points;
 #[path = "../../crates/splatvol-io/tests/common/small_volumes.rs"]

@@ -12,7 +12,7 @@ mod nifti_file;
 #[path = "common/small_volumes.rs"]
 mod small_volumes;
 
-use common::{Random, gzip, read_bytes};
+use common::{Random, check_memory, gzip, read_bytes};
 use glam::DVec3;
 use nifti_file::NiftiFile;
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
@@ -96,21 +96,7 @@ fn mutated_files_are_answered_in_time() {
             "{name}: only {refused} of {rounds} were refused"
         );
     }
-    check_memory();
-}
-
-/// Linux keeps the largest resident size of a process.
-fn check_memory() {
-    let Ok(status) = std::fs::read_to_string("/proc/self/status") else {
-        splatvol_recorded::skip("no /proc to read the memory from");
-        return;
-    };
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))
-        .unwrap();
-    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().unwrap();
-    assert!(kilobytes << 10 < MEMORY, "{kilobytes} kB at the worst moment");
+    check_memory(MEMORY);
 }
 
 #[test]
@@ -138,7 +124,7 @@ fn promises_of_gigabytes_cost_nothing() {
         assert!(read_bytes(folder.path(), "a.nii", &nifti).is_err());
         assert!(read_bytes(folder.path(), "a.nii.gz", &gzip(&nifti)).is_err());
     }
-    check_memory();
+    check_memory(MEMORY);
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod small_points;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use common::Random;
+use common::{Random, check_memory};
 use splatvol_io::{
     DepthImageOptions, HeightFieldOptions, IoError, LoadedPoints, ReadOptions, read_depth_images,
     read_height_field, read_points,
@@ -123,11 +123,7 @@ fn cut_and_mutated_files_are_answered_in_time() {
         println!("{name}: {refused} of {rounds} refused");
         assert!(refused > rounds / 10, "{name}: only {refused} of {rounds}");
     }
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    if let Some(line) = status.lines().find_map(|line| line.strip_prefix("VmHWM:")) {
-        let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().unwrap();
-        assert!(kilobytes << 10 < MEMORY, "{kilobytes} kB at the worst moment");
-    }
+    check_memory(MEMORY);
 }
 
 #[test]

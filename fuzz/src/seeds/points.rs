@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use super::ending;
 use crate::input::Input;
-use crate::small_points;
+use crate::{small_meshes, small_points};
 
 fn of_name(ends: &[&str]) -> Vec<Input> {
     ending(small_points::files(), ends)
@@ -16,21 +16,7 @@ pub(crate) fn pcd() -> Vec<Input> {
 
 pub(crate) fn ply() -> Vec<Input> {
     let mut seeds = of_name(&[".ply"]);
-    let text = "ply\nformat ascii 1.0\ncomment made here\nelement vertex 4\nproperty float x\nproperty float y\n\
-        property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\n\
-        property uchar green\nproperty uchar blue\nelement face 2\nproperty list uchar int vertex_indices\n\
-        end_header\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 0 255 0\n0 1 0 0 0 1 0 0 255\n0 0 1 0 1 0 9 9 9\n\
-        3 0 1 2\n3 0 1 3\n";
-    seeds.push(Input::file("faces.ply", text));
-    let head = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\n\
-        property double z\nproperty float radius\nelement face 1\nproperty list uchar uint vertex_index\nend_header\n";
-    let mut bytes = head.as_bytes().to_vec();
-    for i in 0..3u8 {
-        bytes.extend([i, i * i, 7].map(|c| f64::from(c).to_be_bytes()).as_flattened());
-        bytes.extend(0.5f32.to_be_bytes());
-    }
-    bytes.extend([3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2]);
-    seeds.push(Input::file("big.ply", bytes));
+    seeds.extend(ending(small_meshes::files(), &[".ply"]));
     seeds
 }
 

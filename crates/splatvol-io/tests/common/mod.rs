@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
-use splatvol_recorded::recorded;
+use splatvol_recorded::{recorded, skip};
 
 /// A reader must finish with a small malformed file within this time, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -84,6 +84,21 @@ pub fn read_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<Loaded, IoE
         assert!(text.contains(name), "the message does not name the file: {text}");
     }
     result
+}
+
+/// Fails if this process has taken more than so many bytes at its worst moment, which Linux notes.
+pub fn check_memory(most: u64) {
+    let Ok(status) = std::fs::read_to_string("/proc/self/status") else {
+        skip("no /proc to read the memory from");
+        return;
+    };
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))
+        .unwrap();
+    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().unwrap();
+    println!("{kilobytes} kB at the worst moment");
+    assert!(kilobytes << 10 < most, "{kilobytes} kB at the worst moment");
 }
 
 /// Every prefix of a file up to `header` bytes, then every 64th and the longest: each must give an error, or a volume

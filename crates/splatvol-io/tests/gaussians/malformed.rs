@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::common::{Random, gzip};
+use crate::common::{Random, check_memory, gzip};
 use crate::files::{cloud, compressed_ply, extension, gltf, gunzip, read_as, sog_files, spz_4, written, zip};
 
 /// A reader must finish with a small malformed file within this time, on a busy machine.
@@ -176,7 +176,7 @@ fn changed_files_are_answered_in_time() {
         let least = if name == "a.ksplat" { 0 } else { rounds / 20 };
         assert!(refused > least, "{name}: only {refused} of {rounds} were refused");
     }
-    check_memory();
+    check_memory(MEMORY);
 }
 
 #[test]
@@ -217,20 +217,5 @@ fn promises_of_gigabytes_cost_nothing() {
     let picture = &mut files[1].1;
     picture[21..25].copy_from_slice(&[0xff, 0xff, 0xff, 0x1f]);
     assert!(!read_in_time(folder.path(), "picture.sog", &zip(&files)));
-    check_memory();
-}
-
-/// Linux keeps the largest resident size of a process.
-fn check_memory() {
-    let Ok(status) = std::fs::read_to_string("/proc/self/status") else {
-        splatvol_recorded::skip("no /proc to read the memory from");
-        return;
-    };
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))
-        .unwrap();
-    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().unwrap();
-    println!("{kilobytes} kB at the worst moment");
-    assert!(kilobytes << 10 < MEMORY, "{kilobytes} kB at the worst moment");
+    check_memory(MEMORY);
 }
