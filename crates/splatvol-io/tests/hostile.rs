@@ -4,13 +4,12 @@
 #[path = "dicom/file.rs"]
 mod file;
 
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use file::{DicomFile, EXPLICIT, element};
-use splatvol_io::{IoError, Loaded, LoadedMesh, LoadedPoints, ReadOptions};
+use splatvol_io::{Data, DataOptions, IoError, Loaded, LoadedMesh, LoadedPoints, ReadOptions};
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
@@ -137,45 +136,75 @@ fn attributes_and_namespaces_are_counted_before_they_are_compared() {
     }
 }
 
-#[test]
-fn pieces_of_a_mesh_are_read_in_linear_time() {
-    const PIECES: usize = 12_000;
-    let mut text = "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-        header_type=\"UInt32\"><UnstructuredGrid>"
-        .to_owned();
+/// A data set of equal pieces of four points, which share arrays: each a cell with these corners, of this VTK type.
+fn pieces(data_set: &str, count: usize, [corners, kind]: [&[i32]; 2]) -> Vec<u8> {
     let array = |name: &str, kind: &str, components: usize, offset: usize| {
         format!(
             "<DataArray Name=\"{name}\" type=\"{kind}\" NumberOfComponents=\"{components}\" format=\"appended\" \
              offset=\"{offset}\"/>"
         )
     };
-    for _ in 0..PIECES {
-        let values = array("v", "Float32", 1, 0);
-        let points = array("p", "Float32", 3, 20);
-        let connectivity = array("connectivity", "Int32", 1, 72);
-        let (offsets, types) = (array("offsets", "Int32", 1, 92), array("types", "Int32", 1, 100));
-        write!(
-            text,
-            "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData>{values}</PointData><Points>{points}</Points>\
-             <Cells>{connectivity}{offsets}{types}</Cells></Piece>"
-        )
-        .unwrap();
-    }
-    text.push_str("</UnstructuredGrid><AppendedData encoding=\"raw\">_");
-    let mut bytes = text.into_bytes();
+    let lists = [
+        array("offsets", "Int32", 1, 72),
+        array("types", "Int32", 1, 80),
+        array("connectivity", "Int32", 1, 88),
+    ];
+    let cells = match data_set {
+        "PolyData" => ["Polys", "NumberOfPolys"],
+        _ => ["Cells", "NumberOfCells"],
+    };
+    let piece = format!(
+        "<Piece NumberOfPoints=\"4\" {}=\"1\"><PointData>{}</PointData><Points>{}</Points><{tag}>{}</{tag}></Piece>",
+        cells[1],
+        array("v", "Float32", 1, 0),
+        array("p", "Float32", 3, 20),
+        lists.concat(),
+        tag = cells[0],
+    );
+    let mut bytes = format!(
+        "<VTKFile type=\"{data_set}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><{data_set}>\
+         {}</{data_set}><AppendedData encoding=\"raw\">_",
+        piece.repeat(count)
+    )
+    .into_bytes();
     let mut block = |words: &[[u8; 4]]| {
         bytes.extend((4 * words.len() as u32).to_le_bytes());
         bytes.extend(words.as_flattened());
     };
     block(&[0.0f32, 1.0, 2.0, 3.0].map(f32::to_le_bytes));
-    let corners = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-    block(&corners.map(f32::to_le_bytes));
-    block(&[0i32, 1, 2, 3].map(i32::to_le_bytes));
-    block(&[4i32].map(i32::to_le_bytes));
-    block(&[10i32].map(i32::to_le_bytes));
+    let places = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    block(&places.map(f32::to_le_bytes));
+    block(&[(corners.len() as i32).to_le_bytes()]);
+    for words in [kind, corners] {
+        block(&words.iter().map(|word| word.to_le_bytes()).collect::<Vec<_>>());
+    }
     bytes.extend(b"</AppendedData></VTKFile>");
-    let loaded = read(("a.vtu", bytes), mesh).unwrap();
-    assert_eq!(loaded.mesh.positions().len(), 4 * PIECES);
+    bytes
+}
+
+#[test]
+fn pieces_of_a_mesh_are_read_in_linear_time() {
+    const PIECES: usize = 12_000;
+    let any = |path: &Path, options: &ReadOptions| {
+        let options = DataOptions {
+            read: options.clone(),
+            ..DataOptions::default()
+        };
+        splatvol_io::read_data(path, &options).map(|loaded| loaded.data)
+    };
+    let solid = pieces("UnstructuredGrid", PIECES, [&[0, 1, 2, 3], &[10]]);
+    let Data::Mesh(mesh) = read(("a.vtu", solid), any).unwrap() else {
+        panic!("no mesh");
+    };
+    assert_eq!(mesh.positions().len(), 4 * PIECES);
+    // Surfaces: a disc for each triangle at least.
+    for (name, data_set) in [("flat.vtu", "UnstructuredGrid"), ("a.vtp", "PolyData")] {
+        let flat = pieces(data_set, PIECES, [&[0, 1, 2], &[5]]);
+        let Data::Points(points) = read((name, flat), any).unwrap() else {
+            panic!("no surface");
+        };
+        assert!(points.len() >= PIECES, "{name}");
+    }
 }
 
 #[test]

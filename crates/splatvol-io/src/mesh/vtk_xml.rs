@@ -30,22 +30,33 @@ pub(crate) use poly::{has_flat_cells, read as read_poly};
 /// Malformed XML, another data set, geometry that contradicts itself, an array that is absent, or data that do not fit
 /// their declaration.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<LoadedMesh, IoError> {
+    open(path, options, Kind::of, |document, file| {
+        let grid = document::only_child(document.root_element(), file.kind.name(), file.context)?;
+        file.read_pieces(document, grid, path)
+    })
+}
+
+/// Parses a file; `read` gets its document and what its pieces have in common. `kind` is what its root is read as.
+fn open<T>(
+    path: &Path,
+    options: &ReadOptions,
+    kind: impl FnOnce(Node<'_, '_>, &Context<'_>) -> Result<Kind, IoError>,
+    read: impl FnOnce(&Document<'_>, &File<'_>) -> Result<T, IoError>,
+) -> Result<T, IoError> {
     let context = &Context::new("VTK XML", path);
     let bytes = read_file(path, context)?;
     let parts = document::split(&bytes, context)?;
     let document = document::parse(&parts, context)?;
     let root = document.root_element();
-    let kind = Kind::of(root, context)?;
     let file = File {
-        kind,
+        kind: kind(root, context)?,
         coding: document::coding(root, context)?,
         appended: parts.appended,
         length: bytes.len() as u64,
         options,
         context,
     };
-    let grid = document::only_child(root, kind.name(), context)?;
-    file.read_pieces(&document, grid, path)
+    read(&document, &file)
 }
 
 /// The data set of a file.

@@ -1,86 +1,65 @@
 //! .vtp: `PolyData` of VTK XML, and .vtu of flat cells. The points and cells of their pieces follow each other.
 
 use std::path::Path;
+use std::rc::Rc;
 
 use roxmltree::Node;
 
-use super::{Element, File, Kind};
+use super::{Element, Kind};
 use crate::IoError;
 use crate::error::Context;
 use crate::mesh::assemble::{to_f64, to_indices};
 use crate::mesh::poly::{self, Choice, Lists, Look, PolyData, flat};
-use crate::source::read_file;
 use crate::volume::ReadOptions;
 use crate::volume::vti::document::{self, Arrays};
 
-/// The polygons of a .vtp file.
+/// The polygons of a .vtp file, or of a .vtu file of flat cells.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<(PolyData, Vec<String>), IoError> {
-    let context = &Context::new("VTK XML", path);
-    let bytes = read_file(path, context)?;
-    let parts = document::split(&bytes, context)?;
-    let document = document::parse(&parts, context)?;
-    let root = document.root_element();
-    let file = File {
-        // Points and cells are declared as those of unstructured grids are.
-        kind: Kind::Unstructured,
-        coding: document::coding(root, context)?,
-        appended: parts.appended,
-        length: bytes.len() as u64,
-        options,
-        context,
-    };
-    let kind = match root.attribute("type") {
-        Some("UnstructuredGrid") => "UnstructuredGrid",
-        _ => "PolyData",
-    };
-    let grid = document::only_child(root, kind, context)?;
-    let mut poly = PolyData {
-        format: format!("VTK XML {kind}"),
-        ..PolyData::default()
-    };
+    let mut poly = PolyData::default();
     let mut choice = None;
-    for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
-        let arrays = Arrays::of_piece(piece, document::offsets(&document), context)?;
-        let element = Element {
-            file: &file,
-            arrays: &arrays,
-        };
-        element.add_piece(piece, &mut poly, &mut choice)?;
-    }
+    let name = each_piece(path, options, |element, piece| {
+        element.add_piece(piece, &mut poly, &mut choice)
+    })?;
+    poly.format = format!("VTK XML {name}");
     Ok((poly.complete(), Vec::new()))
 }
 
 /// True for an unstructured grid of flat cells. What cannot be read is none: the reader of meshes says why.
 pub(crate) fn has_flat_cells(path: &Path) -> bool {
-    types(path).is_ok_and(|types| flat::are_surface(&types))
+    let mut types = Vec::new();
+    let result = each_piece(path, &ReadOptions::default(), |element, piece| {
+        types.extend(element.cells(piece)?.types);
+        Ok(())
+    });
+    result.is_ok() && flat::are_surface(&types)
 }
 
-/// Types of an unstructured grid's cells.
-fn types(path: &Path) -> Result<Vec<u8>, IoError> {
-    let context = &Context::new("VTK XML", path);
-    let bytes = read_file(path, context)?;
-    let parts = document::split(&bytes, context)?;
-    let document = document::parse(&parts, context)?;
-    let root = document.root_element();
-    let file = File {
-        kind: Kind::Unstructured,
-        coding: document::coding(root, context)?,
-        appended: parts.appended,
-        length: bytes.len() as u64,
-        options: &ReadOptions::default(),
-        context,
-    };
-    let grid = document::only_child(root, "UnstructuredGrid", context)?;
-    let mut types = Vec::new();
-    for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
-        let arrays = Arrays::of_piece(piece, document::offsets(&document), context)?;
-        let element = Element {
-            file: &file,
-            arrays: &arrays,
+/// Visits the pieces of a file, and returns the name of its data set. Points and cells are declared as those of unstructured
+/// grids are.
+fn each_piece(
+    path: &Path,
+    options: &ReadOptions,
+    mut visit: impl for<'d> FnMut(&Element<'_, 'd>, Node<'d, 'd>) -> Result<(), IoError>,
+) -> Result<&'static str, IoError> {
+    let kind = |_: Node<'_, '_>, _: &Context<'_>| Ok(Kind::Unstructured);
+    super::open(path, options, kind, |document, file| {
+        let root = document.root_element();
+        let name = match root.attribute("type") {
+            Some("UnstructuredGrid") => "UnstructuredGrid",
+            _ => "PolyData",
         };
-        types.extend(element.cells(piece)?.types);
-    }
-    Ok(types)
+        let grid = document::only_child(root, name, file.context)?;
+        let offsets = document::offsets(document);
+        for piece in grid.children().filter(|node| node.has_tag_name("Piece")) {
+            let arrays = Arrays::of_piece(piece, Rc::clone(&offsets), file.context)?;
+            let element = Element {
+                file,
+                arrays: &arrays,
+            };
+            visit(&element, piece)?;
+        }
+        Ok(name)
+    })
 }
 
 /// The cells of a piece.
