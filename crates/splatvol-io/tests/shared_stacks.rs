@@ -3,6 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
 
 mod common;
+#[path = "dicom/file.rs"]
+mod dicom_file;
+#[path = "nifti/file.rs"]
+#[allow(dead_code, reason = "a module of tests, used in part")]
+mod nifti_file;
+#[path = "common/small_volumes.rs"]
+mod small_volumes;
 
 use common::{Expected, assert_expected, load, shared_volumes};
 use splatvol_io::{ReadOptions, axis_codes, read_volume};
@@ -139,5 +146,19 @@ fn only_files_with_directions_say_how_a_volume_lies() {
             "{name}: {}",
             description.orientation
         );
+    }
+}
+
+#[test]
+fn generated_files_say_how_a_volume_lies_if_they_have_directions() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in small_volumes::files() {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let directed = ["dcm", "nrrd", "mha", "mgh", "mgz", "nii", "gz"];
+        let expected = directed.iter().any(|end| name.ends_with(end));
+        let description = load(&path).description;
+        let found = description.oriented;
+        assert_eq!(found, expected, "{name}: {}", description.orientation);
     }
 }

@@ -177,6 +177,82 @@ fn raw_heights_need_only_their_dims() {
     );
 }
 
+#[test]
+fn raw_heights_have_a_relief_of_their_own_or_a_scale_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let codes: Vec<u8> = (0..256u16).flat_map(|i| (100 + i).to_le_bytes()).collect();
+    let path = write(folder.path(), "a.bin", codes);
+    let raw = RawLayout {
+        dims: [16, 16, 1],
+        sample_type: SampleType::U16,
+        spacing: DVec3::ONE,
+        endian: Endian::Little,
+        offset: 0,
+    };
+    let options = HeightFieldOptions {
+        raw: Some(raw),
+        ..HeightFieldOptions::default()
+    };
+    let relief = |options: &HeightFieldOptions| {
+        let loaded = load(&path, options);
+        let bounds = loaded.points.bounds();
+        (bounds.max.z - bounds.min.z, loaded.description)
+    };
+    let (own, description) = relief(&options);
+    assert!((own - 0.15 * 16.0).abs() < 1e-6, "{own}");
+    assert!(description.stored_type.contains("heights 100 to 355"));
+    assert_eq!(description.warnings.len(), 1);
+    let asked = HeightFieldOptions {
+        spacing: Some([2.0; 2]),
+        height_scale: Some(0.5),
+        exaggeration: 2.0,
+        ..options
+    };
+    let (asked, description) = relief(&asked);
+    assert!((asked - 255.0).abs() < 1e-4, "{asked}");
+    assert!(description.warnings.is_empty());
+}
+
+/// Rows of four posts, each higher than the one before, under a picture whose rows are each greener than the one before.
+#[test]
+fn posts_have_the_colours_of_their_places_whichever_row_comes_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (0..4)
+        .map(|row| format!("0.{row} 0.{row} 0.{row} 0.{row}\n"))
+        .collect();
+    let heights = write(folder.path(), "a.heights", rows);
+    let codes: Vec<u8> = (0..16u8).flat_map(|i| [40 * (i % 4), 40 * (i / 4), 0]).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 4, 4);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(&codes).unwrap();
+    let picture = write(folder.path(), "a.png", bytes);
+    for order in [RowOrder::NorthFirst, RowOrder::SouthFirst] {
+        let options = HeightFieldOptions {
+            height_scale: Some(1.0),
+            color_image: Some(picture.clone()),
+            rows: Some(order),
+            ..HeightFieldOptions::default()
+        };
+        let loaded = load(&heights, &options);
+        assert_eq!(loaded.points.len(), 16);
+        for (place, color) in world(&loaded).into_iter().zip(&loaded.points.attributes().colors) {
+            // The picture's first row is the north, whatever the table's is.
+            let row = (10.0 * place.z).round();
+            let south = if order == RowOrder::NorthFirst {
+                3.0 - row
+            } else {
+                row
+            };
+            let west = loaded.points.bounds().min;
+            assert!((place.y - west.y - south).abs() < 1e-6, "{order:?}: {place}");
+            let expected = [40.0 * (place.x - west.x), 40.0 * (3.0 - south)];
+            let found = [color[0], color[1]].map(f64::from);
+            assert_eq!(found, expected.map(f64::round), "{order:?}: {place}");
+        }
+    }
+}
+
 fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();

@@ -10,6 +10,9 @@ mod kernels;
 #[cfg(feature = "lab")]
 mod lab;
 mod motion;
+#[path = "../../../splatvol-io/tests/nifti/file.rs"]
+#[allow(dead_code, reason = "a module of tests, used in part")]
+mod nifti_file;
 mod orientation;
 mod outputs;
 mod render;
