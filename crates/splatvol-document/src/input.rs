@@ -49,12 +49,16 @@ pub struct Reading<'a> {
 impl Reading<'_> {
     /// The path, or, if it does not exist but a path in the folder does, that one.
     pub fn locate(&self, path: impl AsRef<Path>) -> PathBuf {
-        let path = path.as_ref();
-        let there = self.folder.map(|folder| folder.join(path));
-        match there.filter(|there| there.exists()) {
-            Some(there) if !path.exists() => there,
-            _ => path.to_owned(),
-        }
+        locate(path.as_ref(), self.folder)
+    }
+}
+
+/// The path, or, if it does not exist but a path in the folder does, that one.
+pub(crate) fn locate(path: &Path, folder: Option<&Path>) -> PathBuf {
+    let there = folder.map(|folder| folder.join(path));
+    match there.filter(|there| there.exists()) {
+        Some(there) if !path.exists() => there,
+        _ => path.to_owned(),
     }
 }
 

@@ -115,24 +115,28 @@ impl Data {
 
 #[pymethods]
 impl Data {
-    /// Reads a file, or generates a sample, by the keys of an item as JSON; warnings and choices come with it.
+    /// Reads a file, or generates a sample, by the keys of an item as JSON; warnings and choices come with it. `rules` are `strict`,
+    /// `allow_outside` and `max_memory`.
     #[staticmethod]
-    #[pyo3(signature = (item, strict = false, stop = None, progress = None))]
+    #[pyo3(signature = (item, rules = (false, false, None), stop = None, progress = None))]
     fn read(
         py: Python<'_>,
         item: &str,
-        strict: bool,
+        rules: (bool, bool, Option<u64>),
         stop: Option<&Stop>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Self, Vec<(bool, String)>)> {
         let keys: ItemKeys = serde_json::from_str(item).map_err(Raise::raised)?;
+        let (strict, allow_outside, max_bytes) = rules;
+        let rules = ReadRules {
+            strict,
+            allow_outside,
+            max_bytes,
+        };
         work::run(py, (stop, progress.as_ref()), |_| {
             let notes = Notes::default();
             let reading = Reading {
-                rules: ReadRules {
-                    strict,
-                    ..ReadRules::default()
-                },
+                rules,
                 folder: None,
                 listener: &notes,
             };

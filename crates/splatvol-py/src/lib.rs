@@ -44,8 +44,8 @@ mod _core {
     use super::frame::{Frame, read_picture};
     #[pymodule_export]
     use super::picture::{
-        Picture, document_over, document_text, read_document, read_record, read_transfer_function, refusal,
-        write_transfer_function,
+        Picture, document_over, document_text, read_document, read_like, read_record, read_transfer_function,
+        refusal, write_transfer_function,
     };
     #[pymodule_export]
     use super::work::Stop;

@@ -163,16 +163,42 @@ pub(crate) fn read_document(path: PathBuf) -> PyResult<Option<String>> {
     document.to_json(false).map(Some).map_err(Raise::raised)
 }
 
-/// The document that a picture's file carries, JSON, the command that made it, and a file that it names elsewhere.
+/// The document that a picture's file carries, JSON, and the command that made it.
 #[pyfunction]
-pub(crate) fn read_record(path: PathBuf) -> PyResult<(String, String, Option<String>)> {
+pub(crate) fn read_record(path: PathBuf) -> PyResult<(String, String)> {
     let record = Record::of_picture(&path).map_err(Raise::raised)?;
-    let outside = path_outside(record.document.paths(), Some(&path)).map(str::to_owned);
-    Ok((
-        record.document.to_json(false).map_err(Raise::raised)?,
-        record.command,
-        outside,
-    ))
+    let document = record.document.to_json(false).map_err(Raise::raised)?;
+    Ok((document, record.command))
+}
+
+/// The document of a picture that is to be made again, JSON, and a file that it names elsewhere than in its folder and the current
+/// one. Files beside the picture are found as by the command's `--like`, and as there not if `has_data`: if other data take the
+/// place of the items' files.
+#[pyfunction]
+pub(crate) fn read_like(path: PathBuf, has_data: bool) -> PyResult<(String, Option<String>)> {
+    let recorded = Record::of_picture(&path).map_err(Raise::raised)?.document;
+    let (document, outside) = match path.parent().filter(|_| !has_data) {
+        Some(folder) => {
+            let outside = path_outside(recorded.paths(), Some(&path)).map(str::to_owned);
+            (recorded.located(folder), outside)
+        }
+        None => {
+            let look = without_data(recorded.clone());
+            let outside = path_outside(look.paths(), None).map(str::to_owned);
+            (recorded, outside)
+        }
+    };
+    Ok((document.to_json(false).map_err(Raise::raised)?, outside))
+}
+
+/// The document without the files of its items' data.
+fn without_data(mut document: Document) -> Document {
+    for item in &mut document.items {
+        // Samples have no file.
+        "sample:".clone_into(&mut item.file);
+        (item.drape, item.solution) = (None, None);
+    }
+    document
 }
 
 /// The transfer function of a file, as the document has it, JSON, for data in a range; and warnings.

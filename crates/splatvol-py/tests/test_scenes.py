@@ -147,6 +147,100 @@ def test_pictures_name_files_elsewhere_in_vain(tmp_path: Path, monkeypatch: pyte
     np.testing.assert_array_equal(np.asarray(sv.like(picture, there / "a.npy").render()), np.asarray(frame))
 
 
+def test_files_beside_the_picture_are_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    there = tmp_path / "there"
+    there.mkdir()
+    generator = np.random.default_rng(4)
+    np.save(there / "a.npy", generator.random((8, 8, 8)).astype(np.float32))
+    monkeypatch.chdir(there)
+    sv.render("sample:ball", size=8).save("bump.png")
+    frame = sv.render("a.npy", size=16, bump="bump.png")
+    frame.save("a.png")
+    monkeypatch.chdir(tmp_path)
+    for picture in (Path("there/a.png"), there / "a.png"):
+        np.testing.assert_array_equal(np.asarray(sv.like(picture).render()), np.asarray(frame))
+    # The current folder goes first.
+    np.save(tmp_path / "a.npy", generator.random((8, 8, 8)).astype(np.float32))
+    assert not np.array_equal(np.asarray(sv.like("there/a.png").render()), np.asarray(frame))
+
+
+def test_other_data_do_not_bring_in_files_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    here = tmp_path / "here"
+    here.mkdir()
+    sv.render("sample:ball", size=8).save(tmp_path / "bump.png")
+    monkeypatch.chdir(here)
+    picture = sv.render("sample:head:16", size=16, bump="../bump.png").save("a.png")
+    ones = np.ones((4, 4, 4), np.float32)
+    with pytest.raises(sv.InvalidValue, match=r"bump\.png"):
+        sv.like(picture, ones)
+    assert sv.like(picture, ones, allow_outside=True).render().size == (16, 16)
+
+
+def nrrd(path: Path, samples: np.ndarray, data_file: str = "") -> Path:
+    """Writes an NRRD of three or four axes, time being the last, with its samples in another file if one is named."""
+    sizes = " ".join(str(n) for n in samples.shape[::-1])
+    kinds = " ".join(["space"] * 3 + ["time"] * (samples.ndim - 3))
+    head = f"NRRD0004\ntype: uchar\nencoding: raw\ndimension: {samples.ndim}\nsizes: {sizes}\nkinds: {kinds}\n"
+    if data_file:
+        path.write_text(f"{head}data file: {data_file}\n")
+    else:
+        path.write_bytes(f"{head}\n".encode() + samples.tobytes())
+    return path
+
+
+def test_links_out_of_the_folder_are_read_if_allowed(tmp_path: Path) -> None:
+    samples = np.random.default_rng(5).integers(0, 255, (4, 4, 4), np.uint8)
+    (tmp_path / "elsewhere.raw").write_bytes(samples.tobytes())
+    here = tmp_path / "here"
+    here.mkdir()
+    try:
+        (here / "a.raw").symlink_to(tmp_path / "elsewhere.raw")
+    except OSError:
+        pytest.skip("no symbolic links here")
+    header = nrrd(here / "a.nhdr", samples, "a.raw")
+    with pytest.raises(sv.SplatvolError, match="leads out of its folder"):
+        sv.read(header)
+    data = sv.read(header, allow_outside=True)
+    assert isinstance(data, sv.Volume)
+    np.testing.assert_array_equal(np.asarray(data), samples)
+    # What was allowed is allowed where it is read again.
+    np.testing.assert_array_equal(np.asarray(pickle.loads(pickle.dumps(data))), samples)
+    picture = sv.render(data, size=16).save(here / "a.png")
+    with pytest.raises(sv.SplatvolError, match="leads out of its folder"):
+        sv.like(picture)
+    again = sv.like(picture, allow_outside=True).render()
+    np.testing.assert_array_equal(np.asarray(again), np.asarray(sv.render(data, size=16)))
+
+
+def test_memory_for_samples_is_limited(tmp_path: Path) -> None:
+    samples = np.random.default_rng(6).integers(0, 255, (4, 4, 4), np.uint8)
+    path = nrrd(tmp_path / "a.nrrd", samples)
+    assert sv.read(path, max_memory=64).kind == "volume"
+    with pytest.raises(sv.LimitError, match="63"):
+        sv.read(path, max_memory=63)
+    picture = sv.render(path, size=16).save(tmp_path / "a.png")
+    with pytest.raises(sv.LimitError, match="63"):
+        sv.like(picture, max_memory=63)
+    with pytest.raises(sv.LimitError, match="63"):
+        sv.like(picture, path, max_memory=63)
+    for wrong in (-1, 1.5, "8G", True):
+        with pytest.raises(sv.InvalidValue, match="max_memory"):
+            sv.read(path, max_memory=wrong)  # type: ignore[arg-type]
+    with pytest.raises(sv.InvalidValue, match="max_memory"):
+        sv.read(samples, max_memory=64)
+
+
+def test_another_time_looks_the_same(tmp_path: Path) -> None:
+    samples = np.random.default_rng(7).integers(0, 255, (2, 4, 4, 4), np.uint8)
+    path = nrrd(tmp_path / "a.nrrd", samples)
+    picture = sv.render(path, time=0, size=16, clim=(0, 255)).save(tmp_path / "a.png")
+    wanted = np.asarray(sv.render(path, time=1, size=16, clim=(0, 255)))
+    np.testing.assert_array_equal(np.asarray(sv.like(picture, time=1).render()), wanted)
+    np.testing.assert_array_equal(np.asarray(sv.like(picture, path, time=1).render()), wanted)
+    with pytest.raises(sv.SplatvolError, match="time point 2"):
+        sv.like(picture, time=2)
+
+
 def test_pickles(ball: np.ndarray) -> None:
     for scene in (sv.Scene(ball, size=24, cmap="magma"), sv.Scene("sample:head:16", size=24, azimuth=10)):
         again = pickle.loads(pickle.dumps(scene))

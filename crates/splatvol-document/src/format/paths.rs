@@ -4,28 +4,59 @@ use std::path::{Component, Path, PathBuf};
 
 use super::Record;
 use crate::Document;
+use crate::input::locate;
 
 impl Document {
-    /// Every path of a file that the document names; samples have none.
+    /// Every path of a file that the document names and that is read; samples have none.
     pub fn paths(&self) -> Vec<&str> {
-        let all = self
-            .items
-            .iter()
-            .flat_map(|item| [Some(&item.file), item.drape.as_ref()]);
-        let effects = [&self.effects.bump, &self.effects.environment, &self.effects.tf2d];
-        let all = all.chain(effects.map(Option::as_ref)).flatten();
+        let items = self.items.iter().flat_map(|item| {
+            // A transfer function goes over its file.
+            let tf = item.tf.as_ref().filter(|_| item.transfer_function.is_none());
+            [Some(&item.file), item.drape.as_ref(), item.solution.as_ref(), tf]
+        });
+        let effects = &self.effects;
+        let others = [
+            &effects.bump,
+            &effects.environment,
+            &effects.tf2d,
+            &self.animation.path,
+        ];
+        let all = items.chain(others.map(Option::as_ref)).flatten();
         all.map(String::as_str)
             .filter(|path| !path.starts_with("sample:"))
             .collect()
     }
 
     fn paths_mut(&mut self) -> impl Iterator<Item = &mut String> {
-        let items = self.items.iter_mut();
-        let items = items.flat_map(|item| [Some(&mut item.file), item.drape.as_mut()]);
+        let items = self.items.iter_mut().flat_map(|item| {
+            [
+                Some(&mut item.file),
+                item.drape.as_mut(),
+                item.solution.as_mut(),
+                item.tf.as_mut(),
+            ]
+        });
         let effects = &mut self.effects;
-        let effects = [&mut effects.bump, &mut effects.environment, &mut effects.tf2d];
-        let named = items.chain(effects.map(Option::as_mut)).flatten();
+        let others = [
+            &mut effects.bump,
+            &mut effects.environment,
+            &mut effects.tf2d,
+            &mut self.animation.path,
+        ];
+        let named = items.chain(others.map(Option::as_mut)).flatten();
         named.filter(|path| !path.starts_with("sample:"))
+    }
+
+    /// The document of a picture in a folder, for the current one: paths that lead nowhere from here, but to a file from there, lead
+    /// there. [`crate::Reading::folder`] finds the same files one by one.
+    #[must_use]
+    pub fn located(mut self, folder: &Path) -> Self {
+        for path in self.paths_mut() {
+            *path = locate(Path::new(path), Some(folder))
+                .to_string_lossy()
+                .into_owned();
+        }
+        self
     }
 }
 
@@ -122,10 +153,16 @@ mod tests {
             .map(crate::keys::ItemKeys::of_file)
             .to_vec();
         items[1].drape = Some("/mnt/x/photo.png".to_owned());
+        items[1].solution = Some("/mnt/x/solution.q".to_owned());
+        items[1].tf = Some("/mnt/x/look.json".to_owned());
         let document = Document {
             items,
             effects: crate::keys::EffectKeys {
                 bump: Some("/mnt/x/word.png".to_owned()),
+                ..Default::default()
+            },
+            animation: crate::keys::AnimationKeys {
+                path: Some("/mnt/x/path.toml".to_owned()),
                 ..Default::default()
             },
             ..Document::default()
@@ -135,7 +172,31 @@ mod tests {
             command: String::new(),
         };
         let short = record.shortened(Path::new("/a/b")).document;
-        assert_eq!(short.paths(), ["scan.nrrd", "photo.png", "word.png"]);
+        let names = [
+            "scan.nrrd",
+            "photo.png",
+            "solution.q",
+            "look.json",
+            "word.png",
+            "path.toml",
+        ];
+        assert_eq!(short.paths(), names);
         assert_eq!(short.items[0].file, "sample:head");
+    }
+
+    #[test]
+    fn files_are_found_here_first_and_then_in_the_pictures_folder() {
+        let folder = std::env::temp_dir().join(format!("splatvol-located-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        for name in ["there.png", "Cargo.toml"] {
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        // Tests run in the folder of the crate, whose Cargo.toml goes first.
+        let names = ["sample:head", "there.png", "Cargo.toml", "nowhere.png"];
+        let document = Document::of_items(names.map(crate::keys::ItemKeys::of_file)).located(&folder);
+        let _ = std::fs::remove_dir_all(&folder);
+        let there = folder.join("there.png").display().to_string();
+        let found: Vec<&str> = document.items.iter().map(|item| item.file.as_str()).collect();
+        assert_eq!(found, ["sample:head", &there, "Cargo.toml", "nowhere.png"]);
     }
 }

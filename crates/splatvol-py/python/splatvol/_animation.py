@@ -123,7 +123,7 @@ class Film:
         if not path.exists():
             return False
         try:
-            text, *_ = _core.read_record(path)
+            text, _ = _core.read_record(path)
         except (ValueError, OSError):
             return False
         made: bool = json.loads(text) == json.loads(self._animation.document(index))

@@ -6,6 +6,7 @@ import json
 import os
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -36,13 +37,40 @@ TYPES = {
 }
 
 
+@dataclass(frozen=True)
+class Rules:
+    """What is refused when files are read: the command's flags of these names."""
+
+    #: Whether oddities of a file are errors.
+    strict: bool = False
+    #: Whether links are followed that lead out of the folder of the file.
+    allow_outside: bool = False
+    #: Most bytes of samples; half of the machine's memory by default.
+    max_memory: int | None = None
+
+    def __post_init__(self) -> None:
+        limit = self.max_memory
+        if limit is not None and (isinstance(limit, bool) or not isinstance(limit, int) or not 0 <= limit < 1 << 64):
+            message = f"max_memory: expected a whole number of bytes, not {limit!r}: 8 << 30 is 8 GiB"
+            raise InvalidValue(message, field="max_memory", value=repr(limit))
+
+    def _asked(self) -> dict[str, Any]:
+        """The rules that somebody asked for."""
+        return {field.name: value for field in fields(self) if (value := getattr(self, field.name)) != field.default}
+
+
+#: The rules where nobody asks for others.
+RULES = Rules()
+
+
 class Data:
     """Data that can be shown: what :func:`splatvol.read` returns."""
 
-    def __init__(self, core: _core.Data, keys: dict[str, Any]) -> None:
+    def __init__(self, core: _core.Data, keys: dict[str, Any], rules: Rules = RULES) -> None:
         self._core = core
         #: Keys by which a document names the data: the file, and how it is read.
         self._keys = keys
+        self._rules = rules
         self._known: dict[str, Any] | None = None
 
     def _describe(self) -> dict[str, Any]:
@@ -86,25 +114,26 @@ class Data:
     def __reduce__(self) -> tuple[object, ...]:
         if self.source is None:
             raise TypeError(f"{type(self).__name__} of arrays are not pickled: send the arrays")
-        return _read_again, (self._keys,)
+        return _read_again, (self._keys, self._rules)
 
 
-def _read_again(keys: dict[str, Any]) -> Data:
-    return read_item(keys)
+def _read_again(keys: dict[str, Any], rules: Rules = RULES) -> Data:
+    return read_item(keys, rules)
 
 
 def read_item(
-    keys: dict[str, Any], *, strict: bool = False, progress: Progress | None = None, stop: _core.Stop | None = None
+    keys: dict[str, Any], rules: Rules = RULES, *, progress: Progress | None = None, stop: _core.Stop | None = None
 ) -> Data:
     """Reads what the keys of an item name."""
-    core, notes = _core.Data.read(json.dumps(keys), strict, stop, progress)
+    limits = (rules.strict, rules.allow_outside, rules.max_memory)
+    core, notes = _core.Data.read(json.dumps(keys), limits, stop, progress)
     for is_warning, note in notes:
         if is_warning:
             warnings.warn(note, DataWarning, stacklevel=3)
     kinds: dict[str, type[Data]] = {"volume": Volume, "mesh": Mesh, "gaussians": Gaussians}
     found = kinds.get(core.kind, Points)
     data = found.__new__(found)
-    Data.__init__(data, core, keys)
+    Data.__init__(data, core, keys, rules)
     return data
 
 

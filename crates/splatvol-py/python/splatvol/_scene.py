@@ -15,7 +15,7 @@ import numpy as np
 from . import _core, _foreign
 from ._animation import animate, volume_at
 from ._camera import Camera
-from ._data import Data, Progress, Volume, read_item
+from ._data import RULES, Data, Progress, Rules, Volume, read_item
 from ._errors import DataWarning, InvalidValue, SplatvolError
 from ._frame import Frame, _replace
 from ._look import Clip, TransferFunction
@@ -443,13 +443,13 @@ def _scene_again(document: Keys, items: list[tuple[Data | None, Keys]]) -> Scene
     return scene
 
 
-def scene_of(document: Keys, *, read: bool = True) -> Scene:
+def scene_of(document: Keys, rules: Rules = RULES, *, read: bool = True) -> Scene:
     """A scene of a document, its files read."""
     scene = Scene()
     scene._document = {key: value for key, value in document.items() if key != "item"}
     for keys in document.get("item", []):
         visible = keys.get("visible", True)
-        scene.items.append(Item(read_item(_reading(keys)) if read and visible else None, dict(keys)))
+        scene.items.append(Item(read_item(_reading(keys), rules) if read and visible else None, dict(keys)))
     return scene
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from . import _core, _foreign
-from ._data import Data, Progress, read_item
+from ._data import Data, Progress, Rules, read_item
 from ._errors import InvalidValue
 from ._frame import Frame
 from ._scene import Scene, scene_of
@@ -23,7 +23,13 @@ if TYPE_CHECKING:
 
 
 def read(
-    source: Any, *, strict: bool = False, progress: Progress | None = None, **options: Unpack[ReadOptions]
+    source: Any,
+    *,
+    strict: bool = False,
+    allow_outside: bool = False,
+    max_memory: int | None = None,
+    progress: Progress | None = None,
+    **options: Unpack[ReadOptions],
 ) -> Data:
     """Reads data: a file, a folder, ``"sample:NAME"``, or an object of another package.
 
@@ -33,6 +39,10 @@ def read(
         Path, or an array, or an object of nibabel, SimpleITK, itk, xarray, zarr, dask, PyVista, VTK or napari.
     strict : bool
         Whether oddities of the file are errors.
+    allow_outside : bool
+        Whether links are followed that lead out of the folder of the file.
+    max_memory : int, optional
+        Most bytes of samples; half of the machine's memory by default.
     **options
         Keywords of :class:`splatvol.ReadOptions`: `level`, `channel`, `time`, `array`...
 
@@ -46,11 +56,12 @@ def read(
     >>> sv.read("sample:head:16").shape
     (16, 16, 16)
     """
+    rules = Rules(strict, allow_outside, max_memory)
     if isinstance(source, (str, os.PathLike)):
         check(options)
         keys = tables(options).get("item", {})
-        return read_item({"file": os.fspath(source), **keys}, strict=strict, progress=progress)
-    return _foreign.data_of(source, options)
+        return read_item({"file": os.fspath(source), **keys}, rules, progress=progress)
+    return _foreign.data_of(source, options, rules)
 
 
 def info(source: Any) -> dict[str, Any]:
@@ -128,17 +139,43 @@ def show(data: Any, **options: Unpack[RenderOptions]) -> Widget:
     return widget_of(data, dict(options))
 
 
-def like(picture: str | os.PathLike[str], data: Any = None, *, allow_outside: bool = False) -> Scene:
+def like(
+    picture: str | os.PathLike[str],
+    data: Any = None,
+    *,
+    strict: bool = False,
+    allow_outside: bool = False,
+    max_memory: int | None = None,
+    time: int | None = None,
+) -> Scene:
     """The scene of a picture that splatvol made, by what its file says.
 
-    `data` takes the place of its only item: necessary where that was an array. Files that the picture names and that
-    lie neither in its folder nor in the current one are read with `allow_outside` only: whoever made it chose them.
+    Files that the picture names are looked for in the current folder, then in the picture's, as ``--like`` does. What
+    lies elsewhere is read with `allow_outside` only: whoever made the picture chose it.
+
+    Parameters
+    ----------
+    picture : path
+        A picture that carries its document.
+    data : optional
+        Takes the place of its only item: necessary where that was an array.
+    strict, allow_outside, max_memory
+        Rules for files, as in :func:`read`.
+    time : int, optional
+        Another time point of its only item.
+
+    Raises
+    ------
+    InvalidValue
+        The picture names files elsewhere, or arrays; `data` or `time` for a picture of several things.
     """
-    text, _, outside = _core.read_record(os.fspath(picture))
-    if outside is not None and data is None and not allow_outside:
+    rules = Rules(strict, allow_outside, max_memory)
+    text, outside = _core.read_like(os.fspath(picture), data is not None)
+    if outside is not None and not allow_outside:
+        other = "" if data is not None else ", or like(picture, data) for other data"
         message = (
             f"{os.fspath(picture)} names {outside}, which lies outside its folder and the current one:"
-            " write like(picture, allow_outside=True), or like(picture, data) for other data"
+            f" write like(picture, allow_outside=True){other}"
         )
         raise InvalidValue(message, field="picture")
     document = json.loads(text)
@@ -150,13 +187,22 @@ def like(picture: str | os.PathLike[str], data: Any = None, *, allow_outside: bo
                 f"{os.fspath(picture)}: {arrays[0].removeprefix('array:')} was an array: write like(picture, data)"
             )
             raise InvalidValue(message, field="data")
-        return scene_of(document)
-    if len(items) != 1:
-        raise InvalidValue(f"{os.fspath(picture)}: it shows {len(items)} things, not one", field="data")
-    scene = Scene(_foreign.data_of(data))
+        if time is not None:
+            only_item(picture, items, "time")["time"] = time
+        return scene_of(document, rules)
+    only_item(picture, items, "data")
+    scene = Scene(_foreign.data_of(data, {"time": time}, rules))
     scene._document = {key: value for key, value in document.items() if key != "item"}
-    scene.items[0].keys = {**items[0], "file": scene.items[0].keys["file"]}
+    chosen = {} if time is None else {"time": time}
+    scene.items[0].keys = {**items[0], **chosen, "file": scene.items[0].keys["file"]}
     return scene
+
+
+def only_item(picture: str | os.PathLike[str], items: list[dict[str, Any]], field: str) -> dict[str, Any]:
+    """The one item of a picture that a keyword is about."""
+    if len(items) != 1:
+        raise InvalidValue(f"{os.fspath(picture)}: it shows {len(items)} things, not one", field=field)
+    return items[0]
 
 
 def load(path: str | os.PathLike[str]) -> Scene:

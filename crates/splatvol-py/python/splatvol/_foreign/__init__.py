@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .._data import Data, Volume, read_item
+from .._data import RULES, Data, Rules, Volume, read_item
 from .._errors import InvalidValue
 from .._napari.layers import from_napari
 from .._vocabulary import tables
@@ -34,8 +34,8 @@ __all__ = [
 ]
 
 
-def data_of(thing: Any, reading: Mapping[str, Any] | None = None) -> Data:
-    """Data of anything that is understood; `reading` are keywords that say how a file is read.
+def data_of(thing: Any, reading: Mapping[str, Any] | None = None, rules: Rules = RULES) -> Data:
+    """Data of anything that is understood; `reading` are keywords that say how a file is read, `rules` what is refused.
 
     Raises
     ------
@@ -45,12 +45,13 @@ def data_of(thing: Any, reading: Mapping[str, Any] | None = None) -> Data:
         Keywords of files, of what is none.
     """
     if isinstance(thing, (str, os.PathLike)):
-        return read_item({"file": os.fspath(thing), **tables(reading or {}).get("item", {})})
+        return read_item({"file": os.fspath(thing), **tables(reading or {}).get("item", {})}, rules)
     module = _module_of(thing)
     said = {name: value for name, value in (reading or {}).items() if value is not None}
-    for name in sorted(set(said) - set(KEYWORDS.get(module, ()))):
+    asked = {**said, **rules._asked()}
+    for name in sorted(set(asked) - set(KEYWORDS.get(module, ()))):
         message = f"{name}: says how a file is read, and these data are none"
-        raise InvalidValue(message, field=name, value=repr(said[name]))
+        raise InvalidValue(message, field=name, value=repr(asked[name]))
     if isinstance(thing, Data):
         return thing
     reader = READERS.get(module)
