@@ -14,6 +14,7 @@ import splatvol as sv
 from .conftest import shared
 
 Command = Callable[..., np.ndarray]
+Scan = Callable[[str], Path]
 
 
 def close(ours: Any, theirs: np.ndarray, at_least: float) -> None:
@@ -22,17 +23,17 @@ def close(ours: Any, theirs: np.ndarray, at_least: float) -> None:
     assert difference.psnr >= at_least, difference
 
 
-@pytest.mark.parametrize("name", ["FLAIR.nii.gz", "zstat1.nii.gz"])
-def test_nibabel(name: str, command: Command) -> None:
+@pytest.mark.parametrize("name", ["ball.nii.gz", "FLAIR.nii.gz", "zstat1.nii.gz"])
+def test_nibabel(name: str, command: Command, scan: Scan) -> None:
     nibabel = pytest.importorskip("nibabel")
-    path = shared("volumes", name)
+    path = scan(name)
     close(sv.render(nibabel.load(path), size=128), command(path, "--size", "128"), 50)
 
 
-@pytest.mark.parametrize("name", ["FLAIR.nii.gz", "HeadMRVolume.mhd"])
-def test_simple_itk(name: str, command: Command) -> None:
+@pytest.mark.parametrize("name", ["ball.nii.gz", "ball.mhd", "FLAIR.nii.gz", "HeadMRVolume.mhd"])
+def test_simple_itk(name: str, command: Command, scan: Scan) -> None:
     simple = pytest.importorskip("SimpleITK")
-    path = shared("volumes", name)
+    path = scan(name)
     close(sv.render(simple.ReadImage(str(path)), size=128), command(path, "--size", "128"), 50)
 
 
@@ -50,9 +51,10 @@ def test_volumes_of_simple_itk_keep_their_samples(ball: np.ndarray) -> None:
     np.testing.assert_array_equal(np.asarray(volume), ball)
 
 
-def test_tifffile(command: Command) -> None:
+@pytest.mark.parametrize("name", ["ball.tif", "100_fiberform.tif"])
+def test_tifffile(name: str, command: Command, scan: Scan) -> None:
     tifffile = pytest.importorskip("tifffile")
-    path = shared("volumes", "100_fiberform.tif")
+    path = scan(name)
     close(sv.render(tifffile.imread(path), size=128), command(path, "--size", "128"), 50)
 
 
@@ -176,10 +178,20 @@ def test_triangles_become_the_surface_that_their_file_becomes(tmp_path: Path) ->
         sv.Points(strip.points, triangles=faces[:1] * 0, radius=1)
 
 
-def test_pyvista_reads_what_the_command_reads(command: Command) -> None:
+@pytest.mark.parametrize("name", ["ball.vti", "bonsai.vti"])
+def test_pyvista_reads_what_the_command_reads(name: str, command: Command, scan: Scan) -> None:
     pyvista = pytest.importorskip("pyvista")
-    path = shared("volumes", "bonsai.vti")
+    path = scan(name)
     close(sv.render(pyvista.read(path), size=128), command(path, "--size", "128"), 50)
-    mesh = shared("meshes", "can.vtu")
+
+
+@pytest.mark.parametrize("name", ["ball.vtu", "can.vtu"])
+def test_meshes_of_pyvista_have_their_cells(name: str, scan: Scan, tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    if name == "ball.vtu":
+        mesh = tmp_path / name
+        pyvista.read(scan("ball.vti")).cast_to_unstructured_grid().save(mesh)
+    else:
+        mesh = shared("meshes", name)
     grid = pyvista.read(mesh)
     assert sv.info(grid)["count"] == grid.n_cells

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,6 @@ import pytest
 
 import splatvol as sv
 from splatvol._napari import plugin
-
-from .conftest import shared
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 with warnings.catch_warnings():
@@ -238,10 +236,13 @@ def test_the_manifest_is_valid_and_names_what_there_is() -> None:
     assert {sample.key for sample in manifest.contributions.sample_data} <= sv.samples().keys()
 
 
-@pytest.mark.parametrize("name", ["FLAIR.nii.gz", "HeadMRVolume.mhd", "100_fiberform.tif"])
-def test_files_come_as_layers_and_go_back(name: str) -> None:
+SCANS = ["ball.nii.gz", "ball.mhd", "ball.tif", "FLAIR.nii.gz", "HeadMRVolume.mhd", "100_fiberform.tif"]
+
+
+@pytest.mark.parametrize("name", SCANS)
+def test_files_come_as_layers_and_go_back(name: str, scan: Callable[[str], Path]) -> None:
     layers = pytest.importorskip("napari.layers")
-    path = shared("volumes", name)
+    path = scan(name)
     reader = plugin.reader_of(str(path))
     assert reader is not None
     ((values, keywords, kind),) = reader(str(path))
@@ -269,10 +270,11 @@ def test_channels_are_layers(tmp_path: Path) -> None:
         assert keywords["units"] == ["um"] * 3 and keywords["blending"] == "additive"
 
 
-def test_a_folder_is_read_only_if_it_is_one_volume(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["ball", "dicom_transfer_syntaxes/anatomical"])
+def test_a_folder_is_read_only_if_it_is_one_volume(name: str, tmp_path: Path, scan: Callable[[str], Path]) -> None:
     (tmp_path / "notes.txt").write_text("nothing to see")
     assert plugin.reader_of(str(tmp_path)) is None
-    folder = shared("volumes", "dicom_transfer_syntaxes", "anatomical")
+    folder = scan(name)
     reader = plugin.reader_of(str(folder))
     assert reader is not None
     ((values, keywords, _),) = reader(str(folder))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -56,6 +57,29 @@ def test_an_array_is_the_file_of_its_samples(ball: np.ndarray, tmp_path: Path, c
     theirs = command(tmp_path / "ball.npy", "--size", "90")
     np.testing.assert_array_equal(np.asarray(sv.render(ball, size=90)), theirs)
     np.testing.assert_array_equal(np.asarray(sv.render(tmp_path / "ball.npy", size=90)), theirs)
+
+
+#: Small files of every kind but volumes, by name: two tetrahedra, a spiral, three Gaussians, and a slope.
+MADE = {
+    "cells.vtk": b"# vtk DataFile Version 3.0\ntwo\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n"
+    b"0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\nCELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10 10\n"
+    b"POINT_DATA 5\nSCALARS T float 1\nLOOKUP_TABLE default\n1 2 3 4 5\n",
+    "spiral.xyz": "\n".join(f"{np.cos(t / 9):.6f} {np.sin(t / 9):.6f} {t / 99:.6f}" for t in range(200)).encode(),
+    "three.splat": b"".join(
+        struct.pack("<6f8B", x, 0, 0, 0.3, 0.2, 0.1, 255 - 90 * x, 90 * x, 60, 220, 255, 128, 128, 128)
+        for x in range(3)
+    ),
+    "slope.heights": b"0 1 2 3\n1 2 3 5\n2 3 5 8\n",
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_kind_of_made_data(name: str, tmp_path: Path, command: Command) -> None:
+    path = tmp_path / name
+    path.write_bytes(MADE[name])
+    theirs = command(path, "--size", "64")
+    assert np.unique(theirs.reshape(-1, theirs.shape[-1]), axis=0).shape[0] > 10
+    np.testing.assert_array_equal(np.asarray(sv.render(path, size=64)), theirs)
 
 
 @pytest.mark.parametrize(
