@@ -79,10 +79,16 @@ pub struct RenderStatistics {
     pub zones: usize,
     /// Tiles of the picture.
     pub tiles: usize,
+    /// Bricks opened, summed over tiles (`sheets`, grids).
+    pub opened_bricks: u64,
     /// Voxels activated, summed over tiles.
     pub voxels: u64,
     /// Footprint slices splatted, summed over tiles and sheets.
     pub slices: u64,
+    /// Vectors of sixteen pixels that were shaded, summed over intervals (`sheets`, post-classified by differences).
+    pub shaded_vectors: u64,
+    /// Pixels of these vectors that hold material.
+    pub shaded_pixels: u64,
     /// Bricks left out for being hidden, summed over tiles (the papers' methods).
     pub hidden_bricks: u64,
     /// Hidden voxels that were skipped, summed over tiles: those of hidden bricks, and hidden ones of other bricks

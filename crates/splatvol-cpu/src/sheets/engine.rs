@@ -347,7 +347,10 @@ fn count_work(work: &SheetWork, sheets_per_voxel: u64, statistics: &mut RenderSt
     seconds.splat += work.splat.as_secs_f64();
     seconds.take += work.take.as_secs_f64();
     seconds.shade += work.shade.as_secs_f64();
+    statistics.opened_bricks += work.bricks;
     statistics.voxels += work.voxels;
+    statistics.shaded_vectors += work.vectors;
+    statistics.shaded_pixels += work.pixels;
     statistics.slices += work.voxels * sheets_per_voxel;
 }
 

@@ -50,6 +50,9 @@ pub(crate) trait TileLayer<S: Simd> {
 
     /// Which of the tile's pixels are still open.
     fn mask(&mut self) -> &mut OpenMask;
+
+    /// Adds the counts of its work.
+    fn count(&mut self, work: &mut SheetWork);
 }
 
 /// A layer of a [`Mode`] in a tile.
@@ -280,6 +283,10 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
     fn mask(&mut self) -> &mut OpenMask {
         &mut self.scratch.mask
     }
+
+    fn count(&mut self, work: &mut SheetWork) {
+        self.scratch.count(work);
+    }
 }
 
 /// Renders the layers of a tile, plane by plane, front to back, unless `stop` is set meanwhile.
@@ -316,6 +323,7 @@ pub(crate) fn render<S: Simd>(
     let start = Instant::now();
     for layer in layers.iter_mut() {
         layer.finish(simd, canvas);
+        layer.count(&mut work);
     }
     work.shade += start.elapsed();
     work

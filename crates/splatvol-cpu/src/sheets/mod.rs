@@ -63,6 +63,7 @@ pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;
 pub(crate) mod shade;
+mod shade_batch;
 pub(crate) mod shaded;
 pub(crate) mod sheet;
 pub(crate) mod slab;

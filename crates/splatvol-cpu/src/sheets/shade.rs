@@ -1,4 +1,8 @@
-//! Shade: two neighbouring planes, classified, lit and composited sixteen pixels at a time.
+//! Shade: two neighbouring planes, classified, lit and composited.
+//!
+//! Sixteen pixels of a row are tested at a time. Those that may hold something are collected, until they fill whole
+//! vectors ([`super::shade_batch`]): of the lanes that are shaded, hardly any is idle. What a pixel gets does not
+//! depend on the others of its vector.
 //!
 //! Along a pixel's ray the value is the cubic through both planes with slopes from the planes beside them (Catmull
 //! and Rom). It is cut in the middle. Each half takes its mean extinction from the integral of the transfer
@@ -11,20 +15,17 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::Vec3A;
 
 use super::border::{Border, BorderPlane};
-use super::canvas::{Canvas, Material};
+use super::canvas::Canvas;
 use super::holes::Beside;
 use super::mask::OpenMask;
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
-use super::sheet::Lanes16;
-use super::table::{Segment, ShadeTable};
+use super::shade_batch::{Pixels, ShadeBatch};
+use super::table::ShadeTable;
 use crate::phong::Phong;
-use crate::simd::math::{LEAST_EXPONENT, exp2_quick};
 
 /// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
 const SOFTEST: f32 = -0.1;
-/// Optical depth from which an interval is cut in halves.
-const THICK: f32 = 0.02;
 /// Differences of an interval's ends by which the cubic between them may leave their range.
 const OVERSHOOT: f32 = 0.25;
 /// Normalised values by which planes may be off by rounding.
@@ -66,7 +67,7 @@ pub(crate) const MIDDLES: [f32; 16] = [
 /// Slope per interval, at u between the second and the third of four values one interval apart. In the middle it is
 /// `(c - b) - sharpness (d - 3 c + 3 b - a)`.
 #[inline(always)]
-fn depth_slope<S: Simd>([a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f32) -> f32x16<S> {
+pub(super) fn depth_slope<S: Simd>([a, b, c, d]: [f32x16<S>; 4], u: f32x16<S>, sharpness: f32) -> f32x16<S> {
     let rise = c - b;
     let (near, far) = (a - b - b + c, b - c - c + d);
     let (bend, third) = ((near + far) * 0.5, far - near);
@@ -97,15 +98,6 @@ fn across<S: Simd>(
         (load(simd, near, i + step) - load(simd, near, i - step)) * (0.5 * scales[0]),
         (load(simd, far, i + step) - load(simd, far, i - step)) * (0.5 * scales[1]),
     ]
-}
-
-/// Diffuse and specular factors of a gradient.
-#[inline(always)]
-fn lit<S: Simd>(simd: S, phong: &Phong, gradient: &[Lanes16; 3]) -> [f32x16<S>; 2] {
-    let [x, y, z] = gradient;
-    let gradient = [load(simd, &x.0, 0), load(simd, &y.0, 0), load(simd, &z.0, 0)];
-    let (diffuse, specular) = phong.lanes(simd, gradient);
-    [diffuse, specular]
 }
 
 impl<'a> Interval<'a> {
@@ -148,48 +140,6 @@ pub(crate) struct PlaneShader<'a> {
     pub border: Border,
 }
 
-/// Vectors shaded together. The chain of dependent instructions of one vector is longer than a processor's
-/// look-ahead; those of several vectors run side by side, stage by stage.
-const BATCH: usize = 8;
-
-/// Intermediate results between the shading stages, per vector.
-#[derive(Debug)]
-pub(crate) struct ShadeBatch {
-    /// First pixel of each vector.
-    places: [[usize; 2]; BATCH],
-    len: usize,
-    /// Transmittance of the interval.
-    through: [Lanes16; BATCH],
-    /// Colour times opacity.
-    color: [[Lanes16; 3]; BATCH],
-    /// Place of the material in the interval, 0 to 1.
-    place: [Lanes16; BATCH],
-    /// Gradients at the material of each half, and the second half's share of the visible material.
-    gradients: [[[Lanes16; 3]; 2]; BATCH],
-    behind: [Lanes16; BATCH],
-    /// Whether the interval is cut in halves; else the first gradient is that of the whole.
-    halves: [bool; BATCH],
-    /// Diffuse and specular factors.
-    light: [[Lanes16; 2]; BATCH],
-}
-
-impl Default for ShadeBatch {
-    fn default() -> Self {
-        const ZERO: Lanes16 = Lanes16([0.0; 16]);
-        Self {
-            places: [[0; 2]; BATCH],
-            len: 0,
-            through: [ZERO; BATCH],
-            color: [[ZERO; 3]; BATCH],
-            place: [ZERO; BATCH],
-            gradients: [[[ZERO; 3]; 2]; BATCH],
-            behind: [ZERO; BATCH],
-            halves: [false; BATCH],
-            light: [[ZERO; 2]; BATCH],
-        }
-    }
-}
-
 /// Area of a tile to shade.
 #[derive(Debug)]
 pub(crate) struct ShadeTarget<'a> {
@@ -221,7 +171,7 @@ impl<'a> ShadeTarget<'a> {
 
     /// Image coordinates of a pixel of the tile.
     #[inline(always)]
-    fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
+    pub(super) fn in_picture(&self, [x, y]: [usize; 2]) -> [usize; 2] {
         [self.origin[0] + x, self.origin[1] + y]
     }
 
@@ -237,13 +187,16 @@ impl PlaneShader<'_> {
     #[inline(always)]
     pub(crate) fn shade<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
         let span = target.span;
+        target.batch.begin(interval);
         for y in span.y0..span.y1 {
             let mut x = span.x0 / 16 * 16;
             while x < span.x1 {
-                if target.mask.sixteen(x, y) != 0 && self.may_show(simd, interval, target, [x, y]) {
-                    target.batch.places[target.batch.len % BATCH] = [x, y];
-                    target.batch.len += 1;
-                    if target.batch.len == BATCH {
+                if target.mask.sixteen(x, y) != 0 {
+                    let shown = self.may_show(simd, interval, target, [x, y]);
+                    if shown != 0 {
+                        self.collect(simd, interval, target, ([x, y], shown));
+                    }
+                    if target.batch.is_full() {
                         self.flush(simd, interval, target);
                     }
                 }
@@ -253,8 +206,7 @@ impl PlaneShader<'_> {
         self.flush(simd, interval, target);
     }
 
-    /// Whether any of sixteen pixels can hold visible values. Only open pixels count, since the contents of
-    /// finished ones depend on the tile.
+    /// Which of sixteen pixels can hold visible values. Finished ones do not count: their contents depend on the tile.
     #[inline(always)]
     fn may_show<S: Simd>(
         &self,
@@ -262,30 +214,154 @@ impl PlaneShader<'_> {
         interval: &Interval<'_>,
         target: &ShadeTarget<'_>,
         [x, y]: [usize; 2],
-    ) -> bool {
-        let mut open = target.open(simd, [x, y]);
+    ) -> u64 {
+        let open = target.open(simd, [x, y]);
+        let mut touched = open;
         let [_, near, far, _] = interval.planes;
         let at = (y + HALO) * near.pitch + x + HALO;
         let (v0, v1) = (load(simd, &near.values, at), load(simd, &far.values, at));
         let (low, high) = (v0.min(v1), v0.max(v1));
         if !self.table.shows_background {
-            open &= low.simd_lt(splat(simd, 0.0)) | high.simd_gt(splat(simd, 0.0));
+            touched &= low.simd_lt(splat(simd, 0.0)) | high.simd_gt(splat(simd, 0.0));
         }
         let slack = (high - low) * OVERSHOOT + (ROUNDING + self.background);
         let [first, last] = self.table.hull;
-        let may = (high + slack).simd_ge(splat(simd, first))
+        let mut may = (high + slack).simd_ge(splat(simd, first))
             & (low - slack).simd_le(splat(simd, last - 2.0 * self.background))
-            & open;
+            & touched;
         // Near the border and beside holes sums are still to be divided by their weights.
-        may.any_true()
-            || interval
-                .lacks(simd, [x, y])
-                .is_some_and(|lacks| (lacks & open).any_true())
-            || (interval.is_near_border
-                && ((high - low).simd_gt(splat(simd, 0.0)) & open).any_true()
-                && self
-                    .border
-                    .is_near(&interval.borders[0], target.in_picture([x, y])))
+        if let Some(lacks) = interval.lacks(simd, [x, y]) {
+            may |= lacks & open;
+        }
+        if interval.is_near_border
+            && self
+                .border
+                .is_near(&interval.borders[0], target.in_picture([x, y]))
+        {
+            may |= (high - low).simd_gt(splat(simd, 0.0)) & open;
+        }
+        may.to_bitmask()
+    }
+
+    /// Adds pixels to the batch, with the values and differences of the planes there.
+    #[inline(always)]
+    fn collect<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        target: &mut ShadeTarget<'_>,
+        ([x, y], which): ([usize; 2], u64),
+    ) {
+        let pitch = interval.planes[1].pitch;
+        let at = (y + HALO) * pitch + x + HALO;
+        let around = interval.around(at);
+        let here = pitch + 1;
+        let (mut sb, mut s0) = (load(simd, around[0], here), load(simd, around[1], here));
+        let (mut s1, mut sa) = (load(simd, around[2], here), load(simd, around[3], here));
+        let one = splat(simd, 1.0);
+        let (mut coverage, mut per_weight) = ([one; 2], [one; 2]);
+        let in_picture = target.in_picture([x, y]);
+        let is_near = |plane| self.border.is_near(plane, in_picture);
+        if interval.is_near_border && interval.borders.iter().any(is_near) {
+            let near = self.border.at(simd, &interval.borders[0], in_picture);
+            let far = self.border.at(simd, &interval.borders[1], in_picture);
+            (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
+            (s1, sa) = (s1 * far.per_weight, sa * far.per_weight);
+            coverage = [near.coverage, far.coverage];
+            per_weight = [near.per_weight, far.per_weight];
+        }
+        let mut along = [sb, s0, s1, sa];
+        let mut lacks = false;
+        if !interval.is_whole()
+            && let Some(missing) = interval.missing(simd, at)
+        {
+            let [near, far] = per_weight;
+            let [mb, m0, m1, ma] = missing;
+            let shares = [mb * near, m0 * near, m1 * far, ma * far];
+            let beside = Beside::of(simd, interval, along, shares);
+            for (sum, share) in along.iter_mut().zip(shares) {
+                *sum -= share * self.background;
+            }
+            [sb, s0, s1, sa] = beside.values;
+            coverage = beside.covered(simd, coverage);
+            lacks = interval.holes.is_some();
+        }
+        let background = self.background;
+        let values = [sb + background, s0 + background, s1 + background, sa + background];
+        let [before, near, far, after] = along;
+        let pixels = Pixels {
+            values,
+            along: match lacks {
+                true => [
+                    before + background,
+                    near + background,
+                    far + background,
+                    after + background,
+                ],
+                false => values,
+            },
+            coverage,
+            rays: self.rays(simd, in_picture),
+        };
+        if which == u64::from(u16::MAX) {
+            // Full already.
+            let all = mask32x16::from_bitmask(simd, which);
+            let inside = self.interior(simd, &pixels, (all, interval.at_eye.is_some()));
+            target.batch.count(simd, inside.as_ref(), all);
+            if let Some(inside) = inside {
+                let slopes = self.slopes(simd, interval, (at, lacks));
+                let shown = self.show(simd, interval, (&pixels, &slopes), &inside);
+                self.put(simd, target, [x, y], &shown);
+            }
+            return;
+        }
+        let slopes = match self.phong {
+            Some(_) => self.slopes(simd, interval, (at, lacks)),
+            None => [one; 4],
+        };
+        target.batch.push(simd, (&pixels, &slopes), ([x, y], which));
+    }
+
+    /// Slopes of the planes across, per world length: along x and y of the nearer, then of the farther.
+    #[inline(always)]
+    fn slopes<S: Simd>(
+        &self,
+        simd: S,
+        interval: &Interval<'_>,
+        (at, lacks): (usize, bool),
+    ) -> [f32x16<S>; 4] {
+        let [_, near, far, _] = interval.around(at);
+        let pitch = interval.planes[1].pitch;
+        let here = pitch + 1;
+        let [mut x_near, mut x_far] = across(simd, [near, far], interval.scales, (here, 1));
+        let [mut y_near, mut y_far] = across(simd, [near, far], interval.scales, (here, pitch));
+        if let Some([_, near, far, _]) = interval.holes.filter(|_| lacks) {
+            // Gradient of the sum of all coefficients, the missing ones being 0.
+            let planes = [&near.values[..], &far.values[..]];
+            let [by_near, by_far] = across(simd, planes, interval.scales, (at, 1));
+            (x_near, x_far) = (
+                x_near - by_near * self.background,
+                x_far - by_far * self.background,
+            );
+            let [by_near, by_far] = across(simd, planes, interval.scales, (at, pitch));
+            (y_near, y_far) = (
+                y_near - by_near * self.background,
+                y_far - by_far * self.background,
+            );
+        }
+        if let Some([x, y, _]) = interval.at_eye {
+            (x_near, y_near) = (splat(simd, x), splat(simd, y));
+        }
+        [x_near, y_near, x_far, y_far]
+    }
+
+    /// Slopes of the rays of sixteen pixels of the picture: x and y per depth.
+    #[inline(always)]
+    fn rays<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> [f32x16<S>; 2] {
+        let [cx, cy] = self.principal;
+        let ray_x = (f32x16::from_slice(simd, &MIDDLES) + (x as f32 - cx)) * self.per_pixel;
+        let ray_y = (y as f32 + 0.5 - cy) * self.per_pixel;
+        [ray_x, splat(simd, ray_y)]
     }
 
     /// The planes' border.
@@ -306,230 +382,5 @@ impl PlaneShader<'_> {
         let [cx, cy] = self.principal;
         let first = Vec3A::new((0.5 - cx) * scale, (0.5 - cy) * scale, depth);
         [first, Vec3A::X * scale, Vec3A::Y * scale]
-    }
-
-    #[inline(always)]
-    fn flush<S: Simd>(&self, simd: S, interval: &Interval<'_>, target: &mut ShadeTarget<'_>) {
-        let found = std::mem::take(&mut target.batch.len).min(BATCH);
-        let mut count = 0;
-        for n in 0..found {
-            // Vectors without material leave their place to the next.
-            target.batch.places[count] = target.batch.places[n];
-            let holds = match interval.is_whole() {
-                true => self.classify::<S, false>(simd, interval, target, count),
-                false => self.classify::<S, true>(simd, interval, target, count),
-            };
-            count += usize::from(holds);
-        }
-        if let Some(phong) = &self.phong {
-            let batch = &mut *target.batch;
-            for n in 0..count {
-                let [first, second] = &batch.gradients[n];
-                let mut light = lit(simd, phong, first);
-                if batch.halves[n] {
-                    let behind = load(simd, &batch.behind[n].0, 0);
-                    let second = lit(simd, phong, second);
-                    for factor in 0..2 {
-                        light[factor] += (second[factor] - light[factor]) * behind;
-                    }
-                }
-                for factor in 0..2 {
-                    light[factor].store_slice(&mut batch.light[n][factor].0);
-                }
-            }
-        }
-        for n in 0..count {
-            self.composite(simd, interval.depths[0], target, n);
-        }
-    }
-
-    /// Opacity, colour and gradient of the batch's n-th vector; false if none of its open pixels holds material.
-    #[inline(always)]
-    fn classify<S: Simd, const HOLED: bool>(
-        &self,
-        simd: S,
-        interval: &Interval<'_>,
-        target: &mut ShadeTarget<'_>,
-        n: usize,
-    ) -> bool {
-        let [x, y] = target.batch.places[n];
-        let pitch = interval.planes[1].pitch;
-        let at = (y + HALO) * pitch + x + HALO;
-        let [before, near, far, after] = interval.around(at);
-        let here = pitch + 1;
-        let (mut s0, mut s1) = (load(simd, near, here), load(simd, far, here));
-        let (mut sb, mut sa) = (load(simd, before, here), load(simd, after, here));
-        let mut coverage = [splat(simd, 1.0); 2];
-        let mut per_weight = coverage;
-        if interval.is_near_border
-            && interval
-                .borders
-                .iter()
-                .any(|plane| self.border.is_near(plane, target.in_picture([x, y])))
-        {
-            let near = self
-                .border
-                .at(simd, &interval.borders[0], target.in_picture([x, y]));
-            let far = self
-                .border
-                .at(simd, &interval.borders[1], target.in_picture([x, y]));
-            (s0, sb) = (s0 * near.per_weight, sb * near.per_weight);
-            (s1, sa) = (s1 * far.per_weight, sa * far.per_weight);
-            coverage = [near.coverage, far.coverage];
-            per_weight = [near.per_weight, far.per_weight];
-        }
-        let mut missing = None;
-        let mut whole_sums = [sb, s0, s1, sa];
-        if HOLED && let Some(weights) = interval.missing(simd, at) {
-            let [near, far] = per_weight;
-            let [mb, m0, m1, ma] = weights;
-            let shares = [mb * near, m0 * near, m1 * far, ma * far];
-            for (sum, share) in whole_sums.iter_mut().zip(shares) {
-                *sum -= share * self.background;
-            }
-            let beside = Beside::of(simd, interval, [sb, s0, s1, sa], shares);
-            [sb, s0, s1, sa] = beside.values;
-            coverage = beside.covered(simd, coverage);
-            missing = interval.holes;
-        }
-        let (v0, v1) = (s0 + self.background, s1 + self.background);
-        let ends = [self.table.classify(simd, v0), self.table.classify(simd, v1)];
-        let whole = Segment::between(simd, [v0, v1], [&ends[0], &ends[1]]);
-        let [cx, cy] = self.principal;
-        let ray_x =
-            (f32x16::from_slice(simd, &MIDDLES) + ((target.origin[0] + x) as f32 - cx)) * self.per_pixel;
-        let ray_y = ((target.origin[1] + y) as f32 + 0.5 - cy) * self.per_pixel;
-        let ray_squared = ray_x * ray_x + (1.0 + ray_y * ray_y);
-        let length = ray_squared.sqrt() * self.spacing;
-        let (before, after) = (sb + self.background, sa + self.background);
-        let covered = (coverage[0] + coverage[1]) * 0.5;
-        let (m0, m1) = ((v1 - before) * 0.5, (after - v0) * 0.5);
-
-        // Opaque intervals in two halves, so that the front hides the back; thin ones in one.
-        let extinction = whole.extinction * covered;
-        let open = target.open(simd, [x, y]);
-        let thick = (extinction * length).simd_gt(splat(simd, THICK)) & open;
-        let (through, color, u, places, behind);
-        let in_halves = thick.any_true() || !(extinction.simd_gt(splat(simd, 0.0)) & open).any_true();
-        if in_halves {
-            let vm = (v0 + v1) * 0.5 + (m0 - m1) * 0.125;
-            let middle = self.table.classify(simd, vm);
-            let mut halves = [
-                Segment::between(simd, [v0, vm], [&ends[0], &middle]),
-                Segment::between(simd, [vm, v1], [&middle, &ends[1]]),
-            ];
-            let first = halves[0].extinction * (coverage[0] + covered) * 0.5;
-            let second = halves[1].extinction * (covered + coverage[1]) * 0.5;
-            if !((first + second).simd_gt(splat(simd, 0.0)) & open).any_true() {
-                return false;
-            }
-            let half = length * (-0.5 * std::f32::consts::LOG2_E);
-            let front = exp2_quick(simd, (first * half).max(splat(simd, LEAST_EXPONENT)));
-            let back = exp2_quick(simd, (second * half).max(splat(simd, LEAST_EXPONENT)));
-            through = front * back;
-            if interval.at_eye.is_some() {
-                halves[0].move_forward(simd, [v0, vm], (first * length * 0.5, front));
-                halves[1].move_forward(simd, [vm, v1], (second * length * 0.5, back));
-            }
-            let opacities = [1.0 - front, front * (1.0 - back)];
-            let [a, b] = [
-                self.table.color(simd, halves[0].value),
-                self.table.color(simd, halves[1].value),
-            ];
-            color = [
-                a[0] * opacities[0] + b[0] * opacities[1],
-                a[1] * opacities[0] + b[1] * opacities[1],
-                a[2] * opacities[0] + b[2] * opacities[1],
-            ];
-            let seen = opacities[0] + opacities[1];
-            behind = opacities[1] / seen.max(splat(simd, 1e-30));
-            places = [halves[0].place * 0.5, halves[1].place * 0.5 + 0.5];
-            u = places[0] + behind * (places[1] - places[0]);
-        } else {
-            through = exp2_quick(simd, extinction * length * -std::f32::consts::LOG2_E);
-            let opacity = 1.0 - through;
-            let [r, g, b] = self.table.color(simd, whole.value);
-            color = [r * opacity, g * opacity, b * opacity];
-            u = whole.place;
-            places = [u; 2];
-            behind = splat(simd, 0.0);
-        }
-        let batch = &mut target.batch;
-        through.store_slice(&mut batch.through[n].0);
-        for c in 0..3 {
-            color[c].store_slice(&mut batch.color[n][c].0);
-        }
-        u.store_slice(&mut batch.place[n].0);
-        if self.phong.is_none() {
-            splat(simd, 1.0).store_slice(&mut batch.light[n][0].0);
-            splat(simd, 0.0).store_slice(&mut batch.light[n][1].0);
-            return true;
-        }
-        behind.store_slice(&mut batch.behind[n].0);
-        batch.halves[n] = in_halves;
-        let sharpness = interval.sharpness(self.spacing);
-        let [mut x_near, mut x_far] = across(simd, [near, far], interval.scales, (here, 1));
-        let [mut y_near, mut y_far] = across(simd, [near, far], interval.scales, (here, pitch));
-        if let Some([_, near, far, _]) = missing {
-            // Gradient of the sum of all coefficients, the missing ones being 0.
-            let planes = [&near.values[..], &far.values[..]];
-            let [by_near, by_far] = across(simd, planes, interval.scales, (at, 1));
-            (x_near, x_far) = (
-                x_near - by_near * self.background,
-                x_far - by_far * self.background,
-            );
-            let [by_near, by_far] = across(simd, planes, interval.scales, (at, pitch));
-            (y_near, y_far) = (
-                y_near - by_near * self.background,
-                y_far - by_far * self.background,
-            );
-        }
-        if let Some([x, y, _]) = interval.at_eye {
-            (x_near, y_near) = (splat(simd, x), splat(simd, y));
-        }
-        let along = match missing {
-            None => [before, v0, v1, after],
-            Some(_) => whole_sums.map(|sum| sum + self.background),
-        };
-        for half in 0..1 + usize::from(in_halves) {
-            let u = places[half];
-            let gx = (x_far - x_near) * u + x_near;
-            let gy = (y_far - y_near) * u + y_near;
-            let slope = depth_slope(along, u, sharpness);
-            let gz = slope * (1.0 / self.spacing) - ray_x * gx - gy * ray_y;
-            let gradient = &mut batch.gradients[n][half];
-            gx.store_slice(&mut gradient[0].0);
-            gy.store_slice(&mut gradient[1].0);
-            gz.store_slice(&mut gradient[2].0);
-        }
-        true
-    }
-
-    /// Composites the batch's n-th vector behind its pixels.
-    #[inline(always)]
-    fn composite<S: Simd>(&self, simd: S, near_depth: f32, target: &mut ShadeTarget<'_>, n: usize) {
-        let ShadeTarget { batch, canvas, .. } = target;
-        let [x, y] = batch.places[n];
-        let of = |lanes: &Lanes16| load(simd, &lanes.0, 0);
-        let through = of(&batch.through[n]);
-        let opacity = 1.0 - through;
-        let [diffuse, specular] = [of(&batch.light[n][0]), of(&batch.light[n][1])];
-        let shine = specular * opacity;
-        let [r, g, b] = &batch.color[n];
-        let material = Material {
-            through,
-            opacity,
-            color: [
-                of(r) * diffuse + shine,
-                of(g) * diffuse + shine,
-                of(b) * diffuse + shine,
-            ],
-            depth: of(&batch.place[n]) * self.spacing + near_depth,
-        };
-        let pixel = y * canvas.pitch + x;
-        let finished = canvas.put(simd, pixel, &material, self.termination);
-        if finished != 0 {
-            target.mask.finish(x, y, finished);
-        }
     }
 }

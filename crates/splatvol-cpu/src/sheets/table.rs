@@ -34,6 +34,8 @@ pub(crate) struct ShadeTable {
     cells: Box<[[f32; 4]; CELLS]>,
     /// Values outside are invisible.
     pub hull: [f32; 2],
+    /// Largest extinction.
+    pub densest: f32,
     /// Whether pixels that no voxel touches are visible, all of them background.
     pub shows_background: bool,
 }
@@ -149,6 +151,7 @@ impl Default for ShadeTable {
         Self {
             cells: Box::new([[0.0; 4]; CELLS]),
             hull: [f32::INFINITY; 2],
+            densest: 0.0,
             shows_background: false,
         }
     }
@@ -174,6 +177,7 @@ impl ShadeTable {
             material += own;
             moment += own * f64::from(middle);
         }
+        self.densest = self.cells.iter().fold(0.0, |most, cell| cell[2].max(most));
         self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
         self.shows_background = visible.any(background, background);
     }

@@ -20,7 +20,7 @@ use super::operated::Faces;
 use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
-use super::shade::ShadeBatch;
+use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
 use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_block, splat_sized};
 use super::upsample::Upsampler;
@@ -58,6 +58,8 @@ pub(crate) struct SheetScratch {
     free: Vec<u32>,
     /// A brick's values, x fastest and in depth order.
     brick: [BrickValues; 2],
+    /// Bricks opened in this tile.
+    opened: u64,
     pub mask: OpenMask,
     pub batch: ShadeBatch,
     /// Cut faces seen by pixels.
@@ -73,7 +75,11 @@ pub(crate) struct SheetScratch {
 /// Work done by a tile.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SheetWork {
+    pub bricks: u64,
     pub voxels: u64,
+    /// Vectors of pixels that were shaded, and pixels of them that hold material.
+    pub vectors: u64,
+    pub pixels: u64,
     pub activate: Duration,
     pub splat: Duration,
     pub take: Duration,
@@ -98,6 +104,16 @@ impl SheetScratch {
     pub(crate) fn reset(&mut self, size: [usize; 2]) {
         self.mask.reset(size);
         self.faces.clear();
+        self.opened = 0;
+        self.batch.take_counts();
+    }
+
+    /// Adds this tile's counts.
+    pub(crate) fn count(&mut self, work: &mut SheetWork) {
+        let [vectors, pixels] = self.batch.take_counts();
+        work.bricks += self.opened;
+        work.vectors += vectors;
+        work.pixels += pixels;
     }
 
     /// Prepares for a zone of a tile.
@@ -154,6 +170,7 @@ impl SheetScratch {
         blocks: [u8; 4],
     ) {
         let index = brick.active.brick as usize;
+        self.opened += 1;
         let voxels = self.take_slot();
         let [values, sorted] = &mut self.brick;
         mode.open(simd, (index, voxels), &mut values.0, &mut self.classified);
