@@ -42,7 +42,14 @@ fn sheets(random: &mut Random) -> SheetSettings {
         },
         filter: pick(random, &filters),
         prefilter: random.unit() < 0.5,
-        ..pick(random, &[SheetSettings::best(), SheetSettings::fast()])
+        ..pick(
+            random,
+            &[
+                SheetSettings::best(),
+                SheetSettings::fast(),
+                SheetSettings::draft(),
+            ],
+        )
     }
 }
 
@@ -143,6 +150,7 @@ fn presets_are_valid_and_survive_being_flat() {
         RenderSettings::best(),
         RenderSettings::balanced(),
         RenderSettings::fast(),
+        RenderSettings::draft(),
         RenderSettings::fastsplats2000(),
         RenderSettings::swan1997(),
         RenderSettings::mueller1998(),

@@ -160,6 +160,7 @@ impl MethodArgs {
             gaussians,
             sheet_thickness: self.sheet_thickness,
             gradient: self.gradient,
+            level_bias: self.level_bias,
             filter: self.filter,
             pixel_sigma: self.pixel_sigma,
             coverage: self.coverage,

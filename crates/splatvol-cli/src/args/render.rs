@@ -37,6 +37,7 @@ Examples:
   splatvol render scan.nii.gz
   splatvol render sample:head --view front --size 800x1000 -o head.png
   splatvol render engine.vti --cmap viridis --opacity sigmoid --clim 40,220
+  splatvol render large.nrrd --preset draft -o preview.png
   splatvol render scan.raw --dims 256x256x109 --type u16 --endian big --spacing 1,1,2 --up -y
   splatvol render ct.nrrd --iso 300 --light=-1,-1,-1 --background white
   splatvol render ct.nrrd --compositing mip --orthographic --view left

@@ -144,7 +144,7 @@ impl SheetEngine {
         let detail = if of_voxels || settings.method.gradient == Gradient::Analytic {
             Detail::FINEST
         } else {
-            Detail::new(&scene.volume, camera, settings.size)
+            Detail::new(&scene.volume, camera, (settings.size, settings.method.level_bias))
         };
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),

@@ -2,7 +2,8 @@
 //!
 //! The level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume. Within a quarter of
 //! an octave of a change both levels are rendered and blended, so that the change is invisible. Minified volumes
-//! are anti-aliased by their mips, and cost in proportion to their pixels. Classified voxels and analytic gradients
+//! are anti-aliased by their mips, and cost in proportion to their pixels. With a level bias of n octaves all widths are
+//! `2^n` times as large: drafts have an eighth of the voxels per octave. Classified voxels and analytic gradients
 //! have no levels: they are anti-aliased by the filter alone.
 
 use std::sync::Arc;
@@ -163,13 +164,13 @@ impl Detail {
         coarser: 0.0,
     };
 
-    /// Detail for a camera.
-    pub(crate) fn new(volume: &Volume, camera: &Camera, size: ImageSize) -> Self {
+    /// Detail for a camera, `bias` octaves coarser than the picture asks.
+    pub(crate) fn new(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)) -> Self {
         let grid = volume.grid();
         let centre = grid.bounds().centre();
         let depth = camera.camera_from_world().transform_point3(centre).z;
         let scale = camera.screen_from_camera(size).scale_at(depth);
-        let octaves = libm::log2(FINEST / (scale * grid.mean_spacing()));
+        let octaves = bias + libm::log2(FINEST / (scale * grid.mean_spacing()));
         let most = grid
             .dims()
             .iter()

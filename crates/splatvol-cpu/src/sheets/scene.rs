@@ -119,7 +119,11 @@ impl SheetEngine {
                 .iter()
                 .map(|volume| match Wanted::of(&volume.settings(settings)) {
                     Wanted::Classified => Detail::FINEST,
-                    _ => Detail::new(&volume.volume, camera, settings.size),
+                    _ => Detail::new(
+                        &volume.volume,
+                        camera,
+                        (settings.size, settings.method.level_bias),
+                    ),
                 })
                 .collect();
             let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();

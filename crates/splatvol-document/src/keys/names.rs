@@ -65,6 +65,8 @@ names! {
         Balanced,
         /// Twice as fast as balanced; steep edges can show bands
         Fast,
+        /// As fast at half the resolution, for previews and motion; thin structures fade
+        Draft,
         /// Whole splats one by one, anti-aliased (Swan et al. 1997)
         Swan1997 = "swan1997",
         /// As swan1997, with footprints within an error budget and motion blur (Mueller et al. 1998)

@@ -22,6 +22,8 @@ keys! {
         sheet_thickness: f64,
         /// Gradients by which sheets are lit.
         gradient: GradientName,
+        /// Octaves by which the level of detail is coarser than the picture asks: 1 halves the resolution.
+        level_bias: f64,
         /// Low-pass filter against aliasing in the picture.
         filter: FilterName,
         /// Standard deviation of the filters `ewa` and `matched`, pixels.
@@ -153,7 +155,7 @@ impl SettingKeys {
     fn shown(&self, preset: PresetName) -> Self {
         let light = self.light_only();
         match preset {
-            PresetName::Best | PresetName::Balanced | PresetName::Fast => Self {
+            PresetName::Best | PresetName::Balanced | PresetName::Fast | PresetName::Draft => Self {
                 compositing: self.compositing,
                 classification: self.classification,
                 ..light

@@ -40,6 +40,7 @@ impl SettingKeys {
         set_named(&mut settings.gaussians, self.gaussians);
         set_named(&mut settings.gradient, self.gradient);
         set(&mut settings.sheet_thickness, self.sheet_thickness);
+        set(&mut settings.level_bias, self.level_bias);
         set(&mut settings.termination, self.termination);
         settings.filter = self.resolved_filter(settings.filter)?;
         settings.coverage = self.resolved_coverage(settings.coverage)?;
@@ -171,6 +172,7 @@ fn preset(name: PresetName, shown: &FlatSettings) -> FlatSettings {
     let quality = match name {
         PresetName::Best => RenderSettings::best(),
         PresetName::Balanced => RenderSettings::balanced(),
+        PresetName::Draft => RenderSettings::draft(),
         _ => RenderSettings::fast(),
     };
     FlatSettings {
@@ -185,7 +187,7 @@ fn preset(name: PresetName, shown: &FlatSettings) -> FlatSettings {
 /// A paper's method, which also says what is splatted and how it is composited.
 fn paper(name: PresetName) -> Option<RenderSettings> {
     match name {
-        PresetName::Best | PresetName::Balanced | PresetName::Fast => None,
+        PresetName::Best | PresetName::Balanced | PresetName::Fast | PresetName::Draft => None,
         PresetName::Swan1997 => Some(RenderSettings::swan1997()),
         PresetName::Mueller1998 => Some(RenderSettings::mueller1998()),
         PresetName::FastSplats2000 => Some(RenderSettings::fastsplats2000()),

@@ -145,11 +145,12 @@ fn photographs_are_unlit_unless_light_is_asked_for() {
 fn keys_of_random_settings_lead_back_to_them() {
     use proptest::prelude::*;
     let config = ProptestConfig::with_cases(2000);
-    proptest!(config, |(thickness in 0.1..3.0f64, sigma in 0.3..2.0f64, name in 0..7usize, samples in 2..9u32, light: bool)| {
+    proptest!(config, |(thickness in 0.1..3.0f64, sigma in 0.3..2.0f64, name in 0..8usize, samples in 2..9u32, light: bool)| {
         let presets = [
             RenderSettings::best(),
             RenderSettings::balanced(),
             RenderSettings::fast(),
+            RenderSettings::draft(),
             RenderSettings::swan1997(),
             RenderSettings::mueller1998(),
             RenderSettings::ewa2001(),

@@ -18,6 +18,7 @@ pub fn written(settings: &FlatSettings) -> SettingKeys {
         gaussians: Some(settings.gaussians.into()),
         sheet_thickness: Some(settings.sheet_thickness),
         gradient: Some(settings.gradient.into()),
+        level_bias: Some(settings.level_bias),
         termination: Some(settings.termination),
         prefilter: Some(settings.prefilter),
         sheet: settings.sheet.map(Into::into),

@@ -155,13 +155,15 @@ class RenderOptions(TypedDict, total=False):
     """Cut-off of the Gaussian or Kaiser-Bessel kernel, voxels."""
     kernel_sigma: float | None
     """Standard deviation of the Gaussian kernel, voxels."""
+    level_bias: float | None
+    """Octaves by which the level of detail is coarser than the picture asks: 1 halves the resolution."""
     occlusion: Literal["auto", "none", "sat"] | None
     """How hidden voxels are found and left out."""
     pixel_sigma: float | None
     """Standard deviation of the filters `ewa` and `matched`, pixels."""
     prefilter: bool | None
     """Whether the reconstruction interpolates the samples, or smooths them."""
-    preset: Literal["best", "balanced", "fast", "swan1997", "mueller1998", "ewa2001", "fastsplats2000"] | None
+    preset: Literal["best", "balanced", "fast", "draft", "swan1997", "mueller1998", "ewa2001", "fastsplats2000"] | None
     """Quality or speed; other keys go over it. `balanced` by default."""
     rasterizer: Literal["auto", "linear-1d", "square-1d", "ellipse-1d", "rlut", "blit-2d"] | None
     """How footprints are drawn."""

@@ -58,7 +58,7 @@ TABLE = {
     "sampling_distance": "write sheet_thickness=, in voxels",
     "view_angle": "write fov=, degrees",
     "lighting": "write shade=True or shade=False",
-    "quality": 'write preset="fast", "balanced" or "best"',
+    "quality": 'write preset="draft", "fast", "balanced" or "best"',
     "width": "write size=(width, height)",
     "height": "write size=(width, height)",
 }

@@ -56,6 +56,8 @@ pub struct FlatSettings {
     pub motion_blur: MotionBlur,
     /// Source of the gradient that lights a sheet.
     pub gradient: Gradient,
+    /// Octaves by which the level of detail is coarser than the picture asks; footprints have no levels and leave it out.
+    pub level_bias: f64,
     /// Reconstruction kernel.
     pub kernel: Kernel,
     /// Whether the reconstruction interpolates the samples, where data are splatted.
@@ -109,6 +111,7 @@ impl From<RenderSettings> for FlatSettings {
             gaussians: settings.gaussians,
             motion_blur: settings.motion_blur,
             gradient: sheets.map_or(Gradient::Differences, |sheets| sheets.gradient),
+            level_bias: sheets.map_or(0.0, |sheets| sheets.level_bias),
             kernel: settings.method.kernel(),
             prefilter: settings.method.prefilter(),
             lighting: settings.lighting,
@@ -210,6 +213,7 @@ impl FlatSettings {
                 SceneError::invalid("filter", self.filter, "ewa, matched or none on sheets")
             })?,
             gradient: self.gradient,
+            level_bias: self.level_bias,
             prefilter: self.prefilter,
         };
         if self.sheet == Some(SheetContent::Sample) && sheets.splats_colors() {

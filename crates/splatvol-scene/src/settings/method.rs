@@ -24,6 +24,10 @@ pub struct SheetSettings {
     pub filter: PixelFilter,
     /// Source of the gradient that lights a sheet.
     pub gradient: Gradient,
+    /// Octaves by which the level of detail is coarser than the picture asks, 0 to 8: by 1, the volume has half of that
+    /// resolution, and sheets are as thick in its own voxels. It needs [`Gradient::Differences`]; classified voxels
+    /// have no levels and leave it out.
+    pub level_bias: f64,
     /// Whether kernel weights are solved so that the reconstruction interpolates the samples. Classified values are
     /// never prefiltered.
     pub prefilter: bool,

@@ -5,8 +5,8 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use super::{
-    Alignment, Classification, Compositing, Coverage, Filter, Kernel, Method, MotionBlur, RenderSettings,
-    SheetSettings, SplatSettings, Stretch,
+    Alignment, Classification, Compositing, Coverage, Filter, Gradient, Kernel, Method, MotionBlur,
+    RenderSettings, SheetSettings, SplatSettings, Stretch,
 };
 use crate::{Lighting, SceneError};
 
@@ -96,6 +96,12 @@ impl SheetSettings {
     /// Checks every field's domain.
     fn validate(&self) -> Result<(), SceneError> {
         thickness(self.thickness)?;
+        check("level bias", self.level_bias, 0.0..=8.0, "0 to 8 octaves")?;
+        if self.gradient == Gradient::Analytic {
+            let expected =
+                "0 with analytic gradients, which have no levels of detail; gradient differences has them";
+            check("level bias", self.level_bias, 0.0..=0.0, expected)?;
+        }
         pixel_sigma(self.filter.into())?;
         Kernel::from(self.kernel).validate()?;
         // Wider kernels amplify noise without bound when they are inverted.

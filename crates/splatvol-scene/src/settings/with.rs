@@ -95,6 +95,12 @@ impl SheetSettings {
         Self { gradient, ..self }
     }
 
+    /// These settings with levels of detail that are coarser than the picture asks, octaves.
+    #[must_use]
+    pub fn with_level_bias(self, level_bias: f64) -> Self {
+        Self { level_bias, ..self }
+    }
+
     /// These settings with the reconstruction interpolating the samples, or not.
     #[must_use]
     pub fn with_prefilter(self, prefilter: bool) -> Self {
