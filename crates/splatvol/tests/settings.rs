@@ -313,3 +313,40 @@ fn what_no_method_has_is_refused_by_key() {
     let text = moving.validate().expect_err("sheets do not move").to_string();
     assert!(text.starts_with("motion blur: Capsule"), "{text}");
 }
+
+#[test]
+fn a_level_bias_of_an_octave_takes_half_of_the_resolution_and_analytic_gradients_refuse_it() {
+    let volume = splatvol_samples::Sample::Ball
+        .generate(Some(splatvol_samples::SampleSize::Longest(64)))
+        .expect("the sample exists");
+    let look = splatvol::TransferFunction::gray_ramp(volume.value_range(), 0.2).expect("a range");
+    let scene = splatvol::Scene::new(volume, look);
+    let projection = splatvol::Projection::Orthographic { height: 64.0 };
+    let bounds = scene.bounds().expect("an item");
+    let camera =
+        splatvol::Camera::framing(&bounds, splatvol::View::Front, projection, 1.0).expect("a camera");
+    let size = splatvol::ImageSize::new(64, 64).expect("a size");
+    let mut renderer = splatvol::Renderer::new(splatvol::EngineConfig::default()).expect("threads");
+    let mut render = |settings: RenderSettings| {
+        let frame = renderer
+            .render(&scene, &camera, &settings.with_size(size))
+            .expect("valid");
+        let light: f32 = frame.image.pixels.iter().map(|pixel| pixel[3]).sum();
+        (renderer.statistics().level, renderer.statistics().voxels, light)
+    };
+    let (fast, draft) = (render(RenderSettings::fast()), render(RenderSettings::draft()));
+    assert_eq!(draft.0, fast.0 + 1);
+    assert!(draft.1 * 4 < fast.1, "{} of {} voxels", draft.1, fast.1);
+    assert!((draft.2 / fast.2 - 1.0).abs() < 0.05, "{} {}", draft.2, fast.2);
+    for (gradient, level_bias) in [
+        (splatvol::Gradient::Analytic, 1.0),
+        (splatvol::Gradient::Differences, 9.0),
+    ] {
+        let refused = validated(FlatSettings {
+            gradient,
+            level_bias,
+            ..FlatSettings::default()
+        });
+        assert!(refused.is_err_and(|error| error.contains("level bias")));
+    }
+}
