@@ -33,7 +33,7 @@ Examples:
   splatvol bench
   splatvol bench --quick
   splatvol bench --scenes shells:256 --looks opaque --projection perspective --threads 2
-  splatvol bench scan.nii.gz --preset fast --threads 1,4
+  splatvol bench scan.nii.gz --preset fast --threads 1,4 --counts
   splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -
   splatvol bench scan.raw --dims 256x256x109 --type u16 --up -y --view front
   splatvol bench scene.toml --orbit 2 --picture first.png
@@ -72,6 +72,12 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "DEGREES", default_value_t = 1.0, help_heading = MEASUREMENT,
           allow_negative_numbers = true, value_parser = values::finite)]
     pub(crate) orbit: f64,
+    /// Print what each case's frame counts, too: bricks, voxels, vectors
+    ///
+    /// Of the median frame, summed over tiles. A vector has sixteen lanes: voxels where they are looked at, four sheets by
+    /// two by two pixels where they are splatted, pixels where they are shaded. Zero where an engine does not count.
+    #[arg(long, help_heading = MEASUREMENT)]
+    pub(crate) counts: bool,
     /// Picture size, pixels: WxH, W,H or N [default: 512x512; 128x128 for the small scenes]
     #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
     pub(crate) size: Option<PictureSize>,

@@ -104,7 +104,7 @@ fn short_flags(command: &str) -> Option<&'static str> {
              size background overwrite threads",
         ),
         "bench" => Some(
-            "inputs scenes quick looks projection threads frames warm_up orbit preset size json \
+            "inputs scenes quick looks projection threads frames warm_up orbit counts preset size json \
              first_frame overwrite",
         ),
         "info" => Some("input kernel kind time channel series json bins"),

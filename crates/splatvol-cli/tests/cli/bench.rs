@@ -35,6 +35,31 @@ fn the_small_scenes_look_as_recorded() {
 }
 
 #[test]
+fn counts_do_not_depend_on_threads() {
+    let sandbox = Sandbox::new();
+    let run = sandbox
+        .run(&format!(
+            "bench sample:shells:32 --preset fast --size 64 --threads 1,2 --counts {ONE_FRAME}"
+        ))
+        .succeeds();
+    let text = run.stdout();
+    let counts: Vec<&str> = text.lines().filter(|line| line.starts_with("  ")).collect();
+    assert_eq!(counts.len(), 6, "{text}");
+    assert_eq!(counts[..3], counts[3..]);
+    for (line, word) in counts.iter().zip(["bricks", "voxels", "pixels"]) {
+        let number = line
+            .trim()
+            .strip_prefix(word)
+            .and_then(|rest| rest.split_whitespace().next());
+        let number: u64 = number
+            .unwrap_or_default()
+            .parse()
+            .unwrap_or_else(|_| panic!("{line}"));
+        assert!(number > 0, "{line}");
+    }
+}
+
+#[test]
 fn every_frame_is_measured_and_threads_do_not_change_pictures() {
     let sandbox = Sandbox::new();
     let run = sandbox

@@ -85,6 +85,11 @@ pub struct RenderStatistics {
     pub voxels: u64,
     /// Footprint slices splatted, summed over tiles and sheets.
     pub slices: u64,
+    /// Vectors of sixteen voxels that were looked at, summed over tiles (`sheets`, grids).
+    pub activated_vectors: u64,
+    /// Vectors of four sheets by two by two pixels that were added to, summed over tiles (`sheets`, grids; none where
+    /// footprints are evaluated pixel by pixel).
+    pub splatted_vectors: u64,
     /// Vectors of sixteen pixels that were shaded, summed over intervals (`sheets`, post-classified by differences).
     pub shaded_vectors: u64,
     /// Pixels of these vectors that hold material.

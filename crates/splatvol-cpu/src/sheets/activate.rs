@@ -122,7 +122,7 @@ pub(crate) struct Window {
     pub anywhere: bool,
 }
 
-/// Moves a brick's voxels that enter a sheet to the records.
+/// Moves a brick's voxels that enter a sheet to the records; returns how many vectors of sixteen were looked at.
 #[inline(always)]
 pub(crate) fn activate<S: Simd>(
     simd: S,
@@ -131,7 +131,7 @@ pub(crate) fn activate<S: Simd>(
     (brick, voxels): (&mut OpenBrick, &OpenVoxels),
     mask: &OpenMask,
     records: &mut Records,
-) {
+) -> u64 {
     let [x0, y0, z0] = brick.corner;
     let first = f32x16::splat(simd, window.depths[0] - z0);
     let limit = f32x16::splat(simd, window.depths[1] - z0);
@@ -139,13 +139,15 @@ pub(crate) fn activate<S: Simd>(
     let before = -(window.blocks as f32 + 0.5);
     let test = !window.anywhere && mask.any_finished && !mask.all(brick.blocks);
     let scale = f32x16::splat(simd, window.scale);
+    let mut vectors = 0;
     loop {
+        vectors += 1;
         let next = (brick.next as usize).min(BRICK_VOXELS);
         let depth = f32x16::from_slice(simd, &voxels.depth[next..next + 16]);
         let entering = depth.simd_le(limit);
         let count = entering.to_bitmask().count_ones();
         if count == 0 {
-            return;
+            return vectors;
         }
         brick.next += count;
         let value = f32x16::from_slice(simd, &voxels.value[next..next + 16]);
@@ -153,7 +155,7 @@ pub(crate) fn activate<S: Simd>(
         let last = count < 16 || brick.next as usize >= voxels.len;
         if !needed.any_true() {
             if last {
-                return;
+                return vectors;
             }
             continue;
         }
@@ -212,7 +214,7 @@ pub(crate) fn activate<S: Simd>(
             records.len = at + found;
         }
         if last {
-            return;
+            return vectors;
         }
     }
 }

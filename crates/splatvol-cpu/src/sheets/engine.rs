@@ -349,8 +349,10 @@ fn count_work(work: &SheetWork, sheets_per_voxel: u64, statistics: &mut RenderSt
     seconds.shade += work.shade.as_secs_f64();
     statistics.opened_bricks += work.bricks;
     statistics.voxels += work.voxels;
-    statistics.shaded_vectors += work.vectors;
-    statistics.shaded_pixels += work.pixels;
+    statistics.activated_vectors += work.activated_vectors;
+    statistics.splatted_vectors += work.splatted_vectors;
+    statistics.shaded_vectors += work.shaded_vectors;
+    statistics.shaded_pixels += work.shaded_pixels;
     statistics.slices += work.voxels * sheets_per_voxel;
 }
 

@@ -77,9 +77,12 @@ pub(crate) struct SheetScratch {
 pub(crate) struct SheetWork {
     pub bricks: u64,
     pub voxels: u64,
+    /// Vectors of sixteen voxels that were looked at, and of sheets and pixels that were added to.
+    pub activated_vectors: u64,
+    pub splatted_vectors: u64,
     /// Vectors of pixels that were shaded, and pixels of them that hold material.
-    pub vectors: u64,
-    pub pixels: u64,
+    pub shaded_vectors: u64,
+    pub shaded_pixels: u64,
     pub activate: Duration,
     pub splat: Duration,
     pub take: Duration,
@@ -112,8 +115,8 @@ impl SheetScratch {
     pub(crate) fn count(&mut self, work: &mut SheetWork) {
         let [vectors, pixels] = self.batch.take_counts();
         work.bricks += self.opened;
-        work.vectors += vectors;
-        work.pixels += pixels;
+        work.shaded_vectors += vectors;
+        work.shaded_pixels += pixels;
     }
 
     /// Prepares for a zone of a tile.
@@ -251,7 +254,7 @@ pub(crate) fn enter_lattice<S: Simd, M: Mode<N>, const N: usize>(
             ..
         } = scratch;
         let voxels = &voxels[brick.voxels as usize];
-        activate(
+        work.activated_vectors += activate(
             simd,
             &frame.constants,
             window,
@@ -324,6 +327,9 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
         ..
     } = scratch;
     work.voxels += records.len as u64;
+    if frame.zone.footprints != Evaluation::Direct {
+        work.splatted_vectors += (records.len * size * size * frame.groups * N) as u64;
+    }
     let any_missing = mode.has_holes() && records.part(&mut holes.records);
     let sheets = OpenSheets {
         frame,

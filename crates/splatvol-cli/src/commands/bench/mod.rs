@@ -20,7 +20,7 @@ use splatvol_document::{CameraPose, Picture};
 
 use self::checksum::{Check, Checksum, Expected};
 use self::measure::{Course, Measured, Subject, measure, median};
-use self::report::{CaseReport, Report, Table};
+use self::report::{CaseReport, Report, Table, counts};
 use self::scenes::{SceneChoice, Variant};
 use self::shown::Shown;
 use crate::args::BenchArgs;
@@ -128,6 +128,9 @@ impl<'a> Bench<'a> {
                     self.write_picture(&picture, &measured)?;
                 }
                 self.print(&self.table.line(&case))?;
+                if self.args.counts {
+                    self.print(&counts(&case.statistics))?;
+                }
                 cases.push(case);
             }
         }

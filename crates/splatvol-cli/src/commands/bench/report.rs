@@ -158,9 +158,52 @@ fn stage_shares(seconds: &StageSeconds, threads: usize) -> [(&'static str, f64);
     ]
 }
 
+/// Lines of what a frame counts, below that of its case.
+pub(super) fn counts(statistics: &RenderStatistics) -> String {
+    let per = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
+    let RenderStatistics {
+        active_bricks,
+        opened_bricks,
+        voxels,
+        activated_vectors,
+        splatted_vectors,
+        shaded_vectors,
+        shaded_pixels,
+        ..
+    } = *statistics;
+    format!(
+        "  bricks {opened_bricks} opened of {active_bricks} visible\n  \
+         voxels {voxels} splatted, {:.2} of the lanes of {activated_vectors} vectors; {splatted_vectors} vectors added to, \
+         {:.1} per voxel\n  \
+         pixels {shaded_pixels} hold material, {:.2} of the lanes of {shaded_vectors} vectors shaded",
+        per(voxels, 16 * activated_vectors),
+        per(splatted_vectors, voxels),
+        per(shaded_pixels, 16 * shaded_vectors),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn counts_are_shares_of_lanes() {
+        let statistics = RenderStatistics {
+            active_bricks: 3,
+            opened_bricks: 4,
+            voxels: 800,
+            activated_vectors: 100,
+            splatted_vectors: 7200,
+            shaded_vectors: 10,
+            shaded_pixels: 40,
+            ..RenderStatistics::default()
+        };
+        let expected = "  bricks 4 opened of 3 visible
+  voxels 800 splatted, 0.50 of the lanes of 100 vectors; 7200 vectors added to, 9.0 per voxel
+  pixels 40 hold material, 0.25 of the lanes of 10 vectors shaded";
+        assert_eq!(counts(&statistics), expected);
+        assert!(counts(&RenderStatistics::default()).ends_with("0.00 of the lanes of 0 vectors shaded"));
+    }
 
     #[test]
     fn shares_add_up_to_the_frame() {
