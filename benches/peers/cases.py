@@ -42,7 +42,7 @@ class Comparison:
     def __init__(self, args, splatvol):
         self.args = args
         self.splatvol = None if args.only == "vtk" else splatvol
-        self.vtk = None if args.only == "splatvol" else VtkRenderer(args.size, args.threads)
+        self.vtk = None if args.only == "splatvol" else VtkRenderer(args.size, args.threads, args.mode)
         self.reader = splatvol
         self.references = references.References(None if args.fresh_references else args.references)
 
@@ -52,10 +52,10 @@ class Comparison:
         analytic = reference.split("@")[0] == "sample:marschner-lobb"
         view = "front" if analytic else self.args.view
         camera = scenes.camera(volume, view, self.args.orthographic)
-        for kind in self.args.tf or ["opaque", "semi"]:
+        for kind in self.args.tf or scenes.MODES[self.args.mode]:
             scene = Scene(volume, scenes.transfer_function(volume, kind), camera)
             case = {"volume": volume.name, "dims": volume.values.shape[::-1], "sample-type": str(volume.values.dtype),
-                    "transfer-function": kind, "view": view, "orthographic": self.args.orthographic}
+                    "mode": self.args.mode, "transfer-function": kind, "view": view, "orthographic": self.args.orthographic}
             if not self.args.no_times:
                 case.update(self._times(scene))
             if not self.args.no_quality:
@@ -102,7 +102,7 @@ class Comparison:
         picture = self.vtk.frame(scene.camera).copy()
         truth = scene.of(scenes.marschner_lobb(VTK_REFINEMENT, whole_voxels=False)) if analytic else scene
         step = ANALYTIC_STEP if analytic else REFERENCE_STEP
-        key = {"renderer": f"VTK {importlib.metadata.version('vtk')}", "step": step,
+        key = {"renderer": f"VTK {importlib.metadata.version('vtk')}", "step": step, "mode": self.args.mode,
                **references.of_scene(truth, LIGHTING, self.args.size)}
         return picture, self.references.picture(key, lambda: self.vtk.reference(
             truth.volume, scene.transfer_function, LIGHTING, scene.camera, step))

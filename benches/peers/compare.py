@@ -35,6 +35,7 @@ EXAMPLES = """examples:
   compare.py sample:shells --tf semi --rounds 5
   compare.py scan.nii.gz@300 --view diag --orthographic
   compare.py sample:marschner-lobb --pictures out
+  compare.py bonsai.vti --mode mip --preset fast
   compare.py engine.vti --only vtk --json vtk.json
   compare.py --preset fast --record             a table of this machine in benches/peers/results
   compare.py --cold-start bonsai.vti            process start to picture written, with PyVista too"""
@@ -47,8 +48,10 @@ def arguments():
     parser.add_argument("volumes", nargs="*", metavar="VOLUME[@ISO]",
                         help="files that splatvol reads, or sample:NAME[:SIZE]; ISO is the surface of the opaque "
                         "transfer function [default: sample:shells, the scans where present, sample:marschner-lobb]")
-    parser.add_argument("--tf", choices=["opaque", "semi"], action="append",
-                        help="transfer function, repeatable [default: both]")
+    parser.add_argument("--mode", choices=list(scenes.MODES), default="composite",
+                        help="how values along a ray become a pixel; xray is VTK's additive mode [default: %(default)s]")
+    parser.add_argument("--tf", choices=["opaque", "semi", "ramp"], action="append",
+                        help="transfer function, repeatable [default: opaque and semi; ramp for mip, semi for xray]")
     parser.add_argument("--view", choices=list(scenes.VIEWS), default="side", help="first view [default: %(default)s; "
                         "front for marschner-lobb]")
     parser.add_argument("--orthographic", action="store_true", help="parallel projection instead of perspective")
@@ -119,6 +122,8 @@ def main():
     for folder in filter(None, (args.pictures, args.json and args.json.resolve().parent)):
         folder.mkdir(parents=True, exist_ok=True)
     extra = [*(["--preset", args.preset] if args.preset else []), *args.flag]
+    if args.mode != "composite":
+        extra += ["--compositing", args.mode]
     with tempfile.TemporaryDirectory(prefix="splatvol-peers-") as name:
         splatvol = Splatvol(program, Path(name), args.size, args.threads, extra)
         document = report.machine(splatvol.version(), args.threads)

@@ -124,13 +124,22 @@ class TransferFunction:
         Path(path).write_text(json.dumps([preset]))
 
 
+MODES = {  # How values along a ray become a pixel, and the transfer functions that it is compared with.
+    "composite": ["opaque", "semi"],
+    "mip": ["ramp"],
+    "xray": ["semi"],
+}
+
+
 def transfer_function(volume, kind):
-    """`opaque`: a steep ramp at the iso-value, 4 % of the window wide; `semi`: a faint ramp over the window."""
+    """`opaque`: a steep ramp at the iso-value, 4 % of the window wide; `semi`: a faint ramp over the window; `ramp`: from
+    clear to opaque over the window, for values that are shown by themselves."""
     low, high = volume.window
     width = high - low
     opacities = {
         "opaque": [(volume.iso - 0.02 * width, 0.0), (volume.iso + 0.02 * width, 1.0)],
         "semi": [(low + 0.04 * width, 0.0), (high, SEMI_OPACITY)],
+        "ramp": [(low, 0.0), (high, 1.0)],
     }
     colors = [(low, 0.10, 0.15, 0.60), (low + 0.30 * width, 0.20, 0.70, 0.80), (low + 0.60 * width, 0.95, 0.85, 0.45),
               (high, 0.90, 0.20, 0.12)]

@@ -17,7 +17,7 @@ from vtkmodules.vtkCommonCore import vtkMultiThreader, vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkRenderingCore import (
     vtkColorTransferFunction, vtkLight, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty)
-from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
+from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper, vtkVolumeMapper
 from vtkmodules.vtkRenderingVolumeOpenGL2 import vtkOpenGLGPUVolumeRayCastMapper
 
 import scenes
@@ -33,18 +33,25 @@ REFERENCE_LIGHT = {
 """Replacements in VTK's fragment shader. check_reference.py fails where they do not take."""
 
 
+BLEND = {
+    "composite": vtkVolumeMapper.COMPOSITE_BLEND,
+    "mip": vtkVolumeMapper.MAXIMUM_INTENSITY_BLEND,
+    "xray": vtkVolumeMapper.ADDITIVE_BLEND,
+}
+
+
 class VtkError(Exception):
     """VTK cannot render here."""
 
 
 class VtkRenderer:
-    """An off-screen window of `size` pixels square."""
+    """An off-screen window of `size` pixels square; `mode`: one of `scenes.MODES`."""
 
-    def __init__(self, size, threads):
+    def __init__(self, size, threads, mode="composite"):
         vtkMultiThreader.SetGlobalMaximumNumberOfThreads(threads)
         vtkMultiThreader.SetGlobalDefaultNumberOfThreads(threads)
         os.environ.setdefault("LP_NUM_THREADS", str(threads))  # Mesa's software OpenGL reads this later.
-        self.size, self.threads = size, threads
+        self.size, self.threads, self.mode = size, threads, mode
         self.window = vtkRenderWindow()
         self.window.SetOffScreenRendering(1)
         self.window.SetMultiSamples(0)
@@ -92,7 +99,7 @@ class VtkRenderer:
         mapper.SetNumberOfThreads(self.threads)
         mapper.SetInteractiveSampleDistance(step * volume.voxel)
         mapper.IntermixIntersectingGeometryOff()
-        return _configured(mapper, volume.values, volume, step)
+        return self._configured(mapper, volume.values, volume, step)
 
     def batch(self, camera, orbit, frames, warm_up):
         """Times frames, each turned by `orbit` degrees against the one before."""
@@ -102,7 +109,7 @@ class VtkRenderer:
         """What the fixed-point mapper approximates: the OpenGL mapper on floats with short steps."""
         mapper = vtkOpenGLGPUVolumeRayCastMapper()
         mapper.UseJitteringOff()
-        _configured(mapper, volume.values.astype(np.float32), volume, step)
+        self._configured(mapper, volume.values.astype(np.float32), volume, step)
         actor = self.show(transfer_function, lighting, mapper)
         shader = actor.GetShaderProperty()
         for original, replacement in REFERENCE_LIGHT.items():
@@ -114,20 +121,19 @@ class VtkRenderer:
             raise VtkError("VTK's OpenGL mapper, the reference, does not work here")
         return picture
 
-
-def _configured(mapper, values, volume, step):
-    mapper.SetImageSampleDistance(1.0)
-    mapper.SetSampleDistance(step * volume.voxel)
-    mapper.SetAutoAdjustSampleDistances(0)
-    mapper.SetLockSampleDistanceToInputSpacing(0)
-    mapper.SetBlendModeToComposite()
-    image = vtkImageData()
-    image.SetDimensions(*values.shape[::-1])
-    image.SetSpacing(*volume.spacing)
-    image.SetOrigin(*[volume.origin] * 3)
-    image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
-    mapper.SetInputData(image)
-    return mapper
+    def _configured(self, mapper, values, volume, step):
+        mapper.SetImageSampleDistance(1.0)
+        mapper.SetSampleDistance(step * volume.voxel)
+        mapper.SetAutoAdjustSampleDistances(0)
+        mapper.SetLockSampleDistanceToInputSpacing(0)
+        mapper.SetBlendMode(BLEND[self.mode])
+        image = vtkImageData()
+        image.SetDimensions(*values.shape[::-1])
+        image.SetSpacing(*volume.spacing)
+        image.SetOrigin(*[volume.origin] * 3)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+        mapper.SetInputData(image)
+        return mapper
 
 
 def _property(transfer_function, lighting):

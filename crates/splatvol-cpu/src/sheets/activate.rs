@@ -4,7 +4,7 @@
 //! depth order. Each sheet then takes the next run of them, sixteen at a time, and leaves out voxels that miss the
 //! tile or reach finished pixels only.
 
-use fearless_simd::{f32x16, mask32x16, prelude::*, u32x16};
+use fearless_simd::{f32x16, prelude::*, u32x16};
 use splatvol_core::plan::{DepthOrder, SplatConstants};
 use splatvol_core::visibility::BRICK_VOXELS;
 
@@ -180,15 +180,7 @@ pub(crate) fn activate<S: Simd>(
         let (column, row) = ((first_x - window.ring[0]) * 0.5, (first_y - window.ring[1]) * 0.5);
         let (blocks_x, blocks_y) = (column.to_int::<u32x16<S>>(), row.to_int::<u32x16<S>>());
         if test {
-            let (blocks_x, blocks_y) = (blocks_x.as_slice(), blocks_y.as_slice());
-            let mut bits = wanted.to_bitmask();
-            let mut left = bits;
-            while left != 0 {
-                let lane = left.trailing_zeros() as usize & 15;
-                left &= left - 1;
-                bits &= !(u64::from(!mask.reaches(blocks_x[lane], blocks_y[lane])) << lane);
-            }
-            wanted = mask32x16::from_bitmask(simd, bits);
+            wanted &= mask.reaches(simd, blocks_x, blocks_y);
         }
         let found = wanted.to_bitmask().count_ones() as usize;
         if found > 0 {

@@ -5,6 +5,7 @@
 //! each other. This tells, for every first block at once, whether a footprint of n x n blocks touches an open
 //! pixel, or a pixel that an open one's derivatives need. A voxel then tests one bit.
 
+use fearless_simd::{mask32x16, prelude::*, u32x16};
 use splatvol_core::plan::MAX_BLOCKS;
 
 use super::plane::HALO;
@@ -17,6 +18,8 @@ pub(crate) const MAX_EDGE: usize = 128;
 const ROWS: usize = 104;
 /// Words of a row of blocks.
 const WORDS: usize = 4;
+/// Words of all rows, rounded up to a power of two: indices are masked instead of checked.
+const REACHED: usize = (ROWS * WORDS).next_power_of_two();
 
 /// One bit per pixel, and per block of the ring.
 #[derive(Debug, Clone)]
@@ -32,7 +35,7 @@ pub(crate) struct OpenMask {
     /// Blocks of the ring that an open pixel's value or derivatives need.
     needed: [u128; ROWS],
     /// First blocks of footprints that reach a needed block, in words of 32.
-    reached: [u32; ROWS * WORDS],
+    reached: [u32; REACHED],
     /// Blocks along the edge of the footprints for which `reached` was computed; 0 where it is out of date.
     size: usize,
     /// True once any pixel is finished.
@@ -47,7 +50,7 @@ impl Default for OpenMask {
             octaves: 0,
             phase: [0; 2],
             needed: [0; ROWS],
-            reached: [0; ROWS * WORDS],
+            reached: [0; REACHED],
             size: 0,
             any_finished: false,
         }
@@ -198,13 +201,18 @@ impl OpenMask {
         all == bits
     }
 
-    /// Whether a footprint of [`OpenMask::refresh`]'s size, with this first block, reaches a needed block.
+    /// Which of sixteen footprints of [`OpenMask::refresh`]'s size, with these first blocks, reach a needed block. Blocks
+    /// outside the ring say nothing.
     #[inline(always)]
-    pub(crate) fn reaches(&self, column: u32, row: u32) -> bool {
-        let word = row as usize * WORDS + (column / 32) as usize;
-        self.reached
-            .get(word)
-            .is_some_and(|word| word >> (column % 32) & 1 != 0)
+    pub(crate) fn reaches<S: Simd>(&self, simd: S, columns: u32x16<S>, rows: u32x16<S>) -> mask32x16<S> {
+        let places = rows * WORDS as u32 + (columns >> 5);
+        let places = places.as_slice();
+        let mut words = [0; 16];
+        for lane in 0..16 {
+            words[lane] = self.reached[places[lane] as usize % REACHED];
+        }
+        let bits = u32x16::from_slice(simd, &words) >> (columns & 31) & 1;
+        bits.simd_gt(u32x16::splat(simd, 0))
     }
 }
 
@@ -239,6 +247,8 @@ fn every_other(bits: u128) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{Level, dispatch};
+
     use super::*;
 
     /// Whether a footprint touches, by looking at every pixel.
@@ -260,6 +270,15 @@ mod tests {
         })
     }
 
+    /// Which of the footprints from a first block on along its row reach a needed block.
+    #[inline(always)]
+    fn reached<S: Simd>(simd: S, mask: &OpenMask, [column, row]: [usize; 2]) -> u64 {
+        let columns = std::array::from_fn(|lane| (column + lane) as u32);
+        let columns = u32x16::from_slice(simd, &columns as &[u32; 16]);
+        mask.reaches(simd, columns, u32x16::splat(simd, row as u32))
+            .to_bitmask()
+    }
+
     #[test]
     fn footprints_that_reach_an_open_pixel_are_never_left_out() {
         for step in [1usize, 2, 8] {
@@ -278,9 +297,13 @@ mod tests {
             for size in [2usize, 3, 5, 16] {
                 mask.refresh(size);
                 for row in (0..97 - size).step_by(3) {
+                    let mut sixteen = 0;
                     for column in 0..97 - size {
                         let place = (column as i32, row as i32);
-                        let reaches = mask.reaches(column as u32, row as u32);
+                        if column % 16 == 0 {
+                            sixteen = dispatch!(Level::new(), simd => reached(simd, &mask, [column, row]));
+                        }
+                        let reaches = sixteen >> (column % 16) & 1 != 0;
                         let touches = touches(&open, step as i32, place.0, place.1, size as i32);
                         assert!(reaches || !touches, "step {step} size {size} at {place:?}");
                         spared += usize::from(!reaches);
