@@ -49,9 +49,9 @@ def arguments():
                         help="files that splatvol reads, or sample:NAME[:SIZE]; ISO is the surface of the opaque "
                         "transfer function [default: sample:shells, the scans where present, sample:marschner-lobb]")
     parser.add_argument("--mode", choices=list(scenes.MODES), default="composite",
-                        help="how values along a ray become a pixel; xray is VTK's additive mode [default: %(default)s]")
+                        help="how values along a ray become a pixel [default: %(default)s]")
     parser.add_argument("--tf", choices=["opaque", "semi", "ramp"], action="append",
-                        help="transfer function, repeatable [default: opaque and semi; ramp for mip, semi for xray]")
+                        help="transfer function, repeatable [default: opaque and semi; ramp for mip]")
     parser.add_argument("--view", choices=list(scenes.VIEWS), default="side", help="first view [default: %(default)s; "
                         "front for marschner-lobb]")
     parser.add_argument("--orthographic", action="store_true", help="parallel projection instead of perspective")

@@ -127,7 +127,6 @@ class TransferFunction:
 MODES = {  # How values along a ray become a pixel, and the transfer functions that it is compared with.
     "composite": ["opaque", "semi"],
     "mip": ["ramp"],
-    "xray": ["semi"],
 }
 
 

@@ -36,7 +36,6 @@ REFERENCE_LIGHT = {
 BLEND = {
     "composite": vtkVolumeMapper.COMPOSITE_BLEND,
     "mip": vtkVolumeMapper.MAXIMUM_INTENSITY_BLEND,
-    "xray": vtkVolumeMapper.ADDITIVE_BLEND,
 }
 
 
