@@ -126,9 +126,9 @@ class Comparison:
         look = scene.transfer_function, LIGHTING, scene.camera
         settings = exact.picture(exact.scene(scene.volume, *look))[1]
         # Opacities keep their world length. So must gradients, which splatvol counts per voxel.
-        floor = settings["settings"]["lighting"]["gradient-floor"] / SPLATVOL_REFINEMENT
+        floor = settings["settings"]["gradient-floor"] / SPLATVOL_REFINEMENT
         fine = exact.scene(scenes.marschner_lobb(SPLATVOL_REFINEMENT, whole_voxels=True), *look)
-        return exact.picture(fine, "--like", exact.like(settings, floor), *TERMINATION)[0]
+        return exact.picture(fine, f"--gradient-floor={floor}", *TERMINATION)[0]
 
     def _save(self, case, name, picture):
         if self.args.pictures:

@@ -5,7 +5,7 @@ import json
 import subprocess
 
 import numpy as np
-from PIL import Image, PngImagePlugin
+from PIL import Image
 
 import references
 import scenes
@@ -15,7 +15,7 @@ TERMINATION = ["--termination", "0.0001"]
 CONVERGED = ["--sheet-thickness", "0.125", *TERMINATION]
 """The same kernel, but thin sheets and (nearly) no early end."""
 SETTINGS = "splatvol.settings"
-"""The text of a PNG from which `--like` takes settings."""
+"""The text of a PNG that says how it was made."""
 
 
 class SplatvolError(Exception):
@@ -101,15 +101,6 @@ class Splatvol:
         flags = _without_overridden(list(map(str, scene)), list(map(str, more)))
         png = Image.open(io.BytesIO(self.run("render", *flags, "--background", "black", "-o", "-")))
         return np.array(png.convert("RGB")), json.loads(png.text[SETTINGS])
-
-    def like(self, settings, gradient_floor):
-        """A PNG for `--like`, with the settings of a picture but for the gradient that counts as half a surface."""
-        settings["settings"]["lighting"]["gradient-floor"] = gradient_floor
-        text = PngImagePlugin.PngInfo()
-        text.add_itxt(SETTINGS, json.dumps(settings))
-        path = self.folder / "like.png"
-        Image.new("RGB", (1, 1)).save(path, pnginfo=text)
-        return path
 
 
 def _triple(position):

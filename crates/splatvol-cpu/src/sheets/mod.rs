@@ -10,7 +10,7 @@
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
 //! | | `holes` | the same for missing samples, whose weight the sums lack |
-//! | shade | `shaded`, `shade`, `table`, `border` | two planes: classified, lit, composited |
+//! | shade | `shaded`, `shade`, `shade_batch`, `table`, `border` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
 //! | | `analytic`, `gradients`, `hermite`, `fine_table`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
 //! | | `intensity`, `exact_intensity`, `slopes`, `cubic`, `extremum` | or the largest, smallest or mean value between them kept |
@@ -63,7 +63,7 @@ pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;
 pub(crate) mod shade;
-mod shade_batch;
+pub(crate) mod shade_batch;
 pub(crate) mod shaded;
 pub(crate) mod sheet;
 pub(crate) mod slab;
