@@ -66,7 +66,8 @@ def write(path: Path, ball: np.ndarray) -> None:
     """Writes a volume by the package that the ending belongs to; a path without one becomes a folder of slices."""
     if path.name.endswith(".nii.gz"):
         nibabel = pytest.importorskip("nibabel")
-        affine = [[-0.5, 0, 0, 9], [0, 0.4, 0.3, -7], [0, -0.3, 0.8, 3], [0, 0, 0, 1]]
+        # Tilted, with spacings of 0.5, 0.5 and 1.
+        affine = [[-0.5, 0, 0, 9], [0, 0.4, 0.6, -7], [0, -0.3, 0.8, 3], [0, 0, 0, 1]]
         nibabel.save(nibabel.Nifti1Image(ball.transpose(2, 1, 0), affine), path)
     elif path.suffix == ".mhd":
         simple = pytest.importorskip("SimpleITK")

@@ -179,8 +179,13 @@ def test_other_data_do_not_bring_in_files_elsewhere(tmp_path: Path, monkeypatch:
 def nrrd(path: Path, samples: np.ndarray, data_file: str = "") -> Path:
     """Writes an NRRD of three or four axes, time being the last, with its samples in another file if one is named."""
     sizes = " ".join(str(n) for n in samples.shape[::-1])
-    kinds = " ".join(["space"] * 3 + ["time"] * (samples.ndim - 3))
-    head = f"NRRD0004\ntype: uchar\nencoding: raw\ndimension: {samples.ndim}\nsizes: {sizes}\nkinds: {kinds}\n"
+    rest = samples.ndim - 3
+    kinds = " ".join(["space"] * 3 + ["time"] * rest)
+    steps = " ".join(["(1,0,0)", "(0,1,0)", "(0,0,1)"] + ["none"] * rest)
+    head = (
+        f"NRRD0004\ntype: uchar\nencoding: raw\ndimension: {samples.ndim}\nspace dimension: 3\nsizes: {sizes}\n"
+        f"kinds: {kinds}\nspace directions: {steps}\n"
+    )
     if data_file:
         path.write_text(f"{head}data file: {data_file}\n")
     else:

@@ -51,6 +51,8 @@ def test_cancelling_from_another_thread() -> None:
 
 
 def test_ctrl_c() -> None:
+    # A shell's jobs in the background begin deaf to it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     scene = sv.Scene("sample:head:96", size=900, preset="best")
     scene.render(size=16)
     late: list[float] = []

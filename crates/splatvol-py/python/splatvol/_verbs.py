@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -191,6 +191,9 @@ def like(
             only_item(picture, items, "time")["time"] = time
         return scene_of(document, rules)
     only_item(picture, items, "data")
+    if not isinstance(data, (str, os.PathLike)):
+        # Leave to read the picture's files elsewhere; the data are no file.
+        rules = replace(rules, allow_outside=False)
     scene = Scene(_foreign.data_of(data, {"time": time}, rules))
     scene._document = {key: value for key, value in document.items() if key != "item"}
     chosen = {} if time is None else {"time": time}
