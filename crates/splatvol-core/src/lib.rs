@@ -13,6 +13,8 @@
 //! | solve | [`field`] | samples, region by region | needed voxels and their coefficients |
 //! | plan | [`plan`], with [`footprint`] and [`sheets`] | grid, kernel, camera, bricks | a frame's plan: plain data that engines render tiles from |
 //! | bin | [`bin`] | projected bricks, or chunks of a cloud | tile lists, front to back |
+//! | level | [`level`], kept by [`prepared`] | volume, transfer function, camera | the resolution that suits the picture |
+//! | shade | [`shade_table`], [`border`] | tables; the volume's faces | what intervals between planes are shaded with |
 //!
 //! Clouds of kernels with covariances of their own:
 //!
@@ -30,6 +32,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bin;
+pub mod border;
 pub mod brick;
 pub mod classification;
 pub mod coefficients;
@@ -40,12 +43,15 @@ pub mod field;
 pub mod footprint;
 pub mod irregular;
 pub mod kernel;
+pub mod level;
 pub mod mip;
 pub mod normal;
 pub mod plan;
 pub mod points;
 mod prefilter;
+pub mod prepared;
 pub mod radial;
+pub mod shade_table;
 pub mod sheets;
 pub mod splats;
 pub mod visibility;

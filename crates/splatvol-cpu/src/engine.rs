@@ -2,6 +2,7 @@
 
 use fearless_simd::Level;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
+use splatvol_core::prepared::SPARE;
 use splatvol_scene::{Frame, RenderSettings, SceneError, SheetSettings};
 
 use crate::check::check;
@@ -15,7 +16,6 @@ use crate::pool::Pool;
 use crate::route::{Parts, PlacedVolumes, Route};
 use crate::run::Run;
 use crate::sheets::engine::{SheetEngine, TILE_EDGE};
-use crate::sheets::prepared::SPARE;
 use crate::sheets::scene::LayeredScene;
 use crate::splats::{Cloud, SplatEngine};
 
@@ -186,6 +186,7 @@ impl Engine for CpuEngine {
             spare_volumes,
             clouds: self.items.bytes() + self.meshes.bytes() + cloud,
             tiles: tiles + self.splats.bytes(),
+            device: 0,
         }
     }
 }

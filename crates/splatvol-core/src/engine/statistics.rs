@@ -54,6 +54,8 @@ pub struct MemoryUse {
     pub clouds: usize,
     /// Memory of the tiles.
     pub tiles: usize,
+    /// Memory of a device: coefficients and pictures.
+    pub device: usize,
 }
 
 /// Times and counts of the last frame.
@@ -63,8 +65,12 @@ pub struct RenderStatistics {
     pub seconds: StageSeconds,
     /// Threads of the pool.
     pub threads: usize,
-    /// Which engine rendered it: `sheets`, `splats` or `classic`.
+    /// Which engine rendered it: `sheets`, `splats` or `classic`, or `gpu`.
     pub engine: &'static str,
+    /// The device that rendered it, as its driver names it; empty for the processor.
+    pub device: String,
+    /// Why the processor rendered it, where a device was preferred; empty elsewhere.
+    pub why: String,
     /// Vector instructions that it used; `scalar` for none.
     pub simd: &'static str,
     /// Level of detail: 0 is the volume itself, each further one half of it.

@@ -4,12 +4,14 @@ use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Camera, Gradient, Grid, RenderSettings, SheetSettings};
 
 use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
+use super::raster::SheetShape;
 use super::ray_shapes::{NEARLY_ROUND, RayShapes};
 use super::zones::{Cutting, GridKernel, Sheets};
 use super::{GROUP, Rays};
 use crate::footprint::FootprintShape;
 use crate::kernel::GaussianKernel;
 use crate::normal::mass_within;
+use crate::sheets::Planes;
 
 /// Cut of kernels in depth for analytic gradients, standard deviations: there, voxels that appear and vanish by
 /// rounding matter.
@@ -185,6 +187,33 @@ impl GridView {
     /// Reach of a voxel in depth, world length.
     pub fn depth_reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Planes before, within and behind the grid.
+    pub fn planes(&self) -> Planes {
+        self.sheets.planes
+    }
+
+    /// The footprint on a plane with a raster point per pixel: its scale there, and the filter's low-pass.
+    pub fn footprint_on(&self, plane: usize) -> SheetShape {
+        let raster = self.extents.raster(0.0);
+        SheetShape::new(
+            &self.shape,
+            &self.extents.screen,
+            &raster,
+            self.sheets.planes.plane(plane),
+        )
+    }
+
+    /// The first visible interval between planes.
+    pub fn first_shown(&self) -> usize {
+        self.sheets.first_shown
+    }
+
+    /// Whether the grid, grown by the reach of its kernel, extends behind a camera in perspective, or beyond the
+    /// plane of parallel rays' origins.
+    pub fn holds_eye(&self) -> bool {
+        self.sheets.eye.is_some()
     }
 
     /// Footprints along rays.

@@ -24,11 +24,9 @@ use super::frame::{analytic_field, shader};
 use super::integral::Integral;
 use super::intensity::{Extreme, Intensity, Mean, Reduction, ValueColors};
 use super::layer::{ModeLayer, TileLayer, render};
-use super::level::{Detail, Wanted};
 use super::mode::Mode;
 use super::operated::Operated;
-use super::prepared::PreparedVolumes;
-use super::resolve::{blend, resolve};
+use super::resolve::resolve;
 use super::scene::LayerStore;
 use super::shade::PlaneShader;
 use super::shaded::Shaded;
@@ -38,6 +36,8 @@ use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
+use splatvol_core::level::{Detail, Wanted, blend};
+use splatvol_core::prepared::PreparedVolumes;
 
 /// Largest and default edge of a tile, pixels: few voxels lie in two tiles.
 pub(crate) const TILE_EDGE: usize = 128;

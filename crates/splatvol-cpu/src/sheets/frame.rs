@@ -11,12 +11,12 @@ use splatvol_core::sheets::Planes;
 use splatvol_scene::{RenderSettings, SheetSettings};
 
 use super::analytic::{AnalyticField, Sums};
-use super::border::Border;
 use super::eye::Eye;
 use super::lattice_weights::LatticeWeights;
 use super::shade::PlaneShader;
-use super::table::ShadeTable;
 use crate::phong::Phong;
+use splatvol_core::border::Border;
+use splatvol_core::shade_table::ShadeTable;
 
 /// A frame's plan; the next frame reuses its memory.
 #[derive(Debug, Default)]

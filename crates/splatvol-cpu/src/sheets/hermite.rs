@@ -8,9 +8,9 @@
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
-use super::border::FADED;
 use super::cubic::Cubic;
 use super::lattice_weights::{Weights, coverage};
+use splatvol_core::border::FADED;
 
 /// Least divisor in place of a smaller weight.
 const LEAST_WEIGHT: f32 = 0.01;

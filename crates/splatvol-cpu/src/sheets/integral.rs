@@ -17,7 +17,6 @@ use splatvol_core::normal;
 use splatvol_core::plan::{RayShapes, SheetShape};
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::border::cumulative_of;
 use super::canvas::Canvas;
 use super::classified::{ClassifiedBricks, ClassifiedVoxels};
 use super::compose::{ray_length, through_and_opacity};
@@ -31,6 +30,7 @@ use super::slab::Slab;
 use super::splat::{Payload, Records};
 use super::tile::{SheetScratch, take};
 use crate::simd::math::exp2_of;
+use splatvol_core::border::cumulative_of;
 
 /// X-ray.
 #[derive(Debug)]

@@ -9,7 +9,6 @@ use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::visibility::BRICK_VOXELS;
 
-use super::border::{BorderPlane, Shares};
 use super::canvas::Canvas;
 use super::classified::ClassifiedVoxels;
 use super::cubic::{Cubic, Parabola};
@@ -24,6 +23,7 @@ use super::splat::Coefficient;
 use super::tile::SheetScratch;
 use crate::sheets::extremum::Extremum;
 use crate::simd::math::exp2;
+use splatvol_core::border::{BorderPlane, Shares};
 
 /// One value per ray.
 #[derive(Debug)]

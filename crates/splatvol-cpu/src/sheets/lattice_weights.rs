@@ -12,8 +12,8 @@ use fearless_simd::{f32x16, prelude::*};
 use glam::{Affine3A, DAffine3, DVec3, Vec3, Vec3A};
 use splatvol_core::bin::TileRect;
 
-use super::border::RAMP;
 use crate::simd::math::exp2_quick;
+use splatvol_core::border::RAMP;
 
 /// Distance from a face, standard deviations, beyond which the face has no effect.
 const REACH: f32 = 4.2;

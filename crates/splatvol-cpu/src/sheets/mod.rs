@@ -2,7 +2,7 @@
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
-//! | level | `level` | the volume, or a half of it that suits the picture's scale, with the data that a transfer function needs |
+//! | level | [`splatvol_core::level`] | the volume, or a half of it that suits the picture's scale, with the data that a transfer function needs |
 //! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
 //! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
@@ -10,15 +10,15 @@
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
 //! | | `holes` | the same for missing samples, whose weight the sums lack |
-//! | shade | `shaded`, `shade`, `shade_batch`, `table`, `border` | two planes: classified, lit, composited |
+//! | shade | `shaded`, `shade`, `shade_batch` | two planes: classified, lit, composited |
 //! | | `operated`, `cut`, `crossing` | with operators, clips or isosurfaces: the same pixel by pixel |
 //! | | `analytic`, `gradients`, `hermite`, `fine_table`, `lattice_weights` | or analytic gradients splatted too, and cubics with exact slopes lit piece by piece |
 //! | | `intensity`, `exact_intensity`, `slopes`, `cubic`, `extremum` | or the largest, smallest or mean value between them kept |
 //! | | `classified`, `compose` | or classified voxels composited |
 //! | | `classified`, `integral`, `slab` | or classified voxels integrated |
-//! | resolve | `resolve` | tiles to the frame, two levels into one |
+//! | resolve | `resolve` | tiles to the frame |
 //!
-//! `engine` keeps state from frame to frame, `prepared` the volumes. `layer` runs the layers of a `tile` through these
+//! `engine` keeps state from frame to frame. `layer` runs the layers of a `tile` through these
 //! stages (several in a `scene`, as `layers`), and `canvas` composites their material. A `mode` holds what differs
 //! between post-classification and the others.
 #![allow(
@@ -28,7 +28,6 @@
 
 pub(crate) mod activate;
 pub(crate) mod analytic;
-pub(crate) mod border;
 pub(crate) mod canvas;
 pub(crate) mod classified;
 pub(crate) mod cloud;
@@ -51,14 +50,12 @@ pub(crate) mod intensity;
 pub(crate) mod lattice_weights;
 pub(crate) mod layer;
 pub(crate) mod layers;
-pub(crate) mod level;
 pub(crate) mod mask;
 pub(crate) mod mode;
 pub(crate) mod operated;
 pub(crate) mod pixel;
 pub(crate) mod place;
 pub(crate) mod plane;
-pub(crate) mod prepared;
 pub(crate) mod resolve;
 pub(crate) mod ring;
 pub(crate) mod scene;
@@ -69,6 +66,5 @@ pub(crate) mod sheet;
 pub(crate) mod slab;
 pub(crate) mod slopes;
 pub(crate) mod splat;
-pub(crate) mod table;
 pub(crate) mod tile;
 pub(crate) mod upsample;

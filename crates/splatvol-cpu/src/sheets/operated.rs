@@ -20,10 +20,10 @@ use super::cut::{Cut, Range};
 use super::pixel::{Pixel, Pixels, Units};
 use super::shade::Interval;
 use super::shade::{PlaneShader, ShadeTarget};
-use super::table::PixelSegment;
 use crate::phong::Lit;
 use crate::route::Effects;
 use crate::simd::math::{LEAST_EXPONENT, exp2_of};
+use splatvol_core::shade_table::PixelSegment;
 
 /// Operators, clips and isosurfaces, applied pixel by pixel.
 #[derive(Debug)]

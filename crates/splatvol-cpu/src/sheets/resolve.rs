@@ -1,4 +1,4 @@
-//! Resolve: tiles to the frame, and frames of two levels into one.
+//! Resolve: tiles to the frame.
 
 use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
@@ -69,32 +69,5 @@ fn row_of(
         } else {
             (f32::INFINITY, 0.0)
         };
-    }
-}
-
-/// Blends a share of another frame in; depths are weighted by opacity.
-pub(crate) fn blend(frame: &mut Frame, other: &Frame, share: f32) {
-    let mix = |a: f32, b: f32| a + (b - a) * share;
-    for (depth, (b, (own, others))) in frame.depth.iter_mut().zip(
-        other
-            .depth
-            .iter()
-            .zip(frame.image.pixels.iter().zip(&other.image.pixels)),
-    ) {
-        let (own, others) = (own[3] * (1.0 - share), others[3] * share);
-        let sum = |depth: f32, alpha: f32| if alpha > 0.0 { depth * alpha } else { 0.0 };
-        *depth = if own + others > 0.0 {
-            (sum(*depth, own) + sum(*b, others)) / (own + others)
-        } else {
-            f32::INFINITY
-        };
-    }
-    for (a, b) in frame.image.pixels.iter_mut().zip(&other.image.pixels) {
-        for (a, b) in a.iter_mut().zip(b) {
-            *a = mix(*a, *b);
-        }
-    }
-    for (a, b) in frame.optical_depth.iter_mut().zip(&other.optical_depth) {
-        *a = mix(*a, *b);
     }
 }

@@ -22,9 +22,7 @@ use super::frame::GridPlan;
 use super::frame::{analytic_field, shader};
 use super::intensity::{Extreme, Mean, Reduction};
 use super::layers::{Layer, Layers};
-use super::level::{Detail, Level, Wanted};
 use super::operated::Operated;
-use super::resolve::blend;
 use super::ring::LANES;
 use super::shaded::Shaded;
 use crate::clock::Instant;
@@ -32,6 +30,7 @@ use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
+use splatvol_core::level::{Detail, Level, Wanted, blend};
 
 /// Contents of a scene, by layer.
 #[derive(Debug, Clone, Copy)]

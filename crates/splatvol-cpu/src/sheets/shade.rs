@@ -14,15 +14,15 @@
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::Vec3A;
 
-use super::border::{Border, BorderPlane};
 use super::canvas::Canvas;
 use super::holes::Beside;
 use super::mask::OpenMask;
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade_batch::{Pixels, ShadeBatch};
-use super::table::ShadeTable;
 use crate::phong::Phong;
+use splatvol_core::border::{Border, BorderPlane};
+use splatvol_core::shade_table::ShadeTable;
 
 /// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
 const SOFTEST: f32 = -0.1;

@@ -8,8 +8,8 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::canvas::Material;
 use super::shade::{Interval, PlaneShader, ShadeTarget, depth_slope};
-use super::table::Segment;
 use crate::simd::math::{LEAST_EXPONENT, exp2_quick};
+use splatvol_core::shade_table::Segment;
 
 /// Optical depth from which an interval is cut in halves.
 const THICK: f32 = 0.02;

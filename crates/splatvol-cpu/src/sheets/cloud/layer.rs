@@ -14,13 +14,13 @@ use super::plan::CloudPlan;
 use super::values::MeshValues;
 use crate::phong::Phong;
 use crate::route::MeshScene;
-use crate::sheets::border::Border;
 use crate::sheets::frame::ZonedFrame;
 use crate::sheets::intensity::{RayValues, Reduction, ValueColors};
 use crate::sheets::layers::Layer;
 use crate::sheets::operated::Operated;
 use crate::sheets::shade::PlaneShader;
-use crate::sheets::table::ShadeTable;
+use splatvol_core::border::Border;
+use splatvol_core::shade_table::ShadeTable;
 
 impl CloudPlan {
     /// The layer of a cloud of classified splats, cut by clips (world).

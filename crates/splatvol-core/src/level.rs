@@ -9,17 +9,17 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use splatvol_core::classification::ClassificationTable;
-use splatvol_core::field::{FieldStore, SourceLevel};
-use splatvol_core::kernel::GaussianKernel;
-use splatvol_core::mip;
-use splatvol_core::visibility::VisibleLevels;
+use crate::classification::ClassificationTable;
+use crate::field::{FieldStore, SourceLevel};
+use crate::kernel::GaussianKernel;
+use crate::mip;
+use crate::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Classification, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, SheetKernel,
+    Camera, Classification, Frame, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, SheetKernel,
     SheetSettings, Shows, TransferFunction, Volume,
 };
 
-use super::table::ShadeTable;
+use crate::shade_table::ShadeTable;
 
 /// Smallest width of a voxel, pixels.
 const FINEST: f64 = 0.8;
@@ -28,7 +28,7 @@ const BLEND: f64 = 0.25;
 
 /// Which voxels a picture needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub enum Wanted {
     /// Voxels around visible values of the field.
     Visible,
     /// Voxels around values of the field at least as large as some visible one, which a larger value hides.
@@ -43,7 +43,7 @@ pub(crate) enum Wanted {
 
 impl Wanted {
     /// The voxels that the settings need.
-    pub(crate) fn of(settings: &RenderSettings<SheetSettings>) -> Self {
+    pub fn of(settings: &RenderSettings<SheetSettings>) -> Self {
         match settings.method.shows {
             Shows::Mip => Self::Largest,
             Shows::MinimumIntensity => Self::Smallest,
@@ -56,9 +56,12 @@ impl Wanted {
 
 /// A volume at one resolution.
 #[derive(Debug)]
-pub(crate) struct Level {
+pub struct Level {
+    /// Coefficients of the needed voxels.
     pub field: FieldStore,
+    /// The transfer function as planes are shaded with it.
     pub table: ShadeTable,
+    /// The transfer function as values are classified with it.
     pub classification: ClassificationTable,
     /// Bricks with visible voxels, if needed.
     pub visible: Vec<u32>,
@@ -141,7 +144,7 @@ fn interpolates(settings: &RenderSettings<SheetSettings>) -> bool {
 
 /// A volume's levels, made on demand.
 #[derive(Debug)]
-pub(crate) struct Pyramid {
+pub struct Pyramid {
     kernel: SheetKernel,
     /// Whether coefficients interpolate the samples.
     prefilter: bool,
@@ -152,20 +155,22 @@ pub(crate) struct Pyramid {
 
 /// Level to render, and the share of the next coarser one to blend in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Detail {
+pub struct Detail {
+    /// 0 is the volume itself, each further one half of it.
     pub level: usize,
+    /// Share of the next coarser level, 0 to 1.
     pub coarser: f32,
 }
 
 impl Detail {
     /// The full resolution.
-    pub(crate) const FINEST: Self = Self {
+    pub const FINEST: Self = Self {
         level: 0,
         coarser: 0.0,
     };
 
     /// Detail for a camera, `bias` octaves coarser than the picture asks.
-    pub(crate) fn new(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)) -> Self {
+    pub fn new(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)) -> Self {
         let grid = volume.grid();
         let centre = grid.bounds().centre();
         let depth = camera.camera_from_world().transform_point3(centre).z;
@@ -193,7 +198,8 @@ impl Detail {
 }
 
 impl Pyramid {
-    pub(crate) fn new(source: Arc<dyn SampleSource>, settings: &RenderSettings<SheetSettings>) -> Self {
+    /// Levels of a source, none of them made yet, for the kernel and prefilter of these settings.
+    pub fn new(source: Arc<dyn SampleSource>, settings: &RenderSettings<SheetSettings>) -> Self {
         let level = |level| SourceLevel::new(Arc::clone(&source), level);
         Self {
             kernel: settings.method.kernel,
@@ -204,14 +210,14 @@ impl Pyramid {
     }
 
     /// Whether the levels are this volume's, for the kernel of these settings.
-    pub(crate) fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings<SheetSettings>) -> bool {
+    pub fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings<SheetSettings>) -> bool {
         let same = self.kernel == settings.method.kernel && self.prefilter == interpolates(settings);
         let (own, _) = self.sources[0].of();
         std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(volume)) && same
     }
 
     /// Memory held, bytes, the samples included.
-    pub(crate) fn bytes(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         let source = |n: usize| self.sources[n].of().0;
         // Neighbouring levels share a source if they are its own, or if one could not be made and repeats the one
         // before.
@@ -244,7 +250,7 @@ impl Pyramid {
     ///
     /// # Errors
     /// `stop`, set meanwhile, and samples that cannot be read; the level is forgotten then, for it may be half done.
-    pub(crate) fn classify(
+    pub fn classify(
         &mut self,
         level: usize,
         look: (&TransferFunction, f64),
@@ -265,5 +271,32 @@ impl Pyramid {
             *slot = None;
         }
         slot.as_ref().ok_or(failure.unwrap_or(SceneError::Stopped))
+    }
+}
+
+/// Blends a share of another frame in; depths are weighted by opacity.
+pub fn blend(frame: &mut Frame, other: &Frame, share: f32) {
+    let mix = |a: f32, b: f32| a + (b - a) * share;
+    for (depth, (b, (own, others))) in frame.depth.iter_mut().zip(
+        other
+            .depth
+            .iter()
+            .zip(frame.image.pixels.iter().zip(&other.image.pixels)),
+    ) {
+        let (own, others) = (own[3] * (1.0 - share), others[3] * share);
+        let sum = |depth: f32, alpha: f32| if alpha > 0.0 { depth * alpha } else { 0.0 };
+        *depth = if own + others > 0.0 {
+            (sum(*depth, own) + sum(*b, others)) / (own + others)
+        } else {
+            f32::INFINITY
+        };
+    }
+    for (a, b) in frame.image.pixels.iter_mut().zip(&other.image.pixels) {
+        for (a, b) in a.iter_mut().zip(b) {
+            *a = mix(*a, *b);
+        }
+    }
+    for (a, b) in frame.optical_depth.iter_mut().zip(&other.optical_depth) {
+        *a = mix(*a, *b);
     }
 }

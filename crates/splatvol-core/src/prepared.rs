@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use splatvol_scene::{RenderSettings, SheetSettings, Volume};
 
-use super::level::Pyramid;
+use crate::level::Pyramid;
 
 /// Default budget for volumes of earlier scenes, bytes.
-pub(crate) const SPARE: usize = 1 << 30;
+pub const SPARE: usize = 1 << 30;
 
 /// Prepared volumes: those of the current scene, then the others, last used first.
 #[derive(Debug)]
-pub(crate) struct PreparedVolumes {
+pub struct PreparedVolumes {
     pyramids: Vec<Pyramid>,
     /// Number of volumes of the current scene.
     own: usize,
@@ -30,7 +30,7 @@ impl Default for PreparedVolumes {
 
 impl PreparedVolumes {
     /// An empty cache; `spare`: bytes for volumes of earlier scenes.
-    pub(crate) fn with_spare(spare: usize) -> Self {
+    pub fn with_spare(spare: usize) -> Self {
         Self {
             pyramids: Vec::new(),
             own: 0,
@@ -39,7 +39,7 @@ impl PreparedVolumes {
     }
 
     /// The volumes of a scene, in its order. Other volumes are freed before any of these allocates memory.
-    pub(crate) fn of_scene<'v>(
+    pub fn of_scene<'v>(
         &mut self,
         volumes: impl Iterator<Item = &'v Arc<Volume>>,
         settings: &RenderSettings<SheetSettings>,
@@ -70,7 +70,7 @@ impl PreparedVolumes {
     }
 
     /// Bytes of the volumes of the current scene, and of others.
-    pub(crate) fn bytes(&self) -> [usize; 2] {
+    pub fn bytes(&self) -> [usize; 2] {
         let (own, others) = self.pyramids.split_at(self.own);
         [own, others].map(|pyramids| pyramids.iter().map(Pyramid::bytes).sum())
     }

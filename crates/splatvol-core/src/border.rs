@@ -5,15 +5,15 @@
 //! face are evaluated; elsewhere both are one. `Phi(x) = 1 / (1 + 2^-(2.3048 x + 0.1018 x^3))` has an error of less
 //! than 2e-4.
 
+use crate::bin::TileRect;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
-use splatvol_core::bin::TileRect;
 
-use crate::simd::math::{exp2, exp2_of};
+use crate::exponential::{exp2, exp2_of};
 
 /// The volume's box in camera space.
 #[derive(Debug, Clone)]
-pub(crate) struct Border {
+pub struct Border {
     /// Voxels from the box's first corner.
     corner_from_camera: Affine3A,
     /// Voxels along x, y, z.
@@ -26,7 +26,7 @@ pub(crate) struct Border {
 
 /// Shares of the kernel at sixteen points.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shares<S: Simd> {
+pub struct Shares<S: Simd> {
     /// Coverage, 0 to 1.
     pub coverage: f32x16<S>,
     /// One over the share on the lattice.
@@ -34,12 +34,12 @@ pub(crate) struct Shares<S: Simd> {
 }
 
 /// Shares on the lattice below this lie so far outside the volume that their values are ignored.
-pub(crate) const FADED: f32 = 0.15;
+pub const FADED: f32 = 0.15;
 /// Factor on the limit of one over a share: what was cut at [`FADED`] and divided is less by rounding.
 const NEARLY: f32 = 0.999;
 /// Kernel's share on the box between a coverage of 0 and of 1: the last hundredth on either side is left out, so that
 /// coverage reaches both (docs/numerics.md, `q`).
-pub(crate) const RAMP: f32 = 0.98;
+pub const RAMP: f32 = 0.98;
 /// Margin of the tests of whole tiles, standard deviations: their corners are rounded differently from their
 /// pixels.
 const TILE_SLACK: f32 = 0.01;
@@ -53,7 +53,7 @@ const END: f32 = 5.0;
 impl<S: Simd> Shares<S> {
     /// Marks pixels whose share on the lattice is too small for a value.
     #[inline(always)]
-    pub(crate) fn is_faded(&self, simd: S) -> mask32x16<S> {
+    pub fn is_faded(&self, simd: S) -> mask32x16<S> {
         self.per_weight.simd_ge(f32x16::splat(simd, NEARLY / FADED))
     }
 }
@@ -63,7 +63,7 @@ const REACH: f32 = 3.4;
 
 impl Border {
     /// Border of an endless volume: no pixel is near it.
-    pub(crate) fn nowhere() -> Self {
+    pub fn nowhere() -> Self {
         Self {
             corner_from_camera: Affine3A {
                 matrix3: Mat3A::ZERO,
@@ -75,7 +75,8 @@ impl Border {
         }
     }
 
-    pub(crate) fn new(camera_from_voxel: DAffine3, dims: [usize; 3], margin: [usize; 3], sigma: f64) -> Self {
+    /// Border of a box of `dims` samples, continued by a margin of lattice points; `sigma` of the kernel in voxels.
+    pub fn new(camera_from_voxel: DAffine3, dims: [usize; 3], margin: [usize; 3], sigma: f64) -> Self {
         let inverse = camera_from_voxel.inverse();
         Self {
             corner_from_camera: Affine3A::from_mat3_translation(
@@ -90,7 +91,7 @@ impl Border {
 
     /// The plane whose pixels' centres are at `first + x step_x + y step_y`, camera space; x and y count from the
     /// picture's corner, so that rounding does not depend on the tile.
-    pub(crate) fn on_plane(&self, first: Vec3A, step_x: Vec3A, step_y: Vec3A) -> BorderPlane {
+    pub fn on_plane(&self, first: Vec3A, step_x: Vec3A, step_y: Vec3A) -> BorderPlane {
         let step = |v| self.corner_from_camera.transform_vector3a(v);
         BorderPlane {
             first: self.corner_from_camera.transform_point3a(first),
@@ -109,13 +110,13 @@ impl Border {
 
     /// Whether sixteen pixels of a plane from (x, y) on are near the border.
     #[inline(always)]
-    pub(crate) fn is_near(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> bool {
+    pub fn is_near(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> bool {
         let from = plane.at(x, y);
         !self.holds(from, from + plane.step_x * LAST_LANE, REACH)
     }
 
     /// Whether any sixteen of a tile's pixels may be near the border.
-    pub(crate) fn is_near_any(&self, plane: &BorderPlane, tile: &TileRect) -> bool {
+    pub fn is_near_any(&self, plane: &BorderPlane, tile: &TileRect) -> bool {
         let (top, bottom) = (plane.at(tile.x0, tile.y0), plane.at(tile.x0, tile.y1));
         let across = plane.step_x * (tile.x1 - tile.x0).next_multiple_of(16) as f32;
         let reach = REACH + TILE_SLACK;
@@ -124,7 +125,7 @@ impl Border {
 
     /// Shares at sixteen pixels of a plane from (x, y) on.
     #[inline(always)]
-    pub(crate) fn at<S: Simd>(&self, simd: S, plane: &BorderPlane, [x, y]: [usize; 2]) -> Shares<S> {
+    pub fn at<S: Simd>(&self, simd: S, plane: &BorderPlane, [x, y]: [usize; 2]) -> Shares<S> {
         let (from, step) = (plane.at(x, y), plane.step_x);
         let lanes = f32x16::from_slice(simd, &LANES);
         let one = f32x16::splat(simd, 1.0);
@@ -156,7 +157,7 @@ impl Border {
     }
 
     /// Coverage, and one over the share on the lattice, of one pixel of a plane.
-    pub(crate) fn at_pixel(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> [f32; 2] {
+    pub fn at_pixel(&self, plane: &BorderPlane, [x, y]: [usize; 2]) -> [f32; 2] {
         let point = plane.at(x, y);
         let (mut own, mut all) = (1.0, 1.0);
         for axis in 0..3 {
@@ -180,7 +181,7 @@ impl Border {
 
 /// A plane's pixels, in voxels from the box's first corner.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct BorderPlane {
+pub struct BorderPlane {
     first: Vec3A,
     step_x: Vec3A,
     step_y: Vec3A,
@@ -207,7 +208,7 @@ fn cumulative<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
 }
 
 /// Scalar version of `cumulative`.
-pub(crate) fn cumulative_of(x: f32) -> f32 {
+pub fn cumulative_of(x: f32) -> f32 {
     let x = x.clamp(-END, END);
     1.0 / (1.0 + exp2_of((x * x * -CUBIC - LINEAR) * x))
 }

@@ -5,13 +5,12 @@
 //! integral of v times the extinction (after Engel 2001, in one dimension). The colour is taken at that mean: it is
 //! a visible colour even where a thin band lies between a and b and both ends are clear.
 
+use crate::classification::ClassificationTable;
+use crate::visibility::VisibleLevels;
 use fearless_simd::{f32x4, f32x16, prelude::*, u32x16};
-use splatvol_core::classification::ClassificationTable;
-use splatvol_core::visibility::VisibleLevels;
 
-/// Cells of the table per normalised value.
-const PER_VALUE: f32 = 1024.0;
-const FIRST: f32 = -0.25;
+const PER_VALUE: f32 = ShadeTable::PER_VALUE;
+const FIRST: f32 = ShadeTable::FIRST;
 /// Cells, a power of two: indices are masked instead of checked.
 const CELLS: usize = 2048;
 
@@ -29,7 +28,7 @@ const TEN_BITS: f32 = 1023.0;
 
 /// The transfer function, ready for vectors.
 #[derive(Debug, Clone)]
-pub(crate) struct ShadeTable {
+pub struct ShadeTable {
     /// Per cell: K and M up to it, extinction, and the square roots of linear colour in 11, 11 and 10 bits.
     cells: Box<[[f32; 4]; CELLS]>,
     /// Values outside are invisible.
@@ -42,7 +41,7 @@ pub(crate) struct ShadeTable {
 
 /// A value's classification.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ClassifiedLanes<S: Simd> {
+pub struct ClassifiedLanes<S: Simd> {
     /// K and M, from the table's first value on.
     integrals: [f32x16<S>; 2],
     extinction: f32x16<S>,
@@ -50,7 +49,7 @@ pub(crate) struct ClassifiedLanes<S: Simd> {
 
 /// Material between two values, the value varying linearly.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Segment<S: Simd> {
+pub struct Segment<S: Simd> {
     /// Mean extinction.
     pub extinction: f32x16<S>,
     /// Mean place of the material, 0 to 1.
@@ -64,7 +63,7 @@ impl<S: Simd> Segment<S> {
     /// segment, of this optical depth t and transmittance, hides part of itself: its light comes on average from
     /// `1 / t - 1 / (e^t - 1)` behind its beginning. `ends`: values at both ends.
     #[inline(always)]
-    pub(crate) fn move_forward(
+    pub fn move_forward(
         &mut self,
         simd: S,
         [from, to]: [f32x16<S>; 2],
@@ -89,21 +88,25 @@ fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
 
 /// A value's classification, of one pixel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ClassifiedValue {
+pub struct ClassifiedValue {
     /// K and M, from the table's first value on.
     integrals: [f32; 2],
+    /// Extinction, per world length.
     pub extinction: f32,
 }
 
 /// Material between two values of one pixel; a scalar [`Segment`].
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PixelSegment {
+pub struct PixelSegment {
+    /// Mean extinction, per world length.
     pub extinction: f32,
+    /// Mean place of the material, 0 to 1.
     pub place: f32,
 }
 
 impl PixelSegment {
-    pub(crate) fn between([from, to]: [f32; 2], [a, b]: [&ClassifiedValue; 2]) -> Self {
+    /// Material between two values, given their classification.
+    pub fn between([from, to]: [f32; 2], [a, b]: [&ClassifiedValue; 2]) -> Self {
         let rise = to - from;
         let [material, moment] = [b.integrals[0] - a.integrals[0], b.integrals[1] - a.integrals[1]];
         let flat = rise.abs() < FLAT;
@@ -125,8 +128,9 @@ impl PixelSegment {
 }
 
 impl<S: Simd> Segment<S> {
+    /// Material between sixteen pairs of values, given their classification.
     #[inline(always)]
-    pub(crate) fn between(simd: S, [from, to]: [f32x16<S>; 2], [a, b]: [&ClassifiedLanes<S>; 2]) -> Self {
+    pub fn between(simd: S, [from, to]: [f32x16<S>; 2], [a, b]: [&ClassifiedLanes<S>; 2]) -> Self {
         let (zero, half, one) = (splat(simd, 0.0), splat(simd, 0.5), splat(simd, 1.0));
         let rise = to - from;
         let flat = rise.abs().simd_lt(splat(simd, FLAT));
@@ -163,8 +167,13 @@ fn root(value: f32, bits: u32) -> u32 {
 }
 
 impl ShadeTable {
+    /// Cells per normalised value.
+    pub const PER_VALUE: f32 = 1024.0;
+    /// Value at which the first cell begins.
+    pub const FIRST: f32 = -0.25;
+
     /// Sets another transfer function, with its visible levels and the field's background.
-    pub(crate) fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
+    pub fn update(&mut self, table: &ClassificationTable, visible: &VisibleLevels, background: f32) {
         let (mut material, mut moment) = (0.0f64, 0.0f64);
         let node = |i: usize| FIRST + i as f32 / PER_VALUE;
         for (i, cell) in self.cells.iter_mut().enumerate() {
@@ -180,6 +189,12 @@ impl ShadeTable {
         self.densest = self.cells.iter().fold(0.0, |most, cell| cell[2].max(most));
         self.hull = visible.hull().unwrap_or([f32::INFINITY; 2]);
         self.shows_background = visible.any(background, background);
+    }
+
+    /// Its cells: K and M up to each, extinction, and the square roots of linear colour in 11, 11 and 10 bits, in the
+    /// bits of a float. Cell i begins at [`Self::FIRST`]` + i / `[`Self::PER_VALUE`].
+    pub fn cells(&self) -> &[[f32; 4]] {
+        &self.cells[..]
     }
 
     /// Positions of sixteen values in the table, in cells.
@@ -219,7 +234,7 @@ impl ShadeTable {
 
     /// Looks up sixteen values.
     #[inline(always)]
-    pub(crate) fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> ClassifiedLanes<S> {
+    pub fn classify<S: Simd>(&self, simd: S, value: f32x16<S>) -> ClassifiedLanes<S> {
         let position = Self::position(simd, value);
         let [material, moment, extinction, _] = self.columns(simd, position);
         let cell = position.floor();
@@ -233,7 +248,7 @@ impl ShadeTable {
 
     /// Linear colour of sixteen values.
     #[inline(always)]
-    pub(crate) fn color<S: Simd>(&self, simd: S, value: f32x16<S>) -> [f32x16<S>; 3] {
+    pub fn color<S: Simd>(&self, simd: S, value: f32x16<S>) -> [f32x16<S>; 3] {
         let [.., packed] = self.columns(simd, Self::position(simd, value));
         let packed: u32x16<S> = packed.bitcast();
         let (red, green, blue) = (packed >> 21, packed >> 10 & 0x7ff, packed & 0x3ff);
@@ -253,7 +268,7 @@ impl ShadeTable {
     }
 
     /// Looks up one value.
-    pub(crate) fn point(&self, value: f32) -> ClassifiedValue {
+    pub fn point(&self, value: f32) -> ClassifiedValue {
         let (&[material, moment, extinction, _], position) = self.cell(value);
         let cell = position.floor();
         let own = (position - cell) * extinction * (1.0 / PER_VALUE);
@@ -265,7 +280,7 @@ impl ShadeTable {
     }
 
     /// Linear colour of one value.
-    pub(crate) fn color_of(&self, value: f32) -> [f32; 3] {
+    pub fn color_of(&self, value: f32) -> [f32; 3] {
         let packed = self.cell(value).0[3].to_bits();
         let root = [
             (packed >> 21) as f32 * (1.0 / ELEVEN_BITS),
