@@ -104,6 +104,12 @@ pub enum EngineError {
         /// Instructions asked for.
         simd: SimdLevel,
     },
+    /// No GPU, or none that opens.
+    #[error("{reason}")]
+    Gpu {
+        /// What is missing, or the driver's message.
+        reason: String,
+    },
     /// A tile edge outside its domain.
     #[error("tile edge: {edge} is not allowed (a multiple of 16 from 16 to 128)")]
     TileEdge {

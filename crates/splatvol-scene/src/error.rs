@@ -45,6 +45,14 @@ pub enum SceneError {
         /// Cause of the failure.
         reason: String,
     },
+    /// A device that failed, or whose memory is too small.
+    #[error("{name}: {reason}")]
+    Device {
+        /// The device, as its driver names it.
+        name: String,
+        /// Message of the driver, or what is needed.
+        reason: String,
+    },
     /// Parts of a scene, or of a scene and the settings, that cannot be combined.
     #[error("{what} cannot be rendered: {why}")]
     Combination {

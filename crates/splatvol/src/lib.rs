@@ -88,6 +88,7 @@
 //! | [`image`], [`exposure`] | what comes out: linear, premultiplied floats with depth; means of several |
 //! | [`io`] | files: what is read, and how pictures and animations are written (feature `io`, on by default) |
 //! | [`samples`] | built-in volumes, generated on the spot (feature `samples`, on by default) |
+//! | `gpu` | the engine on a GPU (feature `gpu`, off by default); [`EngineChoice`] takes it where there is one |
 //! | [`radial`] | kernels of the distance and their footprints, to analyse and to tabulate |
 //! | [`glam`] | the vectors of signatures; most functions take an array instead |
 //!
@@ -112,12 +113,14 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod choice;
 mod part;
 mod progressive;
 mod renderer;
 mod shutter;
 
 pub use check::check;
+pub use choice::EngineChoice;
 pub use glam;
 pub use progressive::Pass;
 pub use renderer::Renderer;
@@ -130,6 +133,12 @@ pub use splatvol_core::radial;
 pub use splatvol_cpu::set_clock;
 pub use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool, SimdLevel, most_threads};
 pub use splatvol_scene::*;
+
+/// The GPU's engine.
+#[cfg(feature = "gpu")]
+pub mod gpu {
+    pub use splatvol_gpu::*;
+}
 
 /// Files: readers of all kinds of data, writers of pictures and animations.
 #[cfg(feature = "io")]

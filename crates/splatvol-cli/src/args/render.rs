@@ -90,7 +90,37 @@ pub(crate) struct RenderArgs {
     /// The picture does not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL)]
     pub(crate) threads: Option<usize>,
+    /// Engine: cpu, gpu, or auto
+    ///
+    /// The CPU draws everything, with the same bytes on every machine. gpu draws one volume, post-classified and seen from
+    /// outside, and refuses the rest by name; its pictures differ by the last digits from device to device. auto takes
+    /// the GPU where there is one that draws the scene, and says otherwise why not. Programs have the GPU's engine if they
+    /// were built with `--features gpu`.
+    #[arg(long, value_enum, value_name = "ENGINE", default_value_t, help_heading = GENERAL)]
+    pub(crate) engine: EngineName,
     /// Write times and counts as JSON to this file, or to stdout (-)
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) stats: Option<PathBuf>,
+}
+
+/// Engines by name.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum EngineName {
+    /// The processor's
+    #[default]
+    Cpu,
+    /// A GPU's
+    Gpu,
+    /// A GPU's where it can, else the processor's
+    Auto,
+}
+
+impl From<EngineName> for splatvol::EngineChoice {
+    fn from(name: EngineName) -> Self {
+        match name {
+            EngineName::Cpu => Self::Cpu,
+            EngineName::Gpu => Self::Gpu,
+            EngineName::Auto => Self::Auto,
+        }
+    }
 }

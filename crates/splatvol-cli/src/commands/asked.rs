@@ -10,7 +10,7 @@ use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resol
 use splatvol_io::is_plot3d_pair;
 
 use super::render::describe;
-use super::studio::threads_within;
+use super::studio::{Means, threads_within};
 use crate::args::{AnimateArgs, BenchArgs, PictureArgs, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::record;
@@ -31,7 +31,7 @@ pub(super) struct Asked {
 pub(super) struct Prepared {
     pub(super) picture: Picture,
     pub(super) record: Record,
-    pub(super) threads: Option<usize>,
+    pub(super) means: Means,
 }
 
 impl Asked {
@@ -142,7 +142,10 @@ impl Asked {
         Ok(Prepared {
             record: record::of(picture.document.clone(), self.earlier.as_ref(), folder),
             picture,
-            threads,
+            means: Means {
+                engine: args.engine.into(),
+                threads,
+            },
         })
     }
 

@@ -26,6 +26,9 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
     let (frame, statistics) = render(&prepared, terminal)?;
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
+    if !statistics.why.is_empty() {
+        terminal.note(format!("rendered by the CPU: {}", statistics.why));
+    }
 
     let Prepared { picture, record, .. } = &prepared;
     let overwrite = args.write.overwrite;
@@ -40,13 +43,13 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
 }
 
 fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStatistics), Failure> {
-    let Prepared { picture, threads, .. } = prepared;
+    let Prepared { picture, means, .. } = prepared;
     if !picture.sub_frames.is_empty() {
-        let mut studio = Studio::new(&picture.scene, picture.settings, *threads)?;
+        let mut studio = Studio::new(&picture.scene, picture.settings, *means)?;
         let frame = studio.expose(&picture.sub_frames)?.clone();
         return Ok((frame, studio.renderer().statistics().clone()));
     }
-    let mut renderer = engine(*threads)?;
+    let mut renderer = engine(*means)?;
     let bar = terminal.progress("Rendering");
     let frame = renderer
         .render_with_progress(&picture.scene, &picture.camera, &picture.settings, &|share| {

@@ -1,6 +1,8 @@
 //! The renderer, and the frames in which it works: single pictures and means of several.
 
-use splatvol::{Camera, Control, EngineConfig, Frame, Motion, RenderSettings, Renderer, Scene, most_threads};
+use splatvol::{
+    Camera, Control, EngineChoice, EngineConfig, Frame, Motion, RenderSettings, Renderer, Scene, most_threads,
+};
 
 use crate::failure::{During, Failure, Step};
 use crate::terminal::Terminal;
@@ -24,25 +26,30 @@ pub(crate) fn threads_within(asked: usize, terminal: &Terminal) -> Option<usize>
     Some(asked.min(most)).filter(|&threads| threads > 0)
 }
 
-/// An engine with this many threads, or one per processor.
-pub(crate) fn engine(threads: Option<usize>) -> Result<Renderer, Failure> {
-    Renderer::new(EngineConfig {
-        threads,
+/// What pictures are made with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Means {
+    /// The processor's or a GPU's engine.
+    pub(crate) engine: EngineChoice,
+    /// Threads; `None` for one per processor.
+    pub(crate) threads: Option<usize>,
+}
+
+/// Starts the engine.
+pub(crate) fn engine(means: Means) -> Result<Renderer, Failure> {
+    let config = EngineConfig {
+        threads: means.threads,
         ..EngineConfig::default()
-    })
-    .during(Step::Render)
+    };
+    Renderer::start(means.engine, config).during(Step::Render)
 }
 
 impl Studio {
-    pub(crate) fn new(
-        scene: &Scene,
-        settings: RenderSettings,
-        threads: Option<usize>,
-    ) -> Result<Self, Failure> {
+    pub(crate) fn new(scene: &Scene, settings: RenderSettings, means: Means) -> Result<Self, Failure> {
         Ok(Self {
             scene: scene.clone(),
             settings,
-            renderer: engine(threads)?,
+            renderer: engine(means)?,
             frame: Frame::empty(settings.size),
         })
     }

@@ -126,8 +126,8 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn studio(&self) -> Result<Studio, Failure> {
-        let Prepared { picture, threads, .. } = self.prepared;
-        Studio::new(&picture.scene, picture.settings, *threads)
+        let Prepared { picture, means, .. } = self.prepared;
+        Studio::new(&picture.scene, picture.settings, *means)
     }
 
     fn frames(&self, names: &FrameNames) -> Result<Times, Failure> {

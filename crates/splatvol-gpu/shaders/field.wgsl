@@ -1,0 +1,168 @@
+// Field: `S = sum_k c_k h(x - k)` on a plane, in gather form (docs/numerics.md, "The field"). h is a product of Gaussians
+// cut at `radius` along the voxel axes: TAPS values along each of them. Coefficients are those of needed voxels, less
+// the background; others are zero.
+
+@group(0) @binding(4) var atlas: texture_2d_array<f32>;
+@group(0) @binding(5) var nearest: sampler;
+
+// Voxels along an axis that a kernel meets: 4 or 6.
+override TAPS: i32 = 4;
+
+// A point of the lattice: the cell it is in, and its place there, 0 to 1.
+struct Place {
+    cell: vec3<i32>,
+    within: vec3<f32>,
+}
+
+// Lattice place of a pixel's ray on a plane; `offset` in pixels from the principal point.
+fn place_on(sheet: u32, offset: vec2<f32>) -> Place {
+    let own = sheets[sheet];
+    let from_cell = own.rest + offset.x * own.step_x + offset.y * own.step_y;
+    let whole = floor(from_cell);
+    return Place(own.cell + vec3<i32>(whole), from_cell - whole);
+}
+
+// Weights of the six voxels around a place along one axis, from two before its cell to three behind; with four taps the
+// outer ones are zero.
+struct Weights {
+    a: f32, b: f32, c: f32, d: f32, e: f32, f: f32,
+    sum: f32,
+}
+
+fn weight(distance: f32) -> f32 {
+    // Kernels end at their radius. log2(e) / 2 = .72134752.
+    return select(0.0, exp2(-0.72134752 * distance * distance / (frame.sigma * frame.sigma)), abs(distance) <= frame.radius);
+}
+
+fn weights(t: f32) -> Weights {
+    var w = Weights(0.0, weight(t + 1.0), weight(t), weight(t - 1.0), weight(t - 2.0), 0.0, 0.0);
+    if TAPS == 6 {
+        w.a = weight(t + 2.0);
+        w.f = weight(t - 3.0);
+    }
+    w.sum = w.a + w.b + w.c + w.d + w.e + w.f;
+    return w;
+}
+
+// Sum of the weights that lie on the lattice.
+fn sum_inside(w: Weights, cell: i32, count: i32) -> f32 {
+    let is_inside = vec3(cell - 2, cell - 1, cell) >= vec3(0) & vec3(cell - 2, cell - 1, cell) < vec3(count);
+    let is_behind = vec3(cell + 1, cell + 2, cell + 3) >= vec3(0) & vec3(cell + 1, cell + 2, cell + 3) < vec3(count);
+    let before = select(vec3(0.0), vec3(w.a, w.b, w.c), is_inside);
+    let behind = select(vec3(0.0), vec3(w.d, w.e, w.f), is_behind);
+    return dot(before + behind, vec3(1.0));
+}
+
+// Two rows of two texels around a corner of texels, weighted along x.
+fn two_rows(corner: vec2<f32>, layer: i32, before: f32, behind: f32) -> vec2<f32> {
+    let four = textureGather(0, atlas, nearest, corner / frame.atlas, layer);
+    return vec2(before * four.w + behind * four.z, before * four.x + behind * four.y);
+}
+
+// Two rows of a slice of a slot.
+fn rows(corner: vec2<f32>, layer: i32, x: Weights) -> vec2<f32> {
+    if TAPS == 6 {
+        return two_rows(corner, layer, x.a, x.b)
+            + two_rows(corner + vec2(2.0, 0.0), layer, x.c, x.d)
+            + two_rows(corner + vec2(4.0, 0.0), layer, x.e, x.f);
+    }
+    return two_rows(corner, layer, x.b, x.c) + two_rows(corner + vec2(2.0, 0.0), layer, x.d, x.e);
+}
+
+// A slice of a slot, weighted along x and y.
+fn slice(corner: vec2<f32>, layer: i32, x: Weights, y: Weights) -> f32 {
+    if TAPS == 6 {
+        return dot(rows(corner, layer, x), vec2(y.a, y.b))
+            + dot(rows(corner + vec2(0.0, 2.0), layer, x), vec2(y.c, y.d))
+            + dot(rows(corner + vec2(0.0, 4.0), layer, x), vec2(y.e, y.f));
+    }
+    return dot(rows(corner, layer, x), vec2(y.b, y.c)) + dot(rows(corner + vec2(0.0, 2.0), layer, x), vec2(y.d, y.e));
+}
+
+// The share of the weights that lies on the lattice.
+fn share_at(place: Place) -> f32 {
+    if all(place.cell >= vec3(2)) && all(place.cell <= frame.dims - 4) {
+        return 1.0;
+    }
+    let x = weights(place.within.x);
+    let y = weights(place.within.y);
+    let z = weights(place.within.z);
+    return sum_inside(x, place.cell.x, frame.dims.x) / x.sum * sum_inside(y, place.cell.y, frame.dims.y) / y.sum
+        * sum_inside(z, place.cell.z, frame.dims.z) / z.sum;
+}
+
+// `S` over the sum of all weights.
+fn sum_at(place: Place) -> f32 {
+    let x = weights(place.within.x);
+    let y = weights(place.within.y);
+    let z = weights(place.within.z);
+    let all_weights = x.sum * y.sum * z.sum;
+    let at = place.cell + BEFORE;
+    if any(at < vec3(0)) || any(at >= frame.pages * PAGE) {
+        return 0.0;
+    }
+    let page = at / PAGE;
+    let entry = pages[(page.z * frame.pages.y + page.y) * frame.pages.x + page.x];
+    if entry == 0u {
+        return 0.0;
+    }
+    let slot = entry - 1u;
+    let edge = PAGE + TAPS - 1;
+    let column = i32(slot % frame.slots.x);
+    let row = i32(slot / frame.slots.x % frame.slots.y);
+    let stack = i32(slot / (frame.slots.x * frame.slots.y));
+    let local = at - page * PAGE;
+    let corner = vec2<f32>(vec2(column, row) * edge + local.xy + 1);
+    let layer = stack * edge + local.z;
+    if TAPS == 6 {
+        let sum = z.a * slice(corner, layer, x, y) + z.b * slice(corner, layer + 1, x, y)
+            + z.c * slice(corner, layer + 2, x, y) + z.d * slice(corner, layer + 3, x, y)
+            + z.e * slice(corner, layer + 4, x, y) + z.f * slice(corner, layer + 5, x, y);
+        return sum / all_weights;
+    }
+    let sum = z.b * slice(corner, layer, x, y) + z.c * slice(corner, layer + 1, x, y)
+        + z.d * slice(corner, layer + 2, x, y) + z.e * slice(corner, layer + 3, x, y);
+    return sum / all_weights;
+}
+
+// `S` over the sum of all weights at an offset in pixels from the principal point, low-passed across the plane:
+// Gauss-Hermite quadrature with three points per axis.
+fn sum_on(sheet: u32, offset: vec2<f32>) -> f32 {
+    let deviation = sheets[sheet].low_pass;
+    if deviation == 0.0 {
+        return sum_at(place_on(sheet, offset));
+    }
+    let reach = 1.7320508 * deviation;
+    var sum = 0.0;
+    for (var i = 0; i < 9; i++) {
+        let from_middle = vec2<f32>(vec2(i % 3, i / 3) - 1);
+        let shares = select(vec2(1.0 / 6.0), vec2(2.0 / 3.0), from_middle == vec2(0.0));
+        sum += shares.x * shares.y * sum_at(place_on(sheet, offset + reach * from_middle));
+    }
+    return sum;
+}
+
+// Coverage at the faces of the volume (docs/numerics.md, `q`), as `splatvol_core::border`.
+fn cumulative(x: f32) -> f32 {
+    let t = clamp(x, -5.0, 5.0);
+    return 1.0 / (1.0 + exp2((t * t * -0.1018 - 2.3048) * t));
+}
+
+fn share_of_axis(corner: f32, size: f32) -> f32 {
+    let near = min(corner, size - corner);
+    if near >= 3.4 {
+        return 1.0;
+    }
+    var share = cumulative(near);
+    if size < 6.8 {
+        share *= cumulative(size - near);
+    }
+    return share;
+}
+
+fn coverage_at(place: Place) -> f32 {
+    let corner = (vec3<f32>(place.cell) + place.within - frame.margin + 0.5) / frame.sigma;
+    let size = frame.samples / frame.sigma;
+    let share = share_of_axis(corner.x, size.x) * share_of_axis(corner.y, size.y) * share_of_axis(corner.z, size.z);
+    return clamp((share - 0.5) / 0.98 + 0.5, 0.0, 1.0);
+}

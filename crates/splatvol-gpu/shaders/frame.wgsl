@@ -1,0 +1,78 @@
+// View-dependent and sample-independent data of a frame, and its planes. The layout is `frame::FrameData`'s.
+
+struct Frame {
+    // Pixels, and tiles of TILE_WIDTH by TILE_HEIGHT.
+    size: vec2<u32>,
+    tiles: vec2<u32>,
+    // Rays: `(x + 1/2 - principal) * per_pixel` per depth; where they are parallel, pixels of `plane_per_pixel`.
+    principal: vec2<f32>,
+    per_pixel: f32,
+    plane_per_pixel: f32,
+    // Lattice points, and planes.
+    dims: vec3<i32>,
+    planes: u32,
+    // Pages, and 32-bit words of a tile's planes.
+    pages: vec3<i32>,
+    words: u32,
+    // Lattice points beyond the samples, and samples.
+    margin: vec3<f32>,
+    sigma: f32,
+    samples: vec3<f32>,
+    radius: f32,
+    // Slots of the atlas along x and y; its size in texels.
+    slots: vec2<u32>,
+    atlas: vec2<f32>,
+    // Distance of planes, world length; background, normalised; transmittance of a finished pixel.
+    spacing: f32,
+    background: f32,
+    termination: f32,
+    densest: f32,
+    hull: vec2<f32>,
+    shows_background: u32,
+    lit: u32,
+    towards_light: vec3<f32>,
+    ambient: f32,
+    half_way: vec3<f32>,
+    diffuse: f32,
+    specular: f32,
+    power: f32,
+    floor_squared: f32,
+    // Mean distance of voxels, world length: gradients per world length to gradients per voxel.
+    voxel: f32,
+    // Intervals of this dispatch.
+    from_interval: u32,
+    to_interval: u32,
+    // Camera depth of plane 0 over the spacing.
+    first_plane: f32,
+    unused: f32,
+    // Camera space from the lattice, by columns.
+    camera_from_lattice: mat4x4<f32>,
+}
+
+struct Sheet {
+    // Lattice position of the principal point: whole voxels, and the rest.
+    cell: vec3<i32>,
+    depth: f32,
+    rest: vec3<f32>,
+    // Pixels per world length.
+    scale: f32,
+    // Lattice steps to the next pixel.
+    step_x: vec3<f32>,
+    // Standard deviation of the low-pass, pixels.
+    low_pass: f32,
+    step_y: vec3<f32>,
+    unused: f32,
+}
+
+const TILE_WIDTH: u32 = 32u;
+const TILE_HEIGHT: u32 = 16u;
+
+// Pages of 16^3 cells. Lattice coordinates are counted from four cells before the first, so that taps before it are in
+// a page.
+const PAGE: i32 = 16;
+const BEFORE: i32 = 4;
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<storage, read> sheets: array<Sheet>;
+// Slot of a page plus one; zero where none of its voxels is needed.
+@group(0) @binding(2) var<storage, read> pages: array<u32>;

@@ -1,0 +1,273 @@
+//! Atlas: a volume's coefficients on the device, in pages of 16^3 cells with the voxels around them.
+//!
+//! A page has a slot of `(15 + taps)^3` texels, if any of these voxels is needed. So every sum of a cell reads one slot.
+//! Slots lie side by side in a texture of layers; a table says which slot a page has.
+
+use rayon::prelude::*;
+use splatvol_core::brick::BRICK;
+use splatvol_core::field::FieldStore;
+use splatvol_core::visibility::BRICK_VOXELS;
+use splatvol_scene::SceneError;
+
+use crate::device::GpuDevice;
+
+/// Cells of a page along each axis, and cells before the lattice's first point that pages begin with.
+const PAGE: i32 = 16;
+const BEFORE: i32 = 4;
+/// Cells behind the last lattice point that pages end with.
+const BEHIND: i32 = 3;
+
+/// Coefficients on the device.
+#[derive(Debug)]
+pub(crate) struct Atlas {
+    pub view: wgpu::TextureView,
+    pub pages: wgpu::Buffer,
+    pub layout: AtlasLayout,
+}
+
+/// Places of pages and slots.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct AtlasLayout {
+    /// Voxels along an axis that a kernel meets.
+    pub taps: i32,
+    /// Pages along x, y, z.
+    pub pages: [i32; 3],
+    /// Slots along x and y of a layer, and stacks of slots.
+    pub slots: [u32; 3],
+    /// Pages that have a slot, ascending.
+    resident: Vec<u32>,
+    /// For each of these the end of its part of `bricks`.
+    ends: Vec<usize>,
+    /// Needed bricks that meet each page, page by page.
+    bricks: Vec<u32>,
+}
+
+impl AtlasLayout {
+    /// Pages and slots for the needed voxels. `most`: texels of a texture along an axis, and layers.
+    ///
+    /// # Errors
+    /// More slots than a texture has room for: how many there are, and how many are needed.
+    pub(crate) fn new(store: &FieldStore, taps: i32, most: [u32; 2]) -> Result<Self, [usize; 2]> {
+        let edge = (PAGE + taps - 1) as u32;
+        let pages = store
+            .dims()
+            .map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
+        let mut met: Vec<[u32; 2]> = (0..store.len())
+            .flat_map(|brick| {
+                let first = store.first(brick).map(|at| at as i32);
+                pages_of(first, taps, pages).map(move |page| [page, brick as u32])
+            })
+            .collect();
+        met.par_sort_unstable();
+        let mut layout = Self {
+            taps,
+            pages,
+            slots: [1; 3],
+            resident: Vec::new(),
+            ends: Vec::new(),
+            bricks: met.iter().map(|&[_, brick]| brick).collect(),
+        };
+        for group in met.chunk_by(|[a, _], [b, _]| a == b) {
+            layout.resident.push(group[0][0]);
+            let start = layout.ends.last().copied().unwrap_or(0);
+            layout.ends.push(start + group.len());
+        }
+        let needed = layout.resident.len().max(1);
+        let (across, stacks) = ((most[0] / edge) as usize, (most[1] / edge) as usize);
+        let x = needed.div_ceil(stacks).isqrt().max(1).min(across);
+        let y = needed.div_ceil(stacks * x).max(1).min(across);
+        let z = needed.div_ceil(x * y);
+        if z > stacks {
+            return Err([needed, across * across * stacks]);
+        }
+        layout.slots = [x, y, z].map(|n| n as u32);
+        Ok(layout)
+    }
+
+    /// Texels of a slot along each axis.
+    pub(crate) fn edge(&self) -> u32 {
+        (PAGE + self.taps - 1) as u32
+    }
+
+    /// Bytes of the texture.
+    pub(crate) fn bytes(&self) -> u64 {
+        let slots: u64 = self.slots.iter().map(|&n| u64::from(n)).product();
+        slots * u64::from(self.edge()).pow(3) * size_of::<f32>() as u64
+    }
+
+    /// Width and height, texels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.slots[0] * self.edge(), self.slots[1] * self.edge()]
+    }
+
+    /// Slot of each page plus one; zero where there is none.
+    fn table(&self) -> Vec<u32> {
+        let mut table = vec![0; self.pages.iter().map(|&n| n as usize).product()];
+        for (slot, &page) in self.resident.iter().enumerate() {
+            table[page as usize] = slot as u32 + 1;
+        }
+        table
+    }
+
+    /// First lattice point of a page's slot.
+    fn first_of(&self, page: u32) -> [i32; 3] {
+        let [nx, ny, _] = self.pages;
+        let page = page as i32;
+        [page % nx, page / nx % ny, page / (nx * ny)].map(|at| first_texel(at, self.taps))
+    }
+
+    /// Writes the voxels of a slot into a row of slots of this pitch.
+    fn fill(&self, slot: usize, store: &FieldStore, (row, pitch): (&mut [f32], usize)) {
+        let edge = self.edge() as usize;
+        let from = self.first_of(self.resident[slot]);
+        let start = slot.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let offset = slot % self.slots[0] as usize * edge;
+        let mut values = [0.0; BRICK_VOXELS];
+        for &brick in &self.bricks[start..self.ends[slot]] {
+            store.decode(brick as usize, &mut values);
+            let first = store.first(brick as usize).map(|at| at as i32);
+            let shared = [0, 1, 2].map(|axis| {
+                let low = from[axis].max(first[axis]);
+                let high = (from[axis] + edge as i32).min(first[axis] + BRICK as i32);
+                low..high
+            });
+            for z in shared[2].clone() {
+                for y in shared[1].clone() {
+                    let line = ((z - from[2]) as usize * edge + (y - from[1]) as usize) * pitch + offset;
+                    let own = ((z - first[2]) as usize * BRICK + (y - first[1]) as usize) * BRICK;
+                    for x in shared[0].clone() {
+                        let value = values[own + (x - first[0]) as usize];
+                        if !value.is_nan() {
+                            row[line + (x - from[0]) as usize] = value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// First lattice point of the slot of a page at a position along an axis.
+fn first_texel(page: i32, taps: i32) -> i32 {
+    page * PAGE - BEFORE - (taps / 2 - 1)
+}
+
+/// Pages whose slots hold voxels of a brick.
+fn pages_of(first: [i32; 3], taps: i32, pages: [i32; 3]) -> impl Iterator<Item = u32> {
+    let edge = PAGE + taps - 1;
+    let along = [0, 1, 2].map(|axis| {
+        let meets = move |&page: &i32| {
+            let from = first_texel(page, taps);
+            from < first[axis] + BRICK as i32 && from + edge > first[axis]
+        };
+        let near = first[axis] / PAGE - 1;
+        let candidates = near.max(0)..(near + 4).min(pages[axis]);
+        candidates.filter(meets).collect::<Vec<_>>()
+    });
+    let [x, y, z] = along;
+    z.into_iter().flat_map(move |z| {
+        let (x, y) = (x.clone(), y.clone());
+        y.into_iter()
+            .flat_map(move |y| x.clone().into_iter().map(move |x| [x, y, z]))
+            .map(move |[x, y, z]| ((z * pages[1] + y) * pages[0] + x) as u32)
+    })
+}
+
+impl Atlas {
+    /// Brings a volume's needed voxels to the device.
+    ///
+    /// # Errors
+    /// More of them than the budget or the device has room for.
+    pub(crate) fn new(gpu: &GpuDevice, store: &FieldStore, taps: i32) -> Result<Self, SceneError> {
+        let limits = gpu.device.limits();
+        let most = [limits.max_texture_dimension_2d, limits.max_texture_array_layers];
+        let layout = AtlasLayout::new(store, taps, most).map_err(|[needed, room]| {
+            gpu.failed(&format!(
+                "the volume needs {needed} pages, a texture has room for {room}"
+            ))
+        })?;
+        if layout.bytes() > gpu.budget {
+            return Err(gpu.failed(&format!(
+                "the visible part of the volume needs {} MiB, the budget is {} MiB",
+                layout.bytes() >> 20,
+                gpu.budget >> 20
+            )));
+        }
+        let texture = gpu.scoped(|gpu| upload(gpu, &layout, store))?;
+        let table = layout.table();
+        let pages = gpu.scoped(|gpu| gpu.buffer_of("pages", &table))?;
+        Ok(Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..wgpu::TextureViewDescriptor::default()
+            }),
+            pages,
+            layout,
+        })
+    }
+}
+
+/// Fills the texture, a row of slots at a time.
+fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore) -> wgpu::Texture {
+    let edge = layout.edge();
+    let [width, height] = layout.size();
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("atlas"),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: layout.slots[2] * edge,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let per_row = layout.slots[0] as usize;
+    let pitch = width as usize;
+    let rows = layout.resident.len().div_ceil(per_row);
+    // Some rows at a time, in memory that the driver can free again.
+    const TOGETHER: usize = 16;
+    for group in (0..rows).step_by(TOGETHER) {
+        let filled: Vec<Vec<f32>> = (group..(group + TOGETHER).min(rows))
+            .into_par_iter()
+            .map(|row| {
+                let mut texels = vec![0.0; pitch * (edge * edge) as usize];
+                for slot in row * per_row..((row + 1) * per_row).min(layout.resident.len()) {
+                    layout.fill(slot, store, (&mut texels, pitch));
+                }
+                texels
+            })
+            .collect();
+        for (row, texels) in (group..).zip(&filled) {
+            let (y, stack) = (row as u32 % layout.slots[1], row as u32 / layout.slots[1]);
+            gpu.queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &texture,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d {
+                        x: 0,
+                        y: y * edge,
+                        z: stack * edge,
+                    },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                bytemuck::cast_slice(texels),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(width * size_of::<f32>() as u32),
+                    rows_per_image: Some(edge),
+                },
+                wgpu::Extent3d {
+                    width,
+                    height: edge,
+                    depth_or_array_layers: edge,
+                },
+            );
+        }
+        gpu.queue.submit([]);
+    }
+    texture
+}

@@ -1,0 +1,178 @@
+//! Device: an adapter that was opened, with the limits that every WebGPU device has, and larger buffers where there are.
+
+use std::fmt;
+
+use bytemuck::Pod;
+use splatvol_scene::SceneError;
+
+use crate::error::GpuError;
+
+/// Settings of an engine's lifetime.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct GpuConfig {
+    /// Part of an adapter's name; `None` takes the fastest adapter.
+    pub adapter: Option<String>,
+    /// Budget for a volume's coefficients on the device, bytes; `None` for half of the largest buffer, 1 GiB at most.
+    pub budget: Option<usize>,
+}
+
+/// Budget for coefficients, bytes, where none is set.
+const BUDGET: u64 = 1 << 30;
+
+/// An open device.
+pub(crate) struct GpuDevice {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    /// Name of the adapter and of the interface to its driver.
+    pub name: String,
+    /// Whether the processor does the device's work.
+    pub is_imitated: bool,
+    /// Bytes for coefficients.
+    pub budget: u64,
+}
+
+impl fmt::Debug for GpuDevice {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("GpuDevice")
+            .field("name", &self.name)
+            .field("budget", &self.budget)
+            .finish_non_exhaustive()
+    }
+}
+
+impl GpuDevice {
+    /// Opens an adapter.
+    ///
+    /// # Errors
+    /// No such adapter, or a driver that refuses.
+    pub(crate) fn open(config: &GpuConfig) -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::default();
+        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+        let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+        let wanted = |name: &str| match &config.adapter {
+            Some(part) => name.to_lowercase().contains(&part.to_lowercase()),
+            None => true,
+        };
+        let fastest = adapters
+            .into_iter()
+            .filter(|adapter| wanted(&adapter.get_info().name))
+            .min_by_key(|adapter| rank(adapter.get_info().device_type));
+        let adapter = fastest.ok_or_else(|| GpuError::NoAdapter {
+            wanted: config
+                .adapter
+                .as_ref()
+                .map_or_else(String::new, |part| format!(" whose name has {part:?}")),
+            there: match names.is_empty() {
+                true => "this system shows none".to_owned(),
+                false => format!("there are {}", names.join(", ")),
+            },
+        })?;
+        let info = adapter.get_info();
+        let name = format!("{} ({})", info.name, info.backend);
+        let most = adapter.limits();
+        let limits = wgpu::Limits {
+            max_buffer_size: most.max_buffer_size,
+            max_storage_buffer_binding_size: most.max_storage_buffer_binding_size,
+            max_storage_buffers_per_shader_stage: 8,
+            ..wgpu::Limits::default()
+        };
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("splatvol"),
+            required_limits: limits,
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| GpuError::Device {
+                adapter: name.clone(),
+                reason: error.to_string(),
+            })?;
+        let budget = match config.budget {
+            Some(bytes) => bytes as u64,
+            None => (most.max_buffer_size / 2).min(BUDGET),
+        };
+        Ok(Self {
+            device,
+            queue,
+            name,
+            is_imitated: info.device_type == wgpu::DeviceType::Cpu,
+            budget,
+        })
+    }
+
+    /// Runs work on the device; an error that it reports is an error, not a panic.
+    ///
+    /// # Errors
+    /// Memory that the device refuses, and commands that it does not take.
+    pub(crate) fn scoped<T>(&self, work: impl FnOnce(&Self) -> T) -> Result<T, SceneError> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
+        let done = work(self);
+        let errors = [internal.pop(), validation.pop()].map(pollster::block_on);
+        let memory = pollster::block_on(memory.pop());
+        match errors.into_iter().chain([memory]).flatten().next() {
+            Some(error) => Err(self.failed(&error)),
+            None => Ok(done),
+        }
+    }
+
+    /// A buffer of zeros.
+    pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size.next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A buffer of data that shaders read.
+    pub(crate) fn buffer_of<T: Pod>(&self, label: &str, data: &[T]) -> wgpu::Buffer {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.buffer(label, bytes.len().max(4) as u64, usage);
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// Commands to be submitted.
+    pub(crate) fn commands(&self) -> wgpu::CommandEncoder {
+        self.device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Waits for some submitted work, or for all.
+    ///
+    /// # Errors
+    /// A device that is lost.
+    pub(crate) fn wait(&self, submitted: Option<wgpu::SubmissionIndex>) -> Result<(), SceneError> {
+        let wait = wgpu::PollType::Wait {
+            submission_index: submitted,
+            timeout: None,
+        };
+        self.device
+            .poll(wait)
+            .map(|_| ())
+            .map_err(|error| self.failed(&error))
+    }
+
+    /// The error of a device.
+    pub(crate) fn failed(&self, reason: &dyn fmt::Display) -> SceneError {
+        SceneError::Device {
+            name: self.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+/// Order of adapters, the fastest first.
+fn rank(kind: wgpu::DeviceType) -> u8 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}

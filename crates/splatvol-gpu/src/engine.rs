@@ -1,0 +1,283 @@
+//! GPU engine: renders frames from cached state, as the engine `sheets` of `splatvol-cpu` does.
+
+use std::sync::{Arc, Weak};
+use std::time::Instant;
+
+use glam::DAffine3;
+use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
+use splatvol_core::level::{Detail, Level, Wanted, blend};
+use splatvol_core::plan::{GridView, Sampling};
+use splatvol_core::prepared::{PreparedVolumes, SPARE};
+use splatvol_scene::{
+    Camera, Frame, RenderSettings, SceneError, SheetKernel, SheetSettings, SingleVolume, TransferFunction,
+    Volume,
+};
+
+use crate::atlas::Atlas;
+use crate::check::supported;
+use crate::device::{GpuConfig, GpuDevice};
+use crate::error::GpuError;
+use crate::layout::Picture;
+use crate::march::{Canvas, March};
+use crate::pipelines::Pipelines;
+
+/// Renders volumes on a GPU.
+#[derive(Debug)]
+pub struct GpuEngine {
+    gpu: GpuDevice,
+    pipelines: Pipelines,
+    prepared: PreparedVolumes,
+    placed: Option<(Weak<Volume>, DAffine3, Arc<Volume>)>,
+    /// Coefficients on the device, by level.
+    resident: Vec<Resident>,
+    canvas: Option<Canvas>,
+    /// The coarser level's frame, where two are blended.
+    coarser: Option<Frame>,
+}
+
+/// Coefficients on the device, and what they are of.
+#[derive(Debug)]
+struct Resident {
+    level: usize,
+    of: Key,
+    atlas: Atlas,
+}
+
+/// What a volume's needed coefficients depend on.
+#[derive(Debug, Clone)]
+struct Key {
+    volume: Weak<Volume>,
+    transfer_function: TransferFunction,
+    unit_distance: f64,
+    kernel: SheetKernel,
+    prefilter: bool,
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        Weak::ptr_eq(&self.volume, &other.volume)
+            && self.transfer_function == other.transfer_function
+            && self.unit_distance == other.unit_distance
+            && self.kernel == other.kernel
+            && self.prefilter == other.prefilter
+    }
+}
+
+impl GpuEngine {
+    /// Opens a device, and compiles its shaders.
+    ///
+    /// # Errors
+    /// No adapter, or a driver that refuses the device or a shader.
+    pub fn new(config: &GpuConfig) -> Result<Self, GpuError> {
+        let gpu = GpuDevice::open(config)?;
+        let pipelines = Pipelines::new(&gpu)?;
+        Ok(Self {
+            gpu,
+            pipelines,
+            prepared: PreparedVolumes::with_spare(SPARE),
+            placed: None,
+            resident: Vec::new(),
+            canvas: None,
+            coarser: None,
+        })
+    }
+
+    /// Name of the adapter, and of the interface to its driver.
+    pub fn adapter(&self) -> &str {
+        &self.gpu.name
+    }
+
+    /// Whether the processor does the device's work.
+    pub fn is_imitated(&self) -> bool {
+        self.gpu.is_imitated
+    }
+
+    /// The volume where it lies.
+    fn place(&mut self, single: &SingleVolume<'_>) -> Result<Arc<Volume>, SceneError> {
+        let at = single.item.world_from_item;
+        if let Some((volume, place, placed)) = &self.placed
+            && std::ptr::addr_eq(volume.as_ptr(), Arc::as_ptr(single.volume))
+            && *place == at
+        {
+            return Ok(Arc::clone(placed));
+        }
+        self.placed = None;
+        let placed = single.placed()?;
+        self.placed = Some((Arc::downgrade(single.volume), at, Arc::clone(&placed)));
+        Ok(placed)
+    }
+}
+
+/// A volume where it lies, and its look.
+#[derive(Debug, Clone, Copy)]
+struct Shown<'a> {
+    volume: &'a Arc<Volume>,
+    transfer_function: &'a TransferFunction,
+    unit_distance: f64,
+    camera: &'a Camera,
+    settings: &'a RenderSettings<SheetSettings>,
+}
+
+impl Shown<'_> {
+    fn key(&self) -> Key {
+        Key {
+            volume: Arc::downgrade(self.volume),
+            transfer_function: self.transfer_function.clone(),
+            unit_distance: self.unit_distance,
+            kernel: self.settings.method.kernel,
+            prefilter: self.settings.method.prefilter,
+        }
+    }
+
+    /// Voxels along an axis that the kernel meets.
+    fn taps(&self) -> i32 {
+        if self.settings.method.kernel.radius > 2.0 {
+            6
+        } else {
+            4
+        }
+    }
+}
+
+impl GpuEngine {
+    /// Renders one level of a volume.
+    fn level(
+        &mut self,
+        shown: &Shown<'_>,
+        level: usize,
+        (frame, task): (&mut Frame, Task<'_>),
+        statistics: &mut RenderStatistics,
+    ) -> Result<(), SceneError> {
+        let start = Instant::now();
+        let [pyramid, ..] = self
+            .prepared
+            .of_scene(std::iter::once(shown.volume), shown.settings)
+        else {
+            return Ok(());
+        };
+        let look = (shown.transfer_function, shown.unit_distance);
+        let prepared = pyramid.classify(level, look, Wanted::Visible, task.stop)?;
+        refuse_missing(prepared)?;
+        let grid = prepared.field.source().grid();
+        let view = GridView::new(grid, (shown.camera, shown.settings), Sampling::Field, None);
+        if view.holds_eye() {
+            return Err(SceneError::Combination {
+                what: "on the GPU, a camera within the volume",
+                why: "pictures from within are drawn by the engine cpu",
+            });
+        }
+        let key = shown.key();
+        self.resident.retain(|resident| resident.of == key);
+        let known = self.resident.iter().position(|resident| resident.level == level);
+        let at = match known {
+            Some(at) => at,
+            None => {
+                let atlas = Atlas::new(&self.gpu, &prepared.field, shown.taps())?;
+                self.resident.push(Resident {
+                    level,
+                    of: key,
+                    atlas,
+                });
+                self.resident.len() - 1
+            }
+        };
+        let atlas = &self.resident[at].atlas;
+        let pixels = shown.settings.size.pixel_count() as u64;
+        if !self.canvas.as_ref().is_some_and(|canvas| canvas.is_of(pixels)) {
+            self.canvas = Some(Canvas::new(&self.gpu, pixels)?);
+        }
+        let Some(canvas) = &self.canvas else { return Ok(()) };
+        let ready = Instant::now();
+        statistics.seconds.classify += (ready - start).as_secs_f64();
+        statistics.active_bricks += prepared.field.len();
+        statistics.sheets += view.planes().count;
+        let march = March {
+            gpu: &self.gpu,
+            pipelines: &self.pipelines,
+            atlas,
+            canvas,
+            picture: Picture {
+                view: &view,
+                level: prepared,
+                settings: shown.settings,
+                voxel: shown.volume.grid().mean_spacing(),
+            },
+        };
+        march.render(task, frame)?;
+        statistics.seconds.tiles += ready.elapsed().as_secs_f64();
+        Ok(())
+    }
+}
+
+fn refuse_missing(level: &Level) -> Result<(), SceneError> {
+    if level.field.any_missing() {
+        return Err(SceneError::Combination {
+            what: "on the GPU, a volume with missing samples",
+            why: "volumes with samples that are not finite are drawn by the engine cpu",
+        });
+    }
+    Ok(())
+}
+
+impl Engine for GpuEngine {
+    fn check(&self, shot: Shot<'_>) -> Result<(), SceneError> {
+        supported(&shot).map(|_| ())
+    }
+
+    fn render(
+        &mut self,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        let start = Instant::now();
+        let (single, sheets) = supported(&shot)?;
+        let volume = self.place(&single)?;
+        let settings = shot.settings.with(sheets);
+        let transfer_function = single.transfer_function;
+        let shown = Shown {
+            volume: &volume,
+            transfer_function,
+            unit_distance: transfer_function
+                .unit_distance
+                .unwrap_or_else(|| volume.grid().mean_spacing()),
+            camera: shot.camera,
+            settings: &settings,
+        };
+        let detail = Detail::new(&volume, shot.camera, (settings.size, settings.method.level_bias));
+        let mut statistics = RenderStatistics {
+            engine: "gpu",
+            device: self.gpu.name.clone(),
+            level: detail.level,
+            ..RenderStatistics::default()
+        };
+        self.level(&shown, detail.level, (&mut *frame, task), &mut statistics)?;
+        if detail.coarser > 0.0 {
+            let mut coarser = match self.coarser.take() {
+                Some(coarser) if coarser.image.size() == frame.image.size() => coarser,
+                _ => frame.clone(),
+            };
+            let next = (&mut coarser, task.unseen(&|_| {}));
+            self.level(&shown, detail.level + 1, next, &mut statistics)?;
+            blend(frame, &coarser, detail.coarser);
+            self.coarser = Some(coarser);
+        }
+        statistics.seconds.total = start.elapsed().as_secs_f64();
+        Ok(statistics)
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let [volumes, spare_volumes] = self.prepared.bytes();
+        MemoryUse {
+            volumes,
+            spare_volumes,
+            device: self
+                .resident
+                .iter()
+                .map(|resident| resident.atlas.layout.bytes() as usize)
+                .sum::<usize>()
+                + self.canvas.as_ref().map_or(0, Canvas::bytes),
+            ..MemoryUse::default()
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Layout: data as shaders read them. Sizes and offsets are those of `shaders/frame.wgsl`; a test compares them.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DAffine3, DVec2, DVec3};
+use splatvol_core::level::Level;
+use splatvol_core::plan::GridView;
+use splatvol_scene::{Lighting, RenderSettings, SheetSettings};
+
+/// Pixels of a tile, along x and y.
+pub(crate) const TILE: [u32; 2] = [32, 16];
+
+/// View-dependent and sample-independent data of a frame: `Frame` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct FrameData {
+    pub size: [u32; 2],
+    pub tiles: [u32; 2],
+    pub principal: [f32; 2],
+    pub per_pixel: f32,
+    pub plane_per_pixel: f32,
+    pub dims: [i32; 3],
+    pub planes: u32,
+    pub pages: [i32; 3],
+    pub words: u32,
+    pub margin: [f32; 3],
+    pub sigma: f32,
+    pub samples: [f32; 3],
+    pub radius: f32,
+    pub slots: [u32; 2],
+    pub atlas: [f32; 2],
+    pub spacing: f32,
+    pub background: f32,
+    pub termination: f32,
+    pub densest: f32,
+    pub hull: [f32; 2],
+    pub shows_background: u32,
+    pub lit: u32,
+    pub towards_light: [f32; 3],
+    pub ambient: f32,
+    pub half_way: [f32; 3],
+    pub diffuse: f32,
+    pub specular: f32,
+    pub power: f32,
+    pub floor_squared: f32,
+    pub voxel: f32,
+    pub from_interval: u32,
+    pub to_interval: u32,
+    pub first_plane: f32,
+    pub unused: f32,
+    pub camera_from_lattice: [[f32; 4]; 4],
+}
+
+/// A plane: `Sheet` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SheetData {
+    pub cell: [i32; 3],
+    pub depth: f32,
+    pub rest: [f32; 3],
+    pub scale: f32,
+    pub step_x: [f32; 3],
+    pub low_pass: f32,
+    pub step_y: [f32; 3],
+    pub unused: f32,
+}
+
+/// A picture of one level of a volume.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Picture<'a> {
+    pub view: &'a GridView,
+    pub level: &'a Level,
+    pub settings: &'a RenderSettings<SheetSettings>,
+    /// Mean distance of the volume's voxels, world length, at any level.
+    pub voxel: f64,
+}
+
+impl Picture<'_> {
+    /// The frame's data; pages and atlas are the volume's.
+    pub(crate) fn frame(&self) -> FrameData {
+        let Self {
+            view,
+            level,
+            settings,
+            voxel,
+        } = *self;
+        let size = [settings.size.width(), settings.size.height()];
+        let rays = view.rays();
+        let planes = view.planes();
+        let kernel = view.kernel();
+        let store = &level.field;
+        let light = Light::new(settings.lighting.as_ref());
+        FrameData {
+            size,
+            tiles: [size[0].div_ceil(TILE[0]), size[1].div_ceil(TILE[1])],
+            principal: rays.principal,
+            per_pixel: rays.per_pixel,
+            plane_per_pixel: rays.plane_per_pixel,
+            dims: store.dims().map(|n| n as i32),
+            planes: planes.count as u32 + 1,
+            words: (planes.count as u32 + 1).div_ceil(32),
+            margin: store.margin().map(|n| n as f32),
+            sigma: kernel.sigma as f32,
+            samples: store.source().grid().dims().map(|n| n as f32),
+            radius: kernel.radius as f32,
+            spacing: planes.spacing as f32,
+            background: store.background(),
+            termination: settings.termination as f32,
+            densest: level.table.densest,
+            hull: level.table.hull,
+            shows_background: u32::from(level.table.shows_background),
+            lit: u32::from(settings.lighting.is_some()),
+            towards_light: light.towards,
+            ambient: light.ambient,
+            half_way: light.half_way,
+            diffuse: light.diffuse,
+            specular: light.specular,
+            power: light.power,
+            floor_squared: light.floor_squared,
+            voxel: voxel as f32,
+            from_interval: view.first_shown() as u32,
+            to_interval: planes.count as u32,
+            first_plane: planes.first as f32,
+            camera_from_lattice: columns(&view.camera_from_lattice()),
+            ..FrameData::zeroed()
+        }
+    }
+
+    /// The planes, front to back.
+    pub(crate) fn sheets(&self) -> Vec<SheetData> {
+        let lattice_from_camera = self.view.camera_from_lattice().inverse();
+        let planes = self.view.planes();
+        let per_pixel = f64::from(self.view.rays().per_pixel);
+        let plane_per_pixel = f64::from(self.view.rays().plane_per_pixel);
+        (0..=planes.count)
+            .map(|plane| {
+                let depth = planes.plane(plane);
+                let shape = self.view.footprint_on(plane);
+                let pixel = if per_pixel > 0.0 {
+                    per_pixel * depth
+                } else {
+                    plane_per_pixel
+                };
+                let at = lattice_from_camera.transform_point3(DVec3::Z * depth);
+                let step = |along: DVec2| {
+                    lattice_from_camera
+                        .transform_vector3((along * pixel).extend(0.0))
+                        .as_vec3()
+                        .to_array()
+                };
+                SheetData {
+                    cell: at.floor().as_ivec3().to_array(),
+                    depth: depth as f32,
+                    rest: (at - at.floor()).as_vec3().to_array(),
+                    scale: (1.0 / pixel) as f32,
+                    step_x: step(DVec2::X),
+                    low_pass: (f64::from(shape.low_pass).sqrt() / pixel) as f32,
+                    step_y: step(DVec2::Y),
+                    unused: 0.0,
+                }
+            })
+            .collect()
+    }
+}
+
+/// The Phong model, as `splatvol_cpu` has it.
+struct Light {
+    towards: [f32; 3],
+    half_way: [f32; 3],
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    power: f32,
+    floor_squared: f32,
+}
+
+impl Light {
+    fn new(lighting: Option<&Lighting>) -> Self {
+        let lighting = lighting.copied().unwrap_or_default();
+        let towards = DVec3::from_array(lighting.direction).normalize();
+        let half_way = (towards - DVec3::Z).normalize();
+        Self {
+            towards: towards.as_vec3().to_array(),
+            half_way: half_way.as_vec3().to_array(),
+            ambient: lighting.ambient as f32,
+            diffuse: lighting.diffuse as f32,
+            specular: lighting.specular as f32,
+            power: lighting.specular_power as f32,
+            floor_squared: lighting.gradient_floor.powi(2) as f32,
+        }
+    }
+}
+
+fn columns(map: &DAffine3) -> [[f32; 4]; 4] {
+    let column = |v: DVec3, w: f64| v.extend(w).as_vec4().to_array();
+    let [x, y, z] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
+    [
+        column(x, 0.0),
+        column(y, 0.0),
+        column(z, 0.0),
+        column(map.translation, 1.0),
+    ]
+}

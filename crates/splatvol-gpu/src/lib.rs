@@ -1,0 +1,36 @@
+//! GPU engine: the planes of `splatvol-cpu`, in gather form, on any device of wgpu.
+//!
+//! A plane's value at a pixel is the definition itself (docs/numerics.md, "The field"):
+//!
+//! `v = sum_k c_k h(x - k) / sum_k h(x - k)`,
+//!
+//! h a product of Gaussians cut at `radius` along the voxel axes: 4 or 6 voxels along each of them. The CPU splats the
+//! same kernels, cut across the ray instead, and less their edge in depth: planes differ by up to a hundredth of the range
+//! at full-contrast edges with the presets' kernel of radius 2. Intervals between planes are classified, lit and
+//! composited from the CPU's tables by its rules.
+//!
+//! | pass | module | shader | from | to |
+//! |---|---|---|---|---|
+//! | assemble | `atlas` | - | needed voxels' coefficients | pages with a slot each, in a texture |
+//! | cull | `march` | `cull` | pages, camera | planes of each tile that may hold something |
+//! | march | `march` | `field`, `shade`, `march` | all of these, tables | colour, transmittance, depth |
+//! | resolve | `march`, [`splatvol_core::level::blend`] | - | these | a frame, two levels in one |
+//!
+//! `device` opens an adapter, `pipelines` compiles shaders, `layout` has data as shaders read them, `check` says what is
+//! refused. No `unsafe`, no feature beyond those of every WebGPU device.
+#![forbid(unsafe_code)]
+
+mod atlas;
+mod check;
+mod device;
+mod engine;
+mod error;
+mod layout;
+mod march;
+mod pipelines;
+#[cfg(test)]
+mod tests;
+
+pub use device::GpuConfig;
+pub use engine::GpuEngine;
+pub use error::GpuError;

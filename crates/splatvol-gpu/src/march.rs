@@ -1,0 +1,260 @@
+//! March: the passes of a picture, and its pixels back from the device.
+
+use splatvol_core::engine::Task;
+use splatvol_scene::{Frame, SceneError};
+
+use crate::atlas::Atlas;
+use crate::device::GpuDevice;
+use crate::layout::{FrameData, Picture, SheetData, TILE};
+use crate::pipelines::Pipelines;
+
+/// Samples of one dispatch: tens of milliseconds of a small device. Systems reset devices that answer late, and people
+/// do not wait for a picture that they have stopped.
+const TOGETHER: u64 = 1 << 26;
+
+/// Buffers of pictures of one size.
+#[derive(Debug)]
+pub(crate) struct Canvas {
+    pixels: u64,
+    colors: wgpu::Buffer,
+    depths: wgpu::Buffer,
+    /// Colours, then depths, for the host.
+    host: wgpu::Buffer,
+}
+
+/// Bytes of a pixel's colour and transmittance, and of its depth.
+const COLOR: u64 = 16;
+const DEPTH: u64 = 4;
+
+impl Canvas {
+    /// # Errors
+    /// Memory that the device refuses.
+    pub(crate) fn new(gpu: &GpuDevice, pixels: u64) -> Result<Self, SceneError> {
+        use wgpu::BufferUsages as Usage;
+        let on_device = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
+        gpu.scoped(|gpu| Self {
+            pixels,
+            colors: gpu.buffer("colors", pixels * COLOR, on_device),
+            depths: gpu.buffer("depths", pixels * DEPTH, on_device),
+            host: gpu.buffer(
+                "picture",
+                pixels * (COLOR + DEPTH),
+                Usage::MAP_READ | Usage::COPY_DST,
+            ),
+        })
+    }
+
+    /// Whether it is for pictures of so many pixels.
+    pub(crate) fn is_of(&self, pixels: u64) -> bool {
+        self.pixels == pixels
+    }
+
+    /// Brings colours with transmittances, and sums of depths, to the host.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub(crate) fn read(
+        &self,
+        gpu: &GpuDevice,
+        take: impl FnOnce(&[[f32; 4]], &[f32]),
+    ) -> Result<(), SceneError> {
+        let colors = self.pixels * COLOR;
+        let mut commands = gpu.commands();
+        commands.copy_buffer_to_buffer(&self.colors, 0, &self.host, 0, colors);
+        commands.copy_buffer_to_buffer(&self.depths, 0, &self.host, colors, self.pixels * DEPTH);
+        gpu.queue.submit([commands.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.host.map_async(wgpu::MapMode::Read, .., move |mapped| {
+            // The receiver waits below.
+            let _ = sender.send(mapped);
+        });
+        gpu.wait(None)?;
+        match receiver.recv() {
+            Ok(mapped) => mapped.map_err(|error| gpu.failed(&error))?,
+            Err(error) => return Err(gpu.failed(&error)),
+        }
+        {
+            let bytes = self
+                .host
+                .get_mapped_range(..)
+                .map_err(|error| gpu.failed(&error))?;
+            let (colors, depths) = bytes.split_at(colors as usize);
+            take(bytemuck::cast_slice(colors), bytemuck::cast_slice(depths));
+        }
+        self.host.unmap();
+        Ok(())
+    }
+
+    /// Bytes on the device.
+    pub(crate) fn bytes(&self) -> usize {
+        (2 * self.pixels * (COLOR + DEPTH)) as usize
+    }
+}
+
+/// Everything that a picture is made with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct March<'a> {
+    pub gpu: &'a GpuDevice,
+    pub pipelines: &'a Pipelines,
+    pub atlas: &'a Atlas,
+    pub canvas: &'a Canvas,
+    pub picture: Picture<'a>,
+}
+
+/// Buffers of one picture, bound to its passes.
+pub(crate) struct Bound {
+    pub frame: wgpu::Buffer,
+    cull: wgpu::BindGroup,
+    pub march: wgpu::BindGroup,
+}
+
+impl March<'_> {
+    /// Renders into a frame.
+    ///
+    /// # Errors
+    /// A stopped picture, or a device that fails.
+    pub(crate) fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
+        let data = self.data();
+        self.gpu.scoped(|_| self.submit(&data, task))??;
+        self.canvas
+            .read(self.gpu, |colors, depths| resolve(frame, (colors, depths)))
+    }
+
+    /// The frame's data, with the places of the volume's pages.
+    pub(crate) fn data(&self) -> FrameData {
+        let layout = &self.atlas.layout;
+        FrameData {
+            pages: layout.pages,
+            slots: [layout.slots[0], layout.slots[1]],
+            atlas: layout.size().map(|n| n as f32),
+            ..self.picture.frame()
+        }
+    }
+
+    /// Submits all passes; waits for each part but the last two, so that a stopped picture ends soon.
+    fn submit(&self, data: &FrameData, task: Task<'_>) -> Result<(), SceneError> {
+        let sheets = self.picture.sheets();
+        let bound = self.bind(data, &sheets, self.picture.level.table.cells());
+        let intervals = data.from_interval..data.to_interval;
+        let pixels = self.canvas.pixels.max(1);
+        let step = (TOGETHER / pixels).max(8) as u32;
+        self.begin(data, &bound);
+        let mut before = None;
+        for from in intervals.clone().step_by(step as usize) {
+            task.go_on()?;
+            let part = FrameData {
+                from_interval: from,
+                to_interval: (from + step).min(intervals.end),
+                ..*data
+            };
+            let submitted = self.dispatch(&part, &bound);
+            if let Some(before) = before.replace(submitted) {
+                self.gpu.wait(Some(before))?;
+                task.report(f64::from(from - intervals.start) / intervals.len() as f64);
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn bind(&self, data: &FrameData, sheets: &[SheetData], table: &[[f32; 4]]) -> Bound {
+        use wgpu::BufferUsages as Usage;
+        let Self {
+            gpu,
+            pipelines,
+            atlas,
+            canvas,
+            ..
+        } = self;
+        let frame = gpu.buffer(
+            "frame",
+            size_of::<FrameData>() as u64,
+            Usage::UNIFORM | Usage::COPY_DST,
+        );
+        let sheets = gpu.buffer_of("sheets", sheets);
+        let words = u64::from(data.tiles[0]) * u64::from(data.tiles[1]) * u64::from(data.words);
+        let tile_sheets = gpu.buffer("tile sheets", 4 * words.max(1), Usage::STORAGE);
+        let table = gpu.buffer_of("table", table);
+        let whole = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let cull = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("cull"),
+            layout: &pipelines.cull_layout,
+            entries: &[
+                whole(0, frame.as_entire_binding()),
+                whole(2, atlas.pages.as_entire_binding()),
+                whole(3, tile_sheets.as_entire_binding()),
+            ],
+        });
+        let march = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("march"),
+            layout: &pipelines.march_layout,
+            entries: &[
+                whole(0, frame.as_entire_binding()),
+                whole(1, sheets.as_entire_binding()),
+                whole(2, atlas.pages.as_entire_binding()),
+                whole(3, tile_sheets.as_entire_binding()),
+                whole(4, wgpu::BindingResource::TextureView(&atlas.view)),
+                whole(5, wgpu::BindingResource::Sampler(&pipelines.nearest)),
+                whole(6, table.as_entire_binding()),
+                whole(7, canvas.colors.as_entire_binding()),
+                whole(8, canvas.depths.as_entire_binding()),
+            ],
+        });
+        Bound { frame, cull, march }
+    }
+
+    /// Clears the picture, and finds the planes of its tiles.
+    fn begin(&self, data: &FrameData, bound: &Bound) {
+        let Self { gpu, canvas, .. } = self;
+        let clear = [0.0f32, 0.0, 0.0, 1.0].repeat(self.canvas.pixels as usize);
+        gpu.queue
+            .write_buffer(&canvas.colors, 0, bytemuck::cast_slice(&clear));
+        gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(data));
+        let mut commands = gpu.commands();
+        commands.clear_buffer(&canvas.depths, 0, None);
+        {
+            let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.pipelines.cull);
+            pass.set_bind_group(0, &bound.cull, &[]);
+            let pages: u32 = data.pages.iter().map(|&n| n as u32).product();
+            let groups = pages.div_ceil(64);
+            // At most 65,535 groups along an axis.
+            let across = groups.min(CULL_ROW);
+            pass.dispatch_workgroups(across, groups.div_ceil(CULL_ROW), 1);
+        }
+        gpu.queue.submit([commands.finish()]);
+    }
+
+    /// Marches some intervals.
+    fn dispatch(&self, part: &FrameData, bound: &Bound) -> wgpu::SubmissionIndex {
+        let gpu = self.gpu;
+        gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(part));
+        let mut commands = gpu.commands();
+        {
+            let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.pipelines.march[usize::from(self.atlas.layout.taps == 6)]);
+            pass.set_bind_group(0, &bound.march, &[]);
+            pass.dispatch_workgroups(part.size[0].div_ceil(TILE[0]), part.size[1].div_ceil(TILE[1]), 1);
+        }
+        gpu.queue.submit([commands.finish()])
+    }
+}
+
+/// Pixels of transmittance and depth sums to those of a frame, as `splatvol_cpu`'s resolve.
+fn resolve(frame: &mut Frame, (colors, depth_sums): (&[[f32; 4]], &[f32])) {
+    let rest = frame.depth.iter_mut().zip(&mut frame.optical_depth);
+    let targets = frame.image.pixels.iter_mut().zip(rest);
+    for ((pixel, (depth, optical_depth)), (&[r, g, b, through], &depth_sum)) in
+        targets.zip(colors.iter().zip(depth_sums))
+    {
+        let alpha = 1.0 - through;
+        *pixel = [r, g, b, alpha];
+        (*depth, *optical_depth) = if alpha > 0.0 {
+            (depth_sum / alpha, -through.max(f32::MIN_POSITIVE).ln())
+        } else {
+            (f32::INFINITY, 0.0)
+        };
+    }
+}
+
+/// Groups of the pass `cull` along x.
+const CULL_ROW: u32 = 1024;

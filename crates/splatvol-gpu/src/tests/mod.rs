@@ -1,0 +1,156 @@
+//! Shaders against their Rust twins, and against the f64 reference: WGSL functions run over arrays of random input.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod field;
+mod layout;
+mod shade;
+
+use std::sync::Arc;
+
+use bytemuck::Zeroable;
+use glam::DVec3;
+use splatvol_core::level::Wanted;
+use splatvol_core::plan::{GridView, Sampling};
+use splatvol_core::prepared::PreparedVolumes;
+use splatvol_scene::{
+    Camera, Grid, ImageSize, Projection, RenderSettings, SheetSettings, TransferFunction, Volume,
+};
+use splatvol_testing::fields::Noise;
+use splatvol_testing::sample;
+
+use crate::atlas::Atlas;
+use crate::device::{GpuConfig, GpuDevice};
+use crate::layout::{Picture, SheetData};
+use crate::march::{Canvas, March};
+use crate::pipelines::{FIELD, FRAME, Pipelines, SHADE, pipeline};
+
+/// The device of the tests; without one the calling test is skipped.
+fn device() -> Option<GpuDevice> {
+    match GpuDevice::open(&GpuConfig::default()) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            splatvol_recorded::skip(&error.to_string());
+            None
+        }
+    }
+}
+
+/// A random volume with a transfer function that shows all of it.
+struct Subject {
+    volume: Arc<Volume>,
+    transfer_function: TransferFunction,
+    settings: RenderSettings<SheetSettings>,
+}
+
+impl Subject {
+    fn new(settings: RenderSettings, dims: [usize; 3]) -> Self {
+        let grid = Grid::centred(dims, DVec3::new(1.0, 1.25, 0.8)).unwrap();
+        let sheets = *settings.method.sheets().unwrap();
+        Self {
+            volume: Arc::new(sample(&Noise::new(18, 24, DVec3::splat(1.3)), &grid)),
+            transfer_function: splatvol_testing::transfer::constant_extinction(0.3, [0.9, 0.5, 0.2]),
+            settings: RenderSettings {
+                size: ImageSize::new(16, 16).unwrap(),
+                ..settings
+            }
+            .with(sheets),
+        }
+    }
+
+    /// Runs an entry point `probe` once per input; it finds them in `sheets`, and writes `colors`.
+    fn run(&self, gpu: &GpuDevice, entry: &str, inputs: &[SheetData]) -> (Vec<[f32; 4]>, Facts) {
+        let mut prepared = PreparedVolumes::default();
+        let [pyramid] = prepared.of_scene([&self.volume].into_iter(), &self.settings) else {
+            unreachable!("one volume")
+        };
+        let look = (&self.transfer_function, 1.0);
+        let stop = std::sync::atomic::AtomicBool::new(false);
+        let level = pyramid.classify(0, look, Wanted::Visible, &stop).unwrap();
+        let camera = Camera::new(
+            DVec3::new(0.0, -300.0, 40.0),
+            DVec3::ZERO,
+            DVec3::Z,
+            Projection::Perspective { fov_degrees: 20.0 },
+        )
+        .unwrap();
+        let grid = level.field.source().grid();
+        let view = GridView::new(grid, (&camera, &self.settings), Sampling::Field, None);
+        let taps = if self.settings.method.kernel.radius > 2.0 {
+            6
+        } else {
+            4
+        };
+        let atlas = Atlas::new(gpu, &level.field, taps).unwrap();
+        let canvas = Canvas::new(gpu, inputs.len() as u64).unwrap();
+        let pipelines = Pipelines::new(gpu).unwrap();
+        let march = March {
+            gpu,
+            pipelines: &pipelines,
+            atlas: &atlas,
+            canvas: &canvas,
+            picture: Picture {
+                view: &view,
+                level,
+                settings: &self.settings,
+                voxel: 1.0,
+            },
+        };
+        let text = [
+            FRAME,
+            FIELD,
+            SHADE,
+            "@group(0) @binding(7) var<storage, read_write> colors: array<vec4<f32>>;",
+            entry,
+        ]
+        .join("\n");
+        let bound = march.bind(&march.data(), inputs, level.table.cells());
+        gpu.queue
+            .write_buffer(&bound.frame, 0, bytemuck::bytes_of(&march.data()));
+        let probe = gpu
+            .scoped(|gpu| {
+                let taps = f64::from(taps);
+                pipeline(
+                    &gpu.device,
+                    ("probe", &text),
+                    &pipelines.march_layout,
+                    &[("TAPS", taps)],
+                )
+            })
+            .unwrap();
+        let mut commands = gpu.commands();
+        {
+            let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&probe);
+            pass.set_bind_group(0, &bound.march, &[]);
+            pass.dispatch_workgroups(inputs.len() as u32, 1, 1);
+        }
+        gpu.queue.submit([commands.finish()]);
+        let mut found = Vec::new();
+        canvas
+            .read(gpu, |colors, _| found.extend_from_slice(colors))
+            .unwrap();
+        let facts = Facts {
+            background: level.field.background(),
+            table: level.table.clone(),
+            spacing: view.spacing() as f32,
+        };
+        (found, facts)
+    }
+}
+
+/// What tests need of a level.
+struct Facts {
+    background: f32,
+    table: splatvol_core::shade_table::ShadeTable,
+    spacing: f32,
+}
+
+/// An input of a probe: a vector and a number, in the fields `rest` and `low_pass`, and another vector in `step_x`.
+fn input(rest: [f32; 3], step_x: [f32; 3], low_pass: f32) -> SheetData {
+    SheetData {
+        rest,
+        step_x,
+        low_pass,
+        ..SheetData::zeroed()
+    }
+}
