@@ -256,5 +256,5 @@ fn resolve(frame: &mut Frame, (colors, depth_sums): (&[[f32; 4]], &[f32])) {
     }
 }
 
-/// Groups of the pass `cull` along x.
+/// Groups of the pass `cull` along x, of 64 invocations each: `ROW` in its shader.
 const CULL_ROW: u32 = 1024;
