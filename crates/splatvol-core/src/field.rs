@@ -9,7 +9,7 @@
 //! A store depends only on the volume, the kernel and the last transfer function, to the bit, and not on earlier
 //! transfer functions. [`crate::visibility`] defines which voxels are needed.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use splatvol_scene::volume::widen;
@@ -92,6 +92,16 @@ pub struct FieldStore {
     needed: Vec<[u32; 2]>,
     background: f32,
     voxels: usize,
+    work: FieldWork,
+}
+
+/// Bricks on which an update worked; the others were kept as they were.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FieldWork {
+    /// Bricks whose samples were searched for visible cells.
+    pub searched: usize,
+    /// Bricks whose coefficients were computed.
+    pub solved: usize,
 }
 
 /// State of a chunk.
@@ -151,6 +161,7 @@ impl FieldStore {
             needed: Vec::new(),
             background: 0.0,
             voxels: 0,
+            work: FieldWork::default(),
             lattice,
             source,
             failure,
@@ -166,13 +177,15 @@ impl FieldStore {
     pub fn update_unless(&mut self, stop: &AtomicBool, levels: &VisibleLevels) {
         let background = self.histogram.background(levels);
         let levels = &levels.beyond(background);
+        self.work = FieldWork::default();
         let first_time = self.levels.is_none();
         if self.levels.as_ref() == Some(levels) && background == self.background {
             return;
         }
         let all_again = first_time || background != self.background;
         let changed = self.levels.as_ref().map(|old| old.difference(levels));
-        let touched = self.find_cells(levels, changed.as_ref());
+        let (touched, searched) = self.find_cells(levels, changed.as_ref());
+        let solved = AtomicUsize::new(0);
         let mut chunks = std::mem::take(&mut self.chunks);
         self.background = background;
         self.levels = Some(levels.clone());
@@ -188,11 +201,16 @@ impl FieldStore {
                     store,
                     touched: &touched,
                     all_again,
+                    solved: &solved,
                 };
                 job.update(index, chunk, (reader, scratch));
             },
         );
         self.chunks = chunks;
+        self.work = FieldWork {
+            searched,
+            solved: solved.into_inner(),
+        };
         self.needed.clear();
         self.voxels = 0;
         for (index, chunk) in self.chunks.iter().enumerate() {
@@ -204,6 +222,11 @@ impl FieldStore {
                 .map(|brick| brick.voxels as usize)
                 .sum::<usize>();
         }
+    }
+
+    /// Work of the last update.
+    pub fn work(&self) -> FieldWork {
+        self.work
     }
 
     /// Number of bricks that hold needed voxels.
@@ -298,9 +321,11 @@ impl FieldStore {
             + self.chunks.iter().map(of_chunk).sum::<usize>()
     }
 
-    /// Updates the visible cells of the bricks whose levels changed. Marks the bricks whose cells changed.
-    fn find_cells(&mut self, levels: &VisibleLevels, changed: Option<&VisibleLevels>) -> Vec<bool> {
+    /// Updates the visible cells of the bricks whose levels changed. Marks the bricks whose cells changed, and counts the
+    /// bricks that were searched.
+    fn find_cells(&mut self, levels: &VisibleLevels, changed: Option<&VisibleLevels>) -> (Vec<bool>, usize) {
         let mut touched = vec![false; self.cells.len()];
+        let searched = AtomicUsize::new(0);
         let intervals = levels.intervals();
         let (lattice, bricks, ranges) = (&self.lattice, self.bricks, &self.ranges);
         let memory = || Reader::new(&self.source, &self.failure);
@@ -321,10 +346,11 @@ impl FieldStore {
                 ]
                 .map(|b| b * BRICK);
                 let found = ranges.visible((lattice, reader), (brick, first), (levels, &intervals));
+                searched.fetch_add(1, Ordering::Relaxed);
                 *touched = found != *cells;
                 *cells = found;
             });
-        touched
+        (touched, searched.into_inner())
     }
 
     /// First brick of a chunk.
@@ -458,6 +484,8 @@ struct ChunkJob<'a> {
     store: &'a FieldStore,
     touched: &'a [bool],
     all_again: bool,
+    /// Bricks solved by all jobs.
+    solved: &'a AtomicUsize,
 }
 
 impl ChunkJob<'_> {
@@ -556,6 +584,7 @@ impl ChunkJob<'_> {
                 chunk.held |= 1 << at;
             }
         }
+        self.solved.fetch_add(bricks.len(), Ordering::Relaxed);
         bricks.shrink_to_fit();
         chunk.stored = bricks;
     }

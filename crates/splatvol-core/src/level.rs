@@ -3,14 +3,17 @@
 //! The level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume. Within a quarter of
 //! an octave of a change both levels are rendered and blended, so that the change is invisible. Minified volumes
 //! are anti-aliased by their mips, and cost in proportion to their pixels. With a level bias of n octaves all widths are
-//! `2^n` times as large: drafts have an eighth of the voxels per octave. Classified voxels and analytic gradients
-//! have no levels: they are anti-aliased by the filter alone.
+//! `2^n` times as large: drafts have an eighth of the voxels per octave. Voxels that are classified first have levels of
+//! their classes ([`ClassifiedMeans`]). Labels and analytic gradients have none: they are anti-aliased by the filter alone.
+
+mod means;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::classification::ClassificationTable;
-use crate::field::{FieldStore, SourceLevel};
+use crate::engine::RenderStatistics;
+use crate::field::{FieldStore, FieldWork, SourceLevel};
 use crate::kernel::GaussianKernel;
 use crate::mip;
 use crate::visibility::VisibleLevels;
@@ -18,6 +21,8 @@ use splatvol_scene::{
     Camera, Classification, Frame, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, SheetKernel,
     SheetSettings, Shows, TransferFunction, Volume,
 };
+
+pub use means::{Classes, ClassifiedMeans};
 
 use crate::shade_table::ShadeTable;
 
@@ -65,8 +70,12 @@ pub struct Level {
     pub classification: ClassificationTable,
     /// Bricks with visible voxels, if needed.
     pub visible: Vec<u32>,
+    /// Classes of these bricks, where they are not those of this level's own samples.
+    pub means: Option<ClassifiedMeans>,
     /// Smallest and largest visible value.
     pub hull: [f32; 2],
+    /// Work of its last update.
+    work: FieldWork,
     /// Cache key of all this.
     made_for: (TransferFunction, f64, Wanted),
 }
@@ -89,7 +98,9 @@ impl Level {
             table: ShadeTable::default(),
             classification: ClassificationTable::new(transfer_function, range, unit_distance),
             visible: Vec::new(),
+            means: None,
             hull: [f32::INFINITY; 2],
+            work: FieldWork::default(),
             made_for: (transfer_function.clone(), unit_distance, wanted),
         };
         level.find(stop);
@@ -104,6 +115,7 @@ impl Level {
     ) {
         let (old, old_distance, old_wanted) = &mut self.made_for;
         let same = old == transfer_function && *old_distance == unit_distance;
+        self.work = FieldWork::default();
         if same && *old_wanted == wanted {
             return;
         }
@@ -114,7 +126,14 @@ impl Level {
             self.classification = ClassificationTable::new(transfer_function, range, unit_distance);
         }
         *old_wanted = wanted;
+        self.means = None;
         self.find(stop);
+    }
+
+    /// Adds the bricks on which the last update worked.
+    pub fn count_work(&self, statistics: &mut RenderStatistics) {
+        statistics.searched_bricks += self.work.searched;
+        statistics.solved_bricks += self.work.solved;
     }
 
     /// Finds the needed voxels.
@@ -131,6 +150,7 @@ impl Level {
                 Wanted::All => self.field.update_unless(stop, &VisibleLevels::all()),
                 Wanted::Visible | Wanted::Classified => self.field.update_unless(stop, &visible),
             }
+            self.work = self.field.work();
             self.table
                 .update(&self.classification, &visible, self.field.background());
         }
@@ -224,8 +244,12 @@ impl Pyramid {
         let is_new = |n: usize| n == 0 || !Arc::ptr_eq(source(n), source(n - 1));
         let own = (0..self.sources.len()).filter(|&n| is_new(n));
         let samples = own.map(|n| source(n).bytes()).sum::<usize>();
-        let levels = self.levels.iter().flatten().map(|level| level.field.bytes());
-        samples + levels.sum::<usize>()
+        let means = |level: &Level| level.means.as_ref().map_or(0, ClassifiedMeans::bytes);
+        let levels = self.levels.iter().flatten();
+        samples
+            + levels
+                .map(|level| level.field.bytes() + means(level))
+                .sum::<usize>()
     }
 
     /// The samples of a level, or of the last one that can be made.
@@ -251,6 +275,43 @@ impl Pyramid {
     /// # Errors
     /// `stop`, set meanwhile, and samples that cannot be read; the level is forgotten then, for it may be half done.
     pub fn classify(
+        &mut self,
+        level: usize,
+        look: (&TransferFunction, f64),
+        wanted: Wanted,
+        stop: &AtomicBool,
+    ) -> Result<&Level, SceneError> {
+        let finest = self.finest();
+        if wanted == Wanted::Classified && level > finest {
+            self.own_level(finest, look, wanted, stop)?;
+            self.own_level(level, look, wanted, stop)?;
+            self.average(finest, level, stop)?;
+            return self.levels[level].as_ref().ok_or(SceneError::Stopped);
+        }
+        self.own_level(level, look, wanted, stop)
+    }
+
+    /// The coarsest level that the source has itself: all further ones are made of it.
+    fn finest(&self) -> usize {
+        let (source, _) = self.sources[0].of();
+        source.levels() - 1
+    }
+
+    /// Replaces the classes of a level's samples by means of those of another, unless that was done before.
+    fn average(&mut self, finest: usize, level: usize, stop: &AtomicBool) -> Result<(), SceneError> {
+        let (finer, coarser) = self.levels.split_at_mut(level);
+        if let (Some(finest), Some(level)) = (&finer[finest], &mut coarser[0])
+            && level.means.is_none()
+        {
+            let (visible, means) = ClassifiedMeans::new(finest, &level.field, stop)?;
+            level.visible = visible;
+            level.means = Some(means);
+        }
+        Ok(())
+    }
+
+    /// A level of its own samples, updated for a transfer function with its unit distance.
+    fn own_level(
         &mut self,
         level: usize,
         look: (&TransferFunction, f64),

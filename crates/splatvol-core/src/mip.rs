@@ -13,9 +13,6 @@ use splatvol_scene::{Block, Grid, LengthUnit, Rescale, Samples, SceneError, Volu
 
 use crate::field::SourceLevel;
 
-/// Most old cells along an axis that a new one covers.
-const TAPS: usize = 3;
-
 /// A volume of half the samples along each axis (rounded up) in the same box.
 ///
 /// Samples of 8 and 16 bits become `u16` that span the value range (error 8e-6 of it), all others `f32`.
@@ -59,37 +56,37 @@ const ROUNDING: f64 = 1e-9;
 const TOUCHED: f64 = 1e-6;
 
 /// The old samples that a new one is the mean of, along one axis.
-#[derive(Debug, Clone, Copy)]
-struct Cover {
+#[derive(Debug, Clone)]
+pub(crate) struct Cover {
     first: usize,
-    weights: [f32; TAPS],
+    weights: Vec<f32>,
 }
 
 impl Cover {
-    fn all(own: usize, count: usize) -> Vec<Self> {
+    /// Covers of `count` new samples, each of as many of the `own` old ones.
+    pub(crate) fn all(own: usize, count: usize) -> Vec<Self> {
         let ratio = own as f64 / count as f64;
         let cover = |i: usize| {
             let (from, to) = (i as f64 * ratio, (i + 1) as f64 * ratio);
             let first = (from + ROUNDING).floor() as usize;
-            let part = |tap: usize| {
-                let cell = (first + tap) as f64;
-                (to.min(cell + 1.0) - from.max(cell)).max(0.0) / ratio
-            };
+            let part = |cell: usize| (to.min((cell + 1) as f64) - from.max(cell as f64)).max(0.0) / ratio;
+            let parts = (first..own).map(part).take_while(|&part| part >= TOUCHED);
             Self {
                 first,
-                weights: std::array::from_fn(part).map(|w| if w < TOUCHED { 0.0 } else { w as f32 }),
+                weights: parts.map(|part| part as f32).collect(),
             }
         };
         (0..count).map(cover).collect()
     }
 
-    fn taps(&self) -> impl Iterator<Item = (usize, f32)> {
-        let first = self.first;
-        self.weights
-            .into_iter()
-            .enumerate()
-            .filter(|(_, weight)| *weight > 0.0)
-            .map(move |(tap, weight)| (first + tap, weight))
+    /// Old samples, and their shares of the mean.
+    pub(crate) fn taps(&self) -> impl Iterator<Item = (usize, f32)> {
+        (self.first..).zip(self.weights.iter().copied())
+    }
+
+    /// The old samples: the first, and one past the last.
+    pub(crate) fn range(&self) -> [usize; 2] {
+        [self.first, self.first + self.weights.len()]
     }
 }
 
@@ -140,10 +137,10 @@ impl<'a> Reduction<'a> {
         data.par_chunks_mut(nx * ny)
             .enumerate()
             .try_for_each_init(sums, |(sums, memory), (z, slice)| {
-                let first = self.cover[2][z].first;
+                let [first, end] = self.cover[2][z].range();
                 let slices = VoxelBox {
                     first: [0, 0, first],
-                    size: [own[0], own[1], TAPS.min(own[2] - first)],
+                    size: [own[0], own[1], end - first],
                 };
                 let block = self.source.read(slices, memory)?;
                 for (y, row) in slice.chunks_mut(nx).enumerate() {

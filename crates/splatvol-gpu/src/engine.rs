@@ -157,6 +157,7 @@ impl GpuEngine {
         };
         let look = (shown.transfer_function, shown.unit_distance);
         let prepared = pyramid.classify(level, look, Wanted::Visible, task.stop)?;
+        prepared.count_work(statistics);
         refuse_missing(prepared)?;
         let grid = prepared.field.source().grid();
         let view = GridView::new(grid, (shown.camera, shown.settings), Sampling::Field, None);

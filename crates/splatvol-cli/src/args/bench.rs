@@ -36,6 +36,7 @@ Examples:
   splatvol bench scan.nii.gz --preset fast --threads 1,4 --counts
   splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -
   splatvol bench scan.raw --dims 256x256x109 --type u16 --up -y --view front
+  splatvol bench scan.nii.gz --orbit 0 --slide 1 --counts
   splatvol bench scene.toml --orbit 2 --picture first.png
   splatvol bench --like head.png --preset fast"
 )]
@@ -72,10 +73,18 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "DEGREES", default_value_t = 1.0, help_heading = MEASUREMENT,
           allow_negative_numbers = true, value_parser = values::finite)]
     pub(crate) orbit: f64,
+    /// Distance by which opacities slide along the data values from frame to frame, percent of their range
+    ///
+    /// An edit of the transfer function per frame, of all volumes that are not label maps. The first measured frame shows the
+    /// look that was asked for.
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, help_heading = MEASUREMENT,
+          allow_negative_numbers = true, value_parser = values::finite)]
+    pub(crate) slide: f64,
     /// Print what each case's frame counts, too: bricks, voxels, vectors
     ///
     /// Of the median frame, summed over tiles. A vector has sixteen lanes: voxels where they are looked at, four sheets by
-    /// two by two pixels where they are splatted, pixels where they are shaded. Zero where an engine does not count.
+    /// two by two pixels where they are splatted, pixels where they are shaded. Reused is what the frame before had found and
+    /// computed. Zero where an engine does not count.
     #[arg(long, help_heading = MEASUREMENT)]
     pub(crate) counts: bool,
     /// Picture size, pixels: WxH, W,H or N [default: 512x512; 128x128 for the small scenes]

@@ -79,6 +79,12 @@ pub struct RenderStatistics {
     pub bricks: usize,
     /// Bricks that can be seen with this transfer function.
     pub active_bricks: usize,
+    /// Bricks whose samples were searched for visible ones in this frame; what earlier frames found in the others is
+    /// still right (`sheets` and `gpu`, volumes).
+    pub searched_bricks: usize,
+    /// Bricks whose kernel coefficients were computed in this frame; those of the others were kept (`sheets` and `gpu`,
+    /// volumes).
+    pub solved_bricks: usize,
     /// Sheets from front to back.
     pub sheets: usize,
     /// Runs of sheets with a raster of their own, of all layers.

@@ -8,6 +8,7 @@ use glam::DMat3;
 use splatvol_core::brick::BRICK;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::{FieldStore, Neighbourhood};
+use splatvol_core::level::{Classes, ClassifiedMeans, Level};
 use splatvol_core::plan::Bricks;
 use splatvol_core::visibility::BRICK_VOXELS;
 
@@ -19,10 +20,22 @@ use crate::phong::Phong;
 #[derive(Debug, Default)]
 pub(crate) struct ClassifiedVoxels {
     /// By slot and voxel: extinction, and emission (extinction times colour) red, green and blue.
-    voxels: Vec<[[f32; 4]; BRICK_VOXELS]>,
+    voxels: Vec<Classes>,
     around: Neighbourhood,
     /// Two rows of the brick being opened.
     pairs: [Pair; BRICK_VOXELS / 16],
+    /// Its mean classes, not lit.
+    means: MeanClasses,
+}
+
+/// Mean classes of a brick, not lit.
+#[derive(Debug)]
+struct MeanClasses(Classes);
+
+impl Default for MeanClasses {
+    fn default() -> Self {
+        Self([[0.0; 4]; BRICK_VOXELS])
+    }
 }
 
 /// Two rows of voxels: which may be visible, their values, and their diffuse and specular factors.
@@ -61,6 +74,8 @@ struct VoxelLight {
 pub(crate) struct ClassifiedBricks<'a> {
     field: &'a FieldStore,
     bricks: &'a [u32],
+    /// Classes of these bricks' voxels, where they are not those of the field's samples.
+    means: Option<&'a ClassifiedMeans>,
     table: &'a ClassificationTable,
     /// Values outside are invisible.
     hull: [f32; 2],
@@ -80,16 +95,14 @@ impl Bricks for ClassifiedBricks<'_> {
 }
 
 impl<'a> ClassifiedBricks<'a> {
-    /// Bricks of a field, not lit.
-    pub(crate) fn new(
-        (field, bricks): (&'a FieldStore, &'a [u32]),
-        (table, hull): (&'a ClassificationTable, [f32; 2]),
-    ) -> Self {
+    /// Visible bricks of a level, not lit.
+    pub(crate) fn new(level: &'a Level) -> Self {
         Self {
-            field,
-            bricks,
-            table,
-            hull,
+            field: &level.field,
+            bricks: &level.visible,
+            means: level.means.as_ref(),
+            table: &level.classification,
+            hull: level.hull,
             light: None,
             cut: None,
         }
@@ -128,13 +141,22 @@ impl<'a> ClassifiedBricks<'a> {
             voxels,
             around,
             pairs,
+            means,
         } = classified;
         let index = slot as usize;
         if voxels.len() <= index {
             voxels.resize(index + 1, [[0.0; 4]; BRICK_VOXELS]);
         }
-        self.field.read(self.bricks[brick], around);
-        self.find(simd, around, pairs);
+        if self.means.is_none() || self.light.is_some() {
+            self.field.read(self.bricks[brick], around);
+        }
+        match self.means {
+            Some(of) => {
+                of.decode(brick, &mut means.0);
+                find_means(&means.0, pairs);
+            }
+            None => self.find(simd, around, pairs),
+        }
         if let Some(light) = &self.light {
             for (i, pair) in pairs.iter_mut().enumerate() {
                 if pair.visible != 0 {
@@ -145,7 +167,17 @@ impl<'a> ClassifiedBricks<'a> {
             }
         }
         let handle = HANDLE | (slot * BRICK_VOXELS as u32);
-        self.classify(simd, pairs, handle, values, &mut voxels[index]);
+        let voxels = &mut voxels[index];
+        match self.means {
+            Some(_) => light_voxels(simd, (pairs, handle), values, voxels, |voxel, _| {
+                f32x4::from_slice(simd, &means.0[voxel])
+            }),
+            None => light_voxels(simd, (pairs, handle), values, voxels, |_, value| {
+                let ([a, b], t) = self.table.around(value);
+                let (a, b) = (f32x4::from_slice(simd, a), f32x4::from_slice(simd, b));
+                (b - a) * t + a
+            }),
+        }
         if let Some(cut) = self.cut {
             cut.drop_voxels(self.field.brick_first(self.bricks[brick]), values);
         }
@@ -174,37 +206,44 @@ impl<'a> ClassifiedBricks<'a> {
             f32x16::splat(simd, 0.0).store_slice(&mut pair.light[1].0);
         }
     }
+}
 
-    /// Extinction and lit emission of the visible voxels.
-    #[inline(always)]
-    fn classify<S: Simd>(
-        &self,
-        simd: S,
-        pairs: &[Pair; BRICK_VOXELS / 16],
-        handle: u32,
-        values: &mut [f32; BRICK_VOXELS],
-        voxels: &mut [[f32; 4]; BRICK_VOXELS],
-    ) {
-        values.fill(f32::NAN);
-        for (i, pair) in pairs.iter().enumerate() {
-            let mut left = pair.visible;
-            while left != 0 {
-                let lane = left.trailing_zeros() as usize & 15;
-                left &= left - 1;
-                let ([a, b], t) = self.table.around(pair.value.0[lane]);
-                let extinction = a[0] + (b[0] - a[0]) * t;
-                if extinction <= 0.0 {
-                    continue;
-                }
-                let (a, b) = (f32x4::from_slice(simd, a), f32x4::from_slice(simd, b));
-                let [diffuse, specular] = [pair.light[0].0[lane], pair.light[1].0[lane]];
-                let shine = f32x4::splat(simd, specular * extinction);
-                let voxel = 16 * i + lane;
-                let lit = &mut voxels[voxel];
-                (((b - a) * t + a) * diffuse + shine).store_slice(lit);
-                lit[0] = extinction;
-                values[voxel] = f32::from_bits(handle + voxel as u32);
+/// Finds the voxels that have extinction. Their light is the colours' own.
+fn find_means(classes: &Classes, pairs: &mut [Pair; BRICK_VOXELS / 16]) {
+    for (pair, classes) in pairs.iter_mut().zip(classes.as_chunks::<16>().0) {
+        let bits = classes.iter().enumerate();
+        pair.visible = bits.fold(0, |bits, (lane, class)| bits | u32::from(class[0] > 0.0) << lane);
+        pair.light = [Lanes16([1.0; 16]), Lanes16([0.0; 16])];
+    }
+}
+
+/// Extinction and lit emission of the visible voxels; `class` has those of a voxel with this value.
+#[inline(always)]
+fn light_voxels<S: Simd>(
+    simd: S,
+    (pairs, handle): (&[Pair; BRICK_VOXELS / 16], u32),
+    values: &mut [f32; BRICK_VOXELS],
+    voxels: &mut Classes,
+    class: impl Fn(usize, f32) -> f32x4<S>,
+) {
+    values.fill(f32::NAN);
+    for (i, pair) in pairs.iter().enumerate() {
+        let mut left = pair.visible;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize & 15;
+            left &= left - 1;
+            let voxel = 16 * i + lane;
+            let class = class(voxel, pair.value.0[lane]);
+            let extinction = class[0];
+            if extinction <= 0.0 {
+                continue;
             }
+            let [diffuse, specular] = [pair.light[0].0[lane], pair.light[1].0[lane]];
+            let shine = f32x4::splat(simd, specular * extinction);
+            let lit = &mut voxels[voxel];
+            (class * diffuse + shine).store_slice(lit);
+            lit[0] = extinction;
+            values[voxel] = f32::from_bits(handle + voxel as u32);
         }
     }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{Bricks, GridView, Sampling};
-use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows};
+use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::analytic::{Analytic, Sums};
 use super::canvas::Canvas;
@@ -138,14 +138,7 @@ impl SheetEngine {
         frame: &mut Frame,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
-        // The mean of two classified values is not the classified mean, and labels would become other labels.
-        // Analytic gradients show the field as it is.
-        let of_voxels = Wanted::of(settings) == Wanted::Classified;
-        let detail = if of_voxels || settings.method.gradient == Gradient::Analytic {
-            Detail::FINEST
-        } else {
-            Detail::new(&scene.volume, camera, (settings.size, settings.method.level_bias))
-        };
+        let detail = detail((&scene.volume, scene.labels), (camera, settings));
         let mut statistics = RenderStatistics {
             threads: run.pool.current_num_threads(),
             engine: "sheets",
@@ -215,6 +208,7 @@ impl SheetEngine {
         let wanted = Wanted::of(settings);
         let look = (&*scene.transfer_function, scene.unit_distance());
         let level = pyramid.classify(level, look, wanted, run.task.stop)?;
+        level.count_work(statistics);
         let sampling = match (wanted, settings.method.shows) {
             (Wanted::Classified, Shows::Xray) => Sampling::Rays,
             (Wanted::Classified, _) => Sampling::Planes,
@@ -234,7 +228,6 @@ impl SheetEngine {
         let store: &FieldStore = &level.field;
         let spacing = scene.volume.grid().mean_spacing();
         statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
-        let look = (&level.classification, level.hull);
         let cut = || {
             Cut::new(
                 &scene.effects.clips,
@@ -246,7 +239,7 @@ impl SheetEngine {
         } else {
             Cut::default()
         };
-        let bricks = ClassifiedBricks::new((store, &level.visible), look).cut(&voxel_cut);
+        let bricks = ClassifiedBricks::new(level).cut(&voxel_cut);
         let values = ValueColors::new(&level.classification, scene.unit_distance());
         let shade = || shader(&view, (store, &level.table), (settings, spacing));
         match (wanted, sampling) {
@@ -291,6 +284,20 @@ impl SheetEngine {
             }
         }
         store.failure().map_or(Ok(()), Err)
+    }
+}
+
+/// Level of detail of a volume. Labels are lit by their own shapes, and analytic gradients show the field as it is: both
+/// have none.
+pub(super) fn detail(
+    (volume, labels): (&Volume, bool),
+    (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
+) -> Detail {
+    let exact = Wanted::of(settings) != Wanted::Classified && settings.method.gradient == Gradient::Analytic;
+    if labels || exact {
+        Detail::FINEST
+    } else {
+        Detail::new(volume, camera, (settings.size, settings.method.level_bias))
     }
 }
 

@@ -16,7 +16,7 @@ use super::cloud::layer::MeshLayer;
 use super::cloud::plan::own_spacing;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
-use super::engine::{SheetEngine, Single, TILE_EDGE};
+use super::engine::{SheetEngine, Single, TILE_EDGE, detail};
 use super::extremum::{Largest, Smallest};
 use super::frame::GridPlan;
 use super::frame::{analytic_field, shader};
@@ -116,14 +116,7 @@ impl SheetEngine {
             let details: Vec<Detail> = scene
                 .volumes
                 .iter()
-                .map(|volume| match Wanted::of(&volume.settings(settings)) {
-                    Wanted::Classified => Detail::FINEST,
-                    _ => Detail::new(
-                        &volume.volume,
-                        camera,
-                        (settings.size, settings.method.level_bias),
-                    ),
-                })
+                .map(|own| detail((&own.volume, own.labels), (camera, &own.settings(settings))))
                 .collect();
             let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
             let view = (camera, settings);
@@ -207,6 +200,9 @@ impl SheetEngine {
             classified.push(pyramid.classify(level, look, wanted, run.task.stop)?);
         }
         let levels = classified;
+        for level in &levels {
+            level.count_work(statistics);
+        }
         let views = views(&levels, scene.volumes, (camera, settings));
         let planned = Instant::now();
         statistics.seconds.classify += (planned - prepared).as_secs_f64();
@@ -230,12 +226,9 @@ impl SheetEngine {
             .map(|((level, cut), (volume, view))| {
                 let spacing = volume.volume.grid().mean_spacing();
                 let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
-                ClassifiedBricks::new(
-                    (&level.field, &level.visible),
-                    (&level.classification, level.hull),
-                )
-                .cut(cut)
-                .lit(phong, view.camera_from_voxel(), volume.labels)
+                ClassifiedBricks::new(level)
+                    .cut(cut)
+                    .lit(phong, view.camera_from_voxel(), volume.labels)
             })
             .collect();
         let mut layers = Vec::with_capacity(scene.volumes.len() + 1);

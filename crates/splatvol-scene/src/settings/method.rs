@@ -25,8 +25,8 @@ pub struct SheetSettings {
     /// Source of the gradient that lights a sheet.
     pub gradient: Gradient,
     /// Octaves by which the level of detail is coarser than the picture asks, 0 to 8: by 1, the volume has half of that
-    /// resolution, and sheets are as thick in its own voxels. It needs [`Gradient::Differences`]; classified voxels
-    /// have no levels and leave it out.
+    /// resolution, and sheets are as thick in its own voxels. It needs [`Gradient::Differences`] where data are shown;
+    /// label maps have no levels and leave it out.
     pub level_bias: f64,
     /// Whether kernel weights are solved so that the reconstruction interpolates the samples. Classified values are
     /// never prefiltered.

@@ -1,6 +1,9 @@
 //! Levels of detail: from a voxel per pixel to eight, steps are bounded, and small pictures cost little.
 
-use splatvol::{Camera, Frame, Projection, Scene};
+use splatvol::{
+    Camera, Classification, Frame, Item, OpacityPoint, Projection, RenderSettings, Scene, Shows,
+    TransferFunction,
+};
 use splatvol_samples::Sample;
 
 use crate::common::PROJECTIONS;
@@ -28,6 +31,50 @@ fn minified(scene: &Scene, projection: Projection, voxels_per_pixel: f64) -> Cam
 fn areas(frame: &Frame, voxels_per_pixel: f64) -> [f64; 4] {
     let sum = |c: usize| frame.image.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>();
     std::array::from_fn(|c| sum(c) * voxels_per_pixel * voxels_per_pixel)
+}
+
+/// Levels of classified voxels are means of classes: what is thinner than a level's voxels keeps its optical depth, and
+/// so its light where that is small. A label map of the same voxels has no levels.
+#[test]
+fn classified_voxels_keep_their_optical_depth_at_any_level() {
+    // Shells of thin fog.
+    let shells = generated(Sample::Shells, 96);
+    let single = shells.single_volume().unwrap();
+    let look = single.transfer_function;
+    let thin = |point: &OpacityPoint| OpacityPoint {
+        opacity: 0.01 * point.opacity,
+        ..*point
+    };
+    let opacities = look.opacities().iter().map(thin).collect();
+    let thin = TransferFunction::new(look.colors().to_vec(), opacities, look.unit_distance).unwrap();
+    let whole = Scene::from(Item::labels(single.volume.clone(), thin.clone()));
+    let levels = Scene::from(Item::volume(single.volume.clone(), thin));
+    for shows in [Shows::Xray, Shows::Material(Classification::Pre)] {
+        let settings = RenderSettings {
+            lighting: None,
+            ..fast(PIXELS, PIXELS).with_shows(shows)
+        };
+        for projection in PROJECTIONS {
+            let mut renderer = renderer();
+            let camera = minified(&whole, projection, 6.0);
+            let [exact, level] = [&whole, &levels].map(|scene| {
+                let (frame, statistics) = rendered(&mut renderer, scene, &camera, &settings);
+                (areas(&frame, 6.0), statistics)
+            });
+            let name = format!("{shows:?} {}", name_of(projection));
+            println!("{name}: {:?} {:?}", exact.0, level.0);
+            assert_eq!((exact.1.level, level.1.level), (0, 3), "{name}");
+            assert!(
+                100 * level.1.voxels < exact.1.voxels,
+                "{name}: {}",
+                level.1.voxels
+            );
+            for c in 0..4 {
+                let ratio = level.0[c] / exact.0[c];
+                assert!((ratio - 1.0).abs() < 0.01, "{name}, channel {c}: {ratio}");
+            }
+        }
+    }
 }
 
 struct Shot {

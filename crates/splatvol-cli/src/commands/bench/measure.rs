@@ -3,7 +3,10 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use splatvol::{Camera, Control, EngineConfig, Frame, RenderSettings, RenderStatistics, Renderer, Scene};
+use splatvol::{
+    Camera, Content, Control, EngineConfig, Frame, OpacityPoint, RenderSettings, RenderStatistics, Renderer,
+    Scene, SceneError, TransferFunction,
+};
 use splatvol_document::orbited;
 
 use super::process;
@@ -19,6 +22,9 @@ pub(super) struct Course {
     /// Turn of the camera per frame, degrees; the first measured frame is not turned.
     #[serde(rename = "orbit_degrees")]
     pub(super) orbit: f64,
+    /// Slide of the opacities per frame, percent of the data's range; the first measured frame's are those asked for.
+    #[serde(rename = "slide_percent")]
+    pub(super) slide: f64,
 }
 
 /// Subject of a case.
@@ -56,8 +62,13 @@ pub(super) fn measure(
     let all = f64::from(course.warm_up) + f64::from(course.frames);
     let mut done = 0.0;
     let mut next = || -> Result<_, Failure> {
-        let turn = (done - f64::from(course.warm_up)) * course.orbit;
-        let timed = timed_frame(&mut renderer, subject, turn)?;
+        let place = done - f64::from(course.warm_up);
+        let edited = match course.slide {
+            0.0 => None,
+            slide => Some(slid(&subject.scene, 0.01 * place * slide).during(Step::Render)?),
+        };
+        let scene = edited.as_ref().unwrap_or(&subject.scene);
+        let timed = timed_frame(&mut renderer, (scene, subject), place * course.orbit)?;
         done += 1.0;
         progress(done / all);
         Ok(timed)
@@ -88,7 +99,37 @@ struct Times {
     statistics: RenderStatistics,
 }
 
-fn timed_frame(renderer: &mut Renderer, subject: &Subject, turn: f64) -> Result<(Frame, Times), Failure> {
+/// The scene with the opacities of its volumes moved along the data values, by a share of their range.
+fn slid(scene: &Scene, share: f64) -> Result<Scene, SceneError> {
+    let mut scene = scene.clone();
+    for item in &mut scene.items {
+        if let Content::Volume {
+            volume,
+            transfer_function,
+            labels: false,
+            ..
+        } = &mut item.content
+        {
+            let [low, high] = volume.value_range();
+            let moved = |point: &OpacityPoint| OpacityPoint {
+                value: point.value + share * (high - low),
+                ..*point
+            };
+            *transfer_function = TransferFunction::new(
+                transfer_function.colors().to_vec(),
+                transfer_function.opacities().iter().map(moved).collect(),
+                transfer_function.unit_distance,
+            )?;
+        }
+    }
+    Ok(scene)
+}
+
+fn timed_frame(
+    renderer: &mut Renderer,
+    (scene, subject): (&Scene, &Subject),
+    turn: f64,
+) -> Result<(Frame, Times), Failure> {
     let turned = |camera: &Camera| orbited(*camera, turn, 0.0);
     let cameras: Vec<Camera> = subject
         .cameras
@@ -99,10 +140,10 @@ fn timed_frame(renderer: &mut Renderer, subject: &Subject, turn: f64) -> Result<
     let milliseconds = |time: Duration| 1e3 * time.as_secs_f64();
     let (start, cpu_before) = (Instant::now(), process::cpu_time());
     let frame = match &cameras[..] {
-        [camera] => renderer.render(&subject.scene, camera, &subject.settings),
+        [camera] => renderer.render(scene, camera, &subject.settings),
         cameras => {
             let mut mean = Frame::empty(subject.settings.size);
-            let exposed = (&subject.scene, cameras, &subject.settings);
+            let exposed = (scene, cameras, &subject.settings);
             renderer
                 .expose(exposed.0, exposed.1, exposed.2, &mut mean, &Control::default())
                 .map(|()| mean)

@@ -106,6 +106,7 @@ impl<'a> Bench<'a> {
                 frames: if recording { 1 } else { args.frames },
                 warm_up: if recording { 0 } else { args.warm_up },
                 orbit: args.orbit,
+                slide: args.slide,
             },
             variants: scenes::variants(args),
             table: Table::new(&scenes::scenes(args)),

@@ -162,6 +162,9 @@ fn stage_shares(seconds: &StageSeconds, threads: usize) -> [(&'static str, f64);
 pub(super) fn counts(statistics: &RenderStatistics) -> String {
     let per = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
     let RenderStatistics {
+        bricks,
+        searched_bricks,
+        solved_bricks,
         active_bricks,
         opened_bricks,
         voxels,
@@ -172,10 +175,13 @@ pub(super) fn counts(statistics: &RenderStatistics) -> String {
         ..
     } = *statistics;
     format!(
-        "  bricks {opened_bricks} opened of {active_bricks} visible\n  \
+        "  reused: the search of {} bricks of {bricks}, coefficients of {} of {active_bricks} visible\n  \
+         bricks {opened_bricks} opened of {active_bricks} visible\n  \
          voxels {voxels} splatted, {:.2} of the lanes of {activated_vectors} vectors; {splatted_vectors} vectors added to, \
          {:.1} per voxel\n  \
          pixels {shaded_pixels} hold material, {:.2} of the lanes of {shaded_vectors} vectors shaded",
+        bricks.saturating_sub(searched_bricks),
+        active_bricks.saturating_sub(solved_bricks),
         per(voxels, 16 * activated_vectors),
         per(splatted_vectors, voxels),
         per(shaded_pixels, 16 * shaded_vectors),
@@ -189,6 +195,9 @@ mod tests {
     #[test]
     fn counts_are_shares_of_lanes() {
         let statistics = RenderStatistics {
+            bricks: 9,
+            searched_bricks: 2,
+            solved_bricks: 1,
             active_bricks: 3,
             opened_bricks: 4,
             voxels: 800,
@@ -198,7 +207,8 @@ mod tests {
             shaded_pixels: 40,
             ..RenderStatistics::default()
         };
-        let expected = "  bricks 4 opened of 3 visible
+        let expected = "  reused: the search of 7 bricks of 9, coefficients of 2 of 3 visible
+  bricks 4 opened of 3 visible
   voxels 800 splatted, 0.50 of the lanes of 100 vectors; 7200 vectors added to, 9.0 per voxel
   pixels 40 hold material, 0.25 of the lanes of 10 vectors shaded";
         assert_eq!(counts(&statistics), expected);
