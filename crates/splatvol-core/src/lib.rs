@@ -35,6 +35,7 @@ pub mod bin;
 pub mod border;
 pub mod brick;
 pub mod classification;
+pub mod cloud_view;
 pub mod coefficients;
 mod eigen;
 pub mod engine;

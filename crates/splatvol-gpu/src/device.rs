@@ -157,6 +157,45 @@ impl GpuDevice {
             .map_err(|error| self.failed(&error))
     }
 
+    /// Waits for all work, and reads a buffer of the host.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub(crate) fn map<T>(&self, host: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, SceneError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        host.map_async(wgpu::MapMode::Read, .., move |mapped| {
+            // The receiver waits below.
+            let _ = sender.send(mapped);
+        });
+        self.wait(None)?;
+        match receiver.recv() {
+            Ok(mapped) => mapped.map_err(|error| self.failed(&error))?,
+            Err(error) => return Err(self.failed(&error)),
+        }
+        let taken = {
+            let bytes = host.get_mapped_range(..).map_err(|error| self.failed(&error))?;
+            take(&bytes)
+        };
+        host.unmap();
+        Ok(taken)
+    }
+
+    /// A number of a buffer on the device.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub(crate) fn number(&self, buffer: &wgpu::Buffer, at: u32) -> Result<u32, SceneError> {
+        use wgpu::BufferUsages as Usage;
+        let host = self.scoped(|gpu| {
+            let host = gpu.buffer("a number", 4, Usage::MAP_READ | Usage::COPY_DST);
+            let mut commands = gpu.commands();
+            commands.copy_buffer_to_buffer(buffer, 4 * u64::from(at), &host, 0, 4);
+            gpu.queue.submit([commands.finish()]);
+            host
+        })?;
+        self.map(&host, |bytes| bytemuck::pod_read_unaligned(&bytes[..4]))
+    }
+
     /// The error of a device.
     pub(crate) fn failed(&self, reason: &dyn fmt::Display) -> SceneError {
         SceneError::Device {

@@ -9,14 +9,15 @@ use splatvol_core::level::{Detail, Level, Wanted, blend};
 use splatvol_core::plan::{GridView, Sampling};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
 use splatvol_scene::{
-    Camera, Frame, RenderSettings, SceneError, SheetKernel, SheetSettings, SingleVolume, TransferFunction,
-    Volume,
+    Camera, Frame, ImageSize, RenderSettings, SceneError, SheetKernel, SheetSettings, SingleVolume,
+    TransferFunction, Volume,
 };
 
 use crate::atlas::Atlas;
 use crate::check::supported;
 use crate::device::{GpuConfig, GpuDevice};
 use crate::error::GpuError;
+use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
 use crate::layout::Picture;
 use crate::march::{Canvas, March};
 use crate::pipelines::Pipelines;
@@ -33,6 +34,8 @@ pub struct GpuEngine {
     canvas: Option<Canvas>,
     /// The coarser level's frame, where two are blended.
     coarser: Option<Frame>,
+    /// Made when Gaussians are first drawn.
+    gaussians: Option<GaussianEngine>,
 }
 
 /// Coefficients on the device, and what they are of.
@@ -79,6 +82,7 @@ impl GpuEngine {
             resident: Vec::new(),
             canvas: None,
             coarser: None,
+            gaussians: None,
         })
     }
 
@@ -140,6 +144,30 @@ impl Shown<'_> {
 }
 
 impl GpuEngine {
+    /// Renders Gaussians as published.
+    fn gaussians(
+        &mut self,
+        (clouds, shot): (&Clouds<'_>, &Shot<'_>),
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        let start = Instant::now();
+        let canvas = canvas_of(&mut self.canvas, &self.gpu, shot.settings.size)?;
+        let engine = match self.gaussians.take() {
+            Some(engine) => engine,
+            None => GaussianEngine::new(&self.gpu)?,
+        };
+        let engine = self.gaussians.insert(engine);
+        engine.render(&self.gpu, (clouds, shot), (canvas, frame), task)?;
+        let mut statistics = RenderStatistics {
+            engine: "gpu",
+            device: self.gpu.name.clone(),
+            ..RenderStatistics::default()
+        };
+        statistics.seconds.total = start.elapsed().as_secs_f64();
+        Ok(statistics)
+    }
+
     /// Renders one level of a volume.
     fn level(
         &mut self,
@@ -183,11 +211,7 @@ impl GpuEngine {
             }
         };
         let atlas = &self.resident[at].atlas;
-        let pixels = shown.settings.size.pixel_count() as u64;
-        if !self.canvas.as_ref().is_some_and(|canvas| canvas.is_of(pixels)) {
-            self.canvas = Some(Canvas::new(&self.gpu, pixels)?);
-        }
-        let Some(canvas) = &self.canvas else { return Ok(()) };
+        let canvas = canvas_of(&mut self.canvas, &self.gpu, shown.settings.size)?;
         let ready = Instant::now();
         statistics.seconds.classify += (ready - start).as_secs_f64();
         statistics.active_bricks += prepared.field.len();
@@ -210,6 +234,20 @@ impl GpuEngine {
     }
 }
 
+/// The canvas of pictures of this size.
+fn canvas_of<'a>(
+    kept: &'a mut Option<Canvas>,
+    gpu: &GpuDevice,
+    size: ImageSize,
+) -> Result<&'a Canvas, SceneError> {
+    let pixels = size.pixel_count() as u64;
+    let canvas = match kept.take().filter(|canvas| canvas.is_of(pixels)) {
+        Some(canvas) => canvas,
+        None => Canvas::new(gpu, pixels)?,
+    };
+    Ok(kept.insert(canvas))
+}
+
 fn refuse_missing(level: &Level) -> Result<(), SceneError> {
     if level.field.any_missing() {
         return Err(SceneError::Combination {
@@ -222,7 +260,10 @@ fn refuse_missing(level: &Level) -> Result<(), SceneError> {
 
 impl Engine for GpuEngine {
     fn check(&self, shot: Shot<'_>) -> Result<(), SceneError> {
-        supported(&shot).map(|_| ())
+        match published(&shot)? {
+            Some(clouds) => room_for(&self.gpu, &clouds).map(|_| ()),
+            None => supported(&shot).map(|_| ()),
+        }
     }
 
     fn render(
@@ -231,6 +272,9 @@ impl Engine for GpuEngine {
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError> {
+        if let Some(clouds) = published(&shot)? {
+            return self.gaussians((&clouds, &shot), frame, task);
+        }
         let start = Instant::now();
         let (single, sheets) = supported(&shot)?;
         let volume = self.place(&single)?;
@@ -277,7 +321,8 @@ impl Engine for GpuEngine {
                 .iter()
                 .map(|resident| resident.atlas.layout.bytes() as usize)
                 .sum::<usize>()
-                + self.canvas.as_ref().map_or(0, Canvas::bytes),
+                + self.canvas.as_ref().map_or(0, Canvas::bytes)
+                + self.gaussians.as_ref().map_or(0, GaussianEngine::bytes),
             ..MemoryUse::default()
         }
     }

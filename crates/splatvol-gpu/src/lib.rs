@@ -25,9 +25,12 @@ mod check;
 mod device;
 mod engine;
 mod error;
+mod gaussians;
 mod layout;
 mod march;
+mod pass;
 mod pipelines;
+mod sort;
 #[cfg(test)]
 mod tests;
 

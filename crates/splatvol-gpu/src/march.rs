@@ -63,26 +63,15 @@ impl Canvas {
         commands.copy_buffer_to_buffer(&self.colors, 0, &self.host, 0, colors);
         commands.copy_buffer_to_buffer(&self.depths, 0, &self.host, colors, self.pixels * DEPTH);
         gpu.queue.submit([commands.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        self.host.map_async(wgpu::MapMode::Read, .., move |mapped| {
-            // The receiver waits below.
-            let _ = sender.send(mapped);
-        });
-        gpu.wait(None)?;
-        match receiver.recv() {
-            Ok(mapped) => mapped.map_err(|error| gpu.failed(&error))?,
-            Err(error) => return Err(gpu.failed(&error)),
-        }
-        {
-            let bytes = self
-                .host
-                .get_mapped_range(..)
-                .map_err(|error| gpu.failed(&error))?;
+        gpu.map(&self.host, |bytes| {
             let (colors, depths) = bytes.split_at(colors as usize);
             take(bytemuck::cast_slice(colors), bytemuck::cast_slice(depths));
-        }
-        self.host.unmap();
-        Ok(())
+        })
+    }
+
+    /// Buffers of colours and depths.
+    pub(crate) fn targets(&self) -> [&wgpu::Buffer; 2] {
+        [&self.colors, &self.depths]
     }
 
     /// Bytes on the device.

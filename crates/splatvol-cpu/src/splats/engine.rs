@@ -7,6 +7,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DAffine3;
 use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
+use splatvol_core::cloud_view::near_of_gaussians;
 use splatvol_core::engine::StageSeconds;
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Frame, Gaussians};
@@ -20,7 +21,7 @@ use super::order::Keys;
 use super::project::{self, ProjectedSplat, Rect, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{BlendMode, CloudSettings, Near, sane};
-use super::view::LocalView;
+use super::view::CloudView;
 use crate::clock::Instant;
 use crate::room::grow;
 use crate::run::Run;
@@ -62,8 +63,7 @@ impl Cloud<'_> {
         match settings.near {
             Near::World(near) => Some(sane(near)),
             Near::OfGaussians(near) => {
-                let unit = libm::cbrt(self.world_from_local().matrix3.determinant().abs());
-                matches!(self, Self::Gaussians(..)).then(|| sane(near) * unit)
+                matches!(self, Self::Gaussians(..)).then(|| near_of_gaussians(near, &self.world_from_local()))
             }
         }
     }
@@ -71,7 +71,7 @@ impl Cloud<'_> {
 
 /// A cloud before a camera.
 struct SeenCloud<'a> {
-    view: LocalView,
+    view: CloudView,
     content: Content<'a>,
 }
 
@@ -288,7 +288,12 @@ fn seen<'a>(
     let seen = |cloud: &Cloud<'a>| {
         let near = cloud.near(settings).or(nearest).unwrap_or(0.0);
         SeenCloud {
-            view: LocalView::new(&cloud.world_from_local(), near, camera, settings),
+            view: CloudView::new(
+                &cloud.world_from_local(),
+                near,
+                (camera, settings.size),
+                settings.low_pass,
+            ),
             content: match *cloud {
                 Cloud::Gaussians(gaussians, _) => Content::Gaussians(gaussians),
                 Cloud::Kernels(cloud) => Content::Kernels(LitKernels::new(cloud, lighting, camera, profile)),

@@ -11,14 +11,12 @@
 use std::ops::Range;
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::cloud_view::LEAST_RATIO;
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::{Gaussians, harmonics};
 
 use super::project::{LANES, Seen, Source, columns, dot, store};
-use super::view::LocalView;
-
-/// Bound of the determinants' ratio.
-const LEAST_RATIO: f32 = 2.5e-5;
+use super::view::CloudView;
 
 impl Source for Gaussians {
     fn means(&self) -> &[[f32; 3]] {
@@ -52,7 +50,7 @@ impl Source for Gaussians {
     fn colors<S: Simd>(
         &self,
         _: S,
-        view: &LocalView,
+        view: &CloudView,
         offset: &[f32x16<S>; 3],
         (range, mut visible): (Range<usize>, u32),
     ) -> [[f32; 3]; LANES] {
@@ -75,7 +73,7 @@ impl Source for Gaussians {
 }
 
 #[inline(always)]
-fn direction(view: &LocalView, [x, y, z]: [f32; 3]) -> [f32; 3] {
+fn direction(view: &CloudView, [x, y, z]: [f32; 3]) -> [f32; 3] {
     if let Some(direction) = view.direction {
         return direction;
     }

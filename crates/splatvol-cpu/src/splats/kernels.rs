@@ -22,7 +22,7 @@ use splatvol_scene::{Camera, Lighting};
 
 use super::blend::CutGaussian;
 use super::project::{LANES, Seen, Source, columns, dot};
-use super::view::{LocalView, rows};
+use super::view::{CloudView, rows};
 use crate::phong::Phong;
 use crate::simd::math::{exp2_quick, srgb_from_linear};
 
@@ -136,7 +136,7 @@ impl Source for LitKernels<'_> {
     fn colors<S: Simd>(
         &self,
         simd: S,
-        _: &LocalView,
+        _: &CloudView,
         _: &[f32x16<S>; 3],
         (range, _): (Range<usize>, u32),
     ) -> [[f32; 3]; LANES] {

@@ -1,7 +1,7 @@
 //! Project: splats, sixteen at a time, to ellipses on the screen.
 //!
 //! ```text
-//! V = J M Sigma M^T J^T + h I                                  Sigma: `Source::shape`; h: `LocalView::low_pass`
+//! V = J M Sigma M^T J^T + h I                                  Sigma: `Source::shape`; h: `CloudView::low_pass`
 //! det V = det (V - h I) + h tr (V - h I) + h^2
 //! J = s [[1, 0, -x/z], [0, 1, -y/z]],  s = f / z               x/z, y/z cut at 1.3 times the picture's
 //! d^T V^-1 d <= r^2                                            `Blend::end`; where alpha >= 1/255, r^2 = 2 ln(255 o)
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::blend::Blend;
-use super::view::{LocalView, REFERENCE_TILE};
+use super::view::{CloudView, REFERENCE_TILE, added};
 
 /// Splats per SIMD step.
 pub(crate) const LANES: usize = 16;
@@ -79,7 +79,7 @@ pub(crate) trait Source: Sync {
     fn colors<S: Simd>(
         &self,
         simd: S,
-        view: &LocalView,
+        view: &CloudView,
         offset: &[f32x16<S>; 3],
         range_and_lanes: (Range<usize>, u32),
     ) -> [[f32; 3]; LANES];
@@ -112,7 +112,7 @@ const VALUES: usize = 9;
 pub(crate) fn project<S: Simd>(
     simd: S,
     blend: impl Blend,
-    (view, source): (&LocalView, &impl Source),
+    (view, source): (&CloudView, &impl Source),
     range: Range<usize>,
     target: &mut Target<'_>,
 ) -> usize {
@@ -216,7 +216,7 @@ pub(crate) fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
 fn project_lanes<S: Simd>(
     simd: S,
     blend: impl Blend,
-    (view, source): (&LocalView, &impl Source),
+    (view, source): (&CloudView, &impl Source),
     range: Range<usize>,
 ) -> Lanes<S> {
     let zero = f32x16::splat(simd, 0.0);
@@ -248,7 +248,7 @@ fn project_lanes<S: Simd>(
         }
     }
     let [xx, xy, yy, sharp] = source.shape(simd, &rows, range.clone());
-    let added = view.low_pass.added(simd, [xx, xy, yy, sharp]);
+    let added = added(simd, view.low_pass, [xx, xy, yy, sharp]);
     let det = sharp + (xx + yy) * added + added * added;
     let (xx, yy) = (xx + added, yy + added);
     let seen = Seen {
@@ -291,7 +291,7 @@ fn project_lanes<S: Simd>(
 #[inline(always)]
 fn rect<S: Simd>(
     simd: S,
-    view: &LocalView,
+    view: &CloudView,
     centre: [f32x16<S>; 2],
     reach: [f32x16<S>; 2],
     half_square: f32x16<S>,

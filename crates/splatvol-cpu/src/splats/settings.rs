@@ -1,11 +1,8 @@
 //! Settings of splats that are composited one by one.
 
+pub(crate) use splatvol_core::cloud_view::{LowPass, sane};
+use splatvol_core::cloud_view::{PUBLISHED_LOW_PASS, PUBLISHED_NEAR};
 use splatvol_scene::{ImageSize, Lighting};
-
-/// Variance that the published renderer adds to every footprint, pixels squared: Gaussians are trained with it.
-const PUBLISHED_LOW_PASS: f32 = 0.3;
-/// Camera depth, in the Gaussians' own units, below which the published renderer draws none.
-const PUBLISHED_NEAR: f64 = 0.2;
 
 /// Settings of a cloud of splats. Negative or non-finite values count as zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,15 +42,6 @@ pub(crate) enum BlendMode {
     },
 }
 
-/// Variance that footprints get, pixels squared.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum LowPass {
-    /// Variance added to every footprint.
-    Added(f32),
-    /// Only as much as the footprint's narrower axis lacks of this variance.
-    Lacking(f32),
-}
-
 /// Near limit of splats, camera depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Near {
@@ -75,9 +63,4 @@ impl CloudSettings {
             blend_mode: BlendMode::Published { background: [0.0; 4] },
         }
     }
-}
-
-/// A value of the settings, or zero.
-pub(crate) fn sane(value: f64) -> f64 {
-    if value.is_finite() { value.max(0.0) } else { 0.0 }
 }

@@ -5,8 +5,10 @@ use std::mem::offset_of;
 use naga::TypeInner;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
+use crate::gaussians::{ListsData, PictureData, ViewData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
 use crate::pipelines::{cull_shader, march_shader};
+use crate::sort::{DigitData, RADIX, SCAN, ScanData};
 
 /// Members of a struct in WGSL, with their offsets, and its size.
 fn members(module: &naga::Module, name: &str) -> (Vec<(String, u32)>, u32) {
@@ -34,10 +36,7 @@ macro_rules! offsets {
 #[test]
 fn layouts_agree_and_shaders_are_valid() {
     for text in [cull_shader(), march_shader()] {
-        let module = naga::front::wgsl::parse_str(&text).unwrap();
-        Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .unwrap();
+        let module = valid(&text);
         let (found, size) = members(&module, "Frame");
         let wanted = offsets!(FrameData: size tiles principal per_pixel plane_per_pixel dims planes pages words margin
             sigma samples radius slots atlas spacing background termination densest hull shows_background lit
@@ -61,4 +60,36 @@ fn layouts_agree_and_shaders_are_valid() {
         };
         assert_eq!([constant("TILE_WIDTH"), constant("TILE_HEIGHT")], TILE);
     }
+}
+
+/// The module of a text, which is valid.
+fn valid(text: &str) -> naga::Module {
+    let module = naga::front::wgsl::parse_str(text).unwrap();
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .unwrap();
+    module
+}
+
+#[test]
+fn layouts_of_gaussians_and_of_sorting_agree() {
+    let [project, pairs, composite] = shaders().map(|text| valid(&text));
+    let wanted = offsets!(ViewData: eye near eye_rest scale to_x low_pass to_y is_perspective to_z degree direction
+        is_antialiased centre tangent_limit reference_tiles count before);
+    assert_eq!(members(&project, "View"), (wanted, size_of::<ViewData>() as u32));
+    let wanted = offsets!(ListsData: splats pairs columns unused);
+    assert_eq!(members(&pairs, "Lists"), (wanted, size_of::<ListsData>() as u32));
+    let wanted = offsets!(PictureData: size columns unused);
+    assert_eq!(
+        members(&composite, "Picture"),
+        (wanted, size_of::<PictureData>() as u32)
+    );
+    let wanted = offsets!(DigitData: count shift blocks unused);
+    assert_eq!(
+        members(&valid(RADIX), "Digit"),
+        (wanted, size_of::<DigitData>() as u32)
+    );
+    let (found, size) = members(&valid(SCAN), "Scan");
+    assert_eq!(found[0], ("count".to_owned(), 0));
+    assert_eq!(size as usize, size_of::<ScanData>());
 }

@@ -4,6 +4,7 @@
 mod field;
 mod layout;
 mod shade;
+mod sort;
 
 use std::sync::Arc;
 

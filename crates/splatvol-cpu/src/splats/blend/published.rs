@@ -1,6 +1,9 @@
 //! Blending as in the published renderer of Gaussians: opacities, composited in display colours.
 
 use fearless_simd::{f32x16, mask32x16, prelude::*};
+use splatvol_core::cloud_view::{
+    LEAST_ALPHA, LEAST_SPREAD, LEAST_TRANSMITTANCE, LOG2_255, MOST_ALPHA, UNSEEN_ALPHA,
+};
 use splatvol_scene::transfer_function::srgb_from_linear;
 
 use super::Blend;
@@ -9,19 +12,6 @@ use crate::splats::composite::{Block, LANES};
 use crate::splats::project::ProjectedSplat;
 use crate::splats::resolve::Resolved;
 use crate::splats::settings::sane;
-
-/// `log2(255)`: splats count where the logarithm of their opacity is above its negative.
-const LOG2_255: f32 = 7.994_353_3;
-/// Opacities below this count as none.
-const LEAST_ALPHA: f32 = 1.0 / 255.0;
-/// A smaller opacity, whose logarithm is finite.
-const UNSEEN: f32 = 1.0 / 256.0;
-/// Least squared difference of the eigenvalues of V from their mean, as published.
-const LEAST_SPREAD: f32 = 0.1;
-/// Opacity is cut here.
-const MOST_ALPHA: f32 = 0.99;
-/// Pixels end before their transmittance falls below this.
-const LEAST_TRANSMITTANCE: f32 = 1e-4;
 
 /// Blending as in the published renderer. Peaks are opacities; a splat keeps their logarithm to base 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +50,7 @@ impl Blend for Published {
 
     #[inline(always)]
     fn kept<S: Simd>(self, simd: S, peak: f32x16<S>) -> f32x16<S> {
-        log2(simd, peak.max(f32x16::splat(simd, UNSEEN)))
+        log2(simd, peak.max(f32x16::splat(simd, UNSEEN_ALPHA)))
     }
 
     #[inline(always)]

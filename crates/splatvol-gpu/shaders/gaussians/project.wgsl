@@ -1,0 +1,199 @@
+// Project: Gaussians to ellipses on the screen, one per invocation; docs/numerics.md and `splatvol_cpu::splats::project`.
+// Those that are not seen get the largest key.
+
+struct View {
+    // The eye, local, as a rounded value and the remainder.
+    eye: vec3<f32>,
+    near: f32,
+    eye_rest: vec3<f32>,
+    scale: f32,
+    // Rows of the linear part of camera from local.
+    to_x: vec3<f32>,
+    low_pass: f32,
+    to_y: vec3<f32>,
+    is_perspective: u32,
+    to_z: vec3<f32>,
+    degree: u32,
+    // The view direction, local, that all pixels share where rays are parallel.
+    direction: vec3<f32>,
+    is_antialiased: u32,
+    centre: vec2<f32>,
+    tangent_limit: vec2<f32>,
+    reference_tiles: vec2<f32>,
+    // Gaussians of this page, and how many are before them.
+    count: u32,
+    before: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+// Centre and opacity; rotation as a quaternion; scales.
+@group(0) @binding(1) var<storage, read> means: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> rotations: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> scales: array<vec4<f32>>;
+// Coefficients of harmonics, (degree + 1)^2 times three per Gaussian.
+@group(0) @binding(4) var<storage, read> harmonics: array<f32>;
+@group(0) @binding(5) var<storage, read_write> splats: array<Splat>;
+@group(0) @binding(6) var<storage, read_write> keys: array<u32>;
+@group(0) @binding(7) var<storage, read_write> places: array<u32>;
+
+override LEAST_ALPHA: f32;
+override UNSEEN_ALPHA: f32;
+override LEAST_SPREAD: f32;
+override LEAST_RATIO: f32;
+
+const LARGEST: f32 = 3.4028235e38;
+const SMALLEST: f32 = 1.1754944e-38;
+const LOG2_E: f32 = 1.442695041;
+// Pixels by which the ellipse may be larger than computed.
+const ROUNDING: f32 = 0.01;
+const UNSEEN_KEY: u32 = 0xffffffffu;
+const BRIGHTEST: f32 = 1e4;
+
+// Rows of A = J M R S.
+struct Axes {
+    a: vec3<f32>,
+    b: vec3<f32>,
+}
+
+fn screen_axes(row_x: vec3<f32>, row_y: vec3<f32>, rotation: vec4<f32>, scale: vec3<f32>) -> Axes {
+    let q = rotation;
+    let q2 = q.xyz + q.xyz;
+    let squares = q.xyz * q2;
+    let xy = q.x * q2.y;
+    let xz = q.x * q2.z;
+    let yz = q.y * q2.z;
+    let w = q.w * q2;
+    let axes = array<vec3<f32>, 3>(
+        vec3(1.0 - (squares.y + squares.z), xy + w.z, xz - w.y),
+        vec3(xy - w.z, 1.0 - (squares.x + squares.z), yz + w.x),
+        vec3(xz + w.y, yz - w.x, 1.0 - (squares.x + squares.y)),
+    );
+    return Axes(
+        vec3(dot(row_x, axes[0]), dot(row_x, axes[1]), dot(row_x, axes[2])) * scale,
+        vec3(dot(row_y, axes[0]), dot(row_y, axes[1]), dot(row_y, axes[2])) * scale,
+    );
+}
+
+fn coefficient(first: u32, n: u32) -> vec3<f32> {
+    let at = first + 3u * n;
+    return vec3(harmonics[at], harmonics[at + 1u], harmonics[at + 2u]);
+}
+
+// Display colour from a direction: `splatvol_scene::harmonics`.
+fn color_of(index: u32, d: vec3<f32>) -> vec3<f32> {
+    let degree = view.degree;
+    let first = index * 3u * (degree + 1u) * (degree + 1u);
+    var sum = 0.5 + 0.2820948 * coefficient(first, 0u);
+    let x = d.x;
+    let y = d.y;
+    let z = d.z;
+    let xx = x * x;
+    let yy = y * y;
+    let zz = z * z;
+    if degree >= 1u {
+        const C: f32 = 0.48860252;
+        sum += -C * y * coefficient(first, 1u) + C * z * coefficient(first, 2u) - C * x * coefficient(first, 3u);
+    }
+    if degree >= 2u {
+        const C: f32 = 1.0925485;
+        sum += C * x * y * coefficient(first, 4u) - C * y * z * coefficient(first, 5u)
+            + 0.31539157 * (2.0 * zz - xx - yy) * coefficient(first, 6u) - C * x * z * coefficient(first, 7u)
+            + 0.54627424 * (xx - yy) * coefficient(first, 8u);
+    }
+    if degree >= 3u {
+        let ring = 4.0 * zz - xx - yy;
+        sum += -0.5900436 * y * (3.0 * xx - yy) * coefficient(first, 9u) + 2.8906114 * x * y * z * coefficient(first, 10u)
+            - 0.4570458 * y * ring * coefficient(first, 11u)
+            + 0.37317634 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy) * coefficient(first, 12u)
+            - 0.4570458 * x * ring * coefficient(first, 13u) + 1.4453057 * z * (xx - yy) * coefficient(first, 14u)
+            - 0.5900436 * x * (xx - 3.0 * yy) * coefficient(first, 15u);
+    }
+    // What is not above 0 is 0, whatever it is.
+    return select(vec3(0.0), min(sum, vec3(BRIGHTEST)), sum > vec3(0.0));
+}
+
+// Reference tiles that both the square around a splat and its ellipse meet, along one axis.
+fn range_of(place: f32, half_square: f32, reach: f32, past: f32) -> vec2<f32> {
+    let edge = f32(REFERENCE_TILE);
+    let low = floor((place - min(half_square, reach + ROUNDING)) / edge);
+    let square = (place + half_square + (edge - 1.0)) / edge;
+    let own = (place + reach + (edge + ROUNDING)) / edge;
+    return clamp(vec2(low, floor(min(square, own))), vec2(0.0), vec2(past));
+}
+
+fn leave_out(at: u32) {
+    keys[at] = UNSEEN_KEY;
+    splats[at].columns = 0u;
+    splats[at].rows = 0u;
+}
+
+@compute @workgroup_size(256)
+fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let index = id.y * groups.x * 256u + id.x;
+    if index >= view.count {
+        return;
+    }
+    let at = view.before + index;
+    places[at] = at;
+    let mean = means[index];
+    let offset = mean.xyz - view.eye - view.eye_rest;
+    let depth = dot(view.to_z, offset);
+    if !(depth > view.near) {
+        leave_out(at);
+        return;
+    }
+    let inverse = select(1.0, 1.0 / max(depth, SMALLEST), view.is_perspective != 0u);
+    let scale = inverse * view.scale;
+    let place = vec2(dot(view.to_x, offset), dot(view.to_y, offset));
+    let centre = place * scale + view.centre;
+    let tangent = clamp(place * inverse, -view.tangent_limit, view.tangent_limit);
+    let row_x = (view.to_x - tangent.x * view.to_z) * scale;
+    let row_y = (view.to_y - tangent.y * view.to_z) * scale;
+    let axes = screen_axes(row_x, row_y, rotations[index], scales[index].xyz);
+    let across = cross(axes.a, axes.b);
+    let sharp = dot(across, across);
+    let added = view.low_pass;
+    let bare = vec3(dot(axes.a, axes.a), dot(axes.a, axes.b), dot(axes.b, axes.b));
+    let det = sharp + (bare.x + bare.z) * added + added * added;
+    let xx = bare.x + added;
+    let xy = bare.y;
+    let yy = bare.z + added;
+    var opacity = mean.w;
+    if view.is_antialiased != 0u {
+        opacity *= sqrt(max(sharp / det, LEAST_RATIO));
+    }
+    if !(det > 0.0 && det < LARGEST && opacity >= LEAST_ALPHA) {
+        leave_out(at);
+        return;
+    }
+    let peak = log2(max(opacity, UNSEEN_ALPHA));
+    let radius2 = max((peak + LOG2_255) * (2.0 / LOG2_E), 0.0);
+    let reach = sqrt(radius2 * vec2(xx, yy));
+    let half = (xx - yy) * 0.5;
+    let spread = sqrt(max(half * half + xy * xy, LEAST_SPREAD));
+    let half_square = ceil(sqrt((xx + yy) * 0.5 + spread) * 3.0);
+    let columns = range_of(centre.x - 0.5, half_square, reach.x, view.reference_tiles.x);
+    let rows = range_of(centre.y - 0.5, half_square, reach.y, view.reference_tiles.y);
+    if !(columns.x < columns.y && rows.x < rows.y) {
+        leave_out(at);
+        return;
+    }
+    let per_det = -0.5 * LOG2_E / det;
+    var direction = view.direction;
+    if view.is_perspective != 0u {
+        direction = offset / max(length(offset), SMALLEST);
+    }
+    let color = color_of(index, direction);
+    splats[at] = Splat(
+        centre,
+        vec2(yy, xy * -2.0) * per_det,
+        xx * per_det,
+        peak,
+        color.rg,
+        color.b,
+        depth,
+        u32(columns.x) | u32(columns.y) << 16u,
+        u32(rows.x) | u32(rows.y) << 16u,
+    );
+    keys[at] = bitcast<u32>(depth);
+}
