@@ -1,4 +1,4 @@
-//! GPU engine: the planes of `splatvol-cpu`, in gather form, on any device of wgpu.
+//! GPU engine: the planes of `splatvol-cpu`, in gather form, and 3-D Gaussians as published (`gaussians`), on any device of wgpu.
 //!
 //! A plane's value at a pixel is the definition itself (docs/numerics.md, "The field"):
 //!
@@ -16,7 +16,7 @@
 //! | march | `march` | `field`, `shade`, `march` | all of these, tables | colour, transmittance, depth |
 //! | resolve | `march`, [`splatvol_core::level::blend`] | - | these | a frame, two levels in one |
 //!
-//! `device` opens an adapter, `pipelines` compiles shaders, `layout` has data as shaders read them, `check` says what is
+//! `sort` sorts and adds up on the device, `pass` runs a compiled entry point, `device` opens an adapter, `pipelines` compiles shaders, `layout` has data as shaders read them, `check` says what is
 //! refused. No `unsafe`, no feature beyond those of every WebGPU device.
 #![forbid(unsafe_code)]
 

@@ -93,7 +93,7 @@ pub(crate) struct RenderArgs {
     /// Engine: cpu, gpu, or auto
     ///
     /// The CPU draws everything, with the same bytes on every machine. gpu draws one volume, post-classified and seen from
-    /// outside, and refuses the rest by name; its pictures differ by the last digits from device to device. auto takes
+    /// outside, or 3-D Gaussians as published, and refuses the rest by name; its pictures differ by the last digits from device to device. auto takes
     /// the GPU where there is one that draws the scene, and says otherwise why not. Programs have the GPU's engine if they
     /// were built with `--features gpu`.
     #[arg(long, value_enum, value_name = "ENGINE", default_value_t, help_heading = GENERAL)]

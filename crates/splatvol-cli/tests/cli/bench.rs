@@ -44,9 +44,9 @@ fn counts_do_not_depend_on_threads() {
         .succeeds();
     let text = run.stdout();
     let counts: Vec<&str> = text.lines().filter(|line| line.starts_with("  ")).collect();
-    assert_eq!(counts.len(), 6, "{text}");
-    assert_eq!(counts[..3], counts[3..]);
-    for (line, word) in counts.iter().zip(["bricks", "voxels", "pixels"]) {
+    assert_eq!(counts.len(), 8, "{text}");
+    assert_eq!(counts[..4], counts[4..]);
+    for (line, word) in counts[1..].iter().zip(["bricks", "voxels", "pixels"]) {
         let number = line
             .trim()
             .strip_prefix(word)
@@ -265,4 +265,26 @@ fn scenes_points_and_earlier_pictures_are_measured_as_render_shows_them() {
         .succeeds();
     assert_eq!(png(&sandbox.path("c.png")), png(&sandbox.path("d.png")));
     assert!(png(&sandbox.path("a.png")) != png(&sandbox.path("d.png")));
+}
+
+/// Of its second frame: a camera that moves leaves all as it was, an edit of the transfer function a part.
+#[test]
+fn frames_reuse_what_did_not_change() {
+    let sandbox = Sandbox::new();
+    let reused = |flags: &str| {
+        let run = sandbox
+            .run(&format!(
+                "bench sample:shells:64 --looks opaque --preset fast --size 32 --threads 1 --frames 1 --warm-up 1 --json - {flags}"
+            ))
+            .succeeds();
+        let report = json(&run.stdout());
+        let statistics = &report["cases"][0]["statistics"];
+        ["bricks", "searched_bricks", "active_bricks", "solved_bricks"]
+            .map(|count| statistics[count].as_u64().unwrap_or_else(|| panic!("{count}")))
+    };
+    let [_, searched, _, solved] = reused("--orbit 1");
+    assert_eq!([searched, solved], [0, 0]);
+    let [bricks, searched, active, solved] = reused("--orbit 0 --slide 2");
+    assert!(0 < searched && searched < bricks, "{searched} of {bricks}");
+    assert!(solved < active, "{solved} of {active}");
 }
