@@ -158,8 +158,9 @@ impl GpuEngine {
             None => GaussianEngine::new(&self.gpu)?,
         };
         let engine = self.gaussians.insert(engine);
-        engine.render(&self.gpu, (clouds, shot), (canvas, frame), task)?;
+        let seconds = engine.render(&self.gpu, (clouds, shot), (canvas, frame), task)?;
         let mut statistics = RenderStatistics {
+            seconds,
             engine: "gpu",
             device: self.gpu.name.clone(),
             ..RenderStatistics::default()

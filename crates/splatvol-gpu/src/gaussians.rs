@@ -12,6 +12,7 @@
 //! | resolve | - | these | a frame |
 
 use std::sync::{Arc, Weak};
+use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DAffine3;
@@ -20,7 +21,7 @@ use splatvol_core::cloud_view::{
     CloudView, LEAST_ALPHA, LEAST_RATIO, LEAST_SPREAD, LEAST_TRANSMITTANCE, LOG2_255, LowPass, MOST_ALPHA,
     PUBLISHED_LOW_PASS, PUBLISHED_NEAR, REFERENCE_TILE, UNSEEN_ALPHA, near_of_gaussians,
 };
-use splatvol_core::engine::{Shot, Task};
+use splatvol_core::engine::{Shot, StageSeconds, Task};
 use splatvol_scene::gaussians::harmonics_count;
 use splatvol_scene::transfer_function::{linear_from_srgb, srgb_from_linear};
 use splatvol_scene::{Compositing, Content, Frame, Gaussians, ImageSize, SceneError};
@@ -231,7 +232,8 @@ impl GaussianEngine {
         pages.map(Page::bytes).sum::<usize>() + self.transient
     }
 
-    /// Renders clouds over a background (linear light, straight alpha).
+    /// Renders clouds over a background (linear light, straight alpha). Seconds, as the caller waits for them: `bin` until
+    /// the lists' sizes are known, `tiles` after that.
     ///
     /// # Errors
     /// A stopped picture, more Gaussians than the device has room for, or a device that fails.
@@ -241,7 +243,8 @@ impl GaussianEngine {
         (clouds, shot): (&Clouds<'_>, &Shot<'_>),
         (canvas, frame): (&Canvas, &mut Frame),
         task: Task<'_>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<StageSeconds, SceneError> {
+        let start = Instant::now();
         let count = room_for(gpu, clouds)?;
         self.upload(gpu, clouds)?;
         task.go_on()?;
@@ -258,6 +261,7 @@ impl GaussianEngine {
         task.go_on()?;
         task.report(0.4);
         let lists = self.list(gpu, &splats)?;
+        let bin = start.elapsed().as_secs_f64();
         task.go_on()?;
         task.report(0.7);
         gpu.scoped(|gpu| self.composite(gpu, (&splats, &lists), canvas))?;
@@ -265,6 +269,11 @@ impl GaussianEngine {
         let background = Background::new(shot.scene.background);
         canvas.read(gpu, |colors, depths| {
             background.resolve(frame, (colors, depths));
+        })?;
+        Ok(StageSeconds {
+            bin,
+            tiles: start.elapsed().as_secs_f64() - bin,
+            ..StageSeconds::default()
         })
     }
 

@@ -10,7 +10,7 @@ use splatvol_document::Document;
 use splatvol_document::keys::{PictureSize, SettingKeys};
 
 use super::help::{CASES, MEASUREMENT, OUTPUT};
-use super::{PictureArgs, WriteArgs, values};
+use super::{EngineName, PictureArgs, WriteArgs, values};
 use crate::commands::bench::scenes::FIXED_SCENES;
 
 /// Raw arguments of `bench`.
@@ -37,6 +37,7 @@ Examples:
   splatvol bench engine.vti --tf engine.json --size 512x512 --no-shade --frames 21 --json -
   splatvol bench scan.raw --dims 256x256x109 --type u16 --up -y --view front
   splatvol bench scan.nii.gz --orbit 0 --slide 1 --counts
+  splatvol bench garden.spz --engine gpu --threads 1
   splatvol bench scene.toml --orbit 2 --picture first.png
   splatvol bench --like head.png --preset fast"
 )]
@@ -62,6 +63,11 @@ pub(crate) struct BenchArgs {
     /// Numbers of threads; 0 takes one per processor [default: 1,0]
     #[arg(long, value_name = "N", value_delimiter = ',', help_heading = CASES)]
     pub(crate) threads: Vec<usize>,
+    /// Engine: cpu, gpu, or auto, as render takes it
+    ///
+    /// Only the CPU's pictures are compared with recorded ones. The counts are the CPU's.
+    #[arg(long, value_enum, value_name = "ENGINE", default_value_t, help_heading = CASES)]
+    pub(crate) engine: EngineName,
     /// Number of frames that are measured
     #[arg(long, value_name = "N", default_value_t = 9, help_heading = MEASUREMENT,
           value_parser = clap::value_parser!(u32).range(1..))]
@@ -111,7 +117,7 @@ pub(crate) struct BenchArgs {
 }
 
 impl BenchArgs {
-    /// Whether flags neither name other volumes than the fixed scenes nor change their pictures.
+    /// Whether flags neither name other volumes than the fixed scenes or another engine nor change their pictures.
     pub(crate) fn keeps_fixed_pictures(&self) -> bool {
         let asked = self.document(None);
         let settings = SettingKeys {
@@ -119,7 +125,9 @@ impl BenchArgs {
             classification: None,
             ..asked.settings.clone()
         };
-        self.is_fixed() && Document { settings, ..asked } == Document::default()
+        self.engine == EngineName::Cpu
+            && self.is_fixed()
+            && Document { settings, ..asked } == Document::default()
     }
 
     /// Whether the fixed scenes are rendered.

@@ -49,7 +49,7 @@ pub(crate) use look::LookArgs;
 pub(crate) use method::MethodArgs;
 pub(crate) use motion::MotionArgs;
 pub(crate) use picture::PictureArgs;
-pub(crate) use render::RenderArgs;
+pub(crate) use render::{EngineName, RenderArgs};
 
 /// Volume rendering by splatting.
 #[derive(Debug, Parser)]

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use splatvol::{
-    Camera, Content, Control, EngineConfig, Frame, OpacityPoint, RenderSettings, RenderStatistics, Renderer,
-    Scene, SceneError, TransferFunction,
+    Camera, Content, Control, EngineChoice, EngineConfig, Frame, OpacityPoint, RenderSettings,
+    RenderStatistics, Renderer, Scene, SceneError, TransferFunction,
 };
 use splatvol_document::orbited;
 
@@ -34,6 +34,7 @@ pub(super) struct Subject {
     pub(super) cameras: Vec<Camera>,
     pub(super) settings: RenderSettings,
     pub(super) threads: usize,
+    pub(super) engine: EngineChoice,
 }
 
 /// Times of a case.
@@ -58,7 +59,7 @@ pub(super) fn measure(
         threads: Some(subject.threads),
         ..EngineConfig::default()
     };
-    let mut renderer = Renderer::new(config).during(Step::Render)?;
+    let mut renderer = Renderer::start(subject.engine, config).during(Step::Render)?;
     let all = f64::from(course.warm_up) + f64::from(course.frames);
     let mut done = 0.0;
     let mut next = || -> Result<_, Failure> {

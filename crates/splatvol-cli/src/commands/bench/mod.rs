@@ -166,6 +166,7 @@ impl<'a> Bench<'a> {
             },
             settings: shown.settings,
             threads: variant.threads,
+            engine: self.args.engine.into(),
         };
         process::reset_peak_memory();
         let measured = {
