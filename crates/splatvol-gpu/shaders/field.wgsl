@@ -91,20 +91,22 @@ fn share_at(place: Place) -> f32 {
         * sum_inside(z, place.cell.z, frame.dims.z) / z.sum;
 }
 
-// `S` over the sum of all weights.
-fn sum_at(place: Place) -> f32 {
-    let x = weights(place.within.x);
-    let y = weights(place.within.y);
-    let z = weights(place.within.z);
-    let all_weights = x.sum * y.sum * z.sum;
-    let at = place.cell + BEFORE;
+// The slot of a page: corner of texels and layer of a cell's first voxel.
+struct Slot {
+    corner: vec2<f32>,
+    layer: i32,
+    exists: bool,
+}
+
+fn slot_of(cell: vec3<i32>) -> Slot {
+    let at = cell + BEFORE;
     if any(at < vec3(0)) || any(at >= frame.pages * PAGE) {
-        return 0.0;
+        return Slot(vec2(0.0), 0, false);
     }
     let page = at / PAGE;
     let entry = pages[(page.z * frame.pages.y + page.y) * frame.pages.x + page.x];
     if entry == 0u {
-        return 0.0;
+        return Slot(vec2(0.0), 0, false);
     }
     let slot = entry - 1u;
     let edge = PAGE + TAPS - 1;
@@ -112,8 +114,21 @@ fn sum_at(place: Place) -> f32 {
     let row = i32(slot / frame.slots.x % frame.slots.y);
     let stack = i32(slot / (frame.slots.x * frame.slots.y));
     let local = at - page * PAGE;
-    let corner = vec2<f32>(vec2(column, row) * edge + local.xy + 1);
-    let layer = stack * edge + local.z;
+    return Slot(vec2<f32>(vec2(column, row) * edge + local.xy + 1), stack * edge + local.z, true);
+}
+
+// `S` over the sum of all weights.
+fn sum_at(place: Place) -> f32 {
+    let slot = slot_of(place.cell);
+    if !slot.exists {
+        return 0.0;
+    }
+    let x = weights(place.within.x);
+    let y = weights(place.within.y);
+    let z = weights(place.within.z);
+    let all_weights = x.sum * y.sum * z.sum;
+    let corner = slot.corner;
+    let layer = slot.layer;
     if TAPS == 6 {
         let sum = z.a * slice(corner, layer, x, y) + z.b * slice(corner, layer + 1, x, y)
             + z.c * slice(corner, layer + 2, x, y) + z.d * slice(corner, layer + 3, x, y)
@@ -125,21 +140,38 @@ fn sum_at(place: Place) -> f32 {
     return sum / all_weights;
 }
 
-// `S` over the sum of all weights at an offset in pixels from the principal point, low-passed across the plane:
-// Gauss-Hermite quadrature with three points per axis.
+// Quadrature for the low-pass across a plane: a point's place along an axis, standard deviations, and its weight. Three and
+// five points are those of Gauss and Hermite; more lie at equal distances.
+fn low_pass_point(i: i32, count: i32) -> vec2<f32> {
+    let from_middle = i - count / 2;
+    let side = f32(sign(from_middle));
+    if count == 3 {
+        return vec2(side * 1.7320508, select(1.0, 0.25, from_middle != 0));
+    }
+    if count == 5 {
+        let is_outer = abs(from_middle) == 2;
+        let weight = select(0.22207592, 0.01125741, is_outer);
+        return vec2(side * select(1.3556262, 2.8569700, is_outer), select(0.53333333, weight, from_middle != 0));
+    }
+    let place = select(3.0 * f32(from_middle) / f32(count / 2), 0.0, count == 1);
+    return vec2(place, exp2(-0.72134752 * place * place));
+}
+
+// `S` over the sum of all weights at an offset in pixels from the principal point, low-passed across the plane.
 fn sum_on(sheet: u32, offset: vec2<f32>) -> f32 {
-    let deviation = sheets[sheet].low_pass;
-    if deviation == 0.0 {
-        return sum_at(place_on(sheet, offset));
-    }
-    let reach = 1.7320508 * deviation;
+    let count = i32(sheets[sheet].low_pass_points);
     var sum = 0.0;
-    for (var i = 0; i < 9; i++) {
-        let from_middle = vec2<f32>(vec2(i % 3, i / 3) - 1);
-        let shares = select(vec2(1.0 / 6.0), vec2(2.0 / 3.0), from_middle == vec2(0.0));
-        sum += shares.x * shares.y * sum_at(place_on(sheet, offset + reach * from_middle));
+    var all = 0.0;
+    for (var y = 0; y < count; y++) {
+        let down = low_pass_point(y, count);
+        for (var x = 0; x < count; x++) {
+            let across = low_pass_point(x, count);
+            let weight = across.y * down.y;
+            sum += weight * sum_at(place_on(sheet, offset + sheets[sheet].low_pass * vec2(across.x, down.x)));
+            all += weight;
+        }
     }
-    return sum;
+    return sum / all;
 }
 
 // Coverage at the faces of the volume (docs/numerics.md, `q`), as `splatvol_core::border`.
@@ -160,9 +192,14 @@ fn share_of_axis(corner: f32, size: f32) -> f32 {
     return share;
 }
 
-fn coverage_at(place: Place) -> f32 {
-    let corner = (vec3<f32>(place.cell) + place.within - frame.margin + 0.5) / frame.sigma;
-    let size = frame.samples / frame.sigma;
+// `sigma`: of the kernel along the voxel axes, voxels.
+fn coverage_of(place: vec3<f32>, sigma: vec3<f32>) -> f32 {
+    let corner = (place - frame.margin + 0.5) / sigma;
+    let size = frame.samples / sigma;
     let share = share_of_axis(corner.x, size.x) * share_of_axis(corner.y, size.y) * share_of_axis(corner.z, size.z);
     return clamp((share - 0.5) / 0.98 + 0.5, 0.0, 1.0);
+}
+
+fn coverage_at(place: Place) -> f32 {
+    return coverage_of(vec3<f32>(place.cell) + place.within, vec3(frame.sigma));
 }

@@ -44,9 +44,17 @@ struct Frame {
     to_interval: u32,
     // Camera depth of plane 0 over the spacing.
     first_plane: f32,
-    unused: f32,
+    // World length over which the opacity of a value that is shown by itself is taken.
+    unit_distance: f32,
     // Camera space from the lattice, by columns.
     camera_from_lattice: mat4x4<f32>,
+    // Clips, isosurfaces, and the place of the first of these in `effects`.
+    bodies: u32,
+    isosurfaces: u32,
+    first_isosurface: u32,
+    unused: u32,
+    // Gradients: per world length in camera space, from per voxel.
+    gradient_from_lattice: mat3x3<f32>,
 }
 
 struct Sheet {
@@ -54,14 +62,15 @@ struct Sheet {
     cell: vec3<i32>,
     depth: f32,
     rest: vec3<f32>,
-    // Pixels per world length.
+    // Pixels per world length; 0 at the eye and behind it.
     scale: f32,
     // Lattice steps to the next pixel.
     step_x: vec3<f32>,
     // Standard deviation of the low-pass, pixels.
     low_pass: f32,
     step_y: vec3<f32>,
-    unused: f32,
+    // Points of its quadrature along x and along y.
+    low_pass_points: u32,
 }
 
 const TILE_WIDTH: u32 = 32u;
@@ -76,3 +85,14 @@ const BEFORE: i32 = 4;
 @group(0) @binding(1) var<storage, read> sheets: array<Sheet>;
 // Slot of a page plus one; zero where none of its voxels is needed.
 @group(0) @binding(2) var<storage, read> pages: array<u32>;
+
+// A tile's points, with those of the neighbours of its pixels.
+const PITCH: u32 = TILE_WIDTH + 2u;
+const POINTS: u32 = PITCH * (TILE_HEIGHT + 2u);
+
+// What a pixel has so far.
+struct Ink {
+    color: vec3<f32>,
+    transmittance: f32,
+    depth_sum: f32,
+}

@@ -1,15 +1,12 @@
-// March: a workgroup takes a tile through all planes, front to back, until its pixels are finished. Values of a plane are
-// exchanged in workgroup memory, for differences across. A thread has two pixels.
+// March: a workgroup takes a tile through all planes, front to back, until its pixels are finished. A thread has two
+// pixels. The mode says what a pixel keeps of planes: `Pixel`, `fresh`, `exchange`, `enter`, `shade`, and `LAG`, the planes
+// from an interval's nearer one to the one with which it is shaded.
 
 @group(0) @binding(3) var<storage, read> tile_sheets: array<u32>;
 // Linear premultiplied colour and transmittance; the sum of depths, weighted by opacity.
 @group(0) @binding(7) var<storage, read_write> colors: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> depths: array<f32>;
 
-// Values of a plane, with those of the neighbours of the tile's pixels; two planes in turn.
-const PITCH: u32 = TILE_WIDTH + 2u;
-const POINTS: u32 = PITCH * (TILE_HEIGHT + 2u);
-var<workgroup> values: array<f32, 2u * POINTS>;
 var<workgroup> open_pixels: atomic<u32>;
 var<workgroup> any_open: u32;
 
@@ -37,37 +34,14 @@ fn next_with_material(tile: u32, sheet: u32) -> u32 {
 fn begin(at: vec2<u32>) -> Pixel {
     let index = at.y * frame.size.x + at.x;
     let so_far = colors[index];
-    let ray = (vec2<f32>(at) + 0.5 - frame.principal) * frame.per_pixel;
-    return Pixel(vec4(0.0), vec4(1.0), vec4(1.0), vec2(0.0), vec2(0.0), vec2(0.0), ray, so_far.rgb, so_far.a, depths[index]);
+    let ink = Ink(so_far.rgb, so_far.a, depths[index]);
+    return fresh(vec2<f32>(at) + 0.5 - frame.principal, ink);
 }
 
-fn finish(at: vec2<u32>, pixel: ptr<function, Pixel>) {
+fn finish(at: vec2<u32>, ink: Ink) {
     let index = at.y * frame.size.x + at.x;
-    colors[index] = vec4((*pixel).color, (*pixel).transmittance);
-    depths[index] = (*pixel).depth_sum;
-}
-
-// Takes a plane's value and differences at a pixel.
-fn enter(pixel: ptr<function, Pixel>, sheet: u32, at: vec2<u32>, point: u32, is_filled: bool) {
-    var sum = 0.0;
-    var share = 1.0;
-    // Outside of the volume there is no background either.
-    var coverage = select(1.0, 0.0, frame.shows_background != 0u);
-    var across = vec2(0.0);
-    if is_filled {
-        sum = values[point];
-        let place = place_on(sheet, vec2<f32>(at) + 0.5 - frame.principal);
-        share = share_at(place);
-        coverage = coverage_at(place);
-        across = vec2(values[point + 1u] - values[point - 1u], values[point + PITCH] - values[point - PITCH]);
-        across *= 0.5 * sheets[sheet].scale;
-    }
-    (*pixel).sums = vec4((*pixel).sums.yzw, sum);
-    (*pixel).shares = vec4((*pixel).shares.yzw, share);
-    (*pixel).coverage = vec4((*pixel).coverage.yzw, coverage);
-    (*pixel).across_before = (*pixel).across;
-    (*pixel).across = (*pixel).across_last;
-    (*pixel).across_last = across;
+    colors[index] = vec4(ink.color, ink.transmittance);
+    depths[index] = ink.depth_sum;
 }
 
 @compute @workgroup_size(256)
@@ -84,15 +58,14 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     var first = begin(min(first_at, frame.size - 1u));
     var second = begin(min(second_at, frame.size - 1u));
     if !first_exists {
-        first.transmittance = -1.0;
+        first.ink.transmittance = -1.0;
     }
     if !second_exists {
-        second.transmittance = -1.0;
+        second.ink.transmittance = -1.0;
     }
 
-    // An interval is shaded with the plane behind it, and the one after that.
-    let last = frame.to_interval + 1u;
-    var sheet = frame.from_interval - min(frame.from_interval, 1u);
+    let last = frame.to_interval + LAG - 1u;
+    var sheet = frame.from_interval - min(frame.from_interval, LAG - 1u);
     var idle = 4u;
     var steps = 0u;
     loop {
@@ -105,22 +78,15 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         }
         let is_filled = has_material(tile, sheet);
         let plane = (steps & 1u) * POINTS;
-        if is_filled {
-            let middle = vec2<f32>(corner) - 0.5 - frame.principal;
-            for (var point = thread; point < POINTS; point += 256u) {
-                let offset = middle + vec2<f32>(vec2(point % PITCH, point / PITCH));
-                values[plane + point] = sum_on(sheet, offset);
-            }
-        }
-        workgroupBarrier();
-        enter(&first, sheet, first_at, plane + first_point, is_filled);
-        enter(&second, sheet, second_at, plane + second_point, is_filled);
-        if sheet >= frame.from_interval + 2u && sheet - 2u < frame.to_interval {
-            shade(&first, sheet - 2u);
-            shade(&second, sheet - 2u);
+        exchange(sheet, plane, corner, thread, is_filled);
+        enter(&first, sheet, plane + first_point, is_filled);
+        enter(&second, sheet, plane + second_point, is_filled);
+        if sheet >= frame.from_interval + LAG && sheet - LAG < frame.to_interval {
+            shade(&first, sheet - LAG);
+            shade(&second, sheet - LAG);
         }
         if steps % PATIENCE == PATIENCE - 1u {
-            if max(first.transmittance, second.transmittance) >= frame.termination {
+            if max(first.ink.transmittance, second.ink.transmittance) >= frame.termination {
                 atomicOr(&open_pixels, 1u);
             }
             workgroupBarrier();
@@ -136,9 +102,9 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         sheet += 1u;
     }
     if first_exists {
-        finish(first_at, &first);
+        finish(first_at, first.ink);
     }
     if second_exists {
-        finish(second_at, &second);
+        finish(second_at, second.ink);
     }
 }

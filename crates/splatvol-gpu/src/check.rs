@@ -24,22 +24,31 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(SingleVolume<'a>, SheetS
             "the papers' methods are drawn by the engine cpu",
         );
     };
-    if sheets.shows != Shows::Material(Classification::Post) || single.labels {
+    let is_classified_first = matches!(sheets.shows, Shows::Xray | Shows::Material(Classification::Pre));
+    if is_classified_first || single.labels {
         return refuse(
-            "on the GPU, anything but post-classified sheets",
-            "maxima, minima, means, X-rays, labels and pre-classification are drawn by the engine cpu",
+            "on the GPU, voxels that are classified before they are splatted",
+            "X-rays, pre-classification and labels are drawn by the engine cpu",
         );
     }
-    if sheets.gradient != Gradient::Differences {
+    if !single.item.operators.is_empty() {
         return refuse(
-            "on the GPU, an analytic gradient",
-            "the GPU engine lights by differences (presets default, fast and draft)",
+            "on the GPU, a volume with operators",
+            "operators are applied by the engine cpu",
         );
     }
-    if !shot.scene.clips.is_empty() || !single.item.operators.is_empty() || !single.isosurfaces.is_empty() {
+    let is_cut = !shot.scene.clips.is_empty() || !single.item.clips.is_empty();
+    let is_material = sheets.shows == Shows::Material(Classification::Post);
+    if (is_cut || !single.isosurfaces.is_empty()) && (!is_material || sheets.gradient == Gradient::Analytic) {
         return refuse(
-            "on the GPU, a volume with clips, operators or isosurfaces",
-            "these are drawn by the engine cpu",
+            "on the GPU, clips or isosurfaces with analytic gradients, maxima, minima or means",
+            "take the presets default, fast or draft, and composited material",
+        );
+    }
+    if single.item.motion.is_some() {
+        return refuse(
+            "on the GPU, a volume in motion",
+            "motion blur is drawn by the engine cpu",
         );
     }
     if sheets.kernel.radius > MOST_RADIUS {

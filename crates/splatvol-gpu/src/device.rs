@@ -131,7 +131,7 @@ impl GpuDevice {
     pub(crate) fn buffer_of<T: Pod>(&self, label: &str, data: &[T]) -> wgpu::Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let buffer = self.buffer(label, bytes.len().max(4) as u64, usage);
+        let buffer = self.buffer(label, bytes.len().max(16) as u64, usage);
         self.queue.write_buffer(&buffer, 0, bytes);
         buffer
     }

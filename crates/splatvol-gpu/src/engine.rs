@@ -9,18 +9,20 @@ use splatvol_core::level::{Detail, Level, Wanted, blend};
 use splatvol_core::plan::{GridView, Sampling};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
 use splatvol_scene::{
-    Camera, Frame, ImageSize, RenderSettings, SceneError, SheetKernel, SheetSettings, SingleVolume,
+    Camera, Frame, Gradient, ImageSize, RenderSettings, SceneError, SheetKernel, SheetSettings, SingleVolume,
     TransferFunction, Volume,
 };
 
 use crate::atlas::Atlas;
 use crate::check::supported;
 use crate::device::{GpuConfig, GpuDevice};
+use crate::effects::Effects;
 use crate::error::GpuError;
 use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
 use crate::layout::Picture;
 use crate::march::{Canvas, March};
-use crate::pipelines::Pipelines;
+use crate::mode::Mode;
+use crate::pipelines::{Pipelines, Variant};
 
 /// Renders volumes on a GPU.
 #[derive(Debug)]
@@ -54,6 +56,7 @@ struct Key {
     unit_distance: f64,
     kernel: SheetKernel,
     prefilter: bool,
+    wanted: Wanted,
 }
 
 impl PartialEq for Key {
@@ -63,6 +66,7 @@ impl PartialEq for Key {
             && self.unit_distance == other.unit_distance
             && self.kernel == other.kernel
             && self.prefilter == other.prefilter
+            && self.wanted == other.wanted
     }
 }
 
@@ -120,6 +124,7 @@ struct Shown<'a> {
     unit_distance: f64,
     camera: &'a Camera,
     settings: &'a RenderSettings<SheetSettings>,
+    effects: &'a Effects,
 }
 
 impl Shown<'_> {
@@ -130,6 +135,7 @@ impl Shown<'_> {
             unit_distance: self.unit_distance,
             kernel: self.settings.method.kernel,
             prefilter: self.settings.method.prefilter,
+            wanted: Wanted::of(self.settings),
         }
     }
 
@@ -178,6 +184,10 @@ impl GpuEngine {
         statistics: &mut RenderStatistics,
     ) -> Result<(), SceneError> {
         let start = Instant::now();
+        let wanted = Wanted::of(shown.settings);
+        let Some(mode) = Mode::of(wanted, &shown.settings.method, shown.effects) else {
+            return Ok(());
+        };
         let [pyramid, ..] = self
             .prepared
             .of_scene(std::iter::once(shown.volume), shown.settings)
@@ -185,17 +195,11 @@ impl GpuEngine {
             return Ok(());
         };
         let look = (shown.transfer_function, shown.unit_distance);
-        let prepared = pyramid.classify(level, look, Wanted::Visible, task.stop)?;
+        let prepared = pyramid.classify(level, look, wanted, task.stop)?;
         prepared.count_work(statistics);
         refuse_missing(prepared)?;
         let grid = prepared.field.source().grid();
         let view = GridView::new(grid, (shown.camera, shown.settings), Sampling::Field, None);
-        if view.holds_eye() {
-            return Err(SceneError::Combination {
-                what: "on the GPU, a camera within the volume",
-                why: "pictures from within are drawn by the engine cpu",
-            });
-        }
         let key = shown.key();
         self.resident.retain(|resident| resident.of == key);
         let known = self.resident.iter().position(|resident| resident.level == level);
@@ -217,16 +221,26 @@ impl GpuEngine {
         statistics.seconds.classify += (ready - start).as_secs_f64();
         statistics.active_bricks += prepared.field.len();
         statistics.sheets += view.planes().count;
+        let variant = Variant {
+            mode,
+            taps: shown.taps(),
+            from_eye: view.holds_eye(),
+        };
+        let marches = self.pipelines.marches(&self.gpu, variant)?;
         let march = March {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             atlas,
             canvas,
+            marches: &marches,
+            mode,
             picture: Picture {
                 view: &view,
                 level: prepared,
                 settings: shown.settings,
                 voxel: shown.volume.grid().mean_spacing(),
+                unit_distance: shown.unit_distance,
+                effects: shown.effects,
             },
         };
         march.render(task, frame)?;
@@ -280,17 +294,24 @@ impl Engine for GpuEngine {
         let (single, sheets) = supported(&shot)?;
         let volume = self.place(&single)?;
         let settings = shot.settings.with(sheets);
-        let transfer_function = single.transfer_function;
+        let spacing = volume.grid().mean_spacing();
+        let range = volume.value_range();
+        let effects = Effects::new((shot.scene, &single), shot.camera, (range, spacing));
         let shown = Shown {
             volume: &volume,
-            transfer_function,
-            unit_distance: transfer_function
-                .unit_distance
-                .unwrap_or_else(|| volume.grid().mean_spacing()),
+            transfer_function: single.transfer_function,
+            unit_distance: single.unit_distance(),
             camera: shot.camera,
             settings: &settings,
+            effects: &effects,
         };
-        let detail = Detail::new(&volume, shot.camera, (settings.size, settings.method.level_bias));
+        let detail = match settings.method.gradient {
+            // They show the field as it is.
+            Gradient::Analytic => Detail::FINEST,
+            Gradient::Differences => {
+                Detail::new(&volume, shot.camera, (settings.size, settings.method.level_bias))
+            }
+        };
         let mut statistics = RenderStatistics {
             engine: "gpu",
             device: self.gpu.name.clone(),

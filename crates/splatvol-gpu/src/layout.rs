@@ -6,6 +6,8 @@ use splatvol_core::level::Level;
 use splatvol_core::plan::GridView;
 use splatvol_scene::{Lighting, RenderSettings, SheetSettings};
 
+use crate::effects::Effects;
+
 /// Pixels of a tile, along x and y.
 pub(crate) const TILE: [u32; 2] = [32, 16];
 
@@ -46,8 +48,13 @@ pub(crate) struct FrameData {
     pub from_interval: u32,
     pub to_interval: u32,
     pub first_plane: f32,
-    pub unused: f32,
+    pub unit_distance: f32,
     pub camera_from_lattice: [[f32; 4]; 4],
+    pub bodies: u32,
+    pub isosurfaces: u32,
+    pub first_isosurface: u32,
+    pub unused: u32,
+    pub gradient_from_lattice: [[f32; 4]; 3],
 }
 
 /// A plane: `Sheet` in WGSL.
@@ -61,7 +68,7 @@ pub(crate) struct SheetData {
     pub step_x: [f32; 3],
     pub low_pass: f32,
     pub step_y: [f32; 3],
-    pub unused: f32,
+    pub low_pass_points: u32,
 }
 
 /// A picture of one level of a volume.
@@ -72,6 +79,9 @@ pub(crate) struct Picture<'a> {
     pub settings: &'a RenderSettings<SheetSettings>,
     /// Mean distance of the volume's voxels, world length, at any level.
     pub voxel: f64,
+    /// World length over which the opacity of a value that is shown by itself is taken.
+    pub unit_distance: f64,
+    pub effects: &'a Effects,
 }
 
 impl Picture<'_> {
@@ -82,10 +92,14 @@ impl Picture<'_> {
             level,
             settings,
             voxel,
+            unit_distance,
+            effects,
         } = *self;
         let size = [settings.size.width(), settings.size.height()];
         let rays = view.rays();
         let planes = view.planes();
+        let before = self.planes_at_eye();
+        let count = planes.count + 1 + before;
         let kernel = view.kernel();
         let store = &level.field;
         let light = Light::new(settings.lighting.as_ref());
@@ -96,8 +110,8 @@ impl Picture<'_> {
             per_pixel: rays.per_pixel,
             plane_per_pixel: rays.plane_per_pixel,
             dims: store.dims().map(|n| n as i32),
-            planes: planes.count as u32 + 1,
-            words: (planes.count as u32 + 1).div_ceil(32),
+            planes: count as u32,
+            words: (count as u32).div_ceil(32),
             margin: store.margin().map(|n| n as f32),
             sigma: kernel.sigma as f32,
             samples: store.source().grid().dims().map(|n| n as f32),
@@ -118,47 +132,81 @@ impl Picture<'_> {
             floor_squared: light.floor_squared,
             voxel: voxel as f32,
             from_interval: view.first_shown() as u32,
-            to_interval: planes.count as u32,
-            first_plane: planes.first as f32,
+            to_interval: count as u32 - 1,
+            first_plane: planes.first as f32 - before as f32,
+            unit_distance: unit_distance as f32,
             camera_from_lattice: columns(&view.camera_from_lattice()),
+            bodies: effects.bodies,
+            isosurfaces: effects.isosurfaces,
+            first_isosurface: effects.first_isosurface(),
+            gradient_from_lattice: gradients(&view.camera_from_lattice()),
             ..FrameData::zeroed()
         }
+    }
+
+    /// Planes before those of the CPU, which begin at a depth of one spacing where rays diverge: the one at the eye, if the
+    /// camera is within the volume.
+    fn planes_at_eye(&self) -> usize {
+        usize::from(self.view.rays().per_pixel > 0.0 && self.view.holds_eye())
     }
 
     /// The planes, front to back.
     pub(crate) fn sheets(&self) -> Vec<SheetData> {
         let lattice_from_camera = self.view.camera_from_lattice().inverse();
         let planes = self.view.planes();
-        let per_pixel = f64::from(self.view.rays().per_pixel);
-        let plane_per_pixel = f64::from(self.view.rays().plane_per_pixel);
-        (0..=planes.count)
-            .map(|plane| {
-                let depth = planes.plane(plane);
-                let shape = self.view.footprint_on(plane);
-                let pixel = if per_pixel > 0.0 {
-                    per_pixel * depth
-                } else {
-                    plane_per_pixel
-                };
-                let at = lattice_from_camera.transform_point3(DVec3::Z * depth);
-                let step = |along: DVec2| {
-                    lattice_from_camera
-                        .transform_vector3((along * pixel).extend(0.0))
-                        .as_vec3()
-                        .to_array()
-                };
-                SheetData {
-                    cell: at.floor().as_ivec3().to_array(),
-                    depth: depth as f32,
-                    rest: (at - at.floor()).as_vec3().to_array(),
-                    scale: (1.0 / pixel) as f32,
-                    step_x: step(DVec2::X),
-                    low_pass: (f64::from(shape.low_pass).sqrt() / pixel) as f32,
-                    step_y: step(DVec2::Y),
-                    unused: 0.0,
-                }
-            })
-            .collect()
+        let at_eye = (self.planes_at_eye() > 0).then(|| unscaled(&lattice_from_camera, (0.0, 0.0)));
+        let others = (0..=planes.count).map(|plane| self.sheet(&lattice_from_camera, plane));
+        at_eye.into_iter().chain(others).collect()
+    }
+
+    fn sheet(&self, lattice_from_camera: &DAffine3, plane: usize) -> SheetData {
+        let depth = self.view.planes().plane(plane);
+        let rays = self.view.rays();
+        let pixel = if rays.per_pixel > 0.0 {
+            f64::from(rays.per_pixel) * depth
+        } else {
+            f64::from(rays.plane_per_pixel)
+        };
+        let low_pass = f64::from(self.view.footprint_on(plane).low_pass);
+        let [xx, xy, yy] = self.view.shape().lateral_covariance;
+        let narrowest = 0.5 * (xx + yy - libm::hypot(xx - yy, 2.0 * xy));
+        SheetData {
+            scale: (1.0 / pixel) as f32,
+            low_pass: (low_pass.sqrt() / pixel) as f32,
+            low_pass_points: low_pass_points(low_pass / narrowest),
+            ..unscaled(lattice_from_camera, (depth, pixel))
+        }
+    }
+}
+
+/// Points along an axis for a low-pass whose variance is so many times that of a footprint. The product of both has a
+/// deviation of `1 / sqrt(1 + ratio)` of the low-pass, and equal steps of 1.3 of these are exact to rounding.
+fn low_pass_points(ratio: f64) -> u32 {
+    match ratio {
+        0.0 => 1,
+        small if small < 0.1 => 3,
+        small if small < 0.4 => 5,
+        _ => (4.5 * (1.0 + ratio).sqrt()).ceil() as u32 | 1,
+    }
+}
+
+/// Places on a plane of a depth, with pixels of this size; world length.
+fn unscaled(lattice_from_camera: &DAffine3, (depth, pixel): (f64, f64)) -> SheetData {
+    let at = lattice_from_camera.transform_point3(DVec3::Z * depth);
+    let step = |along: DVec2| {
+        lattice_from_camera
+            .transform_vector3((along * pixel).extend(0.0))
+            .as_vec3()
+            .to_array()
+    };
+    SheetData {
+        cell: at.floor().as_ivec3().to_array(),
+        depth: depth as f32,
+        rest: (at - at.floor()).as_vec3().to_array(),
+        step_x: step(DVec2::X),
+        step_y: step(DVec2::Y),
+        low_pass_points: 1,
+        ..SheetData::zeroed()
     }
 }
 
@@ -199,4 +247,10 @@ fn columns(map: &DAffine3) -> [[f32; 4]; 4] {
         column(z, 0.0),
         column(map.translation, 1.0),
     ]
+}
+
+/// Columns of the map of gradients from the space of a map's input to that of its output.
+fn gradients(map: &DAffine3) -> [[f32; 4]; 3] {
+    let transposed = map.matrix3.inverse().transpose();
+    [transposed.x_axis, transposed.y_axis, transposed.z_axis].map(|v| v.extend(0.0).as_vec4().to_array())
 }

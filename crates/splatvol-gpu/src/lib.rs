@@ -23,11 +23,13 @@
 mod atlas;
 mod check;
 mod device;
+mod effects;
 mod engine;
 mod error;
 mod gaussians;
 mod layout;
 mod march;
+mod mode;
 mod pass;
 mod pipelines;
 mod sort;

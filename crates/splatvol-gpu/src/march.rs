@@ -5,8 +5,9 @@ use splatvol_scene::{Frame, SceneError};
 
 use crate::atlas::Atlas;
 use crate::device::GpuDevice;
-use crate::layout::{FrameData, Picture, SheetData, TILE};
-use crate::pipelines::Pipelines;
+use crate::layout::{FrameData, Picture, SheetData};
+use crate::mode::Mode;
+use crate::pipelines::{Marches, Pipelines};
 
 /// Samples of one dispatch: tens of milliseconds of a small device. Systems reset devices that answer late, and people
 /// do not wait for a picture that they have stopped.
@@ -85,6 +86,8 @@ impl Canvas {
 pub(crate) struct March<'a> {
     pub gpu: &'a GpuDevice,
     pub pipelines: &'a Pipelines,
+    pub marches: &'a Marches,
+    pub mode: Mode,
     pub atlas: &'a Atlas,
     pub canvas: &'a Canvas,
     pub picture: Picture<'a>,
@@ -123,10 +126,15 @@ impl March<'_> {
     /// Submits all passes; waits for each part but the last two, so that a stopped picture ends soon.
     fn submit(&self, data: &FrameData, task: Task<'_>) -> Result<(), SceneError> {
         let sheets = self.picture.sheets();
-        let bound = self.bind(data, &sheets, self.picture.level.table.cells());
+        let bound = self.bind(data, &sheets, &self.mode.look(self.picture.level));
         let intervals = data.from_interval..data.to_interval;
-        let pixels = self.canvas.pixels.max(1);
-        let step = (TOGETHER / pixels).max(8) as u32;
+        let points = sheets
+            .iter()
+            .map(|sheet| sheet.low_pass_points)
+            .max()
+            .unwrap_or(1);
+        let samples = self.canvas.pixels.max(1) * u64::from(points * points);
+        let step = (TOGETHER / samples).max(8) as u32;
         self.begin(data, &bound);
         let mut before = None;
         for from in intervals.clone().step_by(step as usize) {
@@ -136,7 +144,7 @@ impl March<'_> {
                 to_interval: (from + step).min(intervals.end),
                 ..*data
             };
-            let submitted = self.dispatch(&part, &bound);
+            let submitted = self.dispatch((&part, intervals.end), &bound);
             if let Some(before) = before.replace(submitted) {
                 self.gpu.wait(Some(before))?;
                 task.report(f64::from(from - intervals.start) / intervals.len() as f64);
@@ -163,6 +171,13 @@ impl March<'_> {
         let words = u64::from(data.tiles[0]) * u64::from(data.tiles[1]) * u64::from(data.words);
         let tile_sheets = gpu.buffer("tile sheets", 4 * words.max(1), Usage::STORAGE);
         let table = gpu.buffer_of("table", table);
+        let effects = gpu.buffer_of("effects", &self.picture.effects.data);
+        // Two vectors per pixel.
+        let faces = match self.mode {
+            Mode::Effects => 32 * canvas.pixels,
+            _ => 32,
+        };
+        let faces = gpu.buffer("faces", faces, Usage::STORAGE);
         let whole = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let cull = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("cull"),
@@ -186,6 +201,8 @@ impl March<'_> {
                 whole(6, table.as_entire_binding()),
                 whole(7, canvas.colors.as_entire_binding()),
                 whole(8, canvas.depths.as_entire_binding()),
+                whole(9, effects.as_entire_binding()),
+                whole(10, faces.as_entire_binding()),
             ],
         });
         Bound { frame, cull, march }
@@ -213,16 +230,20 @@ impl March<'_> {
         gpu.queue.submit([commands.finish()]);
     }
 
-    /// Marches some intervals.
-    fn dispatch(&self, part: &FrameData, bound: &Bound) -> wgpu::SubmissionIndex {
+    /// Marches some intervals; `last`: the end of all.
+    fn dispatch(&self, (part, last): (&FrameData, u32), bound: &Bound) -> wgpu::SubmissionIndex {
         let gpu = self.gpu;
         gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(part));
         let mut commands = gpu.commands();
         {
             let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&self.pipelines.march[usize::from(self.atlas.layout.taps == 6)]);
             pass.set_bind_group(0, &bound.march, &[]);
-            pass.dispatch_workgroups(part.size[0].div_ceil(TILE[0]), part.size[1].div_ceil(TILE[1]), 1);
+            pass.set_pipeline(&self.marches.march);
+            pass.dispatch_workgroups(part.tiles[0], part.tiles[1], 1);
+            if let Some(settle) = self.marches.settle.as_ref().filter(|_| part.to_interval == last) {
+                pass.set_pipeline(settle);
+                pass.dispatch_workgroups(part.tiles[0], part.tiles[1], 1);
+            }
         }
         gpu.queue.submit([commands.finish()])
     }

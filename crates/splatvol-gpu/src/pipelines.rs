@@ -1,22 +1,19 @@
 //! Pipelines: shaders, composed of parts, and the layouts of their bindings.
 
+use std::collections::HashMap;
+
+use splatvol_scene::SceneError;
+
 use crate::device::GpuDevice;
 use crate::error::GpuError;
+use crate::mode::Mode;
 
-pub(crate) const FRAME: &str = include_str!("../shaders/frame.wgsl");
+const FRAME: &str = include_str!("../shaders/frame.wgsl");
 const CULL: &str = include_str!("../shaders/cull.wgsl");
-pub(crate) const FIELD: &str = include_str!("../shaders/field.wgsl");
-pub(crate) const SHADE: &str = include_str!("../shaders/shade.wgsl");
-const MARCH: &str = include_str!("../shaders/march.wgsl");
 
 /// The text of `cull`.
 pub(crate) fn cull_shader() -> String {
     [FRAME, CULL].join("\n")
-}
-
-/// The text of `march`.
-pub(crate) fn march_shader() -> String {
-    [FRAME, FIELD, SHADE, MARCH].join("\n")
 }
 
 /// Passes, compiled.
@@ -24,10 +21,28 @@ pub(crate) fn march_shader() -> String {
 pub(crate) struct Pipelines {
     pub cull: wgpu::ComputePipeline,
     pub cull_layout: wgpu::BindGroupLayout,
-    /// For four voxels along an axis, and for six.
-    pub march: [wgpu::ComputePipeline; 2],
     pub march_layout: wgpu::BindGroupLayout,
     pub nearest: wgpu::Sampler,
+    /// Passes over planes, compiled when they are first used.
+    marches: HashMap<Variant, Marches>,
+}
+
+/// A mode for a kernel and a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    pub mode: Mode,
+    /// Voxels along an axis that a kernel meets: 4 or 6.
+    pub taps: i32,
+    /// Whether the camera is within the volume.
+    pub from_eye: bool,
+}
+
+/// Passes over planes.
+#[derive(Debug, Clone)]
+pub(crate) struct Marches {
+    pub march: wgpu::ComputePipeline,
+    /// From what rays kept to colours.
+    pub settle: Option<wgpu::ComputePipeline>,
 }
 
 fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
@@ -99,22 +114,41 @@ impl Pipelines {
                 entry(6, buffer(READ)),
                 entry(7, buffer(WRITE)),
                 entry(8, buffer(WRITE)),
+                entry(9, buffer(READ)),
+                entry(10, buffer(WRITE)),
             ],
         );
-        let march = [4.0, 6.0].map(|taps| {
-            pipeline(
-                device,
-                ("march", &march_shader()),
-                &march_layout,
-                &[("TAPS", taps)],
-            )
-        });
         Self {
             cull: pipeline(device, ("cull", &cull_shader()), &cull_layout, &[]),
             cull_layout,
-            march,
             march_layout,
             nearest: device.create_sampler(&wgpu::SamplerDescriptor::default()),
+            marches: HashMap::new(),
+        }
+    }
+
+    /// The passes of a variant.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn marches(&mut self, gpu: &GpuDevice, variant: Variant) -> Result<Marches, SceneError> {
+        if let Some(known) = self.marches.get(&variant) {
+            return Ok(known.clone());
+        }
+        let made = gpu.scoped(|gpu| self.compile_march(gpu, variant))?;
+        self.marches.insert(variant, made.clone());
+        Ok(made)
+    }
+
+    fn compile_march(&self, gpu: &GpuDevice, variant: Variant) -> Marches {
+        let Variant { mode, taps, from_eye } = variant;
+        let text = mode.text();
+        let mut constants = mode.constants(from_eye);
+        constants.push(("TAPS", f64::from(taps)));
+        let entry = |name| pipeline(&gpu.device, (name, &text), &self.march_layout, &constants);
+        Marches {
+            march: entry("march"),
+            settle: mode.kept().map(|_| entry("settle")),
         }
     }
 }

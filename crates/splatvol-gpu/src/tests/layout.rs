@@ -7,7 +7,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::gaussians::{ListsData, PictureData, ViewData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
-use crate::pipelines::{cull_shader, march_shader};
+use crate::mode::{Kept, Mode};
+use crate::pipelines::cull_shader;
 use crate::sort::{DigitData, RADIX, SCAN, ScanData};
 
 /// Members of a struct in WGSL, with their offsets, and its size.
@@ -35,17 +36,24 @@ macro_rules! offsets {
 
 #[test]
 fn layouts_agree_and_shaders_are_valid() {
-    for text in [cull_shader(), march_shader()] {
+    let modes = [
+        Mode::Material,
+        Mode::Analytic,
+        Mode::Values(Kept::Mean),
+        Mode::ExactValues(Kept::Mean),
+    ];
+    for text in [cull_shader()].into_iter().chain(modes.map(Mode::text)) {
         let module = valid(&text);
         let (found, size) = members(&module, "Frame");
         let wanted = offsets!(FrameData: size tiles principal per_pixel plane_per_pixel dims planes pages words margin
             sigma samples radius slots atlas spacing background termination densest hull shows_background lit
             towards_light ambient half_way diffuse specular power floor_squared voxel from_interval to_interval
-            first_plane unused camera_from_lattice);
+            first_plane unit_distance camera_from_lattice bodies isosurfaces
+            first_isosurface unused gradient_from_lattice);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<FrameData>());
         let (found, size) = members(&module, "Sheet");
-        let wanted = offsets!(SheetData: cell depth rest scale step_x low_pass step_y unused);
+        let wanted = offsets!(SheetData: cell depth rest scale step_x low_pass step_y low_pass_points);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<SheetData>());
         let constant = |name: &str| {

@@ -21,9 +21,11 @@ use splatvol_testing::sample;
 
 use crate::atlas::Atlas;
 use crate::device::{GpuConfig, GpuDevice};
+use crate::effects::Effects;
 use crate::layout::{Picture, SheetData};
 use crate::march::{Canvas, March};
-use crate::pipelines::{FIELD, FRAME, Pipelines, SHADE, pipeline};
+use crate::mode::Mode;
+use crate::pipelines::{Pipelines, Variant, pipeline};
 
 /// The device of the tests; without one the calling test is skipped.
 fn device() -> Option<GpuDevice> {
@@ -41,6 +43,7 @@ struct Subject {
     volume: Arc<Volume>,
     transfer_function: TransferFunction,
     settings: RenderSettings<SheetSettings>,
+    mode: Mode,
 }
 
 impl Subject {
@@ -55,6 +58,7 @@ impl Subject {
                 ..settings
             }
             .with(sheets),
+            mode: Mode::Material,
         }
     }
 
@@ -83,10 +87,18 @@ impl Subject {
         };
         let atlas = Atlas::new(gpu, &level.field, taps).unwrap();
         let canvas = Canvas::new(gpu, inputs.len() as u64).unwrap();
-        let pipelines = Pipelines::new(gpu).unwrap();
+        let mut pipelines = Pipelines::new(gpu).unwrap();
+        let variant = Variant {
+            mode: self.mode,
+            taps,
+            from_eye: false,
+        };
+        let marches = pipelines.marches(gpu, variant).unwrap();
         let march = March {
             gpu,
             pipelines: &pipelines,
+            marches: &marches,
+            mode: self.mode,
             atlas: &atlas,
             canvas: &canvas,
             picture: Picture {
@@ -94,28 +106,25 @@ impl Subject {
                 level,
                 settings: &self.settings,
                 voxel: 1.0,
+                unit_distance: 1.0,
+                effects: &Effects::default(),
             },
         };
+        let library = self.mode.library();
         let text = [
-            FRAME,
-            FIELD,
-            SHADE,
+            &library,
             "@group(0) @binding(7) var<storage, read_write> colors: array<vec4<f32>>;",
             entry,
         ]
         .join("\n");
-        let bound = march.bind(&march.data(), inputs, level.table.cells());
+        let bound = march.bind(&march.data(), inputs, &self.mode.look(level));
         gpu.queue
             .write_buffer(&bound.frame, 0, bytemuck::bytes_of(&march.data()));
         let probe = gpu
             .scoped(|gpu| {
-                let taps = f64::from(taps);
-                pipeline(
-                    &gpu.device,
-                    ("probe", &text),
-                    &pipelines.march_layout,
-                    &[("TAPS", taps)],
-                )
+                let mut constants = self.mode.constants(false);
+                constants.push(("TAPS", f64::from(taps)));
+                pipeline(&gpu.device, ("probe", &text), &pipelines.march_layout, &constants)
             })
             .unwrap();
         let mut commands = gpu.commands();

@@ -1,0 +1,144 @@
+// Ends: sums with their gradients on the two planes of an interval, and the cubic Hermite polynomial between them
+// (`splatvol_cpu::sheets::hermite`).
+
+const LAG: u32 = 1u;
+// Shares below which values are those of the other plane.
+const FADED: f32 = 0.15;
+const LEAST_SHARE: f32 = 0.01;
+
+// Sums on a plane; gradients in camera space, per world length.
+struct End {
+    sum: f32,
+    // Share of the weights on the lattice, and of the low-passed kernel on the volume's own box.
+    share: f32,
+    own: f32,
+    slope: vec3<f32>,
+    share_slope: vec3<f32>,
+}
+
+// A pixel on its way through the planes.
+struct Pixel {
+    near: End,
+    far: End,
+    // Whether the tile has something there.
+    filled: vec2<bool>,
+    // From the principal point, pixels.
+    offset: vec2<f32>,
+    ink: Ink,
+}
+
+fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
+    let nothing = End(0.0, 1.0, select(1.0, 0.0, frame.shows_background != 0u), vec3(0.0), vec3(0.0));
+    return Pixel(nothing, nothing, vec2(false), offset, ink);
+}
+
+// Pixels need no neighbours.
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {}
+
+// Share on the volume's own box of the kernel with a low-pass of this deviation, pixels.
+fn own_of(sheet: u32, position: vec3<f32>, low_pass: f32) -> f32 {
+    let own = sheets[sheet];
+    let variance = low_pass * low_pass * (own.step_x * own.step_x + own.step_y * own.step_y);
+    let sigma = sqrt(frame.sigma * frame.sigma + variance);
+    let corner = (position - frame.margin + 0.5) / sigma;
+    let size = frame.samples / sigma;
+    return share_of_axis(corner.x, size.x) * share_of_axis(corner.y, size.y) * share_of_axis(corner.z, size.z);
+}
+
+fn position_on(sheet: u32, offset: vec2<f32>) -> vec3<f32> {
+    let place = place_on(sheet, offset);
+    return vec3<f32>(place.cell) + place.within;
+}
+
+// Adds sums at a place.
+fn add_place(end: ptr<function, End>, place: Place, weight: f32, is_filled: bool) {
+    if is_filled {
+        let sum = jet_at(place);
+        (*end).sum += weight * sum.sum;
+        (*end).slope += weight * sum.slope;
+    }
+    let share = share_jet(place);
+    (*end).share += weight * share.sum;
+    (*end).share_slope += weight * share.slope;
+}
+
+// Takes a plane's sums at a pixel.
+fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
+    (*pixel).near = (*pixel).far;
+    let offset = (*pixel).offset;
+    var end = End(0.0, 0.0, own_of(sheet, position_on(sheet, offset), sheets[sheet].low_pass), vec3(0.0), vec3(0.0));
+    let count = i32(sheets[sheet].low_pass_points);
+    var all = 0.0;
+    for (var y = 0; y < count; y++) {
+        let down = low_pass_point(y, count);
+        for (var x = 0; x < count; x++) {
+            let across = low_pass_point(x, count);
+            let at = offset + sheets[sheet].low_pass * vec2(across.x, down.x);
+            add_place(&end, place_on(sheet, at), across.y * down.y, is_filled);
+            all += across.y * down.y;
+        }
+    }
+    end.sum /= all;
+    end.share /= all;
+    end.slope /= all;
+    end.share_slope /= all;
+    end.slope = frame.gradient_from_lattice * end.slope;
+    end.share_slope = frame.gradient_from_lattice * end.share_slope;
+    (*pixel).far = end;
+    (*pixel).filled = vec2((*pixel).filled.y, is_filled);
+}
+
+// The field between the planes along a ray.
+struct Hermite {
+    // Coefficients of the value over u in 0..1.
+    cubic: vec4<f32>,
+    shares: vec2<f32>,
+    // Slopes of the shares along the ray, per interval.
+    falls: vec2<f32>,
+    own: vec2<f32>,
+    // Gradients of S.
+    near_slope: vec3<f32>,
+    far_slope: vec3<f32>,
+    // Motion along the ray per depth.
+    ray: vec3<f32>,
+}
+
+// Value and slope per interval at one end, given the other end's, which replace them where the end has hardly any share.
+fn value_and_slope(end: End, other: End, ray: vec3<f32>) -> vec2<f32> {
+    let per_share = 1.0 / max(end.share, LEAST_SHARE);
+    let value = end.sum * per_share;
+    let slope = (dot(ray, end.slope) - value * dot(ray, end.share_slope)) * per_share * frame.spacing;
+    let is_faded = end.share < min(FADED, other.share);
+    let beside = other.sum / max(other.share, LEAST_SHARE);
+    return vec2(select(value, beside, is_faded) + frame.background, select(slope, 0.0, is_faded));
+}
+
+fn hermite(pixel: ptr<function, Pixel>) -> Hermite {
+    let near = (*pixel).near;
+    let far = (*pixel).far;
+    let ray = vec3((*pixel).offset * frame.per_pixel, 1.0);
+    let start = value_and_slope(near, far, ray);
+    let end = value_and_slope(far, near, ray);
+    let rise = end.x - start.x;
+    return Hermite(
+        vec4(start.x, start.y, rise * 3.0 - start.y * 2.0 - end.y, start.y + end.y - rise * 2.0),
+        vec2(near.share, far.share),
+        vec2(dot(ray, near.share_slope), dot(ray, far.share_slope)) * frame.spacing,
+        vec2(near.own, far.own),
+        near.slope + near.share_slope * frame.background,
+        far.slope + far.share_slope * frame.background,
+        ray,
+    );
+}
+
+fn cubic_at(cubic: vec4<f32>, u: f32) -> f32 {
+    return ((cubic.w * u + cubic.z) * u + cubic.y) * u + cubic.x;
+}
+
+fn coverage_from(own: f32) -> f32 {
+    return clamp((own - 0.5) / 0.98 + 0.5, 0.0, 1.0);
+}
+
+fn coverage_along(field: Hermite, u: f32) -> f32 {
+    return coverage_from(mix(field.own.x, field.own.y, u));
+}

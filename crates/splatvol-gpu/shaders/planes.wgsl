@@ -1,0 +1,69 @@
+// Planes: a pixel's sums on four planes, with differences across; gradients between them (`splatvol_cpu::sheets::shade`).
+
+// Beyond this, four planes are too few to soften the slope as much as the differences across the ray.
+const SOFTEST: f32 = -0.1;
+// A pixel on its way through the planes: what it has, and its last four planes.
+struct Pixel {
+    // Sums on the planes, from the farthest back to the last; the interval is between the second and the third.
+    sums: vec4<f32>,
+    // Shares of the weights that lie on the lattice, and coverage, on the same planes.
+    shares: vec4<f32>,
+    coverage: vec4<f32>,
+    // Differences across on the second, the third and the last plane, per world length.
+    across_before: vec2<f32>,
+    across: vec2<f32>,
+    across_last: vec2<f32>,
+    // From the principal point, pixels.
+    offset: vec2<f32>,
+    ink: Ink,
+}
+
+const LAG: u32 = 2u;
+
+fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
+    return Pixel(vec4(0.0), vec4(1.0), vec4(1.0), vec2(0.0), vec2(0.0), vec2(0.0), offset, ink);
+}
+
+// Takes a plane's value and differences at a pixel.
+fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
+    var sum = 0.0;
+    var share = 1.0;
+    // Outside of the volume there is no background either.
+    var coverage = select(1.0, 0.0, frame.shows_background != 0u);
+    var across = vec2(0.0);
+    if is_filled {
+        sum = values[point];
+        let place = place_on(sheet, (*pixel).offset);
+        share = share_at(place);
+        coverage = coverage_at(place);
+        across = across_on(sheet, place, point);
+    }
+    (*pixel).sums = vec4((*pixel).sums.yzw, sum);
+    (*pixel).shares = vec4((*pixel).shares.yzw, share);
+    (*pixel).coverage = vec4((*pixel).coverage.yzw, coverage);
+    (*pixel).across_before = (*pixel).across;
+    (*pixel).across = (*pixel).across_last;
+    (*pixel).across_last = across;
+}
+
+// Slope per interval, at u between the second and the third of four values.
+fn depth_slope(v: vec4<f32>, u: f32, sharpness: f32) -> f32 {
+    let rise = v.z - v.y;
+    let near = v.x - v.y - v.y + v.z;
+    let far = v.y - v.z - v.z + v.w;
+    let from_middle = u - 0.5;
+    return (far - near) * (from_middle * from_middle * 0.5 - sharpness) + (from_middle * (near + far) * 0.5 + rise);
+}
+
+// At the eye, where no pixels are apart, slopes are as sharp as they get.
+fn sharpness_of(near: u32) -> f32 {
+    let scale = sheets[near].scale;
+    let width = select(2.0 / (scale * frame.spacing), 0.0, scale == 0.0);
+    return max((1.0 - width * width) / 24.0, SOFTEST);
+}
+
+fn gradient_at(pixel: ptr<function, Pixel>, values: vec4<f32>, place: f32, sharpness: f32) -> vec3<f32> {
+    let across = mix((*pixel).across_before, (*pixel).across, place);
+    let slope = depth_slope(values, place, sharpness);
+    return vec3(across, slope / frame.spacing - dot((*pixel).offset * frame.per_pixel, across));
+}

@@ -1,0 +1,66 @@
+// Values: one value of each ray, from sums on four planes.
+
+const LAG: u32 = 2u;
+const FADED: f32 = 0.15;
+
+// A pixel on its way through the planes.
+struct Pixel {
+    // On the last four planes.
+    sums: vec4<f32>,
+    shares: vec4<f32>,
+    coverage: vec4<f32>,
+    filled: vec4<bool>,
+    // From the principal point, pixels.
+    offset: vec2<f32>,
+    ink: Ink,
+}
+
+fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
+    return Pixel(vec4(0.0), vec4(1.0), vec4(1.0), vec4(false), offset, ink);
+}
+
+// Pixels need no neighbours.
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {}
+
+// Takes a plane's value at a pixel.
+fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
+    let place = place_on(sheet, (*pixel).offset);
+    var sum = 0.0;
+    if is_filled {
+        sum = sum_on(sheet, (*pixel).offset);
+    }
+    (*pixel).sums = vec4((*pixel).sums.yzw, sum);
+    (*pixel).shares = vec4((*pixel).shares.yzw, share_at(place));
+    (*pixel).coverage = vec4((*pixel).coverage.yzw, coverage_at(place));
+    (*pixel).filled = vec4<bool>((*pixel).filled.yzw, is_filled);
+}
+
+fn coverage_between(near: u32, offset: vec2<f32>) -> f32 {
+    let a = place_on(near, offset);
+    let b = place_on(near + 1u, offset);
+    let middle = 0.5 * (vec3<f32>(a.cell + b.cell) + a.within + b.within);
+    return coverage_of(middle, vec3(frame.sigma));
+}
+
+// Keeps what the ray needs of the interval between planes `near` and `near + 1`.
+fn shade(pixel: ptr<function, Pixel>, near: u32) {
+    let filled = (*pixel).filled;
+    if (*pixel).ink.transmittance < 0.0 || !(filled.y || filled.z) {
+        return;
+    }
+    let shares = (*pixel).shares;
+    var values = sums_around(near, (*pixel).offset, (*pixel).sums) / max(shares, vec4(FADED));
+    // Planes too far outside have no value: the slope is that of the interval.
+    let straight = vec2(values.y * 2.0 - values.z, values.z * 2.0 - values.y);
+    values.x = select(values.x, straight.x, shares.x < FADED && !is_eye(near));
+    values.w = select(values.w, straight.y, shares.w < FADED);
+    values += frame.background;
+    let slopes = 0.5 * (values.zw - values.xy);
+    var coverage = vec3(1.0, 0.0, 0.0);
+    let covered = (*pixel).coverage.yz;
+    let middle = coverage_between(near, (*pixel).offset);
+    if min(min(covered.x, covered.y), middle) < 1.0 {
+        coverage = parabola_through(covered.x, middle, covered.y);
+    }
+    (*pixel).ink = kept((*pixel).ink, cubic_through(values.yz, slopes), coverage, sheets[near].depth);
+}
