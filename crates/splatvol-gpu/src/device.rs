@@ -14,10 +14,15 @@ pub struct GpuConfig {
     pub adapter: Option<String>,
     /// Budget for a volume's coefficients on the device, bytes; `None` for half of the largest buffer, 1 GiB at most.
     pub budget: Option<usize>,
+    /// Samples of planes that one dispatch takes; `None` for 64 Mi, tens of milliseconds of a small device. Systems reset
+    /// devices that answer late, and a desktop shares them. Pictures do not depend on it.
+    pub samples_per_dispatch: Option<u64>,
 }
 
 /// Budget for coefficients, bytes, where none is set.
 const BUDGET: u64 = 1 << 30;
+/// Samples of a dispatch, where none are set.
+const SAMPLES: u64 = 1 << 26;
 
 /// An open device.
 pub(crate) struct GpuDevice {
@@ -29,6 +34,8 @@ pub(crate) struct GpuDevice {
     pub is_imitated: bool,
     /// Bytes for coefficients.
     pub budget: u64,
+    /// Samples of planes that one dispatch takes.
+    pub samples_per_dispatch: u64,
 }
 
 impl fmt::Debug for GpuDevice {
@@ -97,6 +104,7 @@ impl GpuDevice {
             name,
             is_imitated: info.device_type == wgpu::DeviceType::Cpu,
             budget,
+            samples_per_dispatch: config.samples_per_dispatch.unwrap_or(SAMPLES),
         })
     }
 

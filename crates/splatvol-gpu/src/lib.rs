@@ -13,11 +13,12 @@
 //! |---|---|---|---|---|
 //! | assemble | `atlas` | - | needed voxels' coefficients | pages with a slot each, in a texture |
 //! | cull | `march` | `cull` | pages, camera | planes of each tile that may hold something |
-//! | march | `march` | `field`, `shade`, `march` | all of these, tables | colour, transmittance, depth |
+//! | march | `march`, `mode` | `field`, `march`, those of the mode | all of these, tables | colour, transmittance, depth |
+//! | settle | `march` | `cubic` | what rays kept | the same |
 //! | resolve | `march`, [`splatvol_core::level::blend`] | - | these | a frame, two levels in one |
 //!
-//! `sort` sorts and adds up on the device, `pass` runs a compiled entry point, `device` opens an adapter, `pipelines` compiles shaders, `layout` has data as shaders read them, `check` says what is
-//! refused. No `unsafe`, no feature beyond those of every WebGPU device.
+//! `sort` sorts and adds up on the device, `pass` runs a compiled entry point, `device` opens an adapter, `pipelines`
+//! compiles shaders, `layout` and `effects` have data as shaders read them, `check` says what is refused. No `unsafe`, no feature beyond those of every WebGPU device.
 #![forbid(unsafe_code)]
 
 mod atlas;

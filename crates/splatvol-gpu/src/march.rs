@@ -9,9 +9,8 @@ use crate::layout::{FrameData, Picture, SheetData};
 use crate::mode::Mode;
 use crate::pipelines::{Marches, Pipelines};
 
-/// Samples of one dispatch: tens of milliseconds of a small device. Systems reset devices that answer late, and people
-/// do not wait for a picture that they have stopped.
-const TOGETHER: u64 = 1 << 26;
+/// Intervals that a dispatch takes at least: each begins with planes of the one before.
+const LEAST_INTERVALS: u64 = 8;
 
 /// Buffers of pictures of one size.
 #[derive(Debug)]
@@ -134,7 +133,7 @@ impl March<'_> {
             .max()
             .unwrap_or(1);
         let samples = self.canvas.pixels.max(1) * u64::from(points * points);
-        let step = (TOGETHER / samples).max(8) as u32;
+        let step = (self.gpu.samples_per_dispatch / samples).max(LEAST_INTERVALS) as u32;
         self.begin(data, &bound);
         let mut before = None;
         for from in intervals.clone().step_by(step as usize) {

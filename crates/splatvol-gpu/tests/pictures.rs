@@ -251,6 +251,36 @@ fn pictures_are_repeated_to_the_bit_after_an_edit_and_back() {
     assert_eq!(gpu.statistics().engine, "gpu");
 }
 
+/// What a pixel has of planes is made again where a dispatch ends; what it has of the picture, and of cuts, is kept.
+#[test]
+fn pictures_do_not_depend_on_how_they_are_divided() {
+    let Some(mut whole) = gpu() else { return };
+    let divided = GpuConfig {
+        samples_per_dispatch: Some(1),
+        ..GpuConfig::default()
+    };
+    let mut divided = Renderer::with_engine(GpuEngine::new(&divided).unwrap());
+    let plain = scene(Sample::Head, 32);
+    let camera = camera(&plain, PROJECTIONS[0]);
+    let mut cut = plain.clone();
+    cut.clips
+        .push(Clip::plane(plain.bounds().unwrap().centre(), [0.4, 1.0, 0.2]).unwrap());
+    let mean = checked(FlatSettings {
+        compositing: Compositing::Mean,
+        ..sized(RenderSettings::fast(), 40).into()
+    });
+    for (scene, settings) in [
+        (&plain, sized(RenderSettings::fast(), 40)),
+        (&plain, sized(RenderSettings::best(), 40)),
+        (&plain, mean),
+        (&cut, sized(RenderSettings::fast(), 40)),
+    ] {
+        let [one, many] =
+            [&mut whole, &mut divided].map(|renderer| renderer.render(scene, &camera, &settings).unwrap());
+        assert!(one.image.pixels == many.image.pixels && one.depth == many.depth);
+    }
+}
+
 #[test]
 fn what_is_not_drawn_is_refused_by_name() {
     let Some(mut gpu) = gpu() else { return };

@@ -161,6 +161,7 @@ fn input(rest: [f32; 3], step_x: [f32; 3], low_pass: f32) -> SheetData {
         rest,
         step_x,
         low_pass,
+        low_pass_points: 1,
         ..SheetData::zeroed()
     }
 }
