@@ -5,6 +5,7 @@
 //! | [`grid`] | where samples lie: dimensions and `world_from_voxel` |
 //! | [`volume`] | samples on a grid, in their own type, with value range and statistics |
 //! | [`source`] | samples at levels of detail, read region by region |
+//! | [`chunks`] | samples in chunks, for volumes larger than memory |
 //! | [`storage`] | where these lie: in their own memory, or in shared memory |
 //! | [`camera`] | `camera_from_world` and the projection to pixels |
 //! | [`camera_path`] | cameras that move: turntables and key frames |
@@ -37,6 +38,7 @@
 
 pub mod camera;
 pub mod camera_path;
+pub mod chunks;
 pub mod clip;
 mod error;
 pub mod exposure;
@@ -60,6 +62,10 @@ pub mod volume;
 
 pub use camera::{Camera, Projection, ScreenFromCamera, View};
 pub use camera_path::{CameraKey, CameraPath};
+pub use chunks::{
+    Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkFault, ChunkSource, ChunkedVolume, ElementType,
+    LevelLayout, OverBudget, Reservation, SourceError, SourceIdentity,
+};
 pub use clip::{Clip, ClipPlane, Keep};
 pub use error::SceneError;
 pub use exposure::Exposure;
