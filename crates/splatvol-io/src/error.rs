@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use splatvol_scene::SceneError;
+use splatvol_scene::{SceneError, SourceError};
 
 use crate::ReadOptions;
 
@@ -69,6 +69,16 @@ pub enum IoError {
         /// Error of the decoder.
         source: std::io::Error,
         /// The file.
+        path: PathBuf,
+    },
+    /// A chunk of a volume cannot be read.
+    #[error("{format}: {source}, in {path}", path = path.display())]
+    Chunk {
+        /// Format of the file.
+        format: &'static str,
+        /// Place and cause.
+        source: SourceError,
+        /// The file, or the folder.
         path: PathBuf,
     },
     /// A legal file that this crate does not read, or a volume that a format cannot hold.
@@ -225,6 +235,14 @@ impl<'a> Context<'a> {
 
     pub(crate) fn scene(&self, source: SceneError) -> IoError {
         IoError::Scene {
+            source,
+            path: self.path.to_owned(),
+        }
+    }
+
+    pub(crate) fn chunk(&self, source: SourceError) -> IoError {
+        IoError::Chunk {
+            format: self.format,
             source,
             path: self.path.to_owned(),
         }

@@ -32,6 +32,7 @@ pub mod memory;
 pub mod mesh;
 mod ply;
 pub mod points;
+mod positioned;
 mod samples;
 mod source;
 mod tiff_pages;
@@ -61,6 +62,8 @@ pub use source::read_text;
 pub use transfer_function::{
     read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,
 };
+pub use volume::zarr::{Compression, OmeVersion, Pyramid, PyramidOptions, write_pyramid};
 pub use volume::{
-    Description, Loaded, RawLayout, ReadOptions, WriteOptions, axis_codes, read_volume, write_volume,
+    Description, Loaded, Opened, RawLayout, ReadOptions, WriteOptions, axis_codes, open_volume, read_volume,
+    write_volume,
 };

@@ -7,7 +7,7 @@
 mod text;
 
 use bytemuck::Pod;
-use splatvol_scene::Samples;
+use splatvol_scene::{ElementType, Samples};
 
 use crate::IoError;
 use crate::error::Context;
@@ -143,6 +143,20 @@ impl SampleType {
         })
     }
 
+    /// Type of such samples in memory.
+    pub(crate) fn element(self) -> ElementType {
+        match self {
+            Self::U8 => ElementType::U8,
+            Self::I8 => ElementType::I8,
+            Self::U16 => ElementType::U16,
+            Self::I16 => ElementType::I16,
+            Self::U32 => ElementType::U32,
+            Self::I32 => ElementType::I32,
+            Self::F32 => ElementType::F32,
+            Self::U64 | Self::I64 | Self::F64 => ElementType::F64,
+        }
+    }
+
     /// Bytes of `count` samples.
     pub(crate) fn byte_count(self, count: usize) -> u64 {
         (count as u64).saturating_mul(self.size() as u64)
@@ -257,8 +271,89 @@ fn into_samples(buffer: Buffer) -> (Samples, Option<String>) {
     (samples, None)
 }
 
-fn rounded(inexact: usize) -> Option<String> {
+pub(crate) fn rounded(inexact: usize) -> Option<String> {
     (inexact > 0).then(|| format!("{inexact} 64-bit integers are beyond 2^53 and were rounded to f64"))
+}
+
+/// The bytes of samples, in native order.
+pub(crate) fn sample_bytes_mut(samples: &mut Samples) -> &mut [u8] {
+    macro_rules! bytes {
+        ($($variant:ident)*) => {
+            match samples { $(Samples::$variant(data) => bytemuck::cast_slice_mut(data.to_mut()),)* }
+        };
+    }
+    bytes!(U8 I8 U16 I16 U32 I32 F32 F64)
+}
+
+/// Turns round the bytes of every sample of `size`.
+pub(crate) fn swap_bytes_of(bytes: &mut [u8], size: usize) {
+    fn swap<const N: usize>(bytes: &mut [u8]) {
+        bytes.chunks_exact_mut(N).for_each(<[u8]>::reverse);
+    }
+    match size {
+        2 => swap::<2>(bytes),
+        4 => swap::<4>(bytes),
+        8 => swap::<8>(bytes),
+        _ => (),
+    }
+}
+
+/// Stored bytes as samples in memory, as many as these are: half floats (stored as `u16`, into `f32`) and 64-bit
+/// integers (into `f64`) are converted, all others copied. Returns the number of integers that lost digits.
+pub(crate) fn widen_samples(
+    bytes: &[u8],
+    sample_type: SampleType,
+    endian: Endian,
+    into: &mut Samples,
+) -> usize {
+    fn words<const N: usize>(bytes: &[u8], endian: Endian) -> impl Iterator<Item = [u8; N]> {
+        bytes
+            .as_chunks()
+            .0
+            .iter()
+            .map(move |word: &[u8; N]| match endian {
+                Endian::Little => *word,
+                Endian::Big => swap_bytes(*word),
+            })
+    }
+    let mut inexact = 0;
+    match (sample_type, &mut *into) {
+        (SampleType::U16, Samples::F32(into)) => {
+            let halves = words(bytes, endian).map(|word| half::f16::from_le_bytes(word).to_f32());
+            into.to_mut()
+                .iter_mut()
+                .zip(halves)
+                .for_each(|(to, half)| *to = half);
+        }
+        (SampleType::U64, Samples::F64(into)) => {
+            for (to, value) in into
+                .to_mut()
+                .iter_mut()
+                .zip(words(bytes, endian).map(u64::from_le_bytes))
+            {
+                *to = value as f64;
+                inexact += usize::from(value > EXACT as u64);
+            }
+        }
+        (SampleType::I64, Samples::F64(into)) => {
+            for (to, value) in into
+                .to_mut()
+                .iter_mut()
+                .zip(words(bytes, endian).map(i64::from_le_bytes))
+            {
+                *to = value as f64;
+                inexact += usize::from(value.unsigned_abs() > EXACT as u64);
+            }
+        }
+        (sample_type, into) => {
+            let into = sample_bytes_mut(into);
+            into.copy_from_slice(bytes);
+            if endian != Endian::NATIVE {
+                swap_bytes_of(into, sample_type.size());
+            }
+        }
+    }
+    inexact
 }
 
 /// Every `components`-th sample, from `component` on: one component of interleaved vectors.

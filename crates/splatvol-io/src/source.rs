@@ -77,15 +77,6 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// A reader that yields exactly `length` bytes, uncompressed.
-    pub(crate) fn from_reader(reader: impl Read + 'a, length: u64) -> Self {
-        Self {
-            reader: Box::new(BufReader::new(reader)),
-            at_most: length,
-            exact: true,
-        }
-    }
-
     /// A stream of `declared` bytes that another decoder of the deflate family produces from `compressed`
     /// bytes.
     pub(crate) fn from_decoder(reader: impl Read + 'a, compressed: u64, declared: u64) -> Self {

@@ -26,9 +26,10 @@ pub(crate) mod vtk_array;
 pub mod zarr;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
-use splatvol_scene::Volume;
+use splatvol_scene::{ChunkSource, LengthUnit, Volume};
 
 pub use assemble::axis_codes;
 pub(crate) use assemble::{
@@ -45,6 +46,17 @@ use detect::Format;
 pub struct Loaded {
     /// The volume.
     pub volume: Volume,
+    /// Description of the file.
+    pub description: Description,
+}
+
+/// A volume that is read chunk by chunk, and where it comes from.
+#[derive(Debug, Clone)]
+pub struct Opened {
+    /// Its samples, at all levels of detail.
+    pub source: Arc<dyn ChunkSource>,
+    /// Unit of world lengths.
+    pub unit: LengthUnit,
     /// Description of the file.
     pub description: Description,
 }
@@ -186,13 +198,38 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
         Format::Slices => slices::read(path, options),
         Format::Raw => raw::read(path, options),
     }?;
-    if options.strict && !loaded.description.warnings.is_empty() {
-        return Err(IoError::Strict {
-            warning: loaded.description.warnings.join("; "),
-            path: path.to_owned(),
-        });
-    }
+    refuse_warnings(&loaded.description, path, options)?;
     Ok(loaded)
+}
+
+/// Opens a volume whose samples can be read box by box: OME-Zarr and Zarr. Only metadata are read, whatever their size.
+/// `None` for all other formats.
+///
+/// # Errors
+/// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
+pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    let path = path.as_ref();
+    let format = match options.raw {
+        Some(_) => Format::Raw,
+        None => detect::format(path)?,
+    };
+    choices::check(format, options, &Context::new("volume", path))?;
+    let opened = match format {
+        Format::Zarr => zarr::open(path, options)?,
+        _ => return Ok(None),
+    };
+    refuse_warnings(&opened.description, path, options)?;
+    Ok(Some(opened))
+}
+
+fn refuse_warnings(description: &Description, path: &Path, options: &ReadOptions) -> Result<(), IoError> {
+    match options.strict && !description.warnings.is_empty() {
+        false => Ok(()),
+        true => Err(IoError::Strict {
+            warning: description.warnings.join("; "),
+            path: path.to_owned(),
+        }),
+    }
 }
 
 /// Writes a volume; the extension chooses the format: `.nrrd`, or `.npy` (samples only).

@@ -5,11 +5,14 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use splatvol_scene::Grid;
+use splatvol_scene::volume::widen;
+use splatvol_scene::{ElementType, Grid, with_samples};
 
 use super::codec::Codec;
+use super::fill::FillValue;
+use super::own;
 use crate::error::Context;
-use crate::samples::Endian;
+use crate::samples::{Endian, widen_samples};
 use crate::source::read_file;
 use crate::{IoError, SampleType};
 
@@ -34,6 +37,8 @@ pub(super) struct Array {
     pub(super) shard: Option<Shard>,
     /// Bytes of a sample that no chunk holds, in the order of the file.
     pub(super) fill: Vec<u8>,
+    /// True where its writer said that no chunk is left out.
+    pub(super) complete: bool,
     /// Before the numbers of a chunk's file: "c" or nothing; and between them.
     prefix: &'static str,
     separator: char,
@@ -59,6 +64,14 @@ pub(super) fn json(path: &Path) -> Result<Option<Value>, IoError> {
     value
         .map(Some)
         .map_err(|error| context.field("JSON", error, None, "well-formed JSON"))
+}
+
+impl Shard {
+    /// Chunks along each axis of a shard.
+    pub(super) fn chunks_along(&self, chunks: &[usize]) -> Vec<usize> {
+        let sizes = self.shape.iter().zip(chunks);
+        sizes.map(|(outer, inner)| outer / inner).collect()
+    }
 }
 
 impl Array {
@@ -93,8 +106,8 @@ impl Array {
         self.chunks.iter().product()
     }
 
-    /// The file of a chunk, or of a shard.
-    pub(super) fn file(&self, numbers: &[usize]) -> PathBuf {
+    /// The key of a chunk, or of a shard: its file below the folder.
+    pub(super) fn key(&self, numbers: &[usize]) -> String {
         let mut parts: Vec<String> = Vec::new();
         if !self.prefix.is_empty() {
             parts.push(self.prefix.to_owned());
@@ -103,7 +116,22 @@ impl Array {
         if parts.is_empty() {
             parts.push("0".to_owned());
         }
-        self.folder.join(parts.join(&self.separator.to_string()))
+        parts.join(&self.separator.to_string())
+    }
+
+    /// The type of its samples in memory.
+    pub(super) fn element(&self) -> ElementType {
+        match self.half {
+            true => ElementType::F32,
+            false => self.sample_type.element(),
+        }
+    }
+
+    /// The value of a sample that no chunk holds.
+    pub(super) fn fill_value(&self) -> f64 {
+        let mut samples = self.element().filled(1, 0.0);
+        widen_samples(&self.fill, self.sample_type, self.endian, &mut samples);
+        with_samples!(&samples, data => widen(data[0]))
     }
 
     pub(super) fn stored_type(&self) -> String {
@@ -227,7 +255,8 @@ impl Fields<'_> {
             order,
             codecs,
             shard: None,
-            fill: self.fill(sample_type, half, endian)?,
+            fill: FillValue::new(self.value, self.context).bytes(sample_type, half, endian)?,
+            complete: own::is_complete(json(&folder.join(".zattrs"))?.as_ref()),
             prefix: "",
             separator: if slashes { '/' } else { '.' },
         })
@@ -269,6 +298,7 @@ impl Fields<'_> {
             codecs: Vec::new(),
             shard: None,
             fill: Vec::new(),
+            complete: own::is_complete(self.value.get("attributes")),
             prefix: if plain { "" } else { "c" },
             separator: if separator == "." { '.' } else { '/' },
         };
@@ -282,7 +312,7 @@ impl Fields<'_> {
         {
             return Err(self.bad("chunk_shape", grid, "a multiple of the chunks inside"));
         }
-        array.fill = self.fill(sample_type, half, array.endian)?;
+        array.fill = FillValue::new(self.value, self.context).bytes(sample_type, half, array.endian)?;
         Ok(array)
     }
 
@@ -334,74 +364,4 @@ impl Fields<'_> {
         }
         Ok(())
     }
-
-    /// The bytes of a sample that no chunk holds: a number, `NaN`, `Infinity`, or the sample's bits in hexadecimal
-    /// digits (Zarr 3 core, "Fill value").
-    fn fill(&self, sample_type: SampleType, half: bool, endian: Endian) -> Result<Vec<u8>, IoError> {
-        let stated = self.value.get("fill_value");
-        let bad = || self.bad("fill_value", stated, "a number that fits the samples' type");
-        let value = match stated {
-            None | Some(Value::Null) => 0.0,
-            Some(Value::Bool(value)) => f64::from(u8::from(*value)),
-            Some(Value::Number(number)) => match whole(number, sample_type).filter(|_| !half) {
-                Some(bits) => return Ok(ordered(bits.to_le_bytes()[..sample_type.size()].to_vec(), endian)),
-                None => number.as_f64().ok_or_else(bad)?,
-            },
-            Some(Value::String(text)) => match text.as_str() {
-                "NaN" => f64::NAN,
-                "Infinity" => f64::INFINITY,
-                "-Infinity" => f64::NEG_INFINITY,
-                text => {
-                    let digits = text.strip_prefix("0x").ok_or_else(bad)?;
-                    let bits = u64::from_str_radix(digits, 16).map_err(|_| bad())?;
-                    if digits.len() != 2 * sample_type.size() {
-                        return Err(bad());
-                    }
-                    return Ok(ordered(bits.to_le_bytes()[..sample_type.size()].to_vec(), endian));
-                }
-            },
-            Some(_) => return Err(bad()),
-        };
-        let bytes = match sample_type {
-            _ if half => half::f16::from_f64(value).to_le_bytes().to_vec(),
-            SampleType::F32 => (value as f32).to_le_bytes().to_vec(),
-            SampleType::F64 => value.to_le_bytes().to_vec(),
-            // A whole number in decimal point form, such as 0.0.
-            integer => {
-                let bits = (value.fract() == 0.0 && value.abs() < EXACT).then_some(value as i64);
-                let number = serde_json::Number::from(bits.ok_or_else(bad)?);
-                let bits = whole(&number, integer).ok_or_else(bad)?;
-                bits.to_le_bytes()[..integer.size()].to_vec()
-            }
-        };
-        Ok(ordered(bytes, endian))
-    }
-}
-
-/// Whole numbers below this are exact in 64-bit reals.
-const EXACT: f64 = 9_007_199_254_740_992.0;
-
-/// The bits of a whole number that fits an integer type; `None` for other numbers and types.
-fn whole(number: &serde_json::Number, sample_type: SampleType) -> Option<u64> {
-    let bits = 8 * sample_type.size() as u32;
-    match sample_type {
-        SampleType::U8 | SampleType::U16 | SampleType::U32 | SampleType::U64 => {
-            number.as_u64().filter(|&n| bits == 64 || n >> bits == 0)
-        }
-        SampleType::I8 | SampleType::I16 | SampleType::I32 | SampleType::I64 => {
-            let most = i64::MAX >> (64 - bits);
-            number
-                .as_i64()
-                .filter(|n| (-most - 1..=most).contains(n))
-                .map(|n| n as u64)
-        }
-        _ => None,
-    }
-}
-
-fn ordered(mut little_endian: Vec<u8>, endian: Endian) -> Vec<u8> {
-    if endian == Endian::Big {
-        little_endian.reverse();
-    }
-    little_endian
 }

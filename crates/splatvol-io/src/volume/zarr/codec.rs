@@ -50,76 +50,125 @@ impl Codec {
         Self::from_name(value.get("id")?.as_str()?)
     }
 
-    /// At most `expected` bytes, or a description of the fault.
-    fn decode(self, bytes: &[u8], expected: usize) -> Result<Vec<u8>, String> {
-        // One byte more than expected shows that there are too many.
-        let limit = expected as u64 + 1;
-        let read = |reader: &mut dyn Read| {
-            let mut decoded = Vec::new();
-            let result = reader.take(limit).read_to_end(&mut decoded);
-            result.map(|_| decoded).map_err(|error| error.to_string())
-        };
+    /// Decodes into all of `into`, or describes the fault.
+    fn decode(self, bytes: &[u8], into: &mut [u8]) -> Result<(), String> {
         match self {
-            Self::Blosc => blosc::decode(bytes, expected),
-            Self::Gzip => read(&mut GzDecoder::new(bytes)),
-            Self::Zlib => read(&mut ZlibDecoder::new(bytes)),
-            Self::Zstd => zstd(bytes, expected),
-            Self::Lz4 => lz4(bytes.get(4..).unwrap_or_default(), expected),
+            Self::Blosc => blosc::decode(bytes, into),
+            Self::Gzip => fill(&mut GzDecoder::new(bytes), into),
+            Self::Zlib => fill(&mut ZlibDecoder::new(bytes), into),
+            Self::Zstd => zstd(bytes, into),
+            Self::Lz4 => lz4(bytes.get(4..).unwrap_or_default(), into),
             Self::Crc32c => {
-                let (data, sum) = bytes.split_last_chunk::<4>().ok_or("no checksum")?;
-                match crc32c(data) == u32::from_le_bytes(*sum) {
-                    true => Ok(data.to_vec()),
-                    false => Err("a wrong checksum".to_owned()),
-                }
+                let data = checked(bytes)?;
+                let same = data.len() == into.len();
+                same.then(|| into.copy_from_slice(data))
+                    .ok_or_else(|| wrong_length(data.len(), into.len()))
             }
         }
     }
 }
 
-/// Undoes `codecs` (in the order of writing); the result has `expected` bytes.
-pub(super) fn decode(bytes: &[u8], codecs: &[Codec], expected: usize) -> Result<Vec<u8>, String> {
-    let mut decoded = bytes.to_vec();
-    for (index, codec) in codecs.iter().enumerate().rev() {
-        // Checksums behind the first codec make data longer than the samples.
-        let slack = 4 * codecs[..index]
-            .iter()
-            .filter(|codec| **codec == Codec::Crc32c)
-            .count();
-        decoded = codec.decode(&decoded, expected + slack)?;
+/// A codec that failed, if it is known, and a description of the fault.
+pub(super) type Fault = (Option<Codec>, String);
+
+/// Undoes `codecs`, which are in the order of writing; the result fills `into`.
+pub(super) fn decode(bytes: &[u8], codecs: &[Codec], into: &mut [u8]) -> Result<(), Fault> {
+    let Some((&last, before)) = codecs.split_last() else {
+        return match bytes.len() == into.len() {
+            true => {
+                into.copy_from_slice(bytes);
+                Ok(())
+            }
+            false => Err((None, wrong_length(bytes.len(), into.len()))),
+        };
+    };
+    let fault = |reason| (Some(last), reason);
+    if last == Codec::Crc32c {
+        // A sum at the end is cut off without a copy.
+        return decode(checked(bytes).map_err(fault)?, before, into);
     }
-    match decoded.len() == expected {
-        true => Ok(decoded),
-        false => Err(format!("{} bytes in place of {expected}", decoded.len())),
+    if before.is_empty() {
+        return last.decode(bytes, into).map_err(fault);
+    }
+    // Checksums behind the codecs before make data longer than the samples.
+    let sums = before.iter().filter(|codec| **codec == Codec::Crc32c).count();
+    if sums == before.len() {
+        let mut decoded = vec![0; into.len() + 4 * sums];
+        last.decode(bytes, &mut decoded).map_err(fault)?;
+        return decode(&decoded, before, into);
+    }
+    let decoded = last.decode_some(bytes, into.len() + 4 * sums).map_err(fault)?;
+    decode(&decoded, before, into)
+}
+
+impl Codec {
+    /// Decodes what another codec has compressed before: up to `most` bytes, and a little more.
+    fn decode_some(self, bytes: &[u8], most: usize) -> Result<Vec<u8>, String> {
+        let most = most + most / 8 + 4096;
+        let read = |reader: &mut dyn Read| {
+            let mut decoded = Vec::new();
+            let result = reader.take(most as u64).read_to_end(&mut decoded);
+            result.map(|_| decoded).map_err(|error| error.to_string())
+        };
+        let length = |at: usize| {
+            let length = bytes.get(at..at + 4).and_then(|word| word.try_into().ok());
+            let length = length.map(|word: [u8; 4]| u32::from_le_bytes(word) as usize);
+            length.filter(|&length| length <= most).ok_or("a wrong length")
+        };
+        let whole = |length: usize| {
+            let mut decoded = vec![0; length];
+            self.decode(bytes, &mut decoded).map(|()| decoded)
+        };
+        match self {
+            Self::Gzip => read(&mut GzDecoder::new(bytes)),
+            Self::Zlib => read(&mut ZlibDecoder::new(bytes)),
+            Self::Zstd => read(&mut zstd_stream(bytes)?),
+            Self::Blosc => whole(length(4)?),
+            Self::Lz4 => whole(length(0)?),
+            Self::Crc32c => Ok(checked(bytes)?.to_vec()),
+        }
+    }
+}
+
+fn wrong_length(found: usize, expected: usize) -> String {
+    format!("{found} bytes in place of {expected}")
+}
+
+/// The bytes before a right checksum.
+fn checked(bytes: &[u8]) -> Result<&[u8], String> {
+    let (data, sum) = bytes.split_last_chunk::<4>().ok_or("no checksum")?;
+    match crc32c::crc32c(data) == u32::from_le_bytes(*sum) {
+        true => Ok(data),
+        false => Err("a wrong checksum".to_owned()),
+    }
+}
+
+/// Fills `into` from a stream that ends there.
+pub(super) fn fill(reader: &mut dyn Read, into: &mut [u8]) -> Result<(), String> {
+    reader.read_exact(into).map_err(|error| error.to_string())?;
+    // Reading past the end also makes the decoder check its checksum.
+    match reader.read(&mut [0]).map_err(|error| error.to_string())? {
+        0 => Ok(()),
+        _ => Err(format!("more than {} bytes", into.len())),
     }
 }
 
 /// One block of LZ4.
-pub(super) fn lz4(coded: &[u8], length: usize) -> Result<Vec<u8>, String> {
-    // A byte decodes to 255 at most.
-    if length > coded.len().saturating_mul(255) {
-        return Err(format!("{} bytes of LZ4 for {length}", coded.len()));
+pub(super) fn lz4(coded: &[u8], into: &mut [u8]) -> Result<(), String> {
+    let length = lz4_flex::block::decompress_into(coded, into).map_err(|error| error.to_string())?;
+    match length == into.len() {
+        true => Ok(()),
+        false => Err(wrong_length(length, into.len())),
     }
-    lz4_flex::block::decompress(coded, length).map_err(|error| error.to_string())
 }
 
-/// Frames of Zstandard, up to `length` bytes and one.
-pub(super) fn zstd(coded: &[u8], length: usize) -> Result<Vec<u8>, String> {
-    let mut decoder = ruzstd::decoding::StreamingDecoder::new(coded).map_err(|error| error.to_string())?;
-    let mut decoded = Vec::new();
-    let mut limited = (&mut decoder).take(length as u64 + 1);
-    limited
-        .read_to_end(&mut decoded)
-        .map_err(|error| error.to_string())?;
-    Ok(decoded)
+/// Frames of Zstandard.
+pub(super) fn zstd(coded: &[u8], into: &mut [u8]) -> Result<(), String> {
+    fill(&mut zstd_stream(coded)?, into)
 }
 
-/// RFC 3720, B.4: polynomial 0x1edc6f41, reflected.
-pub(super) fn crc32c(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(u32::MAX, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
-            crc >> 1 ^ if crc & 1 == 1 { 0x82f6_3b78 } else { 0 }
-        })
-    })
+fn zstd_stream(coded: &[u8]) -> Result<impl Read, String> {
+    ruzstd::decoding::StreamingDecoder::new(coded).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -127,9 +176,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_checksum_is_that_of_the_rfc() {
-        // RFC 3720, B.4: 32 zeros, and the bytes 0 to 31.
-        assert_eq!(crc32c(&[0; 32]), 0x8a91_36aa);
-        assert_eq!(crc32c(&(0..32).collect::<Vec<u8>>()), 0x46dd_794e);
+    fn codecs_are_undone_from_the_last_to_the_first() {
+        let sum = |bytes: &[u8]| [bytes, &crc32c::crc32c(bytes).to_le_bytes()[..]].concat();
+        let lz4 = |bytes: &[u8]| {
+            [
+                &(bytes.len() as u32).to_le_bytes()[..],
+                &lz4_flex::block::compress(bytes),
+            ]
+            .concat()
+        };
+        let plain = [7, 7, 7, 7, 7, 7, 7, 7, 7, 3, 2, 1];
+        for (codecs, coded) in [
+            (vec![], plain.to_vec()),
+            (vec![Codec::Crc32c], sum(&plain)),
+            (vec![Codec::Lz4], lz4(&plain)),
+            (vec![Codec::Lz4, Codec::Crc32c], sum(&lz4(&plain))),
+            (vec![Codec::Crc32c, Codec::Lz4], lz4(&sum(&plain))),
+            (vec![Codec::Lz4, Codec::Lz4], lz4(&lz4(&plain))),
+            (
+                vec![Codec::Lz4, Codec::Crc32c, Codec::Crc32c, Codec::Lz4],
+                lz4(&sum(&sum(&lz4(&plain)))),
+            ),
+        ] {
+            let mut found = [0; 12];
+            decode(&coded, &codecs, &mut found).unwrap();
+            assert_eq!(found, plain, "{codecs:?}");
+            let (codec, reason) = decode(&coded[..coded.len() - 1], &codecs, &mut found).unwrap_err();
+            assert_eq!(codec, codecs.last().copied(), "{reason}");
+            assert!(decode(&coded, &codecs, &mut [0; 11]).is_err(), "{codecs:?}");
+        }
     }
 }

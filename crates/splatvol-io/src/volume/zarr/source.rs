@@ -1,0 +1,83 @@
+//! An image as a source of chunks: metadata are read when it is opened, and each chunk when it is asked for.
+
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+use splatvol_scene::{ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, SourceError, SourceIdentity};
+
+use super::bounds::Bounds;
+use super::level::ArrayLevel;
+use super::store::Store;
+use crate::IoError;
+use crate::volume::{Opened, ReadOptions};
+
+/// Levels of an image, chunk by chunk.
+#[derive(Debug)]
+pub(super) struct ZarrSource {
+    layouts: Vec<LevelLayout>,
+    levels: Vec<ArrayLevel>,
+    bounds: Vec<Option<Bounds>>,
+    identity: SourceIdentity,
+}
+
+/// Opens all levels from the chosen one on.
+pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoError> {
+    let first = store.check_level(options)?;
+    let (finest, _) = store.draft(first, options)?;
+    let mut levels = Vec::new();
+    let mut bounds = Vec::new();
+    for level in first..store.arrays.len() {
+        let (draft, part) = store.draft(level, options)?;
+        let opened = store.level(level, (&draft, part), options)?;
+        bounds.push(Bounds::open(&store.folder, level, &opened, options));
+        levels.push(opened);
+    }
+    let source = ZarrSource {
+        layouts: levels.iter().map(|level| level.layout.clone()).collect(),
+        identity: identity(store, &levels),
+        levels,
+        bounds,
+    };
+    Ok(Opened {
+        source: Arc::new(source),
+        unit: finest.unit,
+        description: finest.description,
+    })
+}
+
+fn identity(store: &Store, levels: &[ArrayLevel]) -> SourceIdentity {
+    let mut hash = Sha256::new();
+    for level in levels {
+        hash.update(format!("{:?}{:?}{:?}", level.array, level.part, level.layout));
+    }
+    let state: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    SourceIdentity {
+        name: store.folder.display().to_string(),
+        state,
+    }
+}
+
+impl ChunkSource for ZarrSource {
+    fn levels(&self) -> &[LevelLayout] {
+        &self.layouts
+    }
+
+    fn read(
+        &self,
+        level: usize,
+        chunk: [usize; 3],
+        into: &mut ChunkBuffer,
+    ) -> Result<ChunkContent, SourceError> {
+        self.levels[level]
+            .read(chunk, into)
+            .map_err(|failure| failure.at(level, chunk))
+    }
+
+    fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
+        self.bounds[level].as_ref()?.of(chunk)
+    }
+
+    fn identity(&self) -> SourceIdentity {
+        self.identity.clone()
+    }
+}

@@ -1,0 +1,193 @@
+//! Smallest and largest samples of chunks: found by the tasks, which leave them in files that also say that a task is
+//! done; put together in an array when a level is complete.
+
+use std::path::{Path, PathBuf};
+
+use splatvol_scene::volume::widen;
+use splatvol_scene::{ElementType, Samples, VoxelBox, with_samples};
+
+use super::chunks::coded;
+use super::files;
+use super::metadata::ArrayMetadata;
+use super::plan::{LevelPlan, Plan, chunks_in};
+use super::{OmeVersion, PyramidOptions};
+use crate::IoError;
+use crate::volume::zarr::own;
+
+/// Edge of the chunks of an index.
+const EDGE: usize = 32;
+/// Bytes of the bounds of a chunk in the file of a task.
+const ENTRY: usize = 16;
+
+/// Bounds of the chunks of a box, with the samples around each that `samples` have; NaN where samples are missing.
+pub(super) fn of_chunks(
+    level: &LevelPlan,
+    own: VoxelBox,
+    (samples, of): (&Samples, VoxelBox),
+) -> Vec<[f64; 2]> {
+    let bounds = |chunk| {
+        let region = around(level.whole_chunk(chunk), of);
+        with_samples!(samples, data => of_region(data, of, region))
+    };
+    chunks_in(level, own).map(bounds).collect()
+}
+
+/// A box and one sample around it, within another.
+fn around(inner: VoxelBox, outer: VoxelBox) -> VoxelBox {
+    let end = |of: VoxelBox, axis: usize| of.first[axis] + of.size[axis];
+    let first: [usize; 3] =
+        std::array::from_fn(|axis| inner.first[axis].saturating_sub(1).max(outer.first[axis]));
+    VoxelBox {
+        first,
+        size: std::array::from_fn(|axis| (end(inner, axis) + 1).min(end(outer, axis)) - first[axis]),
+    }
+}
+
+fn of_region<T: Copy + PartialOrd + Into<f64>>(data: &[T], of: VoxelBox, region: VoxelBox) -> [f64; 2] {
+    let [nx, ny, nz] = region.size;
+    let mut ends: Option<[T; 2]> = None;
+    for z in region.first[2]..region.first[2] + nz {
+        for y in region.first[1]..region.first[1] + ny {
+            let row = &of.row(data, [y, z])[region.first[0] - of.first[0]..][..nx];
+            let [mut low, mut high] = ends.unwrap_or([row[0]; 2]);
+            let mut finite = true;
+            for &value in row {
+                low = if value < low { value } else { low };
+                high = if value > high { value } else { high };
+                finite &= is_finite(value);
+            }
+            if !finite {
+                return [f64::NAN; 2];
+            }
+            ends = Some([low, high]);
+        }
+    }
+    ends.map_or([f64::NAN; 2], |ends| ends.map(widen))
+}
+
+#[inline(always)]
+fn is_finite<T: Into<f64>>(value: T) -> bool {
+    widen(value).is_finite()
+}
+
+/// The files that tasks leave.
+pub(super) struct Done {
+    folder: PathBuf,
+}
+
+impl Done {
+    pub(super) fn new(folder: &Path, level: usize) -> Self {
+        Self {
+            folder: folder.join(level.to_string()),
+        }
+    }
+
+    fn path(&self, task: usize) -> PathBuf {
+        self.folder.join(task.to_string())
+    }
+
+    /// Says that a task is done.
+    pub(super) fn write(&self, task: usize, bounds: &[[f64; 2]]) -> Result<(), IoError> {
+        let mut bytes: Vec<u8> = bounds
+            .iter()
+            .flatten()
+            .flat_map(|end| end.to_le_bytes())
+            .collect();
+        let sum = crc32c::crc32c(&bytes);
+        bytes.extend(sum.to_le_bytes());
+        files::write(&self.path(task), &bytes)
+    }
+
+    /// The bounds that a task left, if it is done.
+    pub(super) fn read(&self, task: usize, chunks: usize) -> Option<Vec<[f64; 2]>> {
+        let bytes = std::fs::read(self.path(task)).ok()?;
+        let (bounds, sum) = bytes.split_last_chunk::<4>()?;
+        if bounds.len() != ENTRY * chunks || crc32c::crc32c(bounds) != u32::from_le_bytes(*sum) {
+            return None;
+        }
+        let ends = bounds
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|end| f64::from_le_bytes(*end));
+        let ends: Vec<f64> = ends.collect();
+        Some(ends.as_chunks::<2>().0.to_vec())
+    }
+}
+
+/// Writes the index of a level, all of whose tasks are done.
+pub(super) fn write_index(
+    folder: &Path,
+    (plan, level): (&Plan, usize),
+    done: &Done,
+    element: ElementType,
+    options: &PyramidOptions,
+) -> Result<(), IoError> {
+    let of = &plan.levels[level];
+    let counts = of.counts();
+    let count: usize = counts.iter().product();
+    let mut ends = vec![[f64::NAN; 2]; count];
+    for index in 0..plan.tasks(level) {
+        let task = plan.task(level, index);
+        let chunks: Vec<[usize; 3]> = chunks_in(of, task.own).collect();
+        let found = done.read(index, chunks.len()).unwrap_or_default();
+        for ([x, y, z], bounds) in chunks.into_iter().zip(found) {
+            ends[(z * counts[1] + y) * counts[0] + x] = bounds;
+        }
+    }
+    let [x, y, z] = of.chunk;
+    let edges = counts.map(|count| count.min(EDGE));
+    let metadata = ArrayMetadata {
+        shape: &[2, counts[2], counts[1], counts[0]],
+        chunk: &[1, edges[2], edges[1], edges[0]],
+        shard: None,
+        element,
+        names: &["end", "z", "y", "x"],
+        attributes: own::bounds_of([z, y, x]),
+    };
+    metadata.write(folder, options)?;
+    let prefix = if options.version == OmeVersion::V05 {
+        "c/"
+    } else {
+        ""
+    };
+    let pieces: [usize; 3] = std::array::from_fn(|axis| counts[axis].div_ceil(edges[axis]));
+    for (end, piece) in [0, 1]
+        .into_iter()
+        .flat_map(|end| (0..pieces.iter().product()).map(move |piece| (end, piece)))
+    {
+        let at = [
+            piece % pieces[0],
+            piece / pieces[0] % pieces[1],
+            piece / (pieces[0] * pieces[1]),
+        ];
+        let value = |i: usize| {
+            let within = [i % edges[0], i / edges[0] % edges[1], i / (edges[0] * edges[1])];
+            let [x, y, z]: [usize; 3] = std::array::from_fn(|axis| at[axis] * edges[axis] + within[axis]);
+            let inside = x < counts[0] && y < counts[1] && z < counts[2];
+            inside
+                .then(|| ends[(z * counts[1] + y) * counts[0] + x][end])
+                .unwrap_or_default()
+        };
+        let values: Vec<f64> = (0..edges.iter().product()).map(value).collect();
+        let mut samples = of_type(element, &values);
+        let [x, y, z] = at;
+        files::write(
+            &folder.join(format!("{prefix}{end}/{z}/{y}/{x}")),
+            &coded(&mut samples, options),
+        )?;
+    }
+    Ok(())
+}
+
+/// Values that are all of the type.
+fn of_type(element: ElementType, values: &[f64]) -> Samples {
+    macro_rules! narrow {
+        ($($variant:ident)*) => {
+            match element {
+                $(ElementType::$variant => Samples::$variant(values.iter().map(|&value| value as _).collect()),)*
+            }
+        };
+    }
+    narrow!(U8 I8 U16 I16 U32 I32 F32 F64)
+}
