@@ -25,6 +25,7 @@ mod look;
 mod method;
 mod motion;
 mod picture;
+mod pyramid;
 mod render;
 pub(crate) mod values;
 
@@ -49,6 +50,7 @@ pub(crate) use look::LookArgs;
 pub(crate) use method::MethodArgs;
 pub(crate) use motion::MotionArgs;
 pub(crate) use picture::PictureArgs;
+pub(crate) use pyramid::PyramidArgs;
 pub(crate) use render::{EngineName, RenderArgs};
 
 /// Volume rendering by splatting.
@@ -176,11 +178,13 @@ pub(crate) struct SampleArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "The output's extension says what is converted:
   .nrrd .npy    volumes
+  .ome.zarr     volumes of any size, with levels of detail; a stopped conversion is continued
   .vp.json      transfer functions for 3D Slicer; .json for ParaView
   .png .exr     pictures
 
 Examples:
   splatvol convert scan.nii.gz scan.nrrd
+  splatvol convert scan.nrrd scan.ome.zarr --memory 1G
   splatvol convert bone.json bone.vp.json --unit-distance 1
   splatvol convert frame.exr frame.png")]
 pub(crate) struct ConvertArgs {
@@ -194,6 +198,8 @@ pub(crate) struct ConvertArgs {
     /// World length over which a transfer function's opacities act [default: its file's]
     #[arg(long, value_name = "LENGTH", help_heading = LOOK)]
     pub(crate) unit_distance: Option<f64>,
+    #[command(flatten)]
+    pub(crate) pyramid: PyramidArgs,
     #[command(flatten)]
     pub(crate) read: InputArgs,
     #[command(flatten)]

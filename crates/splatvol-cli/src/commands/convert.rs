@@ -1,5 +1,7 @@
 //! `splatvol convert`: volumes, transfer functions and pictures, by the output's extension.
 
+mod pyramid;
+
 use std::path::Path;
 
 use splatvol::TransferFunction;
@@ -12,6 +14,15 @@ use crate::output::{Target, replace};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &ConvertArgs, terminal: &Terminal) -> Result<(), Failure> {
+    if extension(&args.output) == "zarr" {
+        pyramid::run(args, terminal)?;
+        terminal.note(format!("wrote {}", args.output.display()));
+        return Ok(());
+    }
+    if let Some(flag) = args.pyramid.given() {
+        let message = format!("{flag} has no meaning for {}", args.output.display());
+        return Err(Failure::usage(message).hint("it is for outputs named .ome.zarr"));
+    }
     Target::File(args.output.clone()).check(args.write.overwrite)?;
     match extension(&args.output).as_str() {
         "json" => transfer_function(args, terminal)?,
@@ -28,7 +39,7 @@ pub(crate) fn check_volume_extension(path: &Path) -> Result<(), Failure> {
         "nrrd" | "npy" => Ok(()),
         _ => Err(
             Failure::usage(format!("{}: no output format has this extension", path.display()))
-                .hint("volumes are written as .nrrd or .npy"),
+                .hint("volumes are written as .nrrd or .npy; convert writes .ome.zarr, too"),
         ),
     }
 }
