@@ -154,7 +154,7 @@ fn bytes_are_the_same_for_any_threads_memory_and_interruptions() {
         // The work ends where it is told how far it is.
         let stopped = catch_unwind(AssertUnwindSafe(|| {
             write_pyramid(&volume, &path, &one, &|share| {
-                assert!(share < stop, "stopped on purpose")
+                assert!(share < stop, "stopped on purpose");
             })
         }));
         assert!(stopped.is_err() && !path.exists());

@@ -165,9 +165,11 @@ pub(super) fn write_index(
             let within = [i % edges[0], i / edges[0] % edges[1], i / (edges[0] * edges[1])];
             let [x, y, z]: [usize; 3] = std::array::from_fn(|axis| at[axis] * edges[axis] + within[axis]);
             let inside = x < counts[0] && y < counts[1] && z < counts[2];
-            inside
-                .then(|| ends[(z * counts[1] + y) * counts[0] + x][end])
-                .unwrap_or_default()
+            if inside {
+                ends[(z * counts[1] + y) * counts[0] + x][end]
+            } else {
+                0.0
+            }
         };
         let values: Vec<f64> = (0..edges.iter().product()).map(value).collect();
         let mut samples = of_type(element, &values);

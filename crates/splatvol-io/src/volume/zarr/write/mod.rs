@@ -277,7 +277,6 @@ impl<'a> Writer<'a> {
     }
 
     /// The source with a cache, the number of threads, and the memory of these.
-    #[expect(clippy::type_complexity, reason = "three results of one decision")]
     fn within_budget(
         &self,
         source: Arc<dyn ChunkSource>,
