@@ -6,15 +6,15 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`store`] | metadata of an image: levels, axes, channels |
-//! | [`array`], [`fill`], [`ome`], [`own`] | metadata of arrays, OME's, and ours |
-//! | [`geometry`] | axes and places |
-//! | [`files`] | stored bytes of a chunk, from files and shards |
-//! | [`codec`], [`blosc`], [`shuffle`] | what becomes of them |
-//! | [`level`] | samples of a chunk |
-//! | [`source`], [`bounds`] | chunks of all levels, and what is known of them without reading |
-//! | [`whole`] | all chunks of a level |
-//! | [`write`](mod@write) | images with levels of detail, from any source of chunks |
+//! | `store` | metadata of an image: levels, axes, channels |
+//! | `array`, `fill`, `ome`, `own` | metadata of arrays, OME's, and ours |
+//! | `geometry` | axes and places |
+//! | `files` | stored bytes of a chunk, from files and shards |
+//! | `codec`, `blosc`, `shuffle` | what becomes of them |
+//! | `level` | samples of a chunk |
+//! | `source`, `bounds` | chunks of all levels, and what is known of them without reading |
+//! | `whole` | all chunks of a level |
+//! | `write` | images with levels of detail, from any source of chunks |
 
 mod array;
 mod blosc;
