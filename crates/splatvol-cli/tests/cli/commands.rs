@@ -129,6 +129,42 @@ fn volumes_survive_conversion() {
 }
 
 #[test]
+fn volumes_become_ome_zarr_with_levels() {
+    let sandbox = Sandbox::new();
+    let convert = "convert sample:head:40 a.ome.zarr --chunk 16";
+    sandbox.run(convert).succeeds();
+    let run = sandbox.run("compare sample:head:40 a.ome.zarr --json").succeeds();
+    let difference = json(&run.stdout());
+    assert_eq!(difference["differing-samples"], 0, "{difference}");
+    // Samples lie at the middles of the boxes that they cover.
+    let half = json(
+        &sandbox
+            .run("info a.ome.zarr --level 1 --json")
+            .succeeds()
+            .stdout(),
+    );
+    assert_eq!(half["dims"], serde_json::json!([20, 20, 20]));
+    sandbox
+        .run("render a.ome.zarr --level 2 --size 16 -o a.png")
+        .succeeds();
+    sandbox.run(convert).fails(5, &["already exists", "-w"]);
+    sandbox
+        .run(&format!("{convert} -w --ome-version 0.4 --compression zlib"))
+        .succeeds();
+    sandbox
+        .run("convert a.ome.zarr b.ome.zarr --memory 20M --levels 1")
+        .succeeds();
+    let run = sandbox.run("compare sample:head:40 b.ome.zarr --json").succeeds();
+    assert_eq!(json(&run.stdout())["differing-samples"], 0);
+    sandbox
+        .run("convert a.ome.zarr c.ome.zarr --memory 100K")
+        .fails(3, &["c.ome.zarr"]);
+    sandbox
+        .run("convert a.ome.zarr c.nrrd --levels 2")
+        .fails(2, &["--levels", ".ome.zarr"]);
+}
+
+#[test]
 fn pictures_survive_conversion() {
     let sandbox = Sandbox::new();
     sandbox
