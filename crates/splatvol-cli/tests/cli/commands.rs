@@ -158,7 +158,7 @@ fn volumes_become_ome_zarr_with_levels() {
     assert_eq!(json(&run.stdout())["differing-samples"], 0);
     sandbox
         .run("convert a.ome.zarr c.ome.zarr --memory 100K")
-        .fails(3, &["c.ome.zarr"]);
+        .fails(5, &["c.ome.zarr", "limit"]);
     sandbox
         .run("convert a.ome.zarr c.nrrd --levels 2")
         .fails(2, &["--levels", ".ome.zarr"]);
