@@ -100,3 +100,18 @@ fn is_left(ray: RaySegment, u: f32) -> bool {
     }
     return true;
 }
+
+// Whether clips leave a point, camera space.
+fn is_kept(point: vec3<f32>) -> bool {
+    for (var body = 0u; body < frame.bodies; body++) {
+        let own = effects[body];
+        var inside = true;
+        for (var i = u32(own.x); i < u32(own.y); i++) {
+            inside = inside && dot(effects[i].xyz, point) + effects[i].w >= 0.0;
+        }
+        if inside != (own.z != 0.0) {
+            return false;
+        }
+    }
+    return true;
+}

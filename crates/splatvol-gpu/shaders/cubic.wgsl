@@ -144,6 +144,7 @@ fn look_of(value: f32) -> vec4<f32> {
     return vec4(extinction, emission / select(extinction, 1.0, extinction <= 0.0));
 }
 
+// Replaces what a ray kept by its colour, with the opacity of the unit distance.
 fn settle_at(at: vec2<u32>) {
     let index = at.y * frame.size.x + at.x;
     let found = settled(Ink(colors[index].rgb, 1.0, depths[index]));
@@ -155,16 +156,4 @@ fn settle_at(at: vec2<u32>) {
     }
     colors[index] = color;
     depths[index] = found.y * (1.0 - color.a);
-}
-
-// Replaces what rays kept by its colour, with the opacity of the unit distance.
-@compute @workgroup_size(256)
-fn settle(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let corner = vec2(group.x * TILE_WIDTH, group.y * TILE_HEIGHT);
-    for (var half = 0u; half < 2u; half++) {
-        let at = corner + vec2(thread % TILE_WIDTH, thread / TILE_WIDTH + half * TILE_HEIGHT / 2u);
-        if all(at < frame.size) {
-            settle_at(at);
-        }
-    }
 }

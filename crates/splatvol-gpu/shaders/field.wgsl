@@ -117,61 +117,17 @@ fn slot_of(cell: vec3<i32>) -> Slot {
     return Slot(vec2<f32>(vec2(column, row) * edge + local.xy + 1), stack * edge + local.z, true);
 }
 
-// `S` over the sum of all weights.
-fn sum_at(place: Place) -> f32 {
-    let slot = slot_of(place.cell);
-    if !slot.exists {
-        return 0.0;
-    }
-    let x = weights(place.within.x);
-    let y = weights(place.within.y);
-    let z = weights(place.within.z);
-    let all_weights = x.sum * y.sum * z.sum;
+// A channel of the texels around a place, weighted.
+fn sum_of_slot(slot: Slot, channel: i32, x: Weights, y: Weights, z: Weights) -> f32 {
     let corner = slot.corner;
-    let layer = slot.layer;
+    let layer = slot.layer + channel * i32(frame.channel_layers);
     if TAPS == 6 {
-        let sum = z.a * slice(corner, layer, x, y) + z.b * slice(corner, layer + 1, x, y)
+        return z.a * slice(corner, layer, x, y) + z.b * slice(corner, layer + 1, x, y)
             + z.c * slice(corner, layer + 2, x, y) + z.d * slice(corner, layer + 3, x, y)
             + z.e * slice(corner, layer + 4, x, y) + z.f * slice(corner, layer + 5, x, y);
-        return sum / all_weights;
     }
-    let sum = z.b * slice(corner, layer, x, y) + z.c * slice(corner, layer + 1, x, y)
+    return z.b * slice(corner, layer, x, y) + z.c * slice(corner, layer + 1, x, y)
         + z.d * slice(corner, layer + 2, x, y) + z.e * slice(corner, layer + 3, x, y);
-    return sum / all_weights;
-}
-
-// Quadrature for the low-pass across a plane: a point's place along an axis, standard deviations, and its weight. Three and
-// five points are those of Gauss and Hermite; more lie at equal distances.
-fn low_pass_point(i: i32, count: i32) -> vec2<f32> {
-    let from_middle = i - count / 2;
-    let side = f32(sign(from_middle));
-    if count == 3 {
-        return vec2(side * 1.7320508, select(1.0, 0.25, from_middle != 0));
-    }
-    if count == 5 {
-        let is_outer = abs(from_middle) == 2;
-        let weight = select(0.22207592, 0.01125741, is_outer);
-        return vec2(side * select(1.3556262, 2.8569700, is_outer), select(0.53333333, weight, from_middle != 0));
-    }
-    let place = select(3.0 * f32(from_middle) / f32(count / 2), 0.0, count == 1);
-    return vec2(place, exp2(-0.72134752 * place * place));
-}
-
-// `S` over the sum of all weights at an offset in pixels from the principal point, low-passed across the plane.
-fn sum_on(sheet: u32, offset: vec2<f32>) -> f32 {
-    let count = i32(sheets[sheet].low_pass_points);
-    var sum = 0.0;
-    var all = 0.0;
-    for (var y = 0; y < count; y++) {
-        let down = low_pass_point(y, count);
-        for (var x = 0; x < count; x++) {
-            let across = low_pass_point(x, count);
-            let weight = across.y * down.y;
-            sum += weight * sum_at(place_on(sheet, offset + sheets[sheet].low_pass * vec2(across.x, down.x)));
-            all += weight;
-        }
-    }
-    return sum / all;
 }
 
 // Coverage at the faces of the volume (docs/numerics.md, `q`), as `splatvol_core::border`.

@@ -52,7 +52,8 @@ struct Frame {
     bodies: u32,
     isosurfaces: u32,
     first_isosurface: u32,
-    unused: u32,
+    // Layers of the atlas that a channel has.
+    channel_layers: u32,
     // Gradients: per world length in camera space, from per voxel.
     gradient_from_lattice: mat3x3<f32>,
 }

@@ -1,7 +1,8 @@
 //! Atlas: a volume's coefficients on the device, in pages of 16^3 cells with the voxels around them.
 //!
 //! A page has a slot of `(15 + taps)^3` texels, if any of these voxels is needed. So every sum of a cell reads one slot.
-//! Slots lie side by side in a texture of layers; a table says which slot a page has.
+//! Slots lie side by side in a texture of layers; a table says which slot a page has. Channels, where voxels have several
+//! numbers, lie behind each other.
 
 use rayon::prelude::*;
 use splatvol_core::brick::BRICK;
@@ -30,12 +31,14 @@ pub(crate) struct Atlas {
 pub(crate) struct AtlasLayout {
     /// Voxels along an axis that a kernel meets.
     pub taps: i32,
+    /// Numbers of a voxel.
+    channels: u32,
     /// Pages along x, y, z.
     pub pages: [i32; 3],
     /// Slots along x and y of a layer, and stacks of slots.
     pub slots: [u32; 3],
     /// Pages that have a slot, ascending.
-    resident: Vec<u32>,
+    pub resident: Vec<u32>,
     /// For each of these the end of its part of `bricks`.
     ends: Vec<usize>,
     /// Needed bricks that meet each page, page by page.
@@ -43,24 +46,29 @@ pub(crate) struct AtlasLayout {
 }
 
 impl AtlasLayout {
-    /// Pages and slots for the needed voxels. `most`: texels of a texture along an axis, and layers.
+    /// Pages and slots for the voxels of bricks. `firsts`: their first lattice points; `most`: texels of a texture along
+    /// an axis, and layers.
     ///
     /// # Errors
     /// More slots than a texture has room for: how many there are, and how many are needed.
-    pub(crate) fn new(store: &FieldStore, taps: i32, most: [u32; 2]) -> Result<Self, [usize; 2]> {
+    fn new(
+        (dims, firsts): ([usize; 3], impl Iterator<Item = [u32; 3]>),
+        (taps, channels): (i32, u32),
+        most: [u32; 2],
+    ) -> Result<Self, [usize; 2]> {
         let edge = (PAGE + taps - 1) as u32;
-        let pages = store
-            .dims()
-            .map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
-        let mut met: Vec<[u32; 2]> = (0..store.len())
-            .flat_map(|brick| {
-                let first = store.first(brick).map(|at| at as i32);
+        let pages = dims.map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
+        let mut met: Vec<[u32; 2]> = firsts
+            .enumerate()
+            .flat_map(|(brick, first)| {
+                let first = first.map(|at| at as i32);
                 pages_of(first, taps, pages).map(move |page| [page, brick as u32])
             })
             .collect();
         met.par_sort_unstable();
         let mut layout = Self {
             taps,
+            channels,
             pages,
             slots: [1; 3],
             resident: Vec::new(),
@@ -73,7 +81,7 @@ impl AtlasLayout {
             layout.ends.push(start + group.len());
         }
         let needed = layout.resident.len().max(1);
-        let (across, stacks) = ((most[0] / edge) as usize, (most[1] / edge) as usize);
+        let (across, stacks) = ((most[0] / edge) as usize, (most[1] / channels / edge) as usize);
         let x = needed.div_ceil(stacks).isqrt().max(1).min(across);
         let y = needed.div_ceil(stacks * x).max(1).min(across);
         let z = needed.div_ceil(x * y);
@@ -92,7 +100,12 @@ impl AtlasLayout {
     /// Bytes of the texture.
     pub(crate) fn bytes(&self) -> u64 {
         let slots: u64 = self.slots.iter().map(|&n| u64::from(n)).product();
-        slots * u64::from(self.edge()).pow(3) * size_of::<f32>() as u64
+        slots * u64::from(self.edge()).pow(3) * u64::from(self.channels) * size_of::<f32>() as u64
+    }
+
+    /// Layers of a channel.
+    pub(crate) fn channel_layers(&self) -> u32 {
+        self.slots[2] * self.edge()
     }
 
     /// Width and height, texels.
@@ -174,57 +187,73 @@ fn pages_of(first: [i32; 3], taps: i32, pages: [i32; 3]) -> impl Iterator<Item =
 }
 
 impl Atlas {
-    /// Brings a volume's needed voxels to the device.
+    /// Brings a field's needed coefficients to the device.
     ///
     /// # Errors
     /// More of them than the budget or the device has room for.
     pub(crate) fn new(gpu: &GpuDevice, store: &FieldStore, taps: i32) -> Result<Self, SceneError> {
+        let firsts = (0..store.len()).map(|brick| store.first(brick));
+        let usage = wgpu::TextureUsages::COPY_DST;
+        let (atlas, texture) = Self::empty(gpu, (store.dims(), firsts), (taps, 1), usage)?;
+        gpu.scoped(|gpu| upload(gpu, &atlas.layout, store, &texture))?;
+        Ok(atlas)
+    }
+
+    /// Slots for the voxels of bricks. `firsts`: their first lattice points.
+    ///
+    /// # Errors
+    /// More of them than the budget or the device has room for.
+    pub(crate) fn empty(
+        gpu: &GpuDevice,
+        bricks: ([usize; 3], impl Iterator<Item = [u32; 3]>),
+        shape: (i32, u32),
+        usage: wgpu::TextureUsages,
+    ) -> Result<(Self, wgpu::Texture), SceneError> {
         let limits = gpu.device.limits();
         let most = [limits.max_texture_dimension_2d, limits.max_texture_array_layers];
-        let layout = AtlasLayout::new(store, taps, most).map_err(|[needed, room]| {
+        let layout = AtlasLayout::new(bricks, shape, most).map_err(|[needed, room]| {
             gpu.failed(&format!(
                 "the volume needs {needed} pages, a texture has room for {room}"
             ))
         })?;
-        if layout.bytes() > gpu.budget {
-            return Err(gpu.failed(&format!(
-                "the visible part of the volume needs {} MiB, the budget is {} MiB",
-                layout.bytes() >> 20,
-                gpu.budget >> 20
-            )));
-        }
-        let texture = gpu.scoped(|gpu| upload(gpu, &layout, store))?;
+        gpu.afford("the visible part of the volume", layout.bytes())?;
+        let texture = gpu.scoped(|gpu| texture_of(gpu, &layout, usage))?;
         let table = layout.table();
         let pages = gpu.scoped(|gpu| gpu.buffer_of("pages", &table))?;
-        Ok(Self {
+        let atlas = Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..wgpu::TextureViewDescriptor::default()
             }),
             pages,
             layout,
-        })
+        };
+        Ok((atlas, texture))
     }
 }
 
-/// Fills the texture, a row of slots at a time.
-fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore) -> wgpu::Texture {
-    let edge = layout.edge();
+fn texture_of(gpu: &GpuDevice, layout: &AtlasLayout, usage: wgpu::TextureUsages) -> wgpu::Texture {
     let [width, height] = layout.size();
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("atlas"),
         size: wgpu::Extent3d {
             width,
             height,
-            depth_or_array_layers: layout.slots[2] * edge,
+            depth_or_array_layers: layout.channel_layers() * layout.channels,
         },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
-    });
+    })
+}
+
+/// Fills the texture, a row of slots at a time.
+fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore, texture: &wgpu::Texture) {
+    let edge = layout.edge();
+    let [width, _] = layout.size();
     let per_row = layout.slots[0] as usize;
     let pitch = width as usize;
     let rows = layout.resident.len().div_ceil(per_row);
@@ -245,7 +274,7 @@ fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore) -> wgpu::Te
             let (y, stack) = (row as u32 % layout.slots[1], row as u32 / layout.slots[1]);
             gpu.queue.write_texture(
                 wgpu::TexelCopyTextureInfo {
-                    texture: &texture,
+                    texture,
                     mip_level: 0,
                     origin: wgpu::Origin3d {
                         x: 0,
@@ -269,5 +298,4 @@ fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore) -> wgpu::Te
         }
         gpu.queue.submit([]);
     }
-    texture
 }

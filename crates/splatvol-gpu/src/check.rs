@@ -24,22 +24,18 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(SingleVolume<'a>, SheetS
             "the papers' methods are drawn by the engine cpu",
         );
     };
-    let is_classified_first = matches!(sheets.shows, Shows::Xray | Shows::Material(Classification::Pre));
-    if is_classified_first || single.labels {
-        return refuse(
-            "on the GPU, voxels that are classified before they are splatted",
-            "X-rays, pre-classification and labels are drawn by the engine cpu",
-        );
-    }
     if !single.item.operators.is_empty() {
         return refuse(
             "on the GPU, a volume with operators",
             "operators are applied by the engine cpu",
         );
     }
+    let sheets = sheets.of_labels(single.labels);
     let is_cut = !shot.scene.clips.is_empty() || !single.item.clips.is_empty();
-    let is_material = sheets.shows == Shows::Material(Classification::Post);
-    if (is_cut || !single.isosurfaces.is_empty()) && (!is_material || sheets.gradient == Gradient::Analytic) {
+    let has_cut_faces =
+        sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;
+    let drops_voxels = matches!(sheets.shows, Shows::Xray | Shows::Material(Classification::Pre));
+    if (is_cut && !has_cut_faces && !drops_voxels) || (!single.isosurfaces.is_empty() && !has_cut_faces) {
         return refuse(
             "on the GPU, clips or isosurfaces with analytic gradients, maxima, minima or means",
             "take the presets default, fast or draft, and composited material",

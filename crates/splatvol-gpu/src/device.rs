@@ -125,6 +125,21 @@ impl GpuDevice {
         }
     }
 
+    /// Checks that the budget has room for something.
+    ///
+    /// # Errors
+    /// More bytes than the budget.
+    pub(crate) fn afford(&self, what: &str, bytes: u64) -> Result<(), SceneError> {
+        if bytes > self.budget {
+            return Err(self.failed(&format!(
+                "{what} needs {} MiB, the budget is {} MiB",
+                bytes >> 20,
+                self.budget >> 20
+            )));
+        }
+        Ok(())
+    }
+
     /// A buffer of zeros.
     pub(crate) fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {

@@ -22,7 +22,8 @@ use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
 use crate::layout::Picture;
 use crate::march::{Canvas, March};
 use crate::mode::Mode;
-use crate::pipelines::{Pipelines, Variant};
+use crate::pipelines::{Classify, Pipelines, Variant};
+use crate::voxels::{KeptSamples, Voxels};
 
 /// Renders volumes on a GPU.
 #[derive(Debug)]
@@ -33,6 +34,7 @@ pub struct GpuEngine {
     placed: Option<(Weak<Volume>, DAffine3, Arc<Volume>)>,
     /// Coefficients on the device, by level.
     resident: Vec<Resident>,
+    samples: KeptSamples,
     canvas: Option<Canvas>,
     /// The coarser level's frame, where two are blended.
     coarser: Option<Frame>,
@@ -46,6 +48,7 @@ struct Resident {
     level: usize,
     of: Key,
     atlas: Atlas,
+    voxels: Option<Voxels>,
 }
 
 /// What a volume's needed coefficients depend on.
@@ -84,6 +87,7 @@ impl GpuEngine {
             prepared: PreparedVolumes::with_spare(SPARE),
             placed: None,
             resident: Vec::new(),
+            samples: KeptSamples::default(),
             canvas: None,
             coarser: None,
             gaussians: None,
@@ -122,6 +126,7 @@ struct Shown<'a> {
     volume: &'a Arc<Volume>,
     transfer_function: &'a TransferFunction,
     unit_distance: f64,
+    labels: bool,
     camera: &'a Camera,
     settings: &'a RenderSettings<SheetSettings>,
     effects: &'a Effects,
@@ -185,9 +190,7 @@ impl GpuEngine {
     ) -> Result<(), SceneError> {
         let start = Instant::now();
         let wanted = Wanted::of(shown.settings);
-        let Some(mode) = Mode::of(wanted, &shown.settings.method, shown.effects) else {
-            return Ok(());
-        };
+        let mode = Mode::of(wanted, &shown.settings.method, shown.effects);
         let [pyramid, ..] = self
             .prepared
             .of_scene(std::iter::once(shown.volume), shown.settings)
@@ -197,29 +200,46 @@ impl GpuEngine {
         let look = (shown.transfer_function, shown.unit_distance);
         let prepared = pyramid.classify(level, look, wanted, task.stop)?;
         prepared.count_work(statistics);
-        refuse_missing(prepared)?;
+        let sampling = if mode.splats_classes() {
+            Sampling::Planes
+        } else {
+            refuse_missing(prepared)?;
+            Sampling::Field
+        };
         let grid = prepared.field.source().grid();
-        let view = GridView::new(grid, (shown.camera, shown.settings), Sampling::Field, None);
+        let view = GridView::new(grid, (shown.camera, shown.settings), sampling, None);
         let key = shown.key();
         self.resident.retain(|resident| resident.of == key);
         let known = self.resident.iter().position(|resident| resident.level == level);
         let at = match known {
             Some(at) => at,
             None => {
-                let atlas = Atlas::new(&self.gpu, &prepared.field, shown.taps())?;
+                let made = if mode.splats_classes() {
+                    let of = (level, &prepared.field);
+                    let samples = self.samples.of(&self.gpu, &key.volume, of)?;
+                    let (atlas, voxels) = Voxels::new(&self.gpu, prepared, &samples, shown.taps())?;
+                    (atlas, Some(voxels))
+                } else {
+                    (Atlas::new(&self.gpu, &prepared.field, shown.taps())?, None)
+                };
                 self.resident.push(Resident {
                     level,
                     of: key,
-                    atlas,
+                    atlas: made.0,
+                    voxels: made.1,
                 });
                 self.resident.len() - 1
             }
         };
-        let atlas = &self.resident[at].atlas;
+        let Resident { atlas, voxels, .. } = &self.resident[at];
         let canvas = canvas_of(&mut self.canvas, &self.gpu, shown.settings.size)?;
         let ready = Instant::now();
         statistics.seconds.classify += (ready - start).as_secs_f64();
-        statistics.active_bricks += prepared.field.len();
+        statistics.active_bricks += if mode.splats_classes() {
+            prepared.visible.len()
+        } else {
+            prepared.field.len()
+        };
         statistics.sheets += view.planes().count;
         let variant = Variant {
             mode,
@@ -227,6 +247,17 @@ impl GpuEngine {
             from_eye: view.holds_eye(),
         };
         let marches = self.pipelines.marches(&self.gpu, variant)?;
+        let classify = match voxels {
+            Some(voxels) => Some(self.pipelines.classify(
+                &self.gpu,
+                Classify {
+                    taps: shown.taps(),
+                    from_means: voxels.has_means(),
+                    labels: shown.labels,
+                },
+            )?),
+            None => None,
+        };
         let march = March {
             gpu: &self.gpu,
             pipelines: &self.pipelines,
@@ -242,6 +273,7 @@ impl GpuEngine {
                 unit_distance: shown.unit_distance,
                 effects: shown.effects,
             },
+            voxels: voxels.as_ref().zip(classify.as_deref()),
         };
         march.render(task, frame)?;
         statistics.seconds.tiles += ready.elapsed().as_secs_f64();
@@ -301,16 +333,17 @@ impl Engine for GpuEngine {
             volume: &volume,
             transfer_function: single.transfer_function,
             unit_distance: single.unit_distance(),
+            labels: single.labels,
             camera: shot.camera,
             settings: &settings,
             effects: &effects,
         };
-        let detail = match settings.method.gradient {
-            // They show the field as it is.
-            Gradient::Analytic => Detail::FINEST,
-            Gradient::Differences => {
-                Detail::new(&volume, shot.camera, (settings.size, settings.method.level_bias))
-            }
+        // Labels are lit by their own shapes, analytic gradients show the field as it is.
+        let is_classified = Wanted::of(&settings) == Wanted::Classified;
+        let detail = if single.labels || (!is_classified && settings.method.gradient == Gradient::Analytic) {
+            Detail::FINEST
+        } else {
+            Detail::new(&volume, shot.camera, (settings.size, settings.method.level_bias))
         };
         let mut statistics = RenderStatistics {
             engine: "gpu",
@@ -343,6 +376,7 @@ impl Engine for GpuEngine {
                 .iter()
                 .map(|resident| resident.atlas.layout.bytes() as usize)
                 .sum::<usize>()
+                + self.samples.bytes() as usize
                 + self.canvas.as_ref().map_or(0, Canvas::bytes)
                 + self.gaussians.as_ref().map_or(0, GaussianEngine::bytes),
             ..MemoryUse::default()

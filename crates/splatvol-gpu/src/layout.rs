@@ -53,7 +53,7 @@ pub(crate) struct FrameData {
     pub bodies: u32,
     pub isosurfaces: u32,
     pub first_isosurface: u32,
-    pub unused: u32,
+    pub channel_layers: u32,
     pub gradient_from_lattice: [[f32; 4]; 3],
 }
 
@@ -120,7 +120,6 @@ impl Picture<'_> {
             background: store.background(),
             termination: settings.termination as f32,
             densest: level.table.densest,
-            hull: level.table.hull,
             shows_background: u32::from(level.table.shows_background),
             lit: u32::from(settings.lighting.is_some()),
             towards_light: light.towards,

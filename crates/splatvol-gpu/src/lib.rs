@@ -14,7 +14,8 @@
 //! | assemble | `atlas` | - | needed voxels' coefficients | pages with a slot each, in a texture |
 //! | cull | `march` | `cull` | pages, camera | planes of each tile that may hold something |
 //! | march | `march`, `mode` | `field`, `march`, those of the mode | all of these, tables | colour, transmittance, depth |
-//! | settle | `march` | `cubic` | what rays kept | the same |
+//! | classify | `voxels` | `classify` | samples, table, light | classes of voxels, where these are splatted |
+//! | settle | `march` | `settle` | what rays kept | the same |
 //! | resolve | `march`, [`splatvol_core::level::blend`] | - | these | a frame, two levels in one |
 //!
 //! `sort` sorts and adds up on the device, `pass` runs a compiled entry point, `device` opens an adapter, `pipelines`
@@ -36,6 +37,7 @@ mod pipelines;
 mod sort;
 #[cfg(test)]
 mod tests;
+mod voxels;
 
 pub use device::GpuConfig;
 pub use engine::GpuEngine;

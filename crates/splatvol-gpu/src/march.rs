@@ -7,7 +7,9 @@ use crate::atlas::Atlas;
 use crate::device::GpuDevice;
 use crate::layout::{FrameData, Picture, SheetData};
 use crate::mode::Mode;
+use crate::pass::Pass;
 use crate::pipelines::{Marches, Pipelines};
+use crate::voxels::Voxels;
 
 /// Intervals that a dispatch takes at least: each begins with planes of the one before.
 const LEAST_INTERVALS: u64 = 8;
@@ -90,6 +92,8 @@ pub(crate) struct March<'a> {
     pub atlas: &'a Atlas,
     pub canvas: &'a Canvas,
     pub picture: Picture<'a>,
+    /// Voxels that are classified before they are splatted, and the pass for it.
+    pub voxels: Option<(&'a Voxels, &'a Pass)>,
 }
 
 /// Buffers of one picture, bound to its passes.
@@ -97,6 +101,8 @@ pub(crate) struct Bound {
     pub frame: wgpu::Buffer,
     cull: wgpu::BindGroup,
     pub march: wgpu::BindGroup,
+    table: wgpu::Buffer,
+    effects: wgpu::Buffer,
 }
 
 impl March<'_> {
@@ -114,11 +120,16 @@ impl March<'_> {
     /// The frame's data, with the places of the volume's pages.
     pub(crate) fn data(&self) -> FrameData {
         let layout = &self.atlas.layout;
+        let frame = self.picture.frame();
         FrameData {
             pages: layout.pages,
             slots: [layout.slots[0], layout.slots[1]],
             atlas: layout.size().map(|n| n as f32),
-            ..self.picture.frame()
+            channel_layers: layout.channel_layers(),
+            hull: self.mode.hull(self.picture.level),
+            // Rays through a body add its own light up.
+            lit: if self.mode == Mode::Xray { 0 } else { frame.lit },
+            ..frame
         }
     }
 
@@ -204,7 +215,13 @@ impl March<'_> {
                 whole(10, faces.as_entire_binding()),
             ],
         });
-        Bound { frame, cull, march }
+        Bound {
+            frame,
+            cull,
+            march,
+            table,
+            effects,
+        }
     }
 
     /// Clears the picture, and finds the planes of its tiles.
@@ -216,6 +233,10 @@ impl March<'_> {
         gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(data));
         let mut commands = gpu.commands();
         commands.clear_buffer(&canvas.depths, 0, None);
+        if let Some((voxels, pass)) = self.voxels {
+            let shared = [&bound.frame, &bound.table, &bound.effects];
+            voxels.classify(gpu, pass, &mut commands, shared);
+        }
         {
             let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipelines.cull);

@@ -1,7 +1,7 @@
 //! Mode: what a pixel makes of the planes, and the shaders that do it.
 
 use splatvol_core::level::{Level, Wanted};
-use splatvol_scene::{Gradient, SheetSettings};
+use splatvol_scene::{Gradient, SheetSettings, Shows};
 
 use crate::effects::Effects;
 
@@ -11,6 +11,13 @@ const JET: &str = include_str!("../shaders/jet.wgsl");
 const LIGHT: &str = include_str!("../shaders/light.wgsl");
 const TABLE: &str = include_str!("../shaders/table.wgsl");
 const NODES: &str = include_str!("../shaders/nodes.wgsl");
+const LOW_PASS: &str = include_str!("../shaders/low_pass.wgsl");
+const COEFFICIENTS: &str = include_str!("../shaders/coefficients.wgsl");
+const CLASSES: &str = include_str!("../shaders/classes.wgsl");
+const COMPOSE: &str = include_str!("../shaders/compose.wgsl");
+const XRAY: &str = include_str!("../shaders/xray.wgsl");
+const CLASSIFY: &str = include_str!("../shaders/classify.wgsl");
+const SETTLE: &str = include_str!("../shaders/settle.wgsl");
 const EYE: &str = include_str!("../shaders/eye.wgsl");
 const ACROSS: &str = include_str!("../shaders/across.wgsl");
 const PLANES: &str = include_str!("../shaders/planes.wgsl");
@@ -45,52 +52,61 @@ pub(crate) enum Mode {
     Values(Kept),
     /// One value of the ray, of cubics with the field's slopes.
     ExactValues(Kept),
+    /// Material of voxels that are classified before they are splatted.
+    Compose,
+    /// Integrals of the same.
+    Xray,
 }
 
 impl Mode {
-    /// The mode of these settings; `None` for voxels that are classified before they are splatted.
-    pub(crate) fn of(wanted: Wanted, sheets: &SheetSettings, effects: &Effects) -> Option<Self> {
+    /// The mode of these settings.
+    pub(crate) fn of(wanted: Wanted, sheets: &SheetSettings, effects: &Effects) -> Self {
         let kept = match wanted {
             Wanted::Visible => None,
             Wanted::Largest => Some(Kept::Largest),
             Wanted::Smallest => Some(Kept::Smallest),
             Wanted::All => Some(Kept::Mean),
-            Wanted::Classified => return None,
+            Wanted::Classified if sheets.shows == Shows::Xray => return Self::Xray,
+            Wanted::Classified => return Self::Compose,
         };
-        Some(match (kept, sheets.gradient) {
+        match (kept, sheets.gradient) {
             (None, Gradient::Differences) if effects.is_none() => Self::Material,
             (None, Gradient::Differences) => Self::Effects,
             (None, Gradient::Analytic) => Self::Analytic,
             (Some(kept), Gradient::Differences) => Self::Values(kept),
             (Some(kept), Gradient::Analytic) => Self::ExactValues(kept),
-        })
-    }
-
-    /// What rays keep, if it is a value.
-    pub(crate) fn kept(self) -> Option<Kept> {
-        match self {
-            Self::Values(kept) | Self::ExactValues(kept) => Some(kept),
-            Self::Material | Self::Effects | Self::Analytic => None,
         }
     }
 
-    /// The text of its shaders: entry points `march` and, where rays keep values, `settle`.
+    /// Whether rays keep something that is no colour yet.
+    pub(crate) fn settles(self) -> bool {
+        matches!(self, Self::Values(_) | Self::ExactValues(_) | Self::Xray)
+    }
+
+    /// Whether voxels are classified before they are splatted.
+    pub(crate) fn splats_classes(self) -> bool {
+        matches!(self, Self::Compose | Self::Xray)
+    }
+
+    /// The text of its shaders: entry points `march` and, where rays keep something else than colours, `settle`.
     pub(crate) fn text(self) -> String {
-        [self.library(), MARCH.to_owned()].join("\n")
+        let settle = if self.settles() { SETTLE } else { "" };
+        [&self.library(), MARCH, settle].join("\n")
     }
 
     /// The text without the loop over planes.
     pub(crate) fn library(self) -> String {
-        let parts: &[&str] = match self {
-            Self::Material => &[FRAME, FIELD, JET, EYE, TABLE, LIGHT, ACROSS, PLANES, MATERIAL],
-            Self::Effects => &[
-                FRAME, FIELD, JET, EYE, TABLE, LIGHT, ACROSS, PLANES, CLIPS, EFFECTS,
-            ],
-            Self::Analytic => &[FRAME, FIELD, JET, NODES, LIGHT, ENDS, ANALYTIC],
-            Self::Values(_) => &[FRAME, FIELD, JET, EYE, NODES, LIGHT, CUBIC, VALUES],
-            Self::ExactValues(_) => &[FRAME, FIELD, JET, NODES, LIGHT, ENDS, CUBIC, EXACT_VALUES],
+        let field = [FRAME, FIELD, JET, LOW_PASS, LIGHT];
+        let own: &[&str] = match self {
+            Self::Material => &[COEFFICIENTS, EYE, TABLE, ACROSS, PLANES, MATERIAL],
+            Self::Effects => &[COEFFICIENTS, EYE, TABLE, ACROSS, PLANES, CLIPS, EFFECTS],
+            Self::Analytic => &[COEFFICIENTS, NODES, ENDS, ANALYTIC],
+            Self::Values(_) => &[COEFFICIENTS, EYE, NODES, CUBIC, VALUES],
+            Self::ExactValues(_) => &[COEFFICIENTS, NODES, ENDS, CUBIC, EXACT_VALUES],
+            Self::Compose => &[CLASSES, EYE, COMPOSE],
+            Self::Xray => &[CLASSES, XRAY],
         };
-        parts.join("\n")
+        [field.as_slice(), own].concat().join("\n")
     }
 
     /// Constants of its entry points, apart from the kernel's.
@@ -98,10 +114,19 @@ impl Mode {
         let from_eye = ("FROM_EYE", f64::from(u8::from(from_eye)));
         let keeps = |kept| ("KEEPS", f64::from(kept as u8));
         match self {
-            Self::Material | Self::Effects => vec![from_eye],
-            Self::Analytic => Vec::new(),
+            Self::Material | Self::Effects | Self::Compose => vec![from_eye],
+            Self::Analytic | Self::Xray => Vec::new(),
             Self::Values(kept) => vec![from_eye, keeps(kept)],
             Self::ExactValues(kept) => vec![keeps(kept)],
+        }
+    }
+
+    /// Smallest and largest visible value.
+    pub(crate) fn hull(self, level: &Level) -> [f32; 2] {
+        if self.splats_classes() {
+            level.hull
+        } else {
+            level.table.hull
         }
     }
 
@@ -112,6 +137,11 @@ impl Mode {
             _ => nodes(level),
         }
     }
+}
+
+/// The text of the pass that classifies voxels.
+pub(crate) fn classify_shader() -> String {
+    [FRAME, NODES, LIGHT, CLIPS, CLASSIFY].join("\n")
 }
 
 /// Per node integrals, then extinction and linear colour.

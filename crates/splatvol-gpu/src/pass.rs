@@ -46,11 +46,26 @@ impl Pass {
         buffers: &[(u32, &wgpu::Buffer)],
         [x, y]: [u32; 2],
     ) {
-        let entries: Vec<_> = buffers
+        let bindings: Vec<_> = buffers
             .iter()
-            .map(|&(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
+            .map(|&(binding, buffer)| (binding, buffer.as_entire_binding()))
+            .collect();
+        self.dispatch(gpu, commands, &bindings, [x, y, 1]);
+    }
+
+    /// Adds a dispatch of so many workgroups along x, y and z to commands, with these resources bound.
+    pub(crate) fn dispatch(
+        &self,
+        gpu: &GpuDevice,
+        commands: &mut wgpu::CommandEncoder,
+        bindings: &[(u32, wgpu::BindingResource<'_>)],
+        [x, y, z]: [u32; 3],
+    ) {
+        let entries: Vec<_> = bindings
+            .iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: resource.clone(),
             })
             .collect();
         let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -61,7 +76,7 @@ impl Pass {
         let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &bound, &[]);
-        pass.dispatch_workgroups(x, y, 1);
+        pass.dispatch_workgroups(x, y, z);
     }
 }
 

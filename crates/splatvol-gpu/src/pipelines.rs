@@ -1,12 +1,14 @@
 //! Pipelines: shaders, composed of parts, and the layouts of their bindings.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use splatvol_scene::SceneError;
 
 use crate::device::GpuDevice;
 use crate::error::GpuError;
-use crate::mode::Mode;
+use crate::mode::{Mode, classify_shader};
+use crate::pass::Pass;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
 const CULL: &str = include_str!("../shaders/cull.wgsl");
@@ -25,6 +27,19 @@ pub(crate) struct Pipelines {
     pub nearest: wgpu::Sampler,
     /// Passes over planes, compiled when they are first used.
     marches: HashMap<Variant, Marches>,
+    /// Passes that classify voxels, likewise.
+    classify: HashMap<Classify, Arc<Pass>>,
+}
+
+/// How voxels are classified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Classify {
+    /// Voxels along an axis that a kernel meets: 4 or 6.
+    pub taps: i32,
+    /// Whether their classes are means of a finer level's.
+    pub from_means: bool,
+    /// Whether their values are labels.
+    pub labels: bool,
 }
 
 /// A mode for a kernel and a camera.
@@ -124,6 +139,7 @@ impl Pipelines {
             march_layout,
             nearest: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             marches: HashMap::new(),
+            classify: HashMap::new(),
         }
     }
 
@@ -140,6 +156,25 @@ impl Pipelines {
         Ok(made)
     }
 
+    /// The pass that classifies voxels.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn classify(&mut self, gpu: &GpuDevice, how: Classify) -> Result<Arc<Pass>, SceneError> {
+        if let Some(known) = self.classify.get(&how) {
+            return Ok(Arc::clone(known));
+        }
+        let constants = [
+            ("TAPS", f64::from(how.taps)),
+            ("FROM_MEANS", f64::from(u8::from(how.from_means))),
+            ("LABELS", f64::from(u8::from(how.labels))),
+        ];
+        let text = classify_shader();
+        let made = Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("classify", &text), &constants))?);
+        self.classify.insert(how, Arc::clone(&made));
+        Ok(made)
+    }
+
     fn compile_march(&self, gpu: &GpuDevice, variant: Variant) -> Marches {
         let Variant { mode, taps, from_eye } = variant;
         let text = mode.text();
@@ -148,7 +183,7 @@ impl Pipelines {
         let entry = |name| pipeline(&gpu.device, (name, &text), &self.march_layout, &constants);
         Marches {
             march: entry("march"),
-            settle: mode.kept().map(|_| entry("settle")),
+            settle: mode.settles().then(|| entry("settle")),
         }
     }
 }

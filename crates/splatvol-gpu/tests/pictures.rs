@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use splatvol::samples::{Sample, SampleSize};
 use splatvol::{
-    Bounds, Camera, Clip, Compositing, EngineConfig, Filter, FlatSettings, Frame, Image, ImageSize,
-    Isosurface, Item, Keep, Projection, RenderSettings, Renderer, Scene, View,
+    Bounds, Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Frame,
+    Grid, Image, ImageSize, Isosurface, Item, Keep, LengthUnit, OpacityPoint, Projection, RenderSettings,
+    Renderer, Rescale, Samples, Scene, TransferFunction, View, Volume,
 };
 use splatvol_gpu::{GpuConfig, GpuEngine};
 use splatvol_testing::{Tolerance, assert_images, checked};
@@ -148,6 +149,90 @@ fn values_of_rays_are_the_cpu_s() {
     }
 }
 
+/// Voxels are classified, then splatted.
+const CLASSIFIED_FIRST: [(&str, Classification, Compositing); 2] = [
+    ("pre", Classification::Pre, Compositing::ImageSheets),
+    ("xray", Classification::Post, Compositing::Xray),
+];
+
+/// X-rays and pre-classified pictures, lit and cut, of voxels and of their means.
+#[test]
+fn voxels_that_are_classified_first_are_the_cpu_s() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
+    for (look, classification, compositing) in CLASSIFIED_FIRST {
+        for (name, preset, size, decibels, share) in [
+            ("fast", RenderSettings::fast(), 64, 50.0, 0.91),
+            ("best", RenderSettings::best(), 64, 62.0, 0.98),
+            // A pixel is three voxels, so levels are means.
+            ("far", RenderSettings::balanced(), 13, 38.0, 0.55),
+        ] {
+            let settings = checked(FlatSettings {
+                classification,
+                compositing,
+                ..sized(preset, size).into()
+            });
+            for (i, projection) in PROJECTIONS.into_iter().enumerate() {
+                let mut scene = scene(Sample::Head, 32);
+                let camera = camera(&scene, projection);
+                if i > 0 {
+                    let centre = scene.bounds().unwrap().centre();
+                    scene.clips.push(Clip::plane(centre, [0.31, 1.0, 0.113]).unwrap());
+                }
+                let what = format!("gpu-{look}-{name}-{i}");
+                let shot = (&scene, &camera, &settings);
+                compare((&mut gpu, &mut cpu), shot, &what, (decibels, share, 1e-2));
+            }
+        }
+    }
+}
+
+/// Two balls of labels, one within the other.
+fn labels() -> Scene {
+    let edge = 30;
+    let label = |i: usize| {
+        let place = [i % edge, i / edge % edge, i / (edge * edge)];
+        let from_middle = place.map(|at| at as f64 - 14.5);
+        let distance = from_middle.iter().map(|d| d * d).sum::<f64>().sqrt();
+        3 * u8::from(distance < 12.0) - 2 * u8::from(distance < 7.0)
+    };
+    let samples: Vec<u8> = (0..edge * edge * edge).map(label).collect();
+    let grid = Grid::centred([edge; 3], [1.0; 3]).unwrap();
+    let unit = LengthUnit::Millimetre;
+    let volume = Volume::new(grid, Samples::U8(samples.into()), Rescale::default(), unit).unwrap();
+    let colors = vec![
+        ColorPoint::new(1.0, [0.9, 0.2, 0.1]),
+        ColorPoint::new(3.0, [0.2, 0.5, 0.9]),
+    ];
+    let opacities = vec![
+        OpacityPoint::new(0.0, 0.0),
+        OpacityPoint::new(1.0, 0.9),
+        OpacityPoint::new(3.0, 0.2),
+    ];
+    Scene::from(Item::labels(
+        volume,
+        TransferFunction::new(colors, opacities, Some(1.0)).unwrap(),
+    ))
+}
+
+#[test]
+fn labels_are_the_cpu_s() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
+    let scene = labels();
+    for (name, preset) in [("fast", RenderSettings::fast()), ("best", RenderSettings::best())] {
+        let camera = camera(&scene, PROJECTIONS[0]);
+        let settings = sized(preset, 64);
+        let what = format!("gpu-labels-{name}");
+        compare(
+            (&mut gpu, &mut cpu),
+            (&scene, &camera, &settings),
+            &what,
+            (70.0, 0.999, 1e-2),
+        );
+    }
+}
+
 /// A slice out of the volume, a box out of the rest, a cut that belongs to the item, and isosurfaces.
 #[test]
 fn cuts_and_isosurfaces_are_the_cpu_s() {
@@ -218,6 +303,16 @@ fn pictures_from_within_are_the_cpu_s() {
             (decibels, share, 1e-2),
         );
     }
+    for (look, classification, compositing) in CLASSIFIED_FIRST {
+        let settings = checked(FlatSettings {
+            classification,
+            compositing,
+            ..sized(RenderSettings::best(), 64).into()
+        });
+        let what = format!("gpu-within-{look}");
+        let shot = (&scene, &camera, &settings);
+        compare((&mut gpu, &mut cpu), shot, &what, (53.0, 0.93, 1e-2));
+    }
 }
 
 /// Depths of opaque pixels agree within so much in the median; at silhouettes of waves behind each other some do not.
@@ -269,10 +364,19 @@ fn pictures_do_not_depend_on_how_they_are_divided() {
         compositing: Compositing::Mean,
         ..sized(RenderSettings::fast(), 40).into()
     });
+    let [pre, xray] = CLASSIFIED_FIRST.map(|(_, classification, compositing)| {
+        checked(FlatSettings {
+            classification,
+            compositing,
+            ..sized(RenderSettings::fast(), 40).into()
+        })
+    });
     for (scene, settings) in [
         (&plain, sized(RenderSettings::fast(), 40)),
         (&plain, sized(RenderSettings::best(), 40)),
         (&plain, mean),
+        (&cut, pre),
+        (&plain, xray),
         (&cut, sized(RenderSettings::fast(), 40)),
     ] {
         let [one, many] =
@@ -291,11 +395,6 @@ fn what_is_not_drawn_is_refused_by_name() {
         let error = gpu.render(scene, camera, settings).unwrap_err().to_string();
         assert!(error.contains(word), "{word}: {error}");
     };
-    let xray = checked(FlatSettings {
-        compositing: Compositing::Xray,
-        ..fast.into()
-    });
-    refused(&scene, &outside, &xray, "X-rays");
     refused(&scene, &outside, &sized(RenderSettings::swan1997(), 16), "sheets");
     let mut clipped = scene.clone();
     clipped

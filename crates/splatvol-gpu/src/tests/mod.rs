@@ -109,6 +109,7 @@ impl Subject {
                 unit_distance: 1.0,
                 effects: &Effects::default(),
             },
+            voxels: None,
         };
         let library = self.mode.library();
         let text = [
