@@ -8,17 +8,24 @@ fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: b
         let middle = vec2<f32>(corner) - 0.5 - frame.principal;
         for (var point = thread; point < POINTS; point += 256u) {
             let offset = middle + vec2<f32>(vec2(point % PITCH, point / PITCH));
-            values[plane + point] = sum_on(sheet, offset);
+            let sums = sums_on(sheet, offset);
+            values[plane + point] = sums.x;
+            keep_missing(plane + point, sums.y);
         }
     }
     workgroupBarrier();
 }
 
+// The sum over all coefficients, the missing ones being zero; light uses its gradient.
+fn whole_at(point: u32) -> f32 {
+    return values[point] - frame.background * missing_at(point);
+}
+
 // Differences across at a point, per world length.
 fn across_on(sheet: u32, place: Place, point: u32) -> vec2<f32> {
     if is_eye(sheet) {
-        return (frame.gradient_from_lattice * jet_at(place).slope).xy;
+        return (frame.gradient_from_lattice * slope_at(place)).xy;
     }
-    let across = vec2(values[point + 1u] - values[point - 1u], values[point + PITCH] - values[point - PITCH]);
+    let across = vec2(whole_at(point + 1u) - whole_at(point - 1u), whole_at(point + PITCH) - whole_at(point - PITCH));
     return 0.5 * sheets[sheet].scale * across;
 }

@@ -1,22 +1,17 @@
-// Coefficients: sums of a field.
+// Coefficients: sums of a field. The atlas' second channel, if samples are missing, has ones in their places.
 
-// `S` over the sum of all weights.
-fn sum_at(place: Place) -> f32 {
+// `S` and, of missing samples, `M = sum_k h(x - k)`, over the sum of all weights.
+fn sums_at(place: Place) -> vec4<f32> {
     let slot = slot_of(place.cell);
     if !slot.exists {
-        return 0.0;
+        return vec4(0.0);
     }
     let x = weights(place.within.x);
     let y = weights(place.within.y);
     let z = weights(place.within.z);
-    return sum_of_slot(slot, 0, x, y, z) / (x.sum * y.sum * z.sum);
-}
-
-fn sums_at(place: Place) -> vec4<f32> {
-    return vec4(sum_at(place), 0.0, 0.0, 0.0);
-}
-
-// `S` over the sum of all weights, low-passed.
-fn sum_on(sheet: u32, offset: vec2<f32>) -> f32 {
-    return sums_on(sheet, offset).x;
+    var sums = vec2(sum_of_slot(slot, 0, x, y, z), 0.0);
+    if HAS_HOLES {
+        sums.y = sum_of_slot(slot, 1, x, y, z);
+    }
+    return vec4(sums / (x.sum * y.sum * z.sum), 0.0, 0.0);
 }

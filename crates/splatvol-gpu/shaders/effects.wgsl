@@ -19,6 +19,8 @@ struct Face {
 struct Between {
     // Sums over shares, with the background, on four planes; `v + u (b + u (c + u d))` between the middle ones.
     values: vec4<f32>,
+    // Values whose slope along the ray light uses.
+    whole: vec4<f32>,
     cubic: vec4<f32>,
     coverage: vec2<f32>,
     sharpness: f32,
@@ -101,7 +103,7 @@ fn material(pixel: ptr<function, Pixel>, face: ptr<function, Face>, own: Between
             (*face).share = 0.0;
             continue;
         }
-        let color = lit(color_of(value), gradient_at(pixel, own.values, u, own.sharpness), ray, *face);
+        let color = lit(color_of(value), gradient_at(pixel, own.whole, u, own.sharpness), ray, *face);
         (*pixel).ink = ink_with((*pixel).ink, color, through, own.ray.start.z + own.ray.step.z * u);
         (*face).through *= through;
     }
@@ -176,7 +178,7 @@ fn cross_surfaces(pixel: ptr<function, Pixel>, own: Between) {
             let at = frame.first_isosurface + 2u * u32(crossing.y);
             let optical_depth = effects[at].y * frame.voxel;
             let through = select(0.0, exp2(-LOG2_E * optical_depth), optical_depth < 100.0);
-            let gradient = gradient_at(pixel, own.values, u, own.sharpness);
+            let gradient = gradient_at(pixel, own.whole, u, own.sharpness);
             let color = lit(effects[at + 1u].rgb, gradient, ray, Face(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0));
             (*pixel).ink = ink_with((*pixel).ink, color, through, own.ray.start.z + own.ray.step.z * u);
         }
@@ -203,13 +205,13 @@ fn show_parts(pixel: ptr<function, Pixel>, own: Between, near: u32) {
 
 // Shades the interval between planes `near` and `near + 1`.
 fn shade(pixel: ptr<function, Pixel>, near: u32) {
-    let untouched = (*pixel).sums.y == 0.0 && (*pixel).sums.z == 0.0;
-    let coverage = (*pixel).coverage.yz;
-    if (*pixel).ink.transmittance < frame.termination || (untouched && frame.shows_background == 0u) || all(coverage == vec2(0.0)) {
+    let found = around(pixel, near);
+    let is_invisible = (found.is_untouched && frame.shows_background == 0u) || all((*pixel).coverage.yz == vec2(0.0));
+    if (*pixel).ink.transmittance < frame.termination || is_invisible {
         return;
     }
-    let sums = sums_around(near, (*pixel).offset, (*pixel).sums);
-    let values = sums / max((*pixel).shares.yyzz, vec4(0.15)) + frame.background;
+    let values = found.values;
+    let coverage = found.coverage;
     let rise = values.z - values.y;
     let slopes = 0.5 * (values.zw - values.xy);
     let cubic = vec4(values.y, slopes.x, rise * 3.0 - slopes.x * 2.0 - slopes.y, slopes.x + slopes.y - rise * 2.0);
@@ -224,7 +226,7 @@ fn shade(pixel: ptr<function, Pixel>, near: u32) {
     let ray = RaySegment(start, place_at_depth(offset, sheets[near + 1u].depth) - start);
     let slope = offset * frame.per_pixel;
     let length = sqrt(dot(slope, slope) + 1.0) * frame.spacing;
-    let own = Between(values, cubic, coverage, sharpness_of(near), ray, length, is_eye(near));
+    let own = Between(values, found.whole, cubic, coverage, sharpness_of(near), ray, length, is_eye(near));
     if frame.isosurfaces > 0u {
         cross_surfaces(pixel, own);
     } else {

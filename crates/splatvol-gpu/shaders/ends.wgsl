@@ -14,6 +14,9 @@ struct End {
     own: f32,
     slope: vec3<f32>,
     share_slope: vec3<f32>,
+    // Weight of missing samples, which the share lacks, and its gradient.
+    missing: f32,
+    missing_slope: vec3<f32>,
 }
 
 // A pixel on its way through the planes.
@@ -28,7 +31,7 @@ struct Pixel {
 }
 
 fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
-    let nothing = End(0.0, 1.0, select(1.0, 0.0, frame.shows_background != 0u), vec3(0.0), vec3(0.0));
+    let nothing = End(0.0, 1.0, select(1.0, 0.0, frame.shows_background != 0u), vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
     return Pixel(nothing, nothing, vec2(false), offset, ink);
 }
 
@@ -45,6 +48,11 @@ fn own_of(sheet: u32, position: vec3<f32>, low_pass: f32) -> f32 {
     return share_of_axis(corner.x, size.x) * share_of_axis(corner.y, size.y) * share_of_axis(corner.z, size.z);
 }
 
+// The same less the missing samples' part.
+fn own_without(own: f32, share: f32, missing: f32) -> f32 {
+    return own * (1.0 - min(missing / max(max(share, missing), 1e-30), 1.0));
+}
+
 fn position_on(sheet: u32, offset: vec2<f32>) -> vec3<f32> {
     let place = place_on(sheet, offset);
     return vec3<f32>(place.cell) + place.within;
@@ -53,9 +61,14 @@ fn position_on(sheet: u32, offset: vec2<f32>) -> vec3<f32> {
 // Adds sums at a place.
 fn add_place(end: ptr<function, End>, place: Place, weight: f32, is_filled: bool) {
     if is_filled {
-        let sum = jet_at(place);
+        let sum = jet_at(place, 0);
         (*end).sum += weight * sum.sum;
         (*end).slope += weight * sum.slope;
+        if HAS_HOLES {
+            let missing = jet_at(place, 1);
+            (*end).missing += weight * missing.sum;
+            (*end).missing_slope += weight * missing.slope;
+        }
     }
     let share = share_jet(place);
     (*end).share += weight * share.sum;
@@ -66,7 +79,7 @@ fn add_place(end: ptr<function, End>, place: Place, weight: f32, is_filled: bool
 fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
     (*pixel).near = (*pixel).far;
     let offset = (*pixel).offset;
-    var end = End(0.0, 0.0, own_of(sheet, position_on(sheet, offset), sheets[sheet].low_pass), vec3(0.0), vec3(0.0));
+    var end = End(0.0, 0.0, own_of(sheet, position_on(sheet, offset), sheets[sheet].low_pass), vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
     let count = i32(sheets[sheet].low_pass_points);
     var all = 0.0;
     for (var y = 0; y < count; y++) {
@@ -84,6 +97,13 @@ fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
     end.share_slope /= all;
     end.slope = frame.gradient_from_lattice * end.slope;
     end.share_slope = frame.gradient_from_lattice * end.share_slope;
+    if HAS_HOLES {
+        end.missing /= all;
+        end.missing_slope = frame.gradient_from_lattice * (end.missing_slope / all);
+        end.own = own_without(end.own, end.share, end.missing);
+        end.share = max(end.share - end.missing, 0.0);
+        end.share_slope -= end.missing_slope;
+    }
     (*pixel).far = end;
     (*pixel).filled = vec2((*pixel).filled.y, is_filled);
 }

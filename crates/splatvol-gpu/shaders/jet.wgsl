@@ -61,7 +61,8 @@ fn layer_jet(slice: vec3<f32>, weight: f32, slope: f32) -> vec4<f32> {
     return vec4(weight * slice, slope * slice.x);
 }
 
-fn jet_at(place: Place) -> Jet {
+// `channel`: of the atlas.
+fn jet_at(place: Place, channel: i32) -> Jet {
     let slot = slot_of(place.cell);
     if !slot.exists {
         return Jet(0.0, vec3(0.0));
@@ -72,7 +73,7 @@ fn jet_at(place: Place) -> Jet {
     let lateral = LateralWeights(x, slopes_of(place.within.x, x), y, slopes_of(place.within.y, y));
     let dz = slopes_of(place.within.z, z);
     let corner = slot.corner;
-    let layer = slot.layer;
+    let layer = slot.layer + channel * i32(frame.channel_layers);
     var sums = vec4(0.0);
     if TAPS == 6 {
         sums = layer_jet(slice_jet(corner, layer, lateral), z.a, dz.a)

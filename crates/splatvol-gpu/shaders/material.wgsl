@@ -8,13 +8,11 @@ const DENSE: f32 = 0.1;
 
 // Composites the interval between planes `near` and `near + 1`.
 fn shade(pixel: ptr<function, Pixel>, near: u32) {
-    let sums = sums_around(near, (*pixel).offset, (*pixel).sums);
-    let untouched = sums.y == 0.0 && sums.z == 0.0;
-    if (*pixel).ink.transmittance < frame.termination || (untouched && frame.shows_background == 0u) {
+    let own = around(pixel, near);
+    if (*pixel).ink.transmittance < frame.termination || (own.is_untouched && frame.shows_background == 0u) {
         return;
     }
-    let per_share = 1.0 / max((*pixel).shares.yyzz, vec4(0.15));
-    let values = sums * per_share + frame.background;
+    let values = own.values;
     let ends = values.yz;
     let low = min(ends.x, ends.y);
     let high = max(ends.x, ends.y);
@@ -22,8 +20,8 @@ fn shade(pixel: ptr<function, Pixel>, near: u32) {
     if max(high, middle) < frame.hull.x || min(low, middle) > frame.hull.y {
         return;
     }
-    let covered_near = (*pixel).coverage.y;
-    let covered_far = (*pixel).coverage.z;
+    let covered_near = own.coverage.x;
+    let covered_far = own.coverage.y;
     let covered = 0.5 * (covered_near + covered_far);
     let ray = (*pixel).offset * frame.per_pixel;
     let length = sqrt(dot(ray, ray) + 1.0) * frame.spacing;
@@ -67,9 +65,9 @@ fn shade(pixel: ptr<function, Pixel>, near: u32) {
     let place = mix(places.x, places.y, behind);
     if frame.lit != 0u {
         let sharpness = sharpness_of(near);
-        var light = phong(gradient_at(pixel, values, places.x, sharpness));
+        var light = phong(gradient_at(pixel, own.whole, places.x, sharpness));
         if opacities.y > 0.0 {
-            light = mix(light, phong(gradient_at(pixel, values, places.y, sharpness)), behind);
+            light = mix(light, phong(gradient_at(pixel, own.whole, places.y, sharpness)), behind);
         }
         color = color * light.x + light.y * opacity;
     }

@@ -6,6 +6,8 @@ const SOFTEST: f32 = -0.1;
 struct Pixel {
     // Sums on the planes, from the farthest back to the last; the interval is between the second and the third.
     sums: vec4<f32>,
+    // Weights of missing samples, likewise.
+    missing: vec4<f32>,
     // Shares of the weights that lie on the lattice, and coverage, on the same planes.
     shares: vec4<f32>,
     coverage: vec4<f32>,
@@ -21,24 +23,27 @@ struct Pixel {
 const LAG: u32 = 2u;
 
 fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
-    return Pixel(vec4(0.0), vec4(1.0), vec4(1.0), vec2(0.0), vec2(0.0), vec2(0.0), offset, ink);
+    return Pixel(vec4(0.0), vec4(0.0), vec4(1.0), vec4(1.0), vec2(0.0), vec2(0.0), vec2(0.0), offset, ink);
 }
 
 // Takes a plane's value and differences at a pixel.
 fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
     var sum = 0.0;
+    var missing = 0.0;
     var share = 1.0;
     // Outside of the volume there is no background either.
     var coverage = select(1.0, 0.0, frame.shows_background != 0u);
     var across = vec2(0.0);
     if is_filled {
         sum = values[point];
+        missing = missing_at(point);
         let place = place_on(sheet, (*pixel).offset);
         share = share_at(place);
         coverage = coverage_at(place);
         across = across_on(sheet, place, point);
     }
     (*pixel).sums = vec4((*pixel).sums.yzw, sum);
+    (*pixel).missing = vec4((*pixel).missing.yzw, missing);
     (*pixel).shares = vec4((*pixel).shares.yzw, share);
     (*pixel).coverage = vec4((*pixel).coverage.yzw, coverage);
     (*pixel).across_before = (*pixel).across;
@@ -66,4 +71,34 @@ fn gradient_at(pixel: ptr<function, Pixel>, values: vec4<f32>, place: f32, sharp
     let across = mix((*pixel).across_before, (*pixel).across, place);
     let slope = depth_slope(values, place, sharpness);
     return vec3(across, slope / frame.spacing - dot((*pixel).offset * frame.per_pixel, across));
+}
+
+// A pixel's values on four planes.
+struct Around {
+    values: vec4<f32>,
+    // Values whose slope along the ray light uses: beside missing samples those of all coefficients, the missing ones zero.
+    whole: vec4<f32>,
+    // On the middle planes.
+    coverage: vec2<f32>,
+    // Whether nothing was splatted onto the middle planes.
+    is_untouched: bool,
+}
+
+fn around(pixel: ptr<function, Pixel>, near: u32) -> Around {
+    let sums = sums_around(near, (*pixel).offset, (*pixel).sums);
+    let per_share = 1.0 / max((*pixel).shares.yyzz, vec4(0.15));
+    let values = sums * per_share + frame.background;
+    let covered = (*pixel).coverage.yz;
+    let is_untouched = sums.y == 0.0 && sums.z == 0.0;
+    if !HAS_HOLES || all((*pixel).missing == vec4(0.0)) {
+        return Around(values, values, covered, is_untouched);
+    }
+    let missing = missing_around(near, (*pixel).offset, (*pixel).missing) * per_share;
+    let left = 1.0 - missing;
+    return Around(
+        values_beside(sums * per_share, missing) + frame.background,
+        values - missing * frame.background,
+        vec2(covered_by(covered.x, left.y), covered_by(covered.y, left.z)),
+        is_untouched && missing.y == 0.0 && missing.z == 0.0,
+    );
 }

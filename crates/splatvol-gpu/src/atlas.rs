@@ -18,6 +18,9 @@ const BEFORE: i32 = 4;
 /// Cells behind the last lattice point that pages end with.
 const BEHIND: i32 = 3;
 
+/// Channel of a field that marks missing samples.
+const MISSING: u32 = 1;
+
 /// Coefficients on the device.
 #[derive(Debug)]
 pub(crate) struct Atlas {
@@ -129,8 +132,8 @@ impl AtlasLayout {
         [page % nx, page / nx % ny, page / (nx * ny)].map(|at| first_texel(at, self.taps))
     }
 
-    /// Writes the voxels of a slot into a row of slots of this pitch.
-    fn fill(&self, slot: usize, store: &FieldStore, (row, pitch): (&mut [f32], usize)) {
+    /// Writes the voxels of a slot into a row of slots of this pitch: coefficients, or ones where samples are missing.
+    fn fill(&self, (slot, channel): (usize, u32), store: &FieldStore, (row, pitch): (&mut [f32], usize)) {
         let edge = self.edge() as usize;
         let from = self.first_of(self.resident[slot]);
         let start = slot.checked_sub(1).map_or(0, |before| self.ends[before]);
@@ -150,13 +153,59 @@ impl AtlasLayout {
                     let own = ((z - first[2]) as usize * BRICK + (y - first[1]) as usize) * BRICK;
                     for x in shared[0].clone() {
                         let value = values[own + (x - first[0]) as usize];
-                        if !value.is_nan() {
-                            row[line + (x - from[0]) as usize] = value;
+                        let number = if channel == MISSING {
+                            f32::from(u8::from(value == f32::INFINITY))
+                        } else {
+                            value
+                        };
+                        if number.is_finite() {
+                            row[line + (x - from[0]) as usize] = number;
                         }
                     }
                 }
             }
         }
+    }
+}
+
+impl AtlasLayout {
+    /// Texels of a row of slots.
+    fn row(&self, (row, channel): (usize, u32), store: &FieldStore) -> Vec<f32> {
+        let (per_row, pitch) = (self.slots[0] as usize, self.size()[0] as usize);
+        let mut texels = vec![0.0; pitch * self.edge().pow(2) as usize];
+        for slot in row * per_row..((row + 1) * per_row).min(self.resident.len()) {
+            self.fill((slot, channel), store, (&mut texels, pitch));
+        }
+        texels
+    }
+
+    fn write(&self, gpu: &GpuDevice, texture: &wgpu::Texture, (row, channel): (usize, u32), texels: &[f32]) {
+        let edge = self.edge();
+        let width = self.size()[0];
+        let (y, stack) = (row as u32 % self.slots[1], row as u32 / self.slots[1]);
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d {
+                    x: 0,
+                    y: y * edge,
+                    z: stack * edge + channel * self.channel_layers(),
+                },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytemuck::cast_slice(texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(width * size_of::<f32>() as u32),
+                rows_per_image: Some(edge),
+            },
+            wgpu::Extent3d {
+                width,
+                height: edge,
+                depth_or_array_layers: edge,
+            },
+        );
     }
 }
 
@@ -194,7 +243,8 @@ impl Atlas {
     pub(crate) fn new(gpu: &GpuDevice, store: &FieldStore, taps: i32) -> Result<Self, SceneError> {
         let firsts = (0..store.len()).map(|brick| store.first(brick));
         let usage = wgpu::TextureUsages::COPY_DST;
-        let (atlas, texture) = Self::empty(gpu, (store.dims(), firsts), (taps, 1), usage)?;
+        let channels = 1 + u32::from(store.any_missing());
+        let (atlas, texture) = Self::empty(gpu, (store.dims(), firsts), (taps, channels), usage)?;
         gpu.scoped(|gpu| upload(gpu, &atlas.layout, store, &texture))?;
         Ok(atlas)
     }
@@ -252,50 +302,19 @@ fn texture_of(gpu: &GpuDevice, layout: &AtlasLayout, usage: wgpu::TextureUsages)
 
 /// Fills the texture, a row of slots at a time.
 fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore, texture: &wgpu::Texture) {
-    let edge = layout.edge();
-    let [width, _] = layout.size();
-    let per_row = layout.slots[0] as usize;
-    let pitch = width as usize;
-    let rows = layout.resident.len().div_ceil(per_row);
+    let rows = layout.resident.len().div_ceil(layout.slots[0] as usize);
     // Some rows at a time, in memory that the driver can free again.
     const TOGETHER: usize = 16;
-    for group in (0..rows).step_by(TOGETHER) {
-        let filled: Vec<Vec<f32>> = (group..(group + TOGETHER).min(rows))
-            .into_par_iter()
-            .map(|row| {
-                let mut texels = vec![0.0; pitch * (edge * edge) as usize];
-                for slot in row * per_row..((row + 1) * per_row).min(layout.resident.len()) {
-                    layout.fill(slot, store, (&mut texels, pitch));
-                }
-                texels
-            })
-            .collect();
-        for (row, texels) in (group..).zip(&filled) {
-            let (y, stack) = (row as u32 % layout.slots[1], row as u32 / layout.slots[1]);
-            gpu.queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    texture,
-                    mip_level: 0,
-                    origin: wgpu::Origin3d {
-                        x: 0,
-                        y: y * edge,
-                        z: stack * edge,
-                    },
-                    aspect: wgpu::TextureAspect::All,
-                },
-                bytemuck::cast_slice(texels),
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(width * size_of::<f32>() as u32),
-                    rows_per_image: Some(edge),
-                },
-                wgpu::Extent3d {
-                    width,
-                    height: edge,
-                    depth_or_array_layers: edge,
-                },
-            );
+    for channel in 0..layout.channels {
+        for group in (0..rows).step_by(TOGETHER) {
+            let filled: Vec<Vec<f32>> = (group..(group + TOGETHER).min(rows))
+                .into_par_iter()
+                .map(|row| layout.row((row, channel), store))
+                .collect();
+            for (row, texels) in (group..).zip(&filled) {
+                layout.write(gpu, texture, (row, channel), texels);
+            }
+            gpu.queue.submit([]);
         }
-        gpu.queue.submit([]);
     }
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use glam::DAffine3;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
-use splatvol_core::level::{Detail, Level, Wanted, blend};
+use splatvol_core::level::{Detail, Wanted, blend};
 use splatvol_core::plan::{GridView, Sampling};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
 use splatvol_scene::{
@@ -203,7 +203,6 @@ impl GpuEngine {
         let sampling = if mode.splats_classes() {
             Sampling::Planes
         } else {
-            refuse_missing(prepared)?;
             Sampling::Field
         };
         let grid = prepared.field.source().grid();
@@ -245,6 +244,7 @@ impl GpuEngine {
             mode,
             taps: shown.taps(),
             from_eye: view.holds_eye(),
+            has_holes: !mode.splats_classes() && prepared.field.any_missing(),
         };
         let marches = self.pipelines.marches(&self.gpu, variant)?;
         let classify = match voxels {
@@ -293,16 +293,6 @@ fn canvas_of<'a>(
         None => Canvas::new(gpu, pixels)?,
     };
     Ok(kept.insert(canvas))
-}
-
-fn refuse_missing(level: &Level) -> Result<(), SceneError> {
-    if level.field.any_missing() {
-        return Err(SceneError::Combination {
-            what: "on the GPU, a volume with missing samples",
-            why: "volumes with samples that are not finite are drawn by the engine cpu",
-        });
-    }
-    Ok(())
 }
 
 impl Engine for GpuEngine {

@@ -8,6 +8,10 @@ use crate::effects::Effects;
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
 const FIELD: &str = include_str!("../shaders/field.wgsl");
 const JET: &str = include_str!("../shaders/jet.wgsl");
+const WHOLE: &str = include_str!("../shaders/whole.wgsl");
+const HOLES: &str = include_str!("../shaders/holes.wgsl");
+const BESIDE: &str = include_str!("../shaders/beside.wgsl");
+const AROUND: &str = include_str!("../shaders/around.wgsl");
 const LIGHT: &str = include_str!("../shaders/light.wgsl");
 const TABLE: &str = include_str!("../shaders/table.wgsl");
 const NODES: &str = include_str!("../shaders/nodes.wgsl");
@@ -89,19 +93,36 @@ impl Mode {
     }
 
     /// The text of its shaders: entry points `march` and, where rays keep something else than colours, `settle`.
-    pub(crate) fn text(self) -> String {
+    pub(crate) fn text(self, has_holes: bool) -> String {
         let settle = if self.settles() { SETTLE } else { "" };
-        [&self.library(), MARCH, settle].join("\n")
+        [&self.library(has_holes), MARCH, settle].join("\n")
     }
 
-    /// The text without the loop over planes.
-    pub(crate) fn library(self) -> String {
-        let field = [FRAME, FIELD, JET, LOW_PASS, LIGHT];
+    /// The text without the loop over planes. `has_holes`: samples are missing.
+    pub(crate) fn library(self, has_holes: bool) -> String {
+        let field = [
+            FRAME,
+            FIELD,
+            JET,
+            LOW_PASS,
+            LIGHT,
+            if has_holes { HOLES } else { WHOLE },
+        ];
         let own: &[&str] = match self {
-            Self::Material => &[COEFFICIENTS, EYE, TABLE, ACROSS, PLANES, MATERIAL],
-            Self::Effects => &[COEFFICIENTS, EYE, TABLE, ACROSS, PLANES, CLIPS, EFFECTS],
+            Self::Material => &[COEFFICIENTS, BESIDE, EYE, AROUND, TABLE, ACROSS, PLANES, MATERIAL],
+            Self::Effects => &[
+                COEFFICIENTS,
+                BESIDE,
+                EYE,
+                AROUND,
+                TABLE,
+                ACROSS,
+                PLANES,
+                CLIPS,
+                EFFECTS,
+            ],
             Self::Analytic => &[COEFFICIENTS, NODES, ENDS, ANALYTIC],
-            Self::Values(_) => &[COEFFICIENTS, EYE, NODES, CUBIC, VALUES],
+            Self::Values(_) => &[COEFFICIENTS, BESIDE, EYE, AROUND, NODES, CUBIC, VALUES],
             Self::ExactValues(_) => &[COEFFICIENTS, NODES, ENDS, CUBIC, EXACT_VALUES],
             Self::Compose => &[CLASSES, EYE, COMPOSE],
             Self::Xray => &[CLASSES, XRAY],

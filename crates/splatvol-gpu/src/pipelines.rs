@@ -50,6 +50,8 @@ pub(crate) struct Variant {
     pub taps: i32,
     /// Whether the camera is within the volume.
     pub from_eye: bool,
+    /// Whether samples are missing.
+    pub has_holes: bool,
 }
 
 /// Passes over planes.
@@ -176,8 +178,13 @@ impl Pipelines {
     }
 
     fn compile_march(&self, gpu: &GpuDevice, variant: Variant) -> Marches {
-        let Variant { mode, taps, from_eye } = variant;
-        let text = mode.text();
+        let Variant {
+            mode,
+            taps,
+            from_eye,
+            has_holes,
+        } = variant;
+        let text = mode.text(has_holes);
         let mut constants = mode.constants(from_eye);
         constants.push(("TAPS", f64::from(taps)));
         let entry = |name| pipeline(&gpu.device, (name, &text), &self.march_layout, &constants);

@@ -20,7 +20,7 @@ const PROBE: &str = "
 @compute @workgroup_size(1)
 fn probe(@builtin(workgroup_id) id: vec3<u32>) {
     let place = place_on(id.x, vec2(0.0));
-    colors[id.x] = vec4(sum_at(place), share_at(place), coverage_at(place), sum_on(id.x, vec2(0.0)));
+    colors[id.x] = vec4(sums_at(place).x, share_at(place), coverage_at(place), sums_on(id.x, vec2(0.0)).x);
 }
 ";
 

@@ -45,10 +45,11 @@ fn layouts_agree_and_shaders_are_valid() {
         Mode::Compose,
         Mode::Xray,
     ];
-    for text in [cull_shader(), classify_shader()]
-        .into_iter()
-        .chain(modes.map(Mode::text))
-    {
+    for text in [cull_shader(), classify_shader()].into_iter().chain(
+        modes
+            .into_iter()
+            .flat_map(|mode| [false, true].map(|has_holes| mode.text(has_holes))),
+    ) {
         let module = valid(&text);
         let (found, size) = members(&module, "Frame");
         let wanted = offsets!(FrameData: size tiles principal per_pixel plane_per_pixel dims planes pages words margin

@@ -92,6 +92,7 @@ impl Subject {
             mode: self.mode,
             taps,
             from_eye: false,
+            has_holes: false,
         };
         let marches = pipelines.marches(gpu, variant).unwrap();
         let march = March {
@@ -111,7 +112,7 @@ impl Subject {
             },
             voxels: None,
         };
-        let library = self.mode.library();
+        let library = self.mode.library(false);
         let text = [
             &library,
             "@group(0) @binding(7) var<storage, read_write> colors: array<vec4<f32>>;",
