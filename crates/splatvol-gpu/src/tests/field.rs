@@ -73,7 +73,7 @@ fn values_are_those_of_the_reference() {
 const JET_PROBE: &str = "
 @compute @workgroup_size(1)
 fn probe(@builtin(workgroup_id) id: vec3<u32>) {
-    let jet = jet_at(place_on(id.x, vec2(0.0)));
+    let jet = jet_at(place_on(id.x, vec2(0.0)), 0);
     colors[id.x] = vec4(jet.sum, jet.slope);
 }
 ";
