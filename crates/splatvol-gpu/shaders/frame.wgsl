@@ -54,6 +54,12 @@ struct Frame {
     first_isosurface: u32,
     // Layers of the atlas that a channel has.
     channel_layers: u32,
+    // First row of tiles of a part of the picture; where intervals of layers are gathered, what is added to their numbers,
+    // the part's pixels, and its intervals.
+    first_tile_row: u32,
+    gather_offset: i32,
+    band_pixels: u32,
+    gathered_intervals: u32,
     // Gradients: per world length in camera space, from per voxel.
     gradient_from_lattice: mat3x3<f32>,
 }

@@ -1,11 +1,10 @@
 // March: a workgroup takes a tile through all planes, front to back, until its pixels are finished. A thread has two
 // pixels. The mode says what a pixel keeps of planes: `Pixel`, `fresh`, `exchange`, `enter`, `shade`, and `LAG`, the planes
-// from an interval's nearer one to the one with which it is shaded.
+// from an interval's nearer one to the one with which it is shaded. `direct` or `gather` says where shaded intervals go.
 
 @group(0) @binding(3) var<storage, read> tile_sheets: array<u32>;
-// Linear premultiplied colour and transmittance; the sum of depths, weighted by opacity.
+// Linear premultiplied colour and transmittance.
 @group(0) @binding(7) var<storage, read_write> colors: array<vec4<f32>>;
-@group(0) @binding(8) var<storage, read_write> depths: array<f32>;
 
 var<workgroup> open_pixels: atomic<u32>;
 var<workgroup> any_open: u32;
@@ -32,22 +31,14 @@ fn next_with_material(tile: u32, sheet: u32) -> u32 {
 }
 
 fn begin(at: vec2<u32>) -> Pixel {
-    let index = at.y * frame.size.x + at.x;
-    let so_far = colors[index];
-    let ink = Ink(so_far.rgb, so_far.a, depths[index]);
-    return fresh(vec2<f32>(at) + 0.5 - frame.principal, ink);
-}
-
-fn finish(at: vec2<u32>, ink: Ink) {
-    let index = at.y * frame.size.x + at.x;
-    colors[index] = vec4(ink.color, ink.transmittance);
-    depths[index] = ink.depth_sum;
+    return fresh(vec2<f32>(at) + 0.5 - frame.principal, ink_at(at.y * frame.size.x + at.x));
 }
 
 @compute @workgroup_size(256)
 fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let tile = group.y * frame.tiles.x + group.x;
-    let corner = vec2(group.x * TILE_WIDTH, group.y * TILE_HEIGHT);
+    let row = frame.first_tile_row + group.y;
+    let tile = row * frame.tiles.x + group.x;
+    let corner = vec2(group.x * TILE_WIDTH, row * TILE_HEIGHT);
     let own = vec2(thread % TILE_WIDTH, thread / TILE_WIDTH);
     let first_at = corner + own;
     let second_at = first_at + vec2(0u, TILE_HEIGHT / 2u);
@@ -82,8 +73,8 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         enter(&first, sheet, plane + first_point, is_filled);
         enter(&second, sheet, plane + second_point, is_filled);
         if sheet >= frame.from_interval + LAG && sheet - LAG < frame.to_interval {
-            shade(&first, sheet - LAG);
-            shade(&second, sheet - LAG);
+            show(&first, sheet - LAG);
+            show(&second, sheet - LAG);
         }
         if steps % PATIENCE == PATIENCE - 1u {
             if max(first.ink.transmittance, second.ink.transmittance) >= frame.termination {
@@ -102,9 +93,9 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         sheet += 1u;
     }
     if first_exists {
-        finish(first_at, first.ink);
+        finish(first_at.y * frame.size.x + first_at.x, first.ink);
     }
     if second_exists {
-        finish(second_at, second.ink);
+        finish(second_at.y * frame.size.x + second_at.x, second.ink);
     }
 }

@@ -1,21 +1,23 @@
 //! Requests that this engine refuses, by name.
 
 use splatvol_core::engine::Shot;
-use splatvol_scene::{Classification, Gradient, Method, SceneError, SheetSettings, Shows, SingleVolume};
+use splatvol_scene::{
+    Classification, Gradient, Item, Method, SceneError, SheetSettings, Shows, SingleVolume,
+};
 
 /// Largest radius of a kernel, voxels.
 const MOST_RADIUS: f64 = 3.0;
 
-/// The one volume of a shot, and the settings of its planes.
+/// The volumes of a shot, and the settings of their planes.
 ///
 /// # Errors
 /// What the GPU does not draw.
-pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(SingleVolume<'a>, SheetSettings), SceneError> {
-    let refuse = |what, why| Err(SceneError::Combination { what, why });
-    let Ok(single) = shot.scene.single_volume() else {
+pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(Vec<SingleVolume<'a>>, SheetSettings), SceneError> {
+    let volumes: Option<Vec<_>> = shot.scene.items.iter().map(Item::as_volume).collect();
+    let Some(volumes) = volumes.filter(|volumes| !volumes.is_empty()) else {
         return refuse(
-            "on the GPU, a scene other than one volume",
-            "the GPU engine draws one volume; take the engine cpu, or auto",
+            "on the GPU, a scene other than volumes, or Gaussians as published",
+            "meshes, points and volumetric Gaussians are drawn by the engine cpu; take it, or auto",
         );
     };
     let Method::Sheets(sheets) = shot.settings.method else {
@@ -24,13 +26,40 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(SingleVolume<'a>, SheetS
             "the papers' methods are drawn by the engine cpu",
         );
     };
+    if volumes.len() > 1 && !matches!(sheets.shows, Shows::Material(_)) {
+        return refuse(
+            "on the GPU, X-rays, maxima, minima or means of several volumes",
+            "the GPU engine composites their material; X-rays of several are drawn by the engine cpu",
+        );
+    }
+    if sheets.kernel.radius > MOST_RADIUS {
+        return Err(SceneError::invalid(
+            "kernel radius",
+            sheets.kernel.radius,
+            "at most 3 voxels on the GPU",
+        ));
+    }
+    for single in &volumes {
+        check_volume(shot, single, &sheets.of_labels(single.labels))?;
+    }
+    Ok((volumes, sheets))
+}
+
+fn refuse<T>(what: &'static str, why: &'static str) -> Result<T, SceneError> {
+    Err(SceneError::Combination { what, why })
+}
+
+fn check_volume(
+    shot: &Shot<'_>,
+    single: &SingleVolume<'_>,
+    sheets: &SheetSettings,
+) -> Result<(), SceneError> {
     if !single.item.operators.is_empty() {
         return refuse(
             "on the GPU, a volume with operators",
             "operators are applied by the engine cpu",
         );
     }
-    let sheets = sheets.of_labels(single.labels);
     let is_cut = !shot.scene.clips.is_empty() || !single.item.clips.is_empty();
     let has_cut_faces =
         sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;
@@ -47,12 +76,5 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(SingleVolume<'a>, SheetS
             "motion blur is drawn by the engine cpu",
         );
     }
-    if sheets.kernel.radius > MOST_RADIUS {
-        return Err(SceneError::invalid(
-            "kernel radius",
-            sheets.kernel.radius,
-            "at most 3 voxels on the GPU",
-        ));
-    }
-    Ok((single, sheets))
+    Ok(())
 }

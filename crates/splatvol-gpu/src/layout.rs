@@ -54,6 +54,10 @@ pub(crate) struct FrameData {
     pub isosurfaces: u32,
     pub first_isosurface: u32,
     pub channel_layers: u32,
+    pub first_tile_row: u32,
+    pub gather_offset: i32,
+    pub band_pixels: u32,
+    pub gathered_intervals: u32,
     pub gradient_from_lattice: [[f32; 4]; 3],
 }
 
@@ -132,7 +136,7 @@ impl Picture<'_> {
             voxel: voxel as f32,
             from_interval: view.first_shown() as u32,
             to_interval: count as u32 - 1,
-            first_plane: planes.first as f32 - before as f32,
+            first_plane: self.first_plane() as f32,
             unit_distance: unit_distance as f32,
             camera_from_lattice: columns(&view.camera_from_lattice()),
             bodies: effects.bodies,
@@ -141,6 +145,11 @@ impl Picture<'_> {
             gradient_from_lattice: gradients(&view.camera_from_lattice()),
             ..FrameData::zeroed()
         }
+    }
+
+    /// Number of the first plane: its depth over the spacing.
+    pub(crate) fn first_plane(&self) -> i64 {
+        self.view.planes().first - self.planes_at_eye() as i64
     }
 
     /// Planes before those of the CPU, which begin at a depth of one spacing where rays diverge: the one at the eye, if the
@@ -156,6 +165,12 @@ impl Picture<'_> {
         let at_eye = (self.planes_at_eye() > 0).then(|| unscaled(&lattice_from_camera, (0.0, 0.0)));
         let others = (0..=planes.count).map(|plane| self.sheet(&lattice_from_camera, plane));
         at_eye.into_iter().chain(others).collect()
+    }
+
+    /// Points of the widest low-pass along an axis.
+    pub(crate) fn most_low_pass_points(&self) -> u32 {
+        let points = self.sheets().iter().map(|sheet| sheet.low_pass_points).max();
+        points.unwrap_or(1)
     }
 
     fn sheet(&self, lattice_from_camera: &DAffine3, plane: usize) -> SheetData {

@@ -11,10 +11,11 @@
 //!
 //! | pass | module | shader | from | to |
 //! |---|---|---|---|---|
-//! | assemble | `atlas` | - | needed voxels' coefficients | pages with a slot each, in a texture |
+//! | assemble | `atlas` | - | needed voxels' coefficients, of each of the `layers` | pages with a slot each, in a texture |
 //! | cull | `march` | `cull` | pages, camera | planes of each tile that may hold something |
 //! | march | `march`, `mode` | `field`, `march`, those of the mode | all of these, tables | colour, transmittance, depth |
 //! | classify | `voxels` | `classify` | samples, table, light | classes of voxels, where these are splatted |
+//! | mixture | `gather` | `gather`, `mixture` | intervals of several layers | the same |
 //! | settle | `march` | `settle` | what rays kept | the same |
 //! | resolve | `march`, [`splatvol_core::level::blend`] | - | these | a frame, two levels in one |
 //!
@@ -28,7 +29,9 @@ mod device;
 mod effects;
 mod engine;
 mod error;
+mod gather;
 mod gaussians;
+mod layers;
 mod layout;
 mod march;
 mod mode;

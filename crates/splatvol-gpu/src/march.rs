@@ -51,6 +51,24 @@ impl Canvas {
         self.pixels == pixels
     }
 
+    /// Empties the picture.
+    pub(crate) fn clear(&self, gpu: &GpuDevice) {
+        let clear = [0.0f32, 0.0, 0.0, 1.0].repeat(self.pixels as usize);
+        gpu.queue
+            .write_buffer(&self.colors, 0, bytemuck::cast_slice(&clear));
+        let mut commands = gpu.commands();
+        commands.clear_buffer(&self.depths, 0, None);
+        gpu.queue.submit([commands.finish()]);
+    }
+
+    /// Brings the picture to a frame.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub(crate) fn resolve(&self, gpu: &GpuDevice, frame: &mut Frame) -> Result<(), SceneError> {
+        self.read(gpu, |colors, depths| resolve(frame, (colors, depths)))
+    }
+
     /// Brings colours with transmittances, and sums of depths, to the host.
     ///
     /// # Errors
@@ -111,10 +129,8 @@ impl March<'_> {
     /// # Errors
     /// A stopped picture, or a device that fails.
     pub(crate) fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
-        let data = self.data();
-        self.gpu.scoped(|_| self.submit(&data, task))??;
-        self.canvas
-            .read(self.gpu, |colors, depths| resolve(frame, (colors, depths)))
+        self.gpu.scoped(|_| self.submit(&self.data(), task))??;
+        self.canvas.resolve(self.gpu, frame)
     }
 
     /// The frame's data, with the places of the volume's pages.
@@ -135,17 +151,11 @@ impl March<'_> {
 
     /// Submits all passes; waits for each part but the last two, so that a stopped picture ends soon.
     fn submit(&self, data: &FrameData, task: Task<'_>) -> Result<(), SceneError> {
-        let sheets = self.picture.sheets();
-        let bound = self.bind(data, &sheets, &self.mode.look(self.picture.level));
+        let [_, depths] = self.canvas.targets();
+        self.canvas.clear(self.gpu);
+        let bound = self.begin(data, depths);
         let intervals = data.from_interval..data.to_interval;
-        let points = sheets
-            .iter()
-            .map(|sheet| sheet.low_pass_points)
-            .max()
-            .unwrap_or(1);
-        let samples = self.canvas.pixels.max(1) * u64::from(points * points);
-        let step = (self.gpu.samples_per_dispatch / samples).max(LEAST_INTERVALS) as u32;
-        self.begin(data, &bound);
+        let step = self.intervals_together(self.canvas.pixels);
         let mut before = None;
         for from in intervals.clone().step_by(step as usize) {
             task.go_on()?;
@@ -154,7 +164,7 @@ impl March<'_> {
                 to_interval: (from + step).min(intervals.end),
                 ..*data
             };
-            let submitted = self.dispatch((&part, intervals.end), &bound);
+            let submitted = self.dispatch((&part, data.tiles[1]), &bound, part.to_interval == intervals.end);
             if let Some(before) = before.replace(submitted) {
                 self.gpu.wait(Some(before))?;
                 task.report(f64::from(from - intervals.start) / intervals.len() as f64);
@@ -163,7 +173,20 @@ impl March<'_> {
         Ok(())
     }
 
-    pub(crate) fn bind(&self, data: &FrameData, sheets: &[SheetData], table: &[[f32; 4]]) -> Bound {
+    /// Intervals of a dispatch, for so many pixels.
+    pub(crate) fn intervals_together(&self, pixels: u64) -> u32 {
+        let points = self.picture.most_low_pass_points();
+        let samples = pixels.max(1) * u64::from(points * points);
+        (self.gpu.samples_per_dispatch / samples).clamp(LEAST_INTERVALS, u64::from(u32::MAX)) as u32
+    }
+
+    /// Buffers of a picture. `second`: beside colours, depths or gathered intervals.
+    pub(crate) fn bind(
+        &self,
+        data: &FrameData,
+        (sheets, table): (&[SheetData], &[[f32; 4]]),
+        second: &wgpu::Buffer,
+    ) -> Bound {
         use wgpu::BufferUsages as Usage;
         let Self {
             gpu,
@@ -210,7 +233,7 @@ impl March<'_> {
                 whole(5, wgpu::BindingResource::Sampler(&pipelines.nearest)),
                 whole(6, table.as_entire_binding()),
                 whole(7, canvas.colors.as_entire_binding()),
-                whole(8, canvas.depths.as_entire_binding()),
+                whole(8, second.as_entire_binding()),
                 whole(9, effects.as_entire_binding()),
                 whole(10, faces.as_entire_binding()),
             ],
@@ -224,15 +247,13 @@ impl March<'_> {
         }
     }
 
-    /// Clears the picture, and finds the planes of its tiles.
-    fn begin(&self, data: &FrameData, bound: &Bound) {
-        let Self { gpu, canvas, .. } = self;
-        let clear = [0.0f32, 0.0, 0.0, 1.0].repeat(self.canvas.pixels as usize);
-        gpu.queue
-            .write_buffer(&canvas.colors, 0, bytemuck::cast_slice(&clear));
+    /// Classifies voxels, and finds the planes of tiles. `second`: as for [`Self::bind`].
+    pub(crate) fn begin(&self, data: &FrameData, second: &wgpu::Buffer) -> Bound {
+        let Self { gpu, .. } = self;
+        let look = self.mode.look(self.picture.level);
+        let bound = self.bind(data, (&self.picture.sheets(), &look), second);
         gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(data));
         let mut commands = gpu.commands();
-        commands.clear_buffer(&canvas.depths, 0, None);
         if let Some((voxels, pass)) = self.voxels {
             let shared = [&bound.frame, &bound.table, &bound.effects];
             voxels.classify(gpu, pass, &mut commands, shared);
@@ -248,10 +269,16 @@ impl March<'_> {
             pass.dispatch_workgroups(across, groups.div_ceil(CULL_ROW), 1);
         }
         gpu.queue.submit([commands.finish()]);
+        bound
     }
 
-    /// Marches some intervals; `last`: the end of all.
-    fn dispatch(&self, (part, last): (&FrameData, u32), bound: &Bound) -> wgpu::SubmissionIndex {
+    /// Marches some intervals of so many rows of tiles.
+    pub(crate) fn dispatch(
+        &self,
+        (part, rows): (&FrameData, u32),
+        bound: &Bound,
+        is_last: bool,
+    ) -> wgpu::SubmissionIndex {
         let gpu = self.gpu;
         gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(part));
         let mut commands = gpu.commands();
@@ -259,10 +286,10 @@ impl March<'_> {
             let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_bind_group(0, &bound.march, &[]);
             pass.set_pipeline(&self.marches.march);
-            pass.dispatch_workgroups(part.tiles[0], part.tiles[1], 1);
-            if let Some(settle) = self.marches.settle.as_ref().filter(|_| part.to_interval == last) {
+            pass.dispatch_workgroups(part.tiles[0], rows, 1);
+            if let Some(settle) = self.marches.settle.as_ref().filter(|_| is_last) {
                 pass.set_pipeline(settle);
-                pass.dispatch_workgroups(part.tiles[0], part.tiles[1], 1);
+                pass.dispatch_workgroups(part.tiles[0], rows, 1);
             }
         }
         gpu.queue.submit([commands.finish()])

@@ -22,6 +22,9 @@ const COMPOSE: &str = include_str!("../shaders/compose.wgsl");
 const XRAY: &str = include_str!("../shaders/xray.wgsl");
 const CLASSIFY: &str = include_str!("../shaders/classify.wgsl");
 const SETTLE: &str = include_str!("../shaders/settle.wgsl");
+const DIRECT: &str = include_str!("../shaders/direct.wgsl");
+const GATHER: &str = include_str!("../shaders/gather.wgsl");
+const MIXTURE: &str = include_str!("../shaders/mixture.wgsl");
 const EYE: &str = include_str!("../shaders/eye.wgsl");
 const ACROSS: &str = include_str!("../shaders/across.wgsl");
 const PLANES: &str = include_str!("../shaders/planes.wgsl");
@@ -93,9 +96,11 @@ impl Mode {
     }
 
     /// The text of its shaders: entry points `march` and, where rays keep something else than colours, `settle`.
-    pub(crate) fn text(self, has_holes: bool) -> String {
-        let settle = if self.settles() { SETTLE } else { "" };
-        [&self.library(has_holes), MARCH, settle].join("\n")
+    /// `has_holes`: samples are missing; `gathers`: intervals are kept beside those of other layers.
+    pub(crate) fn text(self, has_holes: bool, gathers: bool) -> String {
+        let settle = if self.settles() && !gathers { SETTLE } else { "" };
+        let target = if gathers { GATHER } else { DIRECT };
+        [&self.library(has_holes), MARCH, target, settle].join("\n")
     }
 
     /// The text without the loop over planes. `has_holes`: samples are missing.
@@ -163,6 +168,11 @@ impl Mode {
 /// The text of the pass that classifies voxels.
 pub(crate) fn classify_shader() -> String {
     [FRAME, NODES, LIGHT, CLIPS, CLASSIFY].join("\n")
+}
+
+/// The text of the pass that composites several layers.
+pub(crate) fn mixture_shader() -> String {
+    [FRAME, MIXTURE].join("\n")
 }
 
 /// Per node integrals, then extinction and linear colour.

@@ -7,7 +7,7 @@ use splatvol_scene::SceneError;
 
 use crate::device::GpuDevice;
 use crate::error::GpuError;
-use crate::mode::{Mode, classify_shader};
+use crate::mode::{Mode, classify_shader, mixture_shader};
 use crate::pass::Pass;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
@@ -29,6 +29,8 @@ pub(crate) struct Pipelines {
     marches: HashMap<Variant, Marches>,
     /// Passes that classify voxels, likewise.
     classify: HashMap<Classify, Arc<Pass>>,
+    /// Composites several layers; compiled likewise.
+    mixture: Option<Arc<Pass>>,
 }
 
 /// How voxels are classified.
@@ -52,6 +54,8 @@ pub(crate) struct Variant {
     pub from_eye: bool,
     /// Whether samples are missing.
     pub has_holes: bool,
+    /// Whether intervals are kept beside those of other layers.
+    pub gathers: bool,
 }
 
 /// Passes over planes.
@@ -142,6 +146,7 @@ impl Pipelines {
             nearest: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             marches: HashMap::new(),
             classify: HashMap::new(),
+            mixture: None,
         }
     }
 
@@ -177,20 +182,33 @@ impl Pipelines {
         Ok(made)
     }
 
+    /// The pass that composites several layers.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn mixture(&mut self, gpu: &GpuDevice) -> Result<Arc<Pass>, SceneError> {
+        let made = match self.mixture.take() {
+            Some(known) => known,
+            None => Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("mixture", &mixture_shader()), &[]))?),
+        };
+        Ok(Arc::clone(self.mixture.insert(made)))
+    }
+
     fn compile_march(&self, gpu: &GpuDevice, variant: Variant) -> Marches {
         let Variant {
             mode,
             taps,
             from_eye,
             has_holes,
+            gathers,
         } = variant;
-        let text = mode.text(has_holes);
+        let text = mode.text(has_holes, gathers);
         let mut constants = mode.constants(from_eye);
         constants.push(("TAPS", f64::from(taps)));
         let entry = |name| pipeline(&gpu.device, (name, &text), &self.march_layout, &constants);
         Marches {
             march: entry("march"),
-            settle: mode.settles().then(|| entry("settle")),
+            settle: (mode.settles() && !gathers).then(|| entry("settle")),
         }
     }
 }

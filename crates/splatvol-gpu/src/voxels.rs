@@ -4,7 +4,7 @@
 //! Samples of a level lie in a texture of three dimensions. They are classified and lit for each picture, since light
 //! changes with the camera, and an edit of the transfer function uploads nothing but its table.
 
-use std::sync::Weak;
+use std::sync::{Arc, Weak};
 
 use rayon::prelude::*;
 use splatvol_core::brick::BRICK;
@@ -22,12 +22,9 @@ const MISSING: f32 = -1e30;
 /// Slots along x of a dispatch: `SLOTS_ACROSS` in WGSL.
 const SLOTS_ACROSS: u32 = 32_768;
 
-/// Samples of levels of one volume, kept on the device.
+/// Samples of levels of volumes, kept on the device.
 #[derive(Debug, Default)]
-pub(crate) struct KeptSamples {
-    volume: Weak<Volume>,
-    levels: Vec<(usize, wgpu::Texture)>,
-}
+pub(crate) struct KeptSamples(Vec<(Weak<Volume>, usize, wgpu::Texture)>);
 
 impl KeptSamples {
     /// Samples of a level.
@@ -40,21 +37,27 @@ impl KeptSamples {
         volume: &Weak<Volume>,
         (level, field): (usize, &FieldStore),
     ) -> Result<wgpu::Texture, SceneError> {
-        if !Weak::ptr_eq(&self.volume, volume) {
-            self.volume = Weak::clone(volume);
-            self.levels.clear();
-        }
-        if let Some((_, known)) = self.levels.iter().find(|(at, _)| *at == level) {
+        let is_it = |(of, at, _): &&(Weak<Volume>, usize, _)| Weak::ptr_eq(of, volume) && *at == level;
+        if let Some((_, _, known)) = self.0.iter().find(is_it) {
             return Ok(known.clone());
         }
         let made = samples(gpu, field)?;
-        self.levels.push((level, made.clone()));
+        self.0.push((Weak::clone(volume), level, made.clone()));
         Ok(made)
+    }
+
+    /// Forgets those of all volumes but these.
+    pub(crate) fn retain<'v>(&mut self, volumes: impl Iterator<Item = &'v Arc<Volume>> + Clone) {
+        self.0.retain(|(of, ..)| {
+            volumes
+                .clone()
+                .any(|volume| std::ptr::addr_eq(of.as_ptr(), Arc::as_ptr(volume)))
+        });
     }
 
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> u64 {
-        let textures = self.levels.iter().map(|(_, texture)| texture.size());
+        let textures = self.0.iter().map(|(_, _, texture)| texture.size());
         textures
             .map(|size| {
                 u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers) * 4

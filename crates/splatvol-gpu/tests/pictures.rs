@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use splatvol::glam::{DAffine3, DQuat, DVec3};
 use splatvol::samples::{Sample, SampleSize};
 use splatvol::{
     Bounds, Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Frame,
@@ -330,6 +331,59 @@ fn missing_samples_are_the_cpu_s() {
     }
 }
 
+/// Several volumes share planes: their extinctions add up.
+#[test]
+fn volumes_together_are_the_cpu_s() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
+    let head = scene(Sample::Head, 32);
+    let place = |scene: Scene, at: DAffine3| scene.items.into_iter().next().unwrap().at(at);
+    let span = head.bounds().unwrap().max[0] - head.bounds().unwrap().min[0];
+    let of_ball = scene(Sample::Ball, 24);
+    let scale = span / (of_ball.bounds().unwrap().max[0] - of_ball.bounds().unwrap().min[0]);
+    let turned = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.7 * scale),
+        DQuat::from_rotation_z(0.4),
+        DVec3::new(0.2 * span, -0.3 * span, 0.1 * span),
+    );
+    let mut both = head.clone();
+    both.items.push(place(of_ball, turned));
+    let mut with_labels = both.clone();
+    // Their voxels are as large as the head's.
+    let moved = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(span / 32.0),
+        DQuat::IDENTITY,
+        DVec3::new(-0.2 * span, 0.1 * span, 0.3 * span),
+    );
+    with_labels.items.push(place(labels(), moved));
+    let mut cut = with_labels.clone();
+    let centre = head.bounds().unwrap().centre();
+    cut.clips.push(Clip::plane(centre, [0.31, 1.0, 0.113]).unwrap());
+    let pre = checked(FlatSettings {
+        classification: Classification::Pre,
+        ..sized(RenderSettings::fast(), 64).into()
+    });
+    for (name, scene, settings, decibels, share) in [
+        ("fast", &both, sized(RenderSettings::fast(), 64), 48.0, 0.95),
+        ("best", &both, sized(RenderSettings::best(), 64), 78.0, 0.999),
+        (
+            "best-labels",
+            &with_labels,
+            sized(RenderSettings::best(), 64),
+            75.0,
+            0.999,
+        ),
+        ("cut", &cut, sized(RenderSettings::fast(), 64), 45.0, 0.92),
+        ("pre", &with_labels, pre, 50.0, 0.9),
+        ("far", &with_labels, sized(RenderSettings::fast(), 13), 32.0, 0.55),
+    ] {
+        let camera = camera(scene, PROJECTIONS[0]);
+        let what = format!("gpu-together-{name}");
+        let shot = (scene, &camera, &settings);
+        compare((&mut gpu, &mut cpu), shot, &what, (decibels, share, 2e-3));
+    }
+}
+
 #[test]
 fn pictures_from_within_are_the_cpu_s() {
     let Some(mut gpu) = gpu() else { return };
@@ -429,12 +483,15 @@ fn pictures_do_not_depend_on_how_they_are_divided() {
             ..sized(RenderSettings::fast(), 40).into()
         })
     });
+    let mut together = cut.clone();
+    together.items.push(plain.items[0].clone());
     for (scene, settings) in [
         (&plain, sized(RenderSettings::fast(), 40)),
         (&plain, sized(RenderSettings::best(), 40)),
         (&plain, mean),
         (&cut, pre),
         (&plain, xray),
+        (&together, sized(RenderSettings::fast(), 40)),
         (&cut, sized(RenderSettings::fast(), 40)),
     ] {
         let [one, many] =

@@ -138,18 +138,7 @@ impl Scene {
             return refuse(&self.items.len());
         };
         match &item.content {
-            Content::Volume {
-                volume,
-                transfer_function,
-                isosurfaces,
-                labels,
-            } => Ok(SingleVolume {
-                item,
-                volume,
-                transfer_function,
-                isosurfaces,
-                labels: *labels,
-            }),
+            Content::Volume { .. } => item.as_volume().ok_or_else(no_items),
             Content::Mesh { .. } => refuse(&"a mesh"),
             Content::Points { .. } => refuse(&"points"),
             Content::Gaussians(_) => refuse(&"Gaussians"),
@@ -184,7 +173,28 @@ fn no_items() -> SceneError {
     SceneError::invalid("items", 0, "at least one")
 }
 
-/// The only item of a scene, where it is a volume.
+impl Item {
+    /// The item as a volume; `None` where it is something else.
+    pub fn as_volume(&self) -> Option<SingleVolume<'_>> {
+        match &self.content {
+            Content::Volume {
+                volume,
+                transfer_function,
+                isosurfaces,
+                labels,
+            } => Some(SingleVolume {
+                item: self,
+                volume,
+                transfer_function,
+                isosurfaces,
+                labels: *labels,
+            }),
+            _ => None,
+        }
+    }
+}
+
+/// An item that is a volume, often the only one of a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct SingleVolume<'a> {
     /// The item itself.

@@ -35,7 +35,7 @@ pub use extents::low_pass;
 pub use order::DepthOrder;
 pub use raster::{Raster, SheetShape, half_extent};
 pub use ray_shapes::RayShapes;
-pub use view::{GridView, Sampling};
+pub use view::{GridView, Sampling, on_common_planes};
 pub use zone_plan::ZonePlan;
 pub use zones::{Evaluation, Zone};
 

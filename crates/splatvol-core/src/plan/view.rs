@@ -124,6 +124,28 @@ impl GridView {
     }
 }
 
+/// Views of several grids on common planes, at the distance of those that lie closest.
+pub fn on_common_planes(
+    grids: &[(&Grid, RenderSettings<SheetSettings>, Sampling)],
+    camera: &Camera,
+) -> Vec<GridView> {
+    let view = |(grid, settings, sampling): &(&Grid, _, _), spacing| {
+        GridView::new(grid, (camera, settings), *sampling, spacing)
+    };
+    let own: Vec<GridView> = grids.iter().map(|grid| view(grid, None)).collect();
+    let closest = own.iter().map(GridView::spacing).fold(f64::INFINITY, f64::min);
+    own.into_iter()
+        .zip(grids)
+        .map(|(own, grid)| {
+            if own.spacing() == closest {
+                own
+            } else {
+                view(grid, Some(closest))
+            }
+        })
+        .collect()
+}
+
 /// Slabs of X-rays per voxel. One resolves depth well enough. But the footprints of voxels half a slab in front of
 /// its middle or behind it are too small or too large, by the relative difference of their distances from the eye.
 fn slabs_per_voxel(settings: &RenderSettings<SheetSettings>) -> f64 {

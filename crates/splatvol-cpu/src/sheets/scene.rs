@@ -6,7 +6,7 @@
 
 use splatvol_core::bin::TileGrid;
 use splatvol_core::engine::{RenderStatistics, Task};
-use splatvol_core::plan::{GridView, Sampling};
+use splatvol_core::plan::{GridView, Sampling, on_common_planes};
 use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError, SheetSettings};
 
@@ -66,28 +66,19 @@ fn views(
     volumes: &[VolumeScene<'_>],
     (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
 ) -> Vec<GridView> {
-    let view = |(level, volume): &(&Level, &VolumeScene<'_>), spacing| {
-        let settings = &volume.settings(settings);
-        let sampling = match Wanted::of(settings) {
-            Wanted::Classified => Sampling::Planes,
-            _ => Sampling::Field,
-        };
-        let grid = level.field.source().grid();
-        GridView::new(grid, (camera, settings), sampling, spacing)
-    };
-    let levels: Vec<_> = levels.iter().copied().zip(volumes).collect();
-    let own: Vec<GridView> = levels.iter().map(|level| view(level, None)).collect();
-    let spacing = own.iter().map(GridView::spacing).fold(f64::INFINITY, f64::min);
-    own.into_iter()
-        .zip(levels)
-        .map(|(own, level)| {
-            if own.spacing() == spacing {
-                own
-            } else {
-                view(&level, Some(spacing))
-            }
+    let grids: Vec<_> = levels
+        .iter()
+        .zip(volumes)
+        .map(|(level, volume)| {
+            let settings = volume.settings(settings);
+            let sampling = match Wanted::of(&settings) {
+                Wanted::Classified => Sampling::Planes,
+                _ => Sampling::Field,
+            };
+            (level.field.source().grid(), settings, sampling)
         })
-        .collect()
+        .collect();
+    on_common_planes(&grids, camera)
 }
 
 impl SheetEngine {

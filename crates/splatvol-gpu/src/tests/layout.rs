@@ -7,8 +7,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::gaussians::{ListsData, PictureData, ViewData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
-use crate::mode::classify_shader;
 use crate::mode::{Kept, Mode};
+use crate::mode::{classify_shader, mixture_shader};
 use crate::pipelines::cull_shader;
 use crate::sort::{DigitData, RADIX, SCAN, ScanData};
 
@@ -45,18 +45,20 @@ fn layouts_agree_and_shaders_are_valid() {
         Mode::Compose,
         Mode::Xray,
     ];
-    for text in [cull_shader(), classify_shader()].into_iter().chain(
-        modes
-            .into_iter()
-            .flat_map(|mode| [false, true].map(|has_holes| mode.text(has_holes))),
-    ) {
+    for text in [cull_shader(), classify_shader(), mixture_shader()]
+        .into_iter()
+        .chain(modes.into_iter().flat_map(|mode| {
+            [false, true].map(|has_holes| mode.text(has_holes, has_holes && !mode.settles()))
+        }))
+    {
         let module = valid(&text);
         let (found, size) = members(&module, "Frame");
         let wanted = offsets!(FrameData: size tiles principal per_pixel plane_per_pixel dims planes pages words margin
             sigma samples radius slots atlas spacing background termination densest hull shows_background lit
             towards_light ambient half_way diffuse specular power floor_squared voxel from_interval to_interval
             first_plane unit_distance camera_from_lattice bodies isosurfaces
-            first_isosurface channel_layers gradient_from_lattice);
+            first_isosurface channel_layers first_tile_row gather_offset
+            band_pixels gathered_intervals gradient_from_lattice);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<FrameData>());
         let (found, size) = members(&module, "Sheet");

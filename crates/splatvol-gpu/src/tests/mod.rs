@@ -93,6 +93,7 @@ impl Subject {
             taps,
             from_eye: false,
             has_holes: false,
+            gathers: false,
         };
         let marches = pipelines.marches(gpu, variant).unwrap();
         let march = March {
@@ -119,7 +120,11 @@ impl Subject {
             entry,
         ]
         .join("\n");
-        let bound = march.bind(&march.data(), inputs, &self.mode.look(level));
+        let bound = march.bind(
+            &march.data(),
+            (inputs, &self.mode.look(level)),
+            canvas.targets()[1],
+        );
         gpu.queue
             .write_buffer(&bound.frame, 0, bytemuck::bytes_of(&march.data()));
         let probe = gpu
