@@ -284,7 +284,7 @@ fn head_with_holes() -> Scene {
     let value = |i: usize| {
         let place = [i % 32, i / 32 % 32, i / 1024].map(|at| at as f64);
         let from_hole = [place[0] - 12.0, place[1] - 6.0, place[2] - 18.0];
-        let is_missing = from_hole.iter().map(|d| d * d).sum::<f64>() < 36.0 || i * 7919 % 101 == 0;
+        let is_missing = from_hole.iter().map(|d| d * d).sum::<f64>() < 36.0 || (i * 7919).is_multiple_of(101);
         if is_missing {
             f32::NAN
         } else {
