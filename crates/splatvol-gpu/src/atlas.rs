@@ -25,6 +25,7 @@ const MISSING: u32 = 1;
 #[derive(Debug)]
 pub(crate) struct Atlas {
     pub view: wgpu::TextureView,
+    texture: wgpu::Texture,
     pub pages: wgpu::Buffer,
     pub layout: AtlasLayout,
 }
@@ -40,8 +41,8 @@ pub(crate) struct AtlasLayout {
     pub pages: [i32; 3],
     /// Slots along x and y of a layer, and stacks of slots.
     pub slots: [u32; 3],
-    /// Pages that have a slot, ascending.
-    pub resident: Vec<u32>,
+    /// Pages that hold a needed voxel, ascending; at most as many as there are slots, or some at a time are in these.
+    pub needed: Vec<u32>,
     /// For each of these the end of its part of `bricks`.
     ends: Vec<usize>,
     /// Needed bricks that meet each page, page by page.
@@ -50,15 +51,12 @@ pub(crate) struct AtlasLayout {
 
 impl AtlasLayout {
     /// Pages and slots for the voxels of bricks. `firsts`: their first lattice points; `most`: texels of a texture along
-    /// an axis, and layers.
-    ///
-    /// # Errors
-    /// More slots than a texture has room for: how many there are, and how many are needed.
+    /// an axis, layers, and bytes.
     fn new(
         (dims, firsts): ([usize; 3], impl Iterator<Item = [u32; 3]>),
         (taps, channels): (i32, u32),
-        most: [u32; 2],
-    ) -> Result<Self, [usize; 2]> {
+        (most, bytes): ([u32; 2], u64),
+    ) -> Self {
         let edge = (PAGE + taps - 1) as u32;
         let pages = dims.map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
         let mut met: Vec<[u32; 2]> = firsts
@@ -74,25 +72,28 @@ impl AtlasLayout {
             channels,
             pages,
             slots: [1; 3],
-            resident: Vec::new(),
+            needed: Vec::new(),
             ends: Vec::new(),
             bricks: met.iter().map(|&[_, brick]| brick).collect(),
         };
         for group in met.chunk_by(|[a, _], [b, _]| a == b) {
-            layout.resident.push(group[0][0]);
+            layout.needed.push(group[0][0]);
             let start = layout.ends.last().copied().unwrap_or(0);
             layout.ends.push(start + group.len());
         }
-        let needed = layout.resident.len().max(1);
+        let room = bytes / (u64::from(edge).pow(3) * u64::from(channels) * size_of::<f32>() as u64);
+        let needed = layout.needed.len().min(room as usize).max(1);
         let (across, stacks) = ((most[0] / edge) as usize, (most[1] / channels / edge) as usize);
         let x = needed.div_ceil(stacks).isqrt().max(1).min(across);
         let y = needed.div_ceil(stacks * x).max(1).min(across);
-        let z = needed.div_ceil(x * y);
-        if z > stacks {
-            return Err([needed, across * across * stacks]);
-        }
+        // Not more slots than the bytes have room for.
+        let y = y.min((room as usize / x).max(1));
+        let z = needed
+            .div_ceil(x * y)
+            .min(stacks)
+            .min((room as usize / (x * y)).max(1));
         layout.slots = [x, y, z].map(|n| n as u32);
-        Ok(layout)
+        layout
     }
 
     /// Texels of a slot along each axis.
@@ -106,6 +107,19 @@ impl AtlasLayout {
         slots * u64::from(self.edge()).pow(3) * u64::from(self.channels) * size_of::<f32>() as u64
     }
 
+    /// Slots.
+    pub(crate) fn capacity(&self) -> usize {
+        self.slots.iter().map(|&n| n as usize).product()
+    }
+
+    /// First cell of a page, and one past its last, lattice points.
+    pub(crate) fn cells_of(&self, page: u32) -> [[i32; 3]; 2] {
+        let [nx, ny, _] = self.pages;
+        let page = page as i32;
+        let first = [page % nx, page / nx % ny, page / (nx * ny)].map(|at| at * PAGE - BEFORE);
+        [first, first.map(|at| at + PAGE)]
+    }
+
     /// Layers of a channel.
     pub(crate) fn channel_layers(&self) -> u32 {
         self.slots[2] * self.edge()
@@ -116,10 +130,14 @@ impl AtlasLayout {
         [self.slots[0] * self.edge(), self.slots[1] * self.edge()]
     }
 
+    fn page_count(&self) -> usize {
+        self.pages.iter().map(|&n| n as usize).product()
+    }
+
     /// Slot of each page plus one; zero where there is none.
     fn table(&self) -> Vec<u32> {
-        let mut table = vec![0; self.pages.iter().map(|&n| n as usize).product()];
-        for (slot, &page) in self.resident.iter().enumerate() {
+        let mut table = vec![0; self.page_count()];
+        for (slot, &page) in self.needed.iter().enumerate() {
             table[page as usize] = slot as u32 + 1;
         }
         table
@@ -132,14 +150,19 @@ impl AtlasLayout {
         [page % nx, page / nx % ny, page / (nx * ny)].map(|at| first_texel(at, self.taps))
     }
 
-    /// Writes the voxels of a slot into a row of slots of this pitch: coefficients, or ones where samples are missing.
-    fn fill(&self, (slot, channel): (usize, u32), store: &FieldStore, (row, pitch): (&mut [f32], usize)) {
+    /// Writes the voxels of the slot of a needed page into a row of slots of this pitch, from an offset on: coefficients,
+    /// or ones where samples are missing.
+    fn fill(
+        &self,
+        (needed, channel): (usize, u32),
+        store: &FieldStore,
+        (row, pitch, offset): (&mut [f32], usize, usize),
+    ) {
         let edge = self.edge() as usize;
-        let from = self.first_of(self.resident[slot]);
-        let start = slot.checked_sub(1).map_or(0, |before| self.ends[before]);
-        let offset = slot % self.slots[0] as usize * edge;
+        let from = self.first_of(self.needed[needed]);
+        let start = needed.checked_sub(1).map_or(0, |before| self.ends[before]);
         let mut values = [0.0; BRICK_VOXELS];
-        for &brick in &self.bricks[start..self.ends[slot]] {
+        for &brick in &self.bricks[start..self.ends[needed]] {
             store.decode(brick as usize, &mut values);
             let first = store.first(brick as usize).map(|at| at as i32);
             let shared = [0, 1, 2].map(|axis| {
@@ -173,22 +196,26 @@ impl AtlasLayout {
     fn row(&self, (row, channel): (usize, u32), store: &FieldStore) -> Vec<f32> {
         let (per_row, pitch) = (self.slots[0] as usize, self.size()[0] as usize);
         let mut texels = vec![0.0; pitch * self.edge().pow(2) as usize];
-        for slot in row * per_row..((row + 1) * per_row).min(self.resident.len()) {
-            self.fill((slot, channel), store, (&mut texels, pitch));
+        for slot in row * per_row..((row + 1) * per_row).min(self.needed.len()) {
+            let offset = slot % per_row * self.edge() as usize;
+            self.fill((slot, channel), store, (&mut texels, pitch, offset));
         }
         texels
     }
 
-    fn write(&self, gpu: &GpuDevice, texture: &wgpu::Texture, (row, channel): (usize, u32), texels: &[f32]) {
+    /// Writes slots side by side, from one on.
+    fn write(&self, gpu: &GpuDevice, texture: &wgpu::Texture, (slot, channel): (usize, u32), texels: &[f32]) {
         let edge = self.edge();
-        let width = self.size()[0];
-        let (y, stack) = (row as u32 % self.slots[1], row as u32 / self.slots[1]);
+        let width = texels.len() as u32 / (edge * edge);
+        let [across, down, _] = self.slots;
+        let slot = slot as u32;
+        let (x, y, stack) = (slot % across, slot / across % down, slot / (across * down));
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
                 mip_level: 0,
                 origin: wgpu::Origin3d {
-                    x: 0,
+                    x: x * edge,
                     y: y * edge,
                     z: stack * edge + channel * self.channel_layers(),
                 },
@@ -239,46 +266,78 @@ impl Atlas {
     /// Brings a field's needed coefficients to the device.
     ///
     /// # Errors
-    /// More of them than the budget or the device has room for.
+    /// Memory that the device refuses.
     pub(crate) fn new(gpu: &GpuDevice, store: &FieldStore, taps: i32) -> Result<Self, SceneError> {
         let firsts = (0..store.len()).map(|brick| store.first(brick));
         let usage = wgpu::TextureUsages::COPY_DST;
         let channels = 1 + u32::from(store.any_missing());
-        let (atlas, texture) = Self::empty(gpu, (store.dims(), firsts), (taps, channels), usage)?;
-        gpu.scoped(|gpu| upload(gpu, &atlas.layout, store, &texture))?;
+        let atlas = Self::empty(gpu, (store.dims(), firsts), (taps, channels), usage)?;
+        if !atlas.is_paged() {
+            gpu.scoped(|gpu| upload(gpu, &atlas.layout, store, &atlas.texture))?;
+        }
         Ok(atlas)
     }
 
-    /// Slots for the voxels of bricks. `firsts`: their first lattice points.
+    /// Whether only some pages are on the device at a time.
+    pub(crate) fn is_paged(&self) -> bool {
+        self.layout.needed.len() > self.layout.capacity()
+    }
+
+    /// Brings a needed page to a slot.
+    pub(crate) fn bring(&self, gpu: &GpuDevice, store: &FieldStore, (needed, slot): (usize, usize)) {
+        let edge = self.layout.edge() as usize;
+        for channel in 0..self.layout.channels {
+            let mut texels = vec![0.0; edge.pow(3)];
+            self.layout.fill((needed, channel), store, (&mut texels, edge, 0));
+            self.layout.write(gpu, &self.texture, (slot, channel), &texels);
+        }
+    }
+
+    /// Says which needed pages are in slots.
+    pub(crate) fn set_slots(&self, gpu: &GpuDevice, in_slots: &[Option<usize>]) {
+        let mut table = vec![0u32; self.layout.page_count()];
+        for (slot, needed) in in_slots.iter().enumerate() {
+            if let Some(needed) = needed {
+                table[self.layout.needed[*needed] as usize] = slot as u32 + 1;
+            }
+        }
+        gpu.queue
+            .write_buffer(&self.pages, 0, bytemuck::cast_slice(&table));
+    }
+
+    /// Says that all needed pages hold something, wherever they are.
+    pub(crate) fn set_needed(&self, gpu: &GpuDevice) {
+        gpu.queue
+            .write_buffer(&self.pages, 0, bytemuck::cast_slice(&self.layout.table()));
+    }
+
+    /// Slots for the voxels of bricks, as many as the budget and the device have room for. `firsts`: their first lattice
+    /// points.
     ///
     /// # Errors
-    /// More of them than the budget or the device has room for.
+    /// Memory that the device refuses.
     pub(crate) fn empty(
         gpu: &GpuDevice,
         bricks: ([usize; 3], impl Iterator<Item = [u32; 3]>),
         shape: (i32, u32),
         usage: wgpu::TextureUsages,
-    ) -> Result<(Self, wgpu::Texture), SceneError> {
+    ) -> Result<Self, SceneError> {
         let limits = gpu.device.limits();
         let most = [limits.max_texture_dimension_2d, limits.max_texture_array_layers];
-        let layout = AtlasLayout::new(bricks, shape, most).map_err(|[needed, room]| {
-            gpu.failed(&format!(
-                "the volume needs {needed} pages, a texture has room for {room}"
-            ))
-        })?;
-        gpu.afford("the visible part of the volume", layout.bytes())?;
+        let layout = AtlasLayout::new(bricks, shape, (most, gpu.budget));
+        gpu.afford("a page of the volume", layout.bytes())?;
         let texture = gpu.scoped(|gpu| texture_of(gpu, &layout, usage))?;
         let table = layout.table();
         let pages = gpu.scoped(|gpu| gpu.buffer_of("pages", &table))?;
-        let atlas = Self {
+        Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..wgpu::TextureViewDescriptor::default()
             }),
+            texture,
             pages,
             layout,
-        };
-        Ok((atlas, texture))
+        })
     }
 }
 
@@ -302,7 +361,7 @@ fn texture_of(gpu: &GpuDevice, layout: &AtlasLayout, usage: wgpu::TextureUsages)
 
 /// Fills the texture, a row of slots at a time.
 fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore, texture: &wgpu::Texture) {
-    let rows = layout.resident.len().div_ceil(layout.slots[0] as usize);
+    let rows = layout.needed.len().div_ceil(layout.slots[0] as usize);
     // Some rows at a time, in memory that the driver can free again.
     const TOGETHER: usize = 16;
     for channel in 0..layout.channels {
@@ -312,7 +371,7 @@ fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore, texture: &w
                 .map(|row| layout.row((row, channel), store))
                 .collect();
             for (row, texels) in (group..).zip(&filled) {
-                layout.write(gpu, texture, (row, channel), texels);
+                layout.write(gpu, texture, (row * layout.slots[0] as usize, channel), texels);
             }
             gpu.queue.submit([]);
         }

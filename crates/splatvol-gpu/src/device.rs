@@ -12,7 +12,8 @@ use crate::error::GpuError;
 pub struct GpuConfig {
     /// Part of an adapter's name; `None` takes the fastest adapter.
     pub adapter: Option<String>,
-    /// Budget for a volume's coefficients on the device, bytes; `None` for half of the largest buffer, 1 GiB at most.
+    /// Budget for each volume's coefficients on the device, bytes; `None` for half of the largest buffer, 1 GiB at most.
+    /// Larger volumes give the same pictures, and take longer: their pages are brought to the device by turns.
     pub budget: Option<usize>,
     /// Samples of planes that one dispatch takes; `None` for 64 Mi, tens of milliseconds of a small device. Systems reset
     /// devices that answer late, and a desktop shares them. Pictures do not depend on it.

@@ -10,6 +10,7 @@ use splatvol_scene::{Frame, SceneError};
 use crate::device::GpuDevice;
 use crate::layout::{FrameData, TILE};
 use crate::march::{Bound, Canvas, March};
+use crate::pager::Pager;
 use crate::pass::{Pass, groups};
 
 /// Intervals that are gathered together.
@@ -34,6 +35,7 @@ struct Begun<'a> {
     bound: Bound,
     /// Number of its first plane among those of all layers.
     first_plane: i64,
+    pager: Option<Pager<'a>>,
 }
 
 /// Rows of tiles that are made together, and their intervals.
@@ -79,7 +81,7 @@ impl Gather<'_> {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let gathered = self.gpu.buffer("gathered", size, usage);
         self.canvas.clear(self.gpu);
-        let begun: Vec<Begun<'_>> = self
+        let mut begun: Vec<Begun<'_>> = self
             .layers
             .iter()
             .map(|march| Begun::new(march, &gathered))
@@ -93,12 +95,8 @@ impl Gather<'_> {
             for from in planes.clone().step_by(bands.intervals as usize) {
                 task.go_on()?;
                 let part = from..(from + i64::from(bands.intervals)).min(planes.end);
-                let submitted = self.part(
-                    (&bands, row..(row + bands.rows).min(rows)),
-                    part,
-                    &begun,
-                    &gathered,
-                );
+                let band = (&bands, row..(row + bands.rows).min(rows));
+                let submitted = self.part(band, part, &mut begun, &gathered)?;
                 if let Some(before) = before.replace(submitted) {
                     self.gpu.wait(Some(before))?;
                     let done = (from - planes.start) as f64 / (planes.end - planes.start) as f64;
@@ -115,16 +113,15 @@ impl Gather<'_> {
         &self,
         (bands, rows): (&Bands, Range<u32>),
         intervals: Range<i64>,
-        begun: &[Begun<'_>],
+        begun: &mut [Begun<'_>],
         gathered: &wgpu::Buffer,
-    ) -> wgpu::SubmissionIndex {
+    ) -> Result<wgpu::SubmissionIndex, SceneError> {
         let mut commands = self.gpu.commands();
         commands.clear_buffer(gathered, 0, None);
         self.gpu.queue.submit([commands.finish()]);
-        for layer in begun {
+        for layer in &mut *begun {
             if let Some(data) = layer.part(bands, rows.start, &intervals) {
-                let height = rows.end - rows.start;
-                layer.march.dispatch((&data, height), &layer.bound, false);
+                layer.dispatch(&data, rows.end - rows.start)?;
             }
         }
         let whole = &begun[0];
@@ -145,7 +142,7 @@ impl Gather<'_> {
             &buffers,
             groups(bands.pixels() as u32, 64),
         );
-        self.gpu.queue.submit([commands.finish()])
+        Ok(self.gpu.queue.submit([commands.finish()]))
     }
 }
 
@@ -155,9 +152,29 @@ impl<'a> Begun<'a> {
         Self {
             bound: march.begin(&data, gathered),
             first_plane: march.picture.first_plane(),
+            pager: march.pager(),
             march,
             data,
         }
+    }
+
+    /// Gathers a part's intervals, in several dispatches if their pages have no room together.
+    fn dispatch(&mut self, data: &FrameData, rows: u32) -> Result<(), SceneError> {
+        let mut from = data.from_interval;
+        while from < data.to_interval {
+            let count = match &mut self.pager {
+                Some(pager) => pager.load(from..data.to_interval)?,
+                None => data.to_interval - from,
+            };
+            let part = FrameData {
+                from_interval: from,
+                to_interval: from + count,
+                ..*data
+            };
+            self.march.dispatch((&part, rows), &self.bound, false);
+            from += count;
+        }
+        Ok(())
     }
 
     /// Its intervals, as numbers of planes among those of all layers.

@@ -12,6 +12,7 @@
 //! | pass | module | shader | from | to |
 //! |---|---|---|---|---|
 //! | assemble | `atlas` | - | needed voxels' coefficients, of each of the `layers` | pages with a slot each, in a texture |
+//! | page | `pager` | - | pages of a volume larger than the budget | some of them at a time |
 //! | cull | `march` | `cull` | pages, camera | planes of each tile that may hold something |
 //! | march | `march`, `mode` | `field`, `march`, those of the mode | all of these, tables | colour, transmittance, depth |
 //! | classify | `voxels` | `classify` | samples, table, light | classes of voxels, where these are splatted |
@@ -35,6 +36,7 @@ mod layers;
 mod layout;
 mod march;
 mod mode;
+mod pager;
 mod pass;
 mod pipelines;
 mod sort;

@@ -7,6 +7,7 @@ use crate::atlas::Atlas;
 use crate::device::GpuDevice;
 use crate::layout::{FrameData, Picture, SheetData};
 use crate::mode::Mode;
+use crate::pager::Pager;
 use crate::pass::Pass;
 use crate::pipelines::{Marches, Pipelines};
 use crate::voxels::Voxels;
@@ -155,15 +156,22 @@ impl March<'_> {
         self.canvas.clear(self.gpu);
         let bound = self.begin(data, depths);
         let intervals = data.from_interval..data.to_interval;
-        let step = self.intervals_together(self.canvas.pixels);
+        let most = self.intervals_together(self.canvas.pixels);
+        let mut pager = self.pager();
         let mut before = None;
-        for from in intervals.clone().step_by(step as usize) {
+        let mut from = intervals.start;
+        while from < intervals.end {
             task.go_on()?;
+            let mut step = most.min(intervals.end - from);
+            if let Some(pager) = &mut pager {
+                step = pager.load(from..from + step)?;
+            }
             let part = FrameData {
                 from_interval: from,
-                to_interval: (from + step).min(intervals.end),
+                to_interval: from + step,
                 ..*data
             };
+            from += step;
             let submitted = self.dispatch((&part, data.tiles[1]), &bound, part.to_interval == intervals.end);
             if let Some(before) = before.replace(submitted) {
                 self.gpu.wait(Some(before))?;
@@ -171,6 +179,11 @@ impl March<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The pager, if the volume's pages have not all room on the device.
+    pub(crate) fn pager(&self) -> Option<Pager<'_>> {
+        Pager::new(self.gpu, self.atlas, &self.picture)
     }
 
     /// Intervals of a dispatch, for so many pixels.
@@ -253,6 +266,9 @@ impl March<'_> {
         let look = self.mode.look(self.picture.level);
         let bound = self.bind(data, (&self.picture.sheets(), &look), second);
         gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(data));
+        if self.atlas.is_paged() {
+            self.atlas.set_needed(gpu);
+        }
         let mut commands = gpu.commands();
         if let Some((voxels, pass)) = self.voxels {
             let shared = [&bound.frame, &bound.table, &bound.effects];

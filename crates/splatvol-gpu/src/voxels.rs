@@ -92,22 +92,27 @@ impl Voxels {
         let field = &level.field;
         let firsts = level.visible.iter().map(|&brick| field.brick_first(brick));
         let usage = wgpu::TextureUsages::STORAGE_BINDING;
-        let (atlas, texture) = Atlas::empty(gpu, (field.dims(), firsts), (taps, 4), usage)?;
+        let atlas = Atlas::empty(gpu, (field.dims(), firsts), (taps, 4), usage)?;
+        if atlas.is_paged() {
+            return Err(gpu.failed(&format!(
+                "the visible voxels, which are classified first, need {} pages, the budget of {} MiB has room for {}",
+                atlas.layout.needed.len(),
+                gpu.budget >> 20,
+                atlas.layout.capacity()
+            )));
+        }
         let means = match &level.means {
             Some(means) => self::means(gpu, level, means)?,
             None => gpu.scoped(|gpu| volume_texture(gpu, [1; 3], wgpu::TextureFormat::Rgba32Float))?,
         };
-        let resident = gpu.scoped(|gpu| gpu.buffer_of("resident", &atlas.layout.resident))?;
+        let resident = gpu.scoped(|gpu| gpu.buffer_of("resident", &atlas.layout.needed))?;
         let voxels = Self {
             samples: samples.create_view(&wgpu::TextureViewDescriptor::default()),
             means: means.create_view(&wgpu::TextureViewDescriptor::default()),
             has_means: level.means.is_some(),
-            classes: texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..wgpu::TextureViewDescriptor::default()
-            }),
+            classes: atlas.view.clone(),
             resident,
-            slots: atlas.layout.resident.len() as u32,
+            slots: atlas.layout.needed.len() as u32,
             texels: atlas.layout.edge().pow(3),
         };
         Ok((atlas, voxels))

@@ -284,7 +284,8 @@ fn head_with_holes() -> Scene {
     let value = |i: usize| {
         let place = [i % 32, i / 32 % 32, i / 1024].map(|at| at as f64);
         let from_hole = [place[0] - 12.0, place[1] - 6.0, place[2] - 18.0];
-        let is_missing = from_hole.iter().map(|d| d * d).sum::<f64>() < 36.0 || (i * 7919).is_multiple_of(101);
+        let is_missing =
+            from_hole.iter().map(|d| d * d).sum::<f64>() < 36.0 || (i * 7919).is_multiple_of(101);
         if is_missing {
             f32::NAN
         } else {
@@ -500,6 +501,40 @@ fn pictures_do_not_depend_on_how_they_are_divided() {
     }
 }
 
+/// A budget too small for all pages gives the same picture by turns.
+#[test]
+fn pictures_do_not_depend_on_the_budget() {
+    let Some(mut whole) = gpu() else { return };
+    let plain = scene(Sample::Head, 96);
+    let camera = camera(&plain, PROJECTIONS[0]);
+    let mut together = plain.clone();
+    together.items.push(scene(Sample::Ball, 40).items[0].clone());
+    for (scene, settings, slots) in [
+        (&plain, sized(RenderSettings::fast(), 160), 100),
+        (&plain, sized(RenderSettings::best(), 64), 100),
+        (&together, sized(RenderSettings::fast(), 160), 100),
+    ] {
+        let taps = if settings == sized(RenderSettings::best(), 64) {
+            6
+        } else {
+            4
+        };
+        let paged = GpuConfig {
+            budget: Some(slots * (15usize + taps).pow(3) * 4),
+            ..GpuConfig::default()
+        };
+        let mut paged = Renderer::with_engine(GpuEngine::new(&paged).unwrap());
+        let [all, some] =
+            [&mut whole, &mut paged].map(|renderer| renderer.render(scene, &camera, &settings).unwrap());
+        assert!(all.image.pixels == some.image.pixels && all.depth == some.depth);
+        let [most, least] = [&whole, &paged].map(|renderer| renderer.statistics().memory.device);
+        assert!(3 * least < 2 * most, "{least} {most}");
+        // And again, from the pages that the last picture left.
+        let again = paged.render(scene, &camera, &settings).unwrap();
+        assert!(again.image.pixels == some.image.pixels);
+    }
+}
+
 #[test]
 fn what_is_not_drawn_is_refused_by_name() {
     let Some(mut gpu) = gpu() else { return };
@@ -517,7 +552,7 @@ fn what_is_not_drawn_is_refused_by_name() {
         .push(Clip::plane([0.0; 3], [1.0, 0.0, 0.0]).unwrap());
     refused(&clipped, &outside, &sized(RenderSettings::best(), 16), "clips");
     let small = GpuConfig {
-        budget: Some(1000),
+        budget: Some(30_000),
         ..GpuConfig::default()
     };
     let mut small = Renderer::with_engine(GpuEngine::new(&small).unwrap());
