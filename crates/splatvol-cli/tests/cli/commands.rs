@@ -1,5 +1,9 @@
 //! `splatvol info`, `sample`, `convert` and `compare`, end to end.
 
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
 use crate::sandbox::Sandbox;
 
 fn json(text: &str) -> serde_json::Value {
@@ -162,6 +166,57 @@ fn volumes_become_ome_zarr_with_levels() {
     sandbox
         .run("convert a.ome.zarr c.nrrd --levels 2")
         .fails(2, &["--levels", ".ome.zarr"]);
+}
+
+/// Files of a folder and those below, with their contents.
+fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(at) = folders.pop() {
+        for entry in std::fs::read_dir(&at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_owned();
+                found.insert(name, std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn conversions_that_were_killed_are_continued_to_the_same_bytes() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .run("convert sample:head:160 in.ome.zarr --chunk 16 --levels 1")
+        .succeeds();
+    let start = Instant::now();
+    sandbox
+        .run("convert in.ome.zarr whole.ome.zarr --chunk 16")
+        .succeeds();
+    let whole = start.elapsed();
+    let continued = "convert in.ome.zarr killed.ome.zarr --chunk 16";
+    let mut killed = 0;
+    // Places of a sequence that fills 0 to 1 evenly.
+    for i in 1..=10 {
+        let after = whole.mul_f64(0.02 + 0.5 * (f64::from(i) * 0.618).fract());
+        killed += u32::from(sandbox.kill(continued, after));
+        if sandbox.path("killed.ome.zarr").exists() {
+            break;
+        }
+    }
+    assert!(killed > 0, "{whole:?}");
+    if !sandbox.path("killed.ome.zarr").exists() {
+        sandbox.run(continued).succeeds();
+    }
+    let [whole, killed] = ["whole", "killed"].map(|name| tree(&sandbox.path(&format!("{name}.ome.zarr"))));
+    assert!(whole == killed);
+    assert_eq!(
+        sandbox.files(),
+        ["in.ome.zarr", "killed.ome.zarr", "whole.ome.zarr"]
+    );
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! Running the built command in a folder of its own.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
+use std::time::Duration;
 
 use tempfile::TempDir;
 
@@ -48,6 +49,22 @@ impl Sandbox {
     /// Runs `splatvol` with arguments separated by blanks.
     pub(crate) fn run(&self, arguments: &str) -> Run {
         self.output_of(arguments, &mut Command::new(env!("CARGO_BIN_EXE_splatvol")))
+    }
+
+    /// Starts `splatvol`, and kills it after a time; returns whether it was killed.
+    pub(crate) fn kill(&self, arguments: &str, after: Duration) -> bool {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_splatvol"))
+            .args(arguments.split_whitespace())
+            .current_dir(self.path(""))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the command was built");
+        std::thread::sleep(after);
+        // It may have ended meanwhile.
+        let _ = child.kill();
+        let status = child.wait().expect("it was started");
+        status.code().is_none()
     }
 
     /// Runs `splatvol` where programs are looked for in `path`.
