@@ -10,9 +10,10 @@ use crate::check::supported;
 use crate::device::{GpuConfig, GpuDevice};
 use crate::error::GpuError;
 use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
-use crate::layers::{LayerStore, Shown, Surface};
+use crate::layers::{LayerStore, Surface};
 use crate::march::Canvas;
 use crate::pipelines::Pipelines;
+use crate::shown::Shown;
 
 /// Renders volumes on a GPU.
 #[derive(Debug)]

@@ -5,13 +5,10 @@ use std::time::Instant;
 
 use glam::DAffine3;
 use splatvol_core::engine::{RenderStatistics, Shot, Task};
-use splatvol_core::level::{Detail, Level, Wanted};
+use splatvol_core::level::{Level, Wanted};
 use splatvol_core::plan::{GridView, Sampling, on_common_planes};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
-use splatvol_scene::{
-    Camera, Frame, Gradient, RenderSettings, SceneError, SheetKernel, SheetSettings, SingleVolume,
-    TransferFunction, Volume,
-};
+use splatvol_scene::{Camera, Frame, SceneError, SheetSettings, SingleVolume, Volume};
 
 use crate::atlas::Atlas;
 use crate::device::GpuDevice;
@@ -19,57 +16,10 @@ use crate::effects::Effects;
 use crate::gather::Gather;
 use crate::layout::Picture;
 use crate::march::{Canvas, March};
-use crate::mode::Mode;
 use crate::pass::Pass;
 use crate::pipelines::{Classify, Marches, Pipelines, Variant};
+use crate::shown::{Key, Shown};
 use crate::voxels::{KeptSamples, Voxels};
-
-/// A volume where it lies, and its look.
-#[derive(Debug)]
-pub(crate) struct Shown<'a> {
-    volume: Arc<Volume>,
-    transfer_function: &'a TransferFunction,
-    unit_distance: f64,
-    labels: bool,
-    settings: RenderSettings<SheetSettings>,
-    effects: Effects,
-}
-
-impl Shown<'_> {
-    fn key(&self, level: usize) -> Key {
-        Key {
-            level,
-            volume: Arc::downgrade(&self.volume),
-            transfer_function: self.transfer_function.clone(),
-            unit_distance: self.unit_distance,
-            kernel: self.settings.method.kernel,
-            prefilter: self.settings.method.prefilter,
-            wanted: Wanted::of(&self.settings),
-        }
-    }
-
-    /// Voxels along an axis that the kernel meets.
-    fn taps(&self) -> i32 {
-        if self.settings.method.kernel.radius > 2.0 {
-            6
-        } else {
-            4
-        }
-    }
-
-    fn mode(&self) -> Mode {
-        Mode::of(Wanted::of(&self.settings), &self.settings.method, &self.effects)
-    }
-
-    /// Its level of detail. Labels are lit by their own shapes, analytic gradients show the field as it is: both have none.
-    pub(crate) fn detail(&self, camera: &Camera) -> Detail {
-        let method = &self.settings.method;
-        if self.labels || (!self.mode().splats_classes() && method.gradient == Gradient::Analytic) {
-            return Detail::FINEST;
-        }
-        Detail::new(&self.volume, camera, (self.settings.size, method.level_bias))
-    }
-}
 
 /// Volumes kept on the host and on the device.
 #[derive(Debug)]
@@ -77,6 +27,12 @@ pub(crate) struct LayerStore {
     prepared: PreparedVolumes,
     /// Volumes that were moved to their places.
     placed: Vec<Placed>,
+    on_device: OnDevice,
+}
+
+/// Volumes kept on the device.
+#[derive(Debug, Default)]
+struct OnDevice {
     resident: Vec<Resident>,
     samples: KeptSamples,
 }
@@ -86,8 +42,7 @@ impl Default for LayerStore {
         Self {
             prepared: PreparedVolumes::with_spare(SPARE),
             placed: Vec::new(),
-            resident: Vec::new(),
-            samples: KeptSamples::default(),
+            on_device: OnDevice::default(),
         }
     }
 }
@@ -105,30 +60,6 @@ struct Resident {
     of: Key,
     atlas: Atlas,
     voxels: Option<Voxels>,
-}
-
-/// What a volume's needed voxels depend on.
-#[derive(Debug, Clone)]
-struct Key {
-    level: usize,
-    volume: Weak<Volume>,
-    transfer_function: TransferFunction,
-    unit_distance: f64,
-    kernel: SheetKernel,
-    prefilter: bool,
-    wanted: Wanted,
-}
-
-impl Key {
-    /// Whether another is of the same but for the level.
-    fn is_like(&self, other: &Self) -> bool {
-        Weak::ptr_eq(&self.volume, &other.volume)
-            && self.transfer_function == other.transfer_function
-            && self.unit_distance == other.unit_distance
-            && self.kernel == other.kernel
-            && self.prefilter == other.prefilter
-            && self.wanted == other.wanted
-    }
 }
 
 /// Where pictures are made.
@@ -203,100 +134,35 @@ impl LayerStore {
             canvas,
         } = surface;
         let Self {
-            prepared,
-            resident,
-            samples,
-            ..
+            prepared, on_device, ..
         } = self;
-        let volumes = shown.iter().map(|own| &own.volume);
-        // Labels have no coefficients, whatever their settings.
-        let main = shown.iter().find(|own| !own.labels).unwrap_or(&shown[0]);
-        let pyramids = prepared.of_scene(volumes, &main.settings);
-        let mut classified: Vec<&Level> = Vec::with_capacity(shown.len());
-        for ((pyramid, own), &level) in pyramids.iter_mut().zip(shown).zip(levels) {
-            let look = (own.transfer_function, own.unit_distance);
-            let wanted = Wanted::of(&own.settings);
-            let level = pyramid.classify(level, look, wanted, task.stop)?;
-            level.count_work(statistics);
-            classified.push(level);
-        }
-        let grids: Vec<_> = shown
-            .iter()
-            .zip(&classified)
-            .map(|(own, level)| {
-                let sampling = if own.mode().splats_classes() {
-                    Sampling::Planes
-                } else {
-                    Sampling::Field
-                };
-                (level.field.source().grid(), own.settings, sampling)
-            })
-            .collect();
-        let views = on_common_planes(&grids, camera);
-        let keys: Vec<Key> = shown
-            .iter()
-            .zip(levels)
-            .map(|(own, &level)| own.key(level))
-            .collect();
-        resident.retain(|known| keys.iter().any(|key| key.is_like(&known.of)));
-        samples.retain(shown.iter().map(|own| &own.volume));
-        let mut at = Vec::with_capacity(shown.len());
-        for ((own, key), level) in shown.iter().zip(keys).zip(&classified) {
-            let is_it = |known: &Resident| known.of.level == key.level && key.is_like(&known.of);
-            at.push(match resident.iter().position(is_it) {
-                Some(known) => known,
-                None => {
-                    resident.push(bring((gpu, samples), own, (key, level))?);
-                    resident.len() - 1
-                }
-            });
-            statistics.active_bricks += if own.mode().splats_classes() {
-                level.visible.len()
-            } else {
-                level.field.len()
-            };
-        }
+        let classified = classify(prepared, (shown, levels), task, statistics)?;
+        let views = views(camera, shown, &classified);
+        let at = on_device.reside(gpu, (shown, levels), &classified)?;
         let ready = Instant::now();
         statistics.seconds.classify += (ready - start).as_secs_f64();
         statistics.sheets += views[0].planes().count;
-        let gathers = shown.len() > 1;
-        let passes: Vec<Passes> = shown
+        let layers: Vec<Layer<'_>> = (0..shown.len())
+            .map(|i| Layer {
+                shown: &shown[i],
+                level: classified[i],
+                view: &views[i],
+                resident: &on_device.resident[at[i]],
+            })
+            .collect();
+        let passes: Vec<Passes> = layers
             .iter()
-            .zip(&at)
-            .zip(views.iter().zip(&classified))
-            .map(|((own, &at), (view, level))| {
-                let voxels = resident[at].voxels.as_ref();
-                own.passes((gpu, &mut *pipelines), (view, level, voxels), gathers)
-            })
+            .map(|layer| layer.passes(gpu, pipelines, shown.len() > 1))
             .collect::<Result<_, _>>()?;
-        let mixture = if gathers {
-            Some(pipelines.mixture(gpu)?)
-        } else {
-            None
+        let mixture = match shown {
+            [_] => None,
+            _ => Some(pipelines.mixture(gpu)?),
         };
-        let pipelines = &*pipelines;
-        let marches: Vec<March<'_>> = (0..shown.len())
-            .map(|i| {
-                let own = &shown[i];
-                let Resident { atlas, voxels, .. } = &resident[at[i]];
-                March {
-                    gpu,
-                    pipelines,
-                    marches: &passes[i].marches,
-                    mode: own.mode(),
-                    atlas,
-                    canvas,
-                    picture: Picture {
-                        view: &views[i],
-                        level: classified[i],
-                        settings: &own.settings,
-                        voxel: own.volume.grid().mean_spacing(),
-                        unit_distance: own.unit_distance,
-                        effects: &own.effects,
-                    },
-                    voxels: voxels.as_ref().zip(passes[i].classify.as_deref()),
-                }
-            })
+        let shared = (gpu, &*pipelines, canvas);
+        let marches: Vec<March<'_>> = layers
+            .iter()
+            .zip(&passes)
+            .map(|(layer, passes)| layer.march(shared, passes))
             .collect();
         match mixture {
             Some(mixture) => Gather {
@@ -319,38 +185,147 @@ impl LayerStore {
 
     /// Bytes on the device.
     pub(crate) fn device_bytes(&self) -> usize {
-        let atlases = self.resident.iter().map(|own| own.atlas.layout.bytes());
-        (atlases.sum::<u64>() + self.samples.bytes()) as usize
+        let OnDevice { resident, samples } = &self.on_device;
+        let atlases = resident.iter().map(|own| own.atlas.layout.bytes());
+        (atlases.sum::<u64>() + samples.bytes()) as usize
     }
 }
 
-impl Shown<'_> {
+/// Levels of the volumes with what their looks need.
+fn classify<'p>(
+    prepared: &'p mut PreparedVolumes,
+    (shown, levels): (&[Shown<'_>], &[usize]),
+    task: Task<'_>,
+    statistics: &mut RenderStatistics,
+) -> Result<Vec<&'p Level>, SceneError> {
+    // Labels have no coefficients, whatever their settings.
+    let main = shown.iter().find(|own| !own.labels).unwrap_or(&shown[0]);
+    let pyramids = prepared.of_scene(shown.iter().map(|own| &own.volume), &main.settings);
+    let mut classified: Vec<&Level> = Vec::with_capacity(shown.len());
+    for ((pyramid, own), &level) in pyramids.iter_mut().zip(shown).zip(levels) {
+        let look = (own.transfer_function, own.unit_distance);
+        let level = pyramid.classify(level, look, Wanted::of(&own.settings), task.stop)?;
+        level.count_work(statistics);
+        statistics.active_bricks += if own.mode().splats_classes() {
+            level.visible.len()
+        } else {
+            level.field.len()
+        };
+        classified.push(level);
+    }
+    Ok(classified)
+}
+
+/// Views of the levels, on common planes.
+fn views(camera: &Camera, shown: &[Shown<'_>], classified: &[&Level]) -> Vec<GridView> {
+    let grids: Vec<_> = shown
+        .iter()
+        .zip(classified)
+        .map(|(own, level)| {
+            let sampling = if own.mode().splats_classes() {
+                Sampling::Planes
+            } else {
+                Sampling::Field
+            };
+            (level.field.source().grid(), own.settings, sampling)
+        })
+        .collect();
+    on_common_planes(&grids, camera)
+}
+
+impl OnDevice {
+    /// Brings what is not there yet, and forgets what none of these volumes needs; returns each one's place in `resident`.
+    fn reside(
+        &mut self,
+        gpu: &GpuDevice,
+        (shown, levels): (&[Shown<'_>], &[usize]),
+        classified: &[&Level],
+    ) -> Result<Vec<usize>, SceneError> {
+        let keys: Vec<Key> = shown
+            .iter()
+            .zip(levels)
+            .map(|(own, &level)| own.key(level))
+            .collect();
+        let Self { resident, samples } = self;
+        resident.retain(|known| keys.iter().any(|key| key.is_like(&known.of)));
+        samples.retain(shown.iter().map(|own| &own.volume));
+        let mut at = Vec::with_capacity(shown.len());
+        for ((own, key), level) in shown.iter().zip(keys).zip(classified) {
+            let is_it = |known: &Resident| known.of.level == key.level && key.is_like(&known.of);
+            at.push(match resident.iter().position(is_it) {
+                Some(known) => known,
+                None => {
+                    resident.push(bring((gpu, samples), own, (key, level))?);
+                    resident.len() - 1
+                }
+            });
+        }
+        Ok(at)
+    }
+}
+
+/// A volume at one of its levels, on the device, from a camera.
+struct Layer<'a> {
+    shown: &'a Shown<'a>,
+    level: &'a Level,
+    view: &'a GridView,
+    resident: &'a Resident,
+}
+
+impl Layer<'_> {
+    /// Its compiled passes. `gathers`: there are other layers.
     fn passes(
         &self,
-        (gpu, pipelines): (&GpuDevice, &mut Pipelines),
-        (view, level, voxels): (&GridView, &Level, Option<&Voxels>),
+        gpu: &GpuDevice,
+        pipelines: &mut Pipelines,
         gathers: bool,
     ) -> Result<Passes, SceneError> {
-        let mode = self.mode();
+        let mode = self.shown.mode();
         let variant = Variant {
             mode,
-            taps: self.taps(),
-            from_eye: view.holds_eye(),
-            has_holes: !mode.splats_classes() && level.field.any_missing(),
+            taps: self.shown.taps(),
+            from_eye: self.view.holds_eye(),
+            has_holes: !mode.splats_classes() && self.level.field.any_missing(),
             gathers,
         };
-        let classify = |voxels: &Voxels| Classify {
-            taps: self.taps(),
-            from_means: voxels.has_means(),
-            labels: self.labels,
+        let marches = pipelines.marches(gpu, variant)?;
+        let classify = match &self.resident.voxels {
+            None => None,
+            Some(voxels) => Some(pipelines.classify(
+                gpu,
+                Classify {
+                    taps: self.shown.taps(),
+                    from_means: voxels.has_means(),
+                    labels: self.shown.labels,
+                },
+            )?),
         };
-        Ok(Passes {
-            marches: pipelines.marches(gpu, variant)?,
-            classify: match voxels {
-                Some(voxels) => Some(pipelines.classify(gpu, classify(voxels))?),
-                None => None,
+        Ok(Passes { marches, classify })
+    }
+
+    fn march<'m>(
+        &'m self,
+        (gpu, pipelines, canvas): (&'m GpuDevice, &'m Pipelines, &'m Canvas),
+        passes: &'m Passes,
+    ) -> March<'m> {
+        let Resident { atlas, voxels, .. } = self.resident;
+        March {
+            gpu,
+            pipelines,
+            marches: &passes.marches,
+            mode: self.shown.mode(),
+            atlas,
+            canvas,
+            picture: Picture {
+                view: self.view,
+                level: self.level,
+                settings: &self.shown.settings,
+                voxel: self.shown.volume.grid().mean_spacing(),
+                unit_distance: self.shown.unit_distance,
+                effects: &self.shown.effects,
             },
-        })
+            voxels: voxels.as_ref().zip(passes.classify.as_deref()),
+        }
     }
 }
 

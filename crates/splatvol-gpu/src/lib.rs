@@ -39,6 +39,7 @@ mod mode;
 mod pager;
 mod pass;
 mod pipelines;
+mod shown;
 mod sort;
 #[cfg(test)]
 mod tests;
