@@ -173,13 +173,13 @@ fn tree(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(at) = folders.pop() {
-        for entry in std::fs::read_dir(&at).unwrap() {
-            let path = entry.unwrap().path();
+        for entry in std::fs::read_dir(&at).expect("the folder is there") {
+            let path = entry.expect("entries can be read").path();
             if path.is_dir() {
                 folders.push(path);
             } else {
-                let name = path.strip_prefix(folder).unwrap().to_owned();
-                found.insert(name, std::fs::read(&path).unwrap());
+                let name = path.strip_prefix(folder).expect("it lies below").to_owned();
+                found.insert(name, std::fs::read(&path).expect("files can be read"));
             }
         }
     }
