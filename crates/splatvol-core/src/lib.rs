@@ -24,6 +24,8 @@
 //! | cull | [`brick`] | these, tables | bricks that can be seen |
 //! | complete | [`points`] | bare points | radii and normals |
 //! | surround | [`irregular`] | meshes | kernels with covariances, masses and gradients |
+//! | extract | [`scene_cloud`], [`mesh_cloud`] | items of a scene, a mesh | their cloud, kept between frames |
+//! | slice | [`cloud_planes`] | a cloud, camera | planes, and how kernels are sampled on them |
 //! | gather, project | [`splats`] | kernels anywhere | a cloud of splats, and their footprints by any of the papers' methods |
 //!
 //! [`kernel`], [`radial`], [`normal`] and [`exponential`] hold the mathematics. [`engine`] is the interface of an
@@ -35,6 +37,7 @@ pub mod bin;
 pub mod border;
 pub mod brick;
 pub mod classification;
+pub mod cloud_planes;
 pub mod cloud_view;
 pub mod coefficients;
 mod eigen;
@@ -45,6 +48,7 @@ pub mod footprint;
 pub mod irregular;
 pub mod kernel;
 pub mod level;
+pub mod mesh_cloud;
 pub mod mip;
 pub mod normal;
 pub mod plan;
@@ -52,6 +56,7 @@ pub mod points;
 mod prefilter;
 pub mod prepared;
 pub mod radial;
+pub mod scene_cloud;
 pub mod shade_table;
 pub mod sheets;
 pub mod splats;

@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DAffine3;
+use splatvol_core::scene_cloud::{self, is_post_classified};
 use splatvol_scene::operator::PixelOperator;
 use splatvol_scene::{
     Clip, Content, Isosurface, Item, Mesh, Method, Motion, RenderSettings, Scene, SceneError, SheetSettings,
@@ -21,7 +22,6 @@ use splatvol_scene::{
 };
 
 use crate::clouds::SplatScene;
-use crate::items;
 
 /// Render loop of a scene.
 pub(crate) enum RenderLoop<'a> {
@@ -247,11 +247,6 @@ pub(crate) fn own_layer(item: &Item) -> Option<SingleVolume<'_>> {
     }
 }
 
-/// Whether the samples of a mesh are a post-classified layer.
-pub(crate) fn is_post_classified(item: &Item, sheets: &SheetSettings) -> bool {
-    matches!(item.content, Content::Mesh { .. }) && !sheets.splats_colors()
-}
-
 /// Whether a scene is a single mesh.
 fn is_mesh(scene: &Scene) -> bool {
     matches!(&scene.items[..], [item] if matches!(item.content, Content::Mesh { .. }))
@@ -266,7 +261,7 @@ fn mesh_layer<'a>(scene: &'a Scene, item: &'a Item, sheets: &SheetSettings) -> O
     else {
         return None;
     };
-    let spacing = items::spacing(item);
+    let spacing = scene_cloud::spacing(item);
     let own = transfer_function.unit_distance;
     is_post_classified(item, sheets).then(|| MeshScene {
         mesh,

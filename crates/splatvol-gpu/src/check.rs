@@ -1,37 +1,49 @@
-//! Requests that this engine refuses, by name.
+//! Requests that this engine refuses, by name; and the layers of those that it draws.
+
+use std::sync::Arc;
 
 use splatvol_core::engine::Shot;
+use splatvol_core::scene_cloud::is_post_classified;
 use splatvol_scene::{
-    Classification, Gradient, Item, Method, SceneError, SheetSettings, Shows, SingleVolume,
+    Classification, Content, Gradient, Isosurface, Item, Mesh, Method, Scene, SceneError, SheetSettings,
+    Shows, SingleVolume, TransferFunction,
 };
 
 /// Largest radius of a kernel, voxels.
 const MOST_RADIUS: f64 = 3.0;
 
-/// The volumes of a shot, and the settings of their planes.
+/// The layers of a shot.
+pub(crate) struct Drawn<'a> {
+    /// A layer each.
+    pub volumes: Vec<SingleVolume<'a>>,
+    /// Post-classified, a layer each.
+    pub meshes: Vec<DrawnMesh<'a>>,
+    /// Everything that is classified before it is splatted: one layer.
+    pub rest: Scene,
+    /// Settings of the planes.
+    pub sheets: SheetSettings,
+}
+
+/// A post-classified mesh.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DrawnMesh<'a> {
+    pub item: &'a Item,
+    pub mesh: &'a Arc<Mesh>,
+    pub transfer_function: &'a TransferFunction,
+    pub isosurfaces: &'a [Isosurface],
+}
+
+/// The layers of a shot.
 ///
 /// # Errors
 /// What the GPU does not draw.
-pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(Vec<SingleVolume<'a>>, SheetSettings), SceneError> {
-    let volumes: Option<Vec<_>> = shot.scene.items.iter().map(Item::as_volume).collect();
-    let Some(volumes) = volumes.filter(|volumes| !volumes.is_empty()) else {
-        return refuse(
-            "on the GPU, a scene other than volumes, or Gaussians as published",
-            "meshes, points and volumetric Gaussians are drawn by the engine cpu; take it, or auto",
-        );
-    };
+pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<Drawn<'a>, SceneError> {
     let Method::Sheets(sheets) = shot.settings.method else {
         return refuse(
             "on the GPU, a method other than sheets",
             "the papers' methods are drawn by the engine cpu",
         );
     };
-    if volumes.len() > 1 && !matches!(sheets.shows, Shows::Material(_)) {
-        return refuse(
-            "on the GPU, X-rays, maxima, minima or means of several volumes",
-            "the GPU engine composites their material; X-rays of several are drawn by the engine cpu",
-        );
-    }
     if sheets.kernel.radius > MOST_RADIUS {
         return Err(SceneError::invalid(
             "kernel radius",
@@ -39,28 +51,90 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<(Vec<SingleVolume<'a>>, S
             "at most 3 voxels on the GPU",
         ));
     }
-    for single in &volumes {
-        check_volume(shot, single, &sheets.of_labels(single.labels))?;
+    if shot.settings.motion_blur.moves_footprints()
+        && shot.scene.items.iter().any(|item| item.motion.is_some())
+    {
+        return refuse(
+            "on the GPU, footprints in motion",
+            "motion is drawn by sub-frames, or by the engine cpu",
+        );
     }
-    Ok((volumes, sheets))
+    if shot.scene.items.is_empty() {
+        return Err(SceneError::invalid("items", 0, "at least one"));
+    }
+    let mut drawn = Drawn {
+        volumes: Vec::new(),
+        meshes: Vec::new(),
+        rest: Scene::default(),
+        sheets,
+    };
+    for item in &shot.scene.items {
+        add(&mut drawn, shot.scene, item)?;
+    }
+    let is_one_volume = matches!(&shot.scene.items[..], [_]) && !drawn.volumes.is_empty();
+    if !is_one_volume && !matches!(sheets.shows, Shows::Material(_)) {
+        return refuse(
+            "on the GPU, X-rays, maxima, minima or means of anything but one volume",
+            "the GPU engine composites the material of scenes of several things, and of meshes, points and Gaussians; their X-rays, and \
+             values of meshes, are drawn by the engine cpu",
+        );
+    }
+    Ok(drawn)
+}
+
+/// Adds an item to the layers.
+fn add<'a>(drawn: &mut Drawn<'a>, scene: &Scene, item: &'a Item) -> Result<(), SceneError> {
+    let sheets = drawn.sheets;
+    if !item.operators.is_empty() {
+        return refuse(
+            "on the GPU, a volume or mesh with operators",
+            "operators are applied by the engine cpu",
+        );
+    }
+    if let Some(single) = item.as_volume() {
+        check_volume(scene, &single, &sheets.of_labels(single.labels))?;
+        drawn.volumes.push(single);
+        return Ok(());
+    }
+    if let Content::Mesh {
+        mesh,
+        transfer_function,
+        isosurfaces,
+    } = &item.content
+        && is_post_classified(item, &sheets)
+    {
+        if sheets.gradient != Gradient::Differences {
+            return Err(SceneError::invalid(
+                "gradient",
+                sheets.gradient,
+                "differences: analytic gradients are of the kernels of grids, and the samples of meshes have kernels of their own",
+            ));
+        }
+        drawn.meshes.push(DrawnMesh {
+            item,
+            mesh,
+            transfer_function,
+            isosurfaces,
+        });
+        return Ok(());
+    }
+    if !item.clips.is_empty() || item.shows_isosurfaces() {
+        return refuse(
+            "an isosurface, or a clip of an item",
+            "it is of volumes and meshes that are classified after splatting; points, Gaussians and what is classified first are \
+             splatted without it",
+        );
+    }
+    drawn.rest.items.push(item.clone());
+    Ok(())
 }
 
 fn refuse<T>(what: &'static str, why: &'static str) -> Result<T, SceneError> {
     Err(SceneError::Combination { what, why })
 }
 
-fn check_volume(
-    shot: &Shot<'_>,
-    single: &SingleVolume<'_>,
-    sheets: &SheetSettings,
-) -> Result<(), SceneError> {
-    if !single.item.operators.is_empty() {
-        return refuse(
-            "on the GPU, a volume with operators",
-            "operators are applied by the engine cpu",
-        );
-    }
-    let is_cut = !shot.scene.clips.is_empty() || !single.item.clips.is_empty();
+fn check_volume(scene: &Scene, single: &SingleVolume<'_>, sheets: &SheetSettings) -> Result<(), SceneError> {
+    let is_cut = !scene.clips.is_empty() || !single.item.clips.is_empty();
     let has_cut_faces =
         sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;
     let drops_voxels = matches!(sheets.shows, Shows::Xray | Shows::Material(Classification::Pre));
@@ -68,12 +142,6 @@ fn check_volume(
         return refuse(
             "on the GPU, clips or isosurfaces with analytic gradients, maxima, minima or means",
             "take the presets default, fast or draft, and composited material",
-        );
-    }
-    if single.item.motion.is_some() {
-        return refuse(
-            "on the GPU, a volume in motion",
-            "motion blur is drawn by the engine cpu",
         );
     }
     Ok(())

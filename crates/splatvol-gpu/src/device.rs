@@ -1,6 +1,7 @@
 //! Device: an adapter that was opened, with the limits that every WebGPU device has, and larger buffers where there are.
 
 use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use bytemuck::Pod;
 use splatvol_scene::SceneError;
@@ -37,6 +38,37 @@ pub(crate) struct GpuDevice {
     pub budget: u64,
     /// Samples of planes that one dispatch takes.
     pub samples_per_dispatch: u64,
+    /// What the device reported by itself.
+    faults: Faults,
+}
+
+/// What a device reports by itself: that it is lost, for good; or an error that no scope caught, once.
+#[derive(Clone, Default)]
+struct Faults(Arc<Mutex<[Option<String>; 2]>>);
+
+impl Faults {
+    /// Listens to a device.
+    fn of(device: &wgpu::Device) -> Self {
+        let faults = Self::default();
+        let lost = faults.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            lost.put(0, format!("it was lost ({reason:?}): {message}"));
+        });
+        let stray = faults.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            stray.put(1, error.to_string());
+        }));
+        faults
+    }
+
+    fn put(&self, at: usize, fault: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)[at] = Some(fault);
+    }
+
+    fn take(&self) -> Option<String> {
+        let [lost, stray] = &mut *self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        lost.clone().or_else(|| stray.take())
+    }
 }
 
 impl fmt::Debug for GpuDevice {
@@ -55,6 +87,16 @@ impl GpuDevice {
     /// # Errors
     /// No such adapter, or a driver that refuses.
     pub(crate) fn open(config: &GpuConfig) -> Result<Self, GpuError> {
+        Self::open_with(config, |most| {
+            (most.max_buffer_size, most.max_storage_buffer_binding_size)
+        })
+    }
+
+    /// As [`Self::open`]; the limits of a buffer and of its binding are chosen from the adapter's.
+    pub(crate) fn open_with(
+        config: &GpuConfig,
+        buffers: impl Fn(&wgpu::Limits) -> (u64, u64),
+    ) -> Result<Self, GpuError> {
         let instance = wgpu::Instance::default();
         let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
         let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
@@ -79,9 +121,10 @@ impl GpuDevice {
         let info = adapter.get_info();
         let name = format!("{} ({})", info.name, info.backend);
         let most = adapter.limits();
+        let (max_buffer_size, max_storage_buffer_binding_size) = buffers(&most);
         let limits = wgpu::Limits {
-            max_buffer_size: most.max_buffer_size,
-            max_storage_buffer_binding_size: most.max_storage_buffer_binding_size,
+            max_buffer_size,
+            max_storage_buffer_binding_size,
             max_storage_buffers_per_shader_stage: 8,
             ..wgpu::Limits::default()
         };
@@ -97,9 +140,10 @@ impl GpuDevice {
             })?;
         let budget = match config.budget {
             Some(bytes) => bytes as u64,
-            None => (most.max_buffer_size / 2).min(BUDGET),
+            None => (max_buffer_size / 2).min(BUDGET),
         };
         Ok(Self {
+            faults: Faults::of(&device),
             device,
             queue,
             name,
@@ -120,6 +164,12 @@ impl GpuDevice {
         let done = work(self);
         let errors = [internal.pop(), validation.pop()].map(pollster::block_on);
         let memory = pollster::block_on(memory.pop());
+        // A lost device tells of it here.
+        let polled = self.device.poll(wgpu::PollType::Poll);
+        if let Some(fault) = self.faults.take() {
+            return Err(self.failed(&fault));
+        }
+        polled.map_err(|error| self.failed(&error))?;
         match errors.into_iter().chain([memory]).flatten().next() {
             Some(error) => Err(self.failed(&error)),
             None => Ok(done),

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, Vec3};
 use splatvol_scene::transfer_function::linear_from_srgb;
-use splatvol_scene::{Camera, Clip, Isosurface, Keep, Scene, SingleVolume};
+use splatvol_scene::{Camera, Clip, Isosurface, Item, Keep, Scene};
 
 /// Clips and isosurfaces of a volume, camera space: `effects` in WGSL.
 #[derive(Debug, Clone, Default)]
@@ -13,23 +13,32 @@ pub(crate) struct Effects {
 }
 
 impl Effects {
-    /// Those of the one volume of a scene. `range`: its smallest and largest value; `mean_spacing`: world length.
+    /// Those of an item of a scene. `range`: its smallest and largest value; `mean_spacing`: world length.
     pub(crate) fn new(
-        (scene, single): (&Scene, &SingleVolume<'_>),
+        (scene, item, isosurfaces): (&Scene, &Item, &[Isosurface]),
         camera: &Camera,
         (range, mean_spacing): ([f64; 2], f64),
     ) -> Self {
-        let place = &single.item.world_from_item;
-        let own = single.item.clips.iter().map(|clip| clip.transformed(place));
+        let place = &item.world_from_item;
+        let own = item.clips.iter().map(|clip| clip.transformed(place));
         let clips: Vec<Clip> = scene.clips.iter().cloned().chain(own).collect();
         let mut data = bodies(&clips, &camera.camera_from_world().inverse());
-        for surface in single.isosurfaces {
+        for surface in isosurfaces {
             data.extend(of_isosurface(surface, (range, mean_spacing)));
         }
         Self {
             data,
             bodies: clips.len() as u32,
-            isosurfaces: single.isosurfaces.len() as u32,
+            isosurfaces: isosurfaces.len() as u32,
+        }
+    }
+
+    /// The clips of a scene alone.
+    pub(crate) fn clips(scene: &Scene, camera: &Camera) -> Self {
+        Self {
+            data: bodies(&scene.clips, &camera.camera_from_world().inverse()),
+            bodies: scene.clips.len() as u32,
+            isosurfaces: 0,
         }
     }
 

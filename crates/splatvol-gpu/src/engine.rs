@@ -13,9 +13,9 @@ use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
 use crate::layers::{LayerStore, Surface};
 use crate::march::Canvas;
 use crate::pipelines::Pipelines;
-use crate::shown::Shown;
+use crate::shown::Placed;
 
-/// Renders volumes on a GPU.
+/// Renders scenes on a GPU.
 #[derive(Debug)]
 pub struct GpuEngine {
     gpu: GpuDevice,
@@ -34,7 +34,11 @@ impl GpuEngine {
     /// # Errors
     /// No adapter, or a driver that refuses the device or a shader.
     pub fn new(config: &GpuConfig) -> Result<Self, GpuError> {
-        let gpu = GpuDevice::open(config)?;
+        Self::on(GpuDevice::open(config)?)
+    }
+
+    /// As [`Self::new`], on an open device.
+    pub(crate) fn on(gpu: GpuDevice) -> Result<Self, GpuError> {
         let pipelines = Pipelines::new(&gpu)?;
         Ok(Self {
             gpu,
@@ -85,10 +89,10 @@ impl GpuEngine {
 }
 
 impl GpuEngine {
-    /// Renders every volume at one of its levels.
+    /// Renders every volume at one of its levels, and the clouds.
     fn once(
         &mut self,
-        (shot, shown): (&Shot<'_>, &[Shown<'_>]),
+        (shot, placed): (&Shot<'_>, &Placed<'_>),
         levels: &[usize],
         (frame, task): (&mut Frame, Task<'_>),
         statistics: &mut RenderStatistics,
@@ -100,28 +104,27 @@ impl GpuEngine {
             canvas,
         };
         self.layers
-            .render((shot.camera, shown), levels, (surface, frame, task), statistics)
+            .render((shot, placed), levels, (surface, frame, task), statistics)
     }
 
-    /// Renders volumes.
-    fn volumes(
+    /// Renders layers.
+    fn layers(
         &mut self,
         shot: &Shot<'_>,
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
-        let (volumes, sheets) = supported(shot)?;
-        let shown = self.layers.place(shot, &volumes, sheets)?;
-        let details: Vec<_> = shown.iter().map(|own| own.detail(shot.camera)).collect();
+        let placed = self.layers.place(shot, supported(shot)?)?;
+        let details: Vec<_> = placed.shown.iter().map(|own| own.detail(shot.camera)).collect();
         let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
         let mut statistics = RenderStatistics {
             engine: "gpu",
             device: self.gpu.name.clone(),
-            level: levels[0],
+            level: levels.first().copied().unwrap_or(0),
             ..RenderStatistics::default()
         };
-        self.once((shot, &shown), &levels, (&mut *frame, task), &mut statistics)?;
+        self.once((shot, &placed), &levels, (&mut *frame, task), &mut statistics)?;
         for (at, detail) in details
             .iter()
             .enumerate()
@@ -133,7 +136,7 @@ impl GpuEngine {
             };
             levels[at] += 1;
             let next = (&mut coarser, task.unseen(&|_| {}));
-            self.once((shot, &shown), &levels, next, &mut statistics)?;
+            self.once((shot, &placed), &levels, next, &mut statistics)?;
             levels[at] -= 1;
             blend(frame, &coarser, detail.coarser);
             self.coarser = Some(coarser);
@@ -174,7 +177,7 @@ impl Engine for GpuEngine {
         if let Some(clouds) = published(&shot)? {
             return self.gaussians((&clouds, &shot), frame, task);
         }
-        self.volumes(&shot, frame, task)
+        self.layers(&shot, frame, task)
     }
 
     fn memory(&self) -> MemoryUse {
@@ -182,6 +185,7 @@ impl Engine for GpuEngine {
         MemoryUse {
             volumes,
             spare_volumes,
+            clouds: self.layers.cloud_bytes(),
             device: self.layers.device_bytes()
                 + self.canvas.as_ref().map_or(0, Canvas::bytes)
                 + self.gaussians.as_ref().map_or(0, GaussianEngine::bytes),

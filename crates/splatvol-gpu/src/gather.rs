@@ -7,6 +7,7 @@ use std::ops::Range;
 use splatvol_core::engine::Task;
 use splatvol_scene::{Frame, SceneError};
 
+use crate::clouds::{CloudLayer, ring_bytes};
 use crate::device::GpuDevice;
 use crate::layout::{FrameData, TILE};
 use crate::march::{Bound, Canvas, March};
@@ -17,18 +18,60 @@ use crate::pass::{Pass, groups};
 const TOGETHER: u32 = 16;
 /// Bytes of a pixel's gathered interval.
 const MATERIAL: u64 = 32;
-/// Bytes for gathered intervals, which every device can bind.
+/// Bytes for gathered intervals, and for the planes of a cloud, which every device can bind.
 const ROOM: u64 = 128 << 20;
 
 /// Layers of one picture; their planes are multiples of the same distance.
 pub(crate) struct Gather<'a> {
     pub gpu: &'a GpuDevice,
     pub canvas: &'a Canvas,
-    pub layers: &'a [March<'a>],
+    /// The picture, apart from its layers.
+    pub data: FrameData,
+    pub volumes: &'a [March<'a>],
+    pub clouds: Vec<CloudLayer<'a>>,
     pub mixture: &'a Pass,
 }
 
-/// A layer's data, and its buffers.
+/// A layer whose intervals are gathered.
+pub(crate) trait GatheredLayer {
+    /// Its intervals, as numbers of planes among those of all layers.
+    fn intervals(&self) -> Range<i64>;
+
+    /// Adds its material in a part of the picture.
+    ///
+    /// # Errors
+    /// A device that fails.
+    fn gather(&mut self, part: &Part<'_>) -> Result<(), SceneError>;
+}
+
+/// Some intervals of some rows of tiles.
+pub(crate) struct Part<'a> {
+    pub bands: &'a Bands,
+    pub rows: Range<u32>,
+    /// Among those of all layers.
+    pub intervals: Range<i64>,
+    pub gathered: &'a wgpu::Buffer,
+}
+
+impl Part<'_> {
+    /// A layer's data for the part; `None` where it has none of the intervals.
+    pub(crate) fn of(&self, data: &FrameData, first_plane: i64, own: Range<i64>) -> Option<FrameData> {
+        let (start, end) = (
+            own.start.max(self.intervals.start),
+            own.end.min(self.intervals.end),
+        );
+        (start < end).then(|| FrameData {
+            from_interval: (start - first_plane) as u32,
+            to_interval: (end - first_plane) as u32,
+            first_tile_row: self.rows.start,
+            gather_offset: (first_plane - self.intervals.start) as i32,
+            band_pixels: self.bands.pixels() as u32,
+            ..*data
+        })
+    }
+}
+
+/// A volume's data, and its buffers.
 struct Begun<'a> {
     march: &'a March<'a>,
     data: FrameData,
@@ -39,17 +82,22 @@ struct Begun<'a> {
 }
 
 /// Rows of tiles that are made together, and their intervals.
-struct Bands {
-    rows: u32,
+pub(crate) struct Bands {
+    pub rows: u32,
     intervals: u32,
     pixels_of_row: u64,
 }
 
 impl Bands {
-    fn new(data: &FrameData, most_intervals: u32) -> Self {
+    fn new(gpu: &GpuDevice, data: &FrameData, has_clouds: bool) -> Self {
         let pixels_of_row = u64::from(data.size[0]) * u64::from(TILE[1]);
-        let intervals = (ROOM / MATERIAL / pixels_of_row).clamp(1, u64::from(most_intervals)) as u32;
-        let rows = ROOM / MATERIAL / pixels_of_row / u64::from(intervals);
+        let intervals = (ROOM / MATERIAL / pixels_of_row).clamp(1, u64::from(TOGETHER)) as u32;
+        let samples_of_row = pixels_of_row * u64::from(intervals);
+        let mut rows = (ROOM / MATERIAL).min(gpu.samples_per_dispatch) / samples_of_row;
+        if has_clouds {
+            let row = ring_bytes(data.size, 1) - ring_bytes(data.size, 0);
+            rows = rows.min((ROOM / row).saturating_sub(1));
+        }
         Self {
             rows: (rows as u32).clamp(1, data.tiles[1]),
             intervals,
@@ -63,43 +111,74 @@ impl Bands {
 }
 
 impl Gather<'_> {
-    /// Renders into a frame.
+    /// Renders into a frame. Returns the bytes on the device that its clouds took.
     ///
     /// # Errors
     /// A stopped picture, or a device that fails.
-    pub(crate) fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
-        self.gpu.scoped(|_| self.submit(task))??;
-        self.canvas.resolve(self.gpu, frame)
+    pub(crate) fn render(mut self, task: Task<'_>, frame: &mut Frame) -> Result<usize, SceneError> {
+        let gpu = self.gpu;
+        gpu.scoped(|_| self.submit(task))??;
+        self.canvas.resolve(gpu, frame)?;
+        Ok(self.clouds.iter().map(CloudLayer::bytes).sum())
     }
 
-    fn submit(&self, task: Task<'_>) -> Result<(), SceneError> {
-        let [first, ..] = self.layers else {
-            return Ok(());
-        };
-        let bands = Bands::new(&first.data(), TOGETHER);
+    /// Intervals from front to back.
+    pub(crate) fn planes(&self) -> usize {
+        let volumes = self.volumes.iter().map(|march| {
+            let planes = march.picture.view.planes();
+            planes.first..planes.first + planes.count as i64
+        });
+        let all = volumes.chain(self.clouds.iter().map(GatheredLayer::intervals));
+        let all = all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
+        all.map_or(0, |all| (all.end - all.start).max(0) as usize)
+    }
+
+    fn submit(&mut self, task: Task<'_>) -> Result<(), SceneError> {
+        let bands = Bands::new(self.gpu, &self.data, !self.clouds.is_empty());
         let size = bands.pixels() * u64::from(bands.intervals) * MATERIAL;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let gathered = self.gpu.buffer("gathered", size, usage);
         self.canvas.clear(self.gpu);
-        let mut begun: Vec<Begun<'_>> = self
-            .layers
+        let pixels = self.mixed_data();
+        let mut volumes: Vec<Begun<'_>> = self
+            .volumes
             .iter()
             .map(|march| Begun::new(march, &gathered))
             .collect();
-        let Some(planes) = intervals_of(&begun) else {
+        let clouds = self
+            .clouds
+            .iter_mut()
+            .map(|cloud| cloud as &mut dyn GatheredLayer);
+        let mut layers: Vec<&mut dyn GatheredLayer> = volumes
+            .iter_mut()
+            .map(|volume| volume as &mut dyn GatheredLayer)
+            .chain(clouds)
+            .collect();
+        let Some(planes) = intervals_of(&layers) else {
             return Ok(());
         };
-        let rows = first.data().tiles[1];
+        let mixed = Mixed {
+            gpu: self.gpu,
+            canvas: self.canvas,
+            pass: self.mixture,
+            frame: pixels,
+            data: self.data,
+        };
+        let rows = self.data.tiles[1];
         let mut before = None;
         for row in (0..rows).step_by(bands.rows as usize) {
-            for from in planes.clone().step_by(bands.intervals as usize) {
+            for start in planes.clone().step_by(bands.intervals as usize) {
                 task.go_on()?;
-                let part = from..(from + i64::from(bands.intervals)).min(planes.end);
-                let band = (&bands, row..(row + bands.rows).min(rows));
-                let submitted = self.part(band, part, &mut begun, &gathered)?;
+                let part = Part {
+                    bands: &bands,
+                    rows: row..(row + bands.rows).min(rows),
+                    intervals: start..(start + i64::from(bands.intervals)).min(planes.end),
+                    gathered: &gathered,
+                };
+                let submitted = mixed.part(&part, &mut layers)?;
                 if let Some(before) = before.replace(submitted) {
                     self.gpu.wait(Some(before))?;
-                    let done = (from - planes.start) as f64 / (planes.end - planes.start) as f64;
+                    let done = (start - planes.start) as f64 / (planes.end - planes.start) as f64;
                     let of_rows = f64::from(bands.rows.min(rows - row)) * done;
                     task.report((f64::from(row) + of_rows) / f64::from(rows));
                 }
@@ -108,41 +187,49 @@ impl Gather<'_> {
         Ok(())
     }
 
-    /// Gathers some intervals of a band, and composites them.
+    /// A buffer for the data of parts that are composited.
+    fn mixed_data(&self) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        self.gpu.buffer("frame", size_of::<FrameData>() as u64, usage)
+    }
+}
+
+/// Composites what is gathered.
+struct Mixed<'a> {
+    gpu: &'a GpuDevice,
+    canvas: &'a Canvas,
+    pass: &'a Pass,
+    frame: wgpu::Buffer,
+    data: FrameData,
+}
+
+impl Mixed<'_> {
+    /// Gathers a part, and composites it.
     fn part(
         &self,
-        (bands, rows): (&Bands, Range<u32>),
-        intervals: Range<i64>,
-        begun: &mut [Begun<'_>],
-        gathered: &wgpu::Buffer,
+        part: &Part<'_>,
+        layers: &mut [&mut dyn GatheredLayer],
     ) -> Result<wgpu::SubmissionIndex, SceneError> {
-        let mut commands = self.gpu.commands();
-        commands.clear_buffer(gathered, 0, None);
-        self.gpu.queue.submit([commands.finish()]);
-        for layer in &mut *begun {
-            if let Some(data) = layer.part(bands, rows.start, &intervals) {
-                layer.dispatch(&data, rows.end - rows.start)?;
-            }
+        let gpu = self.gpu;
+        let mut commands = gpu.commands();
+        commands.clear_buffer(part.gathered, 0, None);
+        gpu.queue.submit([commands.finish()]);
+        for layer in layers {
+            layer.gather(part)?;
         }
-        let whole = &begun[0];
         let data = FrameData {
-            first_tile_row: rows.start,
-            band_pixels: bands.pixels() as u32,
-            gathered_intervals: (intervals.end - intervals.start) as u32,
-            ..whole.data
+            first_tile_row: part.rows.start,
+            band_pixels: part.bands.pixels() as u32,
+            gathered_intervals: (part.intervals.end - part.intervals.start) as u32,
+            ..self.data
         };
-        let frame = &whole.bound.frame;
-        self.gpu.queue.write_buffer(frame, 0, bytemuck::bytes_of(&data));
+        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&data));
         let [colors, depths] = self.canvas.targets();
-        let buffers = [(0, frame), (7, colors), (8, gathered), (9, depths)];
-        let mut commands = self.gpu.commands();
-        self.mixture.run(
-            self.gpu,
-            &mut commands,
-            &buffers,
-            groups(bands.pixels() as u32, 64),
-        );
-        Ok(self.gpu.queue.submit([commands.finish()]))
+        let buffers = [(0, &self.frame), (7, colors), (8, part.gathered), (9, depths)];
+        let mut commands = gpu.commands();
+        let dispatched = groups(part.bands.pixels() as u32, 64);
+        self.pass.run(gpu, &mut commands, &buffers, dispatched);
+        Ok(gpu.queue.submit([commands.finish()]))
     }
 }
 
@@ -160,46 +247,43 @@ impl<'a> Begun<'a> {
 
     /// Gathers a part's intervals, in several dispatches if their pages have no room together.
     fn dispatch(&mut self, data: &FrameData, rows: u32) -> Result<(), SceneError> {
-        let mut from = data.from_interval;
-        while from < data.to_interval {
+        let mut start = data.from_interval;
+        while start < data.to_interval {
             let count = match &mut self.pager {
-                Some(pager) => pager.load(from..data.to_interval)?,
-                None => data.to_interval - from,
+                Some(pager) => pager.load(start..data.to_interval)?,
+                None => data.to_interval - start,
             };
             let part = FrameData {
-                from_interval: from,
-                to_interval: from + count,
+                from_interval: start,
+                to_interval: start + count,
                 ..*data
             };
             self.march.dispatch((&part, rows), &self.bound, false);
-            from += count;
+            start += count;
         }
         Ok(())
     }
+}
 
-    /// Its intervals, as numbers of planes among those of all layers.
+impl GatheredLayer for Begun<'_> {
     fn intervals(&self) -> Range<i64> {
         let Range { start, end } = self.data.from_interval..self.data.to_interval;
         self.first_plane + i64::from(start)..self.first_plane + i64::from(end)
     }
 
-    /// The data for a part of all layers' intervals; `None` where it has none of them.
-    fn part(&self, bands: &Bands, first_row: u32, intervals: &Range<i64>) -> Option<FrameData> {
-        let own = self.intervals();
-        let (start, end) = (own.start.max(intervals.start), own.end.min(intervals.end));
-        (start < end).then(|| FrameData {
-            from_interval: (start - self.first_plane) as u32,
-            to_interval: (end - self.first_plane) as u32,
-            first_tile_row: first_row,
-            gather_offset: (self.first_plane - intervals.start) as i32,
-            band_pixels: bands.pixels() as u32,
-            ..self.data
-        })
+    fn gather(&mut self, part: &Part<'_>) -> Result<(), SceneError> {
+        match part.of(&self.data, self.first_plane, self.intervals()) {
+            Some(data) => self.dispatch(&data, part.rows.end - part.rows.start),
+            None => Ok(()),
+        }
     }
 }
 
 /// All layers' intervals.
-fn intervals_of(begun: &[Begun<'_>]) -> Option<Range<i64>> {
-    let own = begun.iter().map(Begun::intervals).filter(|own| !own.is_empty());
+fn intervals_of(layers: &[&mut dyn GatheredLayer]) -> Option<Range<i64>> {
+    let own = layers
+        .iter()
+        .map(|layer| layer.intervals())
+        .filter(|own| !own.is_empty());
     own.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))
 }

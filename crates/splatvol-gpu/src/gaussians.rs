@@ -29,7 +29,7 @@ use splatvol_scene::{Compositing, Content, Frame, Gaussians, ImageSize, SceneErr
 use crate::device::GpuDevice;
 use crate::march::Canvas;
 use crate::pass::{Pass, groups, numbers, uniform};
-use crate::sort::{Pairs, Sorter};
+use crate::sort::{LISTS, ListsData, Pairs, Sorter};
 
 const SPLAT: &str = include_str!("../shaders/gaussians/splat.wgsl");
 const PROJECT: &str = include_str!("../shaders/gaussians/project.wgsl");
@@ -66,16 +66,6 @@ pub(crate) struct ViewData {
     pub before: u32,
 }
 
-/// Sizes of lists: `Lists` in WGSL.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct ListsData {
-    pub splats: u32,
-    pub pairs: u32,
-    pub columns: u32,
-    pub unused: u32,
-}
-
 /// A picture of splats: `Picture` in WGSL.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -87,7 +77,11 @@ pub(crate) struct PictureData {
 
 /// The texts of the passes: project, pairs, composite.
 pub(crate) fn shaders() -> [String; 3] {
-    [PROJECT, PAIRS, COMPOSITE].map(|own| [SPLAT, own].join("\n"))
+    [
+        [SPLAT, PROJECT].join("\n"),
+        [SPLAT, LISTS, PAIRS].join("\n"),
+        [SPLAT, COMPOSITE].join("\n"),
+    ]
 }
 
 /// The Gaussians of a scene, and where their own worlds lie.
@@ -341,14 +335,14 @@ impl GaussianEngine {
             splats: count,
             pairs: 0,
             columns: splats.columns(),
-            unused: 0,
+            per_tile: 1,
         };
         let counts = gpu.scoped(|gpu| {
             let counts = numbers(gpu, "pairs per splat", count + 1);
             let mut commands = gpu.commands();
             let data = uniform(gpu, &sizes);
             let bound = [
-                (0, &data),
+                (7, &data),
                 (1, &splats.projected),
                 (2, &splats.order.values),
                 (3, &counts),
@@ -378,7 +372,7 @@ impl GaussianEngine {
         let data = uniform(gpu, &sizes);
         let mut commands = gpu.commands();
         let bound = [
-            (0, &data),
+            (7, &data),
             (1, &splats.projected),
             (2, &splats.order.values),
             (3, counts),
@@ -389,7 +383,7 @@ impl GaussianEngine {
             .run(gpu, &mut commands, &bound, groups(sizes.splats, 256));
         let bits = u32::BITS - tiles.saturating_sub(1).leading_zeros();
         self.sorter.run(gpu, &mut commands, (&mut pairs, bits));
-        let bound = [(0, &data), (4, &pairs.keys), (6, &ranges)];
+        let bound = [(7, &data), (4, &pairs.keys), (6, &ranges)];
         self.find_ranges
             .run(gpu, &mut commands, &bound, groups(sizes.pairs, 256));
         gpu.queue.submit([commands.finish()]);

@@ -1,4 +1,4 @@
-//! Layers: the volumes of a scene on common planes, each with its own level, kernel, table and effects.
+//! Layers: the volumes of a scene on common planes, each with its own level, kernel, table and effects; and its clouds.
 
 use std::sync::{Arc, Weak};
 use std::time::Instant;
@@ -6,19 +6,21 @@ use std::time::Instant;
 use glam::DAffine3;
 use splatvol_core::engine::{RenderStatistics, Shot, Task};
 use splatvol_core::level::{Level, Wanted};
-use splatvol_core::plan::{GridView, Sampling, on_common_planes};
+use splatvol_core::plan::{GridView, Rays, Sampling, on_common_planes};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
-use splatvol_scene::{Camera, Frame, SceneError, SheetSettings, SingleVolume, Volume};
+use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Volume};
 
 use crate::atlas::Atlas;
+use crate::check::Drawn;
+use crate::clouds::{CloudLayer, CloudPasses, CloudStore, Look, OfMesh, Opened};
 use crate::device::GpuDevice;
 use crate::effects::Effects;
 use crate::gather::Gather;
-use crate::layout::Picture;
+use crate::layout::{FrameData, Picture};
 use crate::march::{Canvas, March};
 use crate::pass::Pass;
 use crate::pipelines::{Classify, Marches, Pipelines, Variant};
-use crate::shown::{Key, Shown};
+use crate::shown::{Key, Placed, Shown, ShownMesh};
 use crate::voxels::{KeptSamples, Voxels};
 
 /// Volumes kept on the host and on the device.
@@ -26,8 +28,11 @@ use crate::voxels::{KeptSamples, Voxels};
 pub(crate) struct LayerStore {
     prepared: PreparedVolumes,
     /// Volumes that were moved to their places.
-    placed: Vec<Placed>,
+    placed: Vec<Moved>,
     on_device: OnDevice,
+    clouds: CloudStore,
+    /// Bytes of the last picture's clouds on the device, apart from their kernels.
+    cloud_bytes: usize,
 }
 
 /// Volumes kept on the device.
@@ -43,12 +48,14 @@ impl Default for LayerStore {
             prepared: PreparedVolumes::with_spare(SPARE),
             placed: Vec::new(),
             on_device: OnDevice::default(),
+            clouds: CloudStore::default(),
+            cloud_bytes: 0,
         }
     }
 }
 
 #[derive(Debug)]
-struct Placed {
+struct Moved {
     of: Weak<Volume>,
     at: DAffine3,
     volume: Arc<Volume>,
@@ -76,26 +83,27 @@ struct Passes {
 }
 
 impl LayerStore {
-    /// The volumes of a shot where they lie.
+    /// The volumes and meshes of a shot where they lie, and the rest.
     ///
     /// # Errors
     /// A place that cannot be inverted.
-    pub(crate) fn place<'a>(
-        &mut self,
-        shot: &Shot<'a>,
-        volumes: &[SingleVolume<'a>],
-        sheets: SheetSettings,
-    ) -> Result<Vec<Shown<'a>>, SceneError> {
+    pub(crate) fn place<'a>(&mut self, shot: &Shot<'a>, drawn: Drawn<'a>) -> Result<Placed<'a>, SceneError> {
+        let Drawn {
+            volumes,
+            meshes,
+            rest,
+            sheets,
+        } = drawn;
         let mut before = std::mem::take(&mut self.placed);
         let mut shown = Vec::with_capacity(volumes.len());
-        for single in volumes {
+        for single in &volumes {
             let at = single.item.world_from_item;
-            let is_it = |known: &Placed| {
+            let is_it = |known: &Moved| {
                 std::ptr::addr_eq(known.of.as_ptr(), Arc::as_ptr(single.volume)) && known.at == at
             };
             let placed = match before.iter().position(is_it) {
                 Some(known) => before.swap_remove(known),
-                None => Placed {
+                None => Moved {
                     of: Arc::downgrade(single.volume),
                     at,
                     volume: single.placed()?,
@@ -109,20 +117,30 @@ impl LayerStore {
                 unit_distance: single.unit_distance(),
                 labels: single.labels,
                 settings: shot.settings.with(sheets.of_labels(single.labels)),
-                effects: Effects::new((shot.scene, single), shot.camera, of_values),
+                effects: Effects::new(
+                    (shot.scene, single.item, single.isosurfaces),
+                    shot.camera,
+                    of_values,
+                ),
                 volume,
             });
         }
-        Ok(shown)
+        Ok(Placed {
+            shown,
+            meshes: meshes.iter().map(|own| ShownMesh::new(own, shot)).collect(),
+            rest,
+            clips: Effects::clips(shot.scene, shot.camera),
+            sheets: shot.settings.with(sheets),
+        })
     }
 
-    /// Renders every volume at one of its levels; at least one.
+    /// Renders every volume at one of its levels, and the clouds.
     ///
     /// # Errors
     /// A stopped picture, samples that cannot be read, or a device that fails.
     pub(crate) fn render(
         &mut self,
-        (camera, shown): (&Camera, &[Shown<'_>]),
+        (shot, placed): (&Shot<'_>, &Placed<'_>),
         levels: &[usize],
         (surface, frame, task): (Surface<'_>, &mut Frame, Task<'_>),
         statistics: &mut RenderStatistics,
@@ -133,15 +151,22 @@ impl LayerStore {
             pipelines,
             canvas,
         } = surface;
+        let (camera, shown) = (shot.camera, &placed.shown[..]);
         let Self {
-            prepared, on_device, ..
+            prepared,
+            on_device,
+            clouds,
+            cloud_bytes,
+            ..
         } = self;
         let classified = classify(prepared, (shown, levels), task, statistics)?;
         let views = views(camera, shown, &classified);
         let at = on_device.reside(gpu, (shown, levels), &classified)?;
+        let meshes: Vec<OfMesh<'_>> = placed.meshes.iter().map(ShownMesh::cloud).collect();
+        let view = (camera, shot.settings, &placed.sheets);
+        clouds.update(gpu, (&placed.rest, &meshes), view, task)?;
         let ready = Instant::now();
         statistics.seconds.classify += (ready - start).as_secs_f64();
-        statistics.sheets += views[0].planes().count;
         let layers: Vec<Layer<'_>> = (0..shown.len())
             .map(|i| Layer {
                 shown: &shown[i],
@@ -150,32 +175,68 @@ impl LayerStore {
                 resident: &on_device.resident[at[i]],
             })
             .collect();
+        let gathers = shown.len() > 1 || placed.has_clouds();
         let passes: Vec<Passes> = layers
             .iter()
-            .map(|layer| layer.passes(gpu, pipelines, shown.len() > 1))
+            .map(|layer| layer.passes(gpu, pipelines, gathers))
             .collect::<Result<_, _>>()?;
-        let mixture = match shown {
-            [_] => None,
-            _ => Some(pipelines.mixture(gpu)?),
+        let looks = placed.looks();
+        let mixture = match gathers {
+            false => None,
+            true => Some(pipelines.mixture(gpu)?),
         };
+        let cloud_passes = match looks.is_empty() {
+            true => None,
+            false => Some(pipelines.clouds(gpu)?),
+        };
+        let cloud_marches: Vec<Arc<Pass>> = looks
+            .iter()
+            .map(|look| pipelines.cloud_march(gpu, look.mode()))
+            .collect::<Result<_, _>>()?;
         let shared = (gpu, &*pipelines, canvas);
         let marches: Vec<March<'_>> = layers
             .iter()
             .zip(&passes)
             .map(|(layer, passes)| layer.march(shared, passes))
             .collect();
+        *cloud_bytes = 0;
         match mixture {
-            Some(mixture) => Gather {
-                gpu,
-                canvas,
-                layers: &marches,
-                mixture: &mixture,
-            }
-            .render(task, frame)?,
             None => marches[0].render(task, frame)?,
+            Some(mixture) => {
+                let own_spacing = views.first().map(GridView::spacing);
+                let drawn = match &cloud_passes {
+                    Some(passes) => {
+                        let spacing = own_spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
+                        let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
+                        let looks = looks.iter().zip(cloud_marches);
+                        open_clouds((gpu, passes, canvas), (clouds, looks), view, task)?
+                    }
+                    None => Vec::new(),
+                };
+                let rays = Rays::new(&camera.screen_from_camera(shot.settings.size));
+                let gather = Gather {
+                    gpu,
+                    canvas,
+                    data: FrameData::seen(&placed.sheets, &rays),
+                    volumes: &marches,
+                    clouds: drawn,
+                    mixture: &mixture,
+                };
+                statistics.sheets += gather.planes();
+                statistics.seconds.bin += ready.elapsed().as_secs_f64();
+                *cloud_bytes = gather.render(task, frame)?;
+            }
+        }
+        if let (false, Some(view)) = (gathers, views.first()) {
+            statistics.sheets += view.planes().count;
         }
         statistics.seconds.tiles += ready.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Bytes of the clouds of the current scene, on the host.
+    pub(crate) fn cloud_bytes(&self) -> usize {
+        self.clouds.bytes()[0]
     }
 
     /// Bytes of the volumes of the current scene, and of others, on the host.
@@ -187,8 +248,26 @@ impl LayerStore {
     pub(crate) fn device_bytes(&self) -> usize {
         let OnDevice { resident, samples } = &self.on_device;
         let atlases = resident.iter().map(|own| own.atlas.layout.bytes());
-        (atlases.sum::<u64>() + samples.bytes()) as usize
+        (atlases.sum::<u64>() + samples.bytes()) as usize + self.clouds.bytes()[1] + self.cloud_bytes
     }
+}
+
+/// Opens the clouds of a scene on planes of this distance, world length.
+fn open_clouds<'a>(
+    (gpu, passes, canvas): (&'a GpuDevice, &'a CloudPasses, &'a Canvas),
+    (clouds, looks): (&CloudStore, impl Iterator<Item = (&'a Look<'a>, Arc<Pass>)>),
+    view: ((&Camera, &RenderSettings<SheetSettings>), f64),
+    task: Task<'_>,
+) -> Result<Vec<CloudLayer<'a>>, SceneError> {
+    let all = clouds.meshes().chain(clouds.rest());
+    looks
+        .zip(all)
+        .map(|((look, march), cloud)| {
+            task.go_on()?;
+            let opened = Opened::new((gpu, passes), cloud, look, view)?;
+            CloudLayer::new(gpu, (passes, march, canvas), look, opened)
+        })
+        .collect()
 }
 
 /// Levels of the volumes with what their looks need.
@@ -199,7 +278,9 @@ fn classify<'p>(
     statistics: &mut RenderStatistics,
 ) -> Result<Vec<&'p Level>, SceneError> {
     // Labels have no coefficients, whatever their settings.
-    let main = shown.iter().find(|own| !own.labels).unwrap_or(&shown[0]);
+    let Some(main) = shown.iter().find(|own| !own.labels).or(shown.first()) else {
+        return Ok(Vec::new());
+    };
     let pyramids = prepared.of_scene(shown.iter().map(|own| &own.volume), &main.settings);
     let mut classified: Vec<&Level> = Vec::with_capacity(shown.len());
     for ((pyramid, own), &level) in pyramids.iter_mut().zip(shown).zip(levels) {

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DVec2, DVec3};
 use splatvol_core::level::Level;
-use splatvol_core::plan::GridView;
+use splatvol_core::plan::{GridView, Rays};
 use splatvol_scene::{Lighting, RenderSettings, SheetSettings};
 
 use crate::effects::Effects;
@@ -75,6 +75,31 @@ pub(crate) struct SheetData {
     pub low_pass_points: u32,
 }
 
+impl FrameData {
+    /// Picture, rays and light alone.
+    pub(crate) fn seen(settings: &RenderSettings<SheetSettings>, rays: &Rays) -> Self {
+        let size = [settings.size.width(), settings.size.height()];
+        let light = Light::new(settings.lighting.as_ref());
+        Self {
+            size,
+            tiles: [size[0].div_ceil(TILE[0]), size[1].div_ceil(TILE[1])],
+            principal: rays.principal,
+            per_pixel: rays.per_pixel,
+            plane_per_pixel: rays.plane_per_pixel,
+            termination: settings.termination as f32,
+            lit: u32::from(settings.lighting.is_some()),
+            towards_light: light.towards,
+            ambient: light.ambient,
+            half_way: light.half_way,
+            diffuse: light.diffuse,
+            specular: light.specular,
+            power: light.power,
+            floor_squared: light.floor_squared,
+            ..Self::zeroed()
+        }
+    }
+}
+
 /// A picture of one level of a volume.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Picture<'a> {
@@ -99,20 +124,12 @@ impl Picture<'_> {
             unit_distance,
             effects,
         } = *self;
-        let size = [settings.size.width(), settings.size.height()];
-        let rays = view.rays();
         let planes = view.planes();
         let before = self.planes_at_eye();
         let count = planes.count + 1 + before;
         let kernel = view.kernel();
         let store = &level.field;
-        let light = Light::new(settings.lighting.as_ref());
         FrameData {
-            size,
-            tiles: [size[0].div_ceil(TILE[0]), size[1].div_ceil(TILE[1])],
-            principal: rays.principal,
-            per_pixel: rays.per_pixel,
-            plane_per_pixel: rays.plane_per_pixel,
             dims: store.dims().map(|n| n as i32),
             planes: count as u32,
             words: (count as u32).div_ceil(32),
@@ -122,17 +139,8 @@ impl Picture<'_> {
             radius: kernel.radius as f32,
             spacing: planes.spacing as f32,
             background: store.background(),
-            termination: settings.termination as f32,
             densest: level.table.densest,
             shows_background: u32::from(level.table.shows_background),
-            lit: u32::from(settings.lighting.is_some()),
-            towards_light: light.towards,
-            ambient: light.ambient,
-            half_way: light.half_way,
-            diffuse: light.diffuse,
-            specular: light.specular,
-            power: light.power,
-            floor_squared: light.floor_squared,
             voxel: voxel as f32,
             from_interval: view.first_shown() as u32,
             to_interval: count as u32 - 1,
@@ -143,7 +151,7 @@ impl Picture<'_> {
             isosurfaces: effects.isosurfaces,
             first_isosurface: effects.first_isosurface(),
             gradient_from_lattice: gradients(&view.camera_from_lattice()),
-            ..FrameData::zeroed()
+            ..FrameData::seen(settings, &view.rays())
         }
     }
 
@@ -252,7 +260,7 @@ impl Light {
     }
 }
 
-fn columns(map: &DAffine3) -> [[f32; 4]; 4] {
+pub(crate) fn columns(map: &DAffine3) -> [[f32; 4]; 4] {
     let column = |v: DVec3, w: f64| v.extend(w).as_vec4().to_array();
     let [x, y, z] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
     [
@@ -264,7 +272,7 @@ fn columns(map: &DAffine3) -> [[f32; 4]; 4] {
 }
 
 /// Columns of the map of gradients from the space of a map's input to that of its output.
-fn gradients(map: &DAffine3) -> [[f32; 4]; 3] {
+pub(crate) fn gradients(map: &DAffine3) -> [[f32; 4]; 3] {
     let transposed = map.matrix3.inverse().transpose();
     [transposed.x_axis, transposed.y_axis, transposed.z_axis].map(|v| v.extend(0.0).as_vec4().to_array())
 }

@@ -1,4 +1,5 @@
-//! GPU engine: the planes of `splatvol-cpu`, in gather form, and 3-D Gaussians as published (`gaussians`), on any device of wgpu.
+//! GPU engine: the planes of `splatvol-cpu`, in gather form, clouds of other kernels on the same planes (`clouds`), and 3-D
+//! Gaussians as published (`gaussians`), on any device of wgpu.
 //!
 //! A plane's value at a pixel is the definition itself (docs/numerics.md, "The field"):
 //!
@@ -26,6 +27,7 @@
 
 mod atlas;
 mod check;
+mod clouds;
 mod device;
 mod effects;
 mod engine;

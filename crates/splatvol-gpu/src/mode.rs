@@ -4,6 +4,7 @@ use splatvol_core::level::{Level, Wanted};
 use splatvol_scene::{Gradient, SheetSettings, Shows};
 
 use crate::effects::Effects;
+use crate::sort::LISTS;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
 const FIELD: &str = include_str!("../shaders/field.wgsl");
@@ -17,6 +18,8 @@ const TABLE: &str = include_str!("../shaders/table.wgsl");
 const NODES: &str = include_str!("../shaders/nodes.wgsl");
 const LOW_PASS: &str = include_str!("../shaders/low_pass.wgsl");
 const COEFFICIENTS: &str = include_str!("../shaders/coefficients.wgsl");
+const SLAB: &str = include_str!("../shaders/slab.wgsl");
+const SUMS: &str = include_str!("../shaders/sums.wgsl");
 const CLASSES: &str = include_str!("../shaders/classes.wgsl");
 const COMPOSE: &str = include_str!("../shaders/compose.wgsl");
 const XRAY: &str = include_str!("../shaders/xray.wgsl");
@@ -36,6 +39,16 @@ const ANALYTIC: &str = include_str!("../shaders/analytic.wgsl");
 const CUBIC: &str = include_str!("../shaders/cubic.wgsl");
 const VALUES: &str = include_str!("../shaders/values.wgsl");
 const EXACT_VALUES: &str = include_str!("../shaders/exact_values.wgsl");
+const CLOUD_SPLAT: &str = include_str!("../shaders/clouds/splat.wgsl");
+const OPEN: &str = include_str!("../shaders/clouds/open.wgsl");
+const CLOUD_PAIRS: &str = include_str!("../shaders/clouds/pairs.wgsl");
+const RING: &str = include_str!("../shaders/clouds/ring.wgsl");
+const CLOUD_COLORS: &str = include_str!("../shaders/clouds/colors.wgsl");
+const CLOUD_VALUES: &str = include_str!("../shaders/clouds/values.wgsl");
+const CLOUD_PLANES: &str = include_str!("../shaders/clouds/planes.wgsl");
+const READ: &str = include_str!("../shaders/clouds/read.wgsl");
+const EMISSION: &str = include_str!("../shaders/clouds/emission.wgsl");
+const CLOUD_FIELD: &str = include_str!("../shaders/clouds/field.wgsl");
 const MARCH: &str = include_str!("../shaders/march.wgsl");
 
 /// What a ray shows of its values.
@@ -114,7 +127,17 @@ impl Mode {
             if has_holes { HOLES } else { WHOLE },
         ];
         let own: &[&str] = match self {
-            Self::Material => &[COEFFICIENTS, BESIDE, EYE, AROUND, TABLE, ACROSS, PLANES, MATERIAL],
+            Self::Material => &[
+                COEFFICIENTS,
+                BESIDE,
+                EYE,
+                AROUND,
+                TABLE,
+                ACROSS,
+                PLANES,
+                SUMS,
+                MATERIAL,
+            ],
             Self::Effects => &[
                 COEFFICIENTS,
                 BESIDE,
@@ -123,14 +146,15 @@ impl Mode {
                 TABLE,
                 ACROSS,
                 PLANES,
+                SUMS,
                 CLIPS,
                 EFFECTS,
             ],
             Self::Analytic => &[COEFFICIENTS, NODES, ENDS, ANALYTIC],
             Self::Values(_) => &[COEFFICIENTS, BESIDE, EYE, AROUND, NODES, CUBIC, VALUES],
             Self::ExactValues(_) => &[COEFFICIENTS, NODES, ENDS, CUBIC, EXACT_VALUES],
-            Self::Compose => &[CLASSES, EYE, COMPOSE],
-            Self::Xray => &[CLASSES, XRAY],
+            Self::Compose => &[CLASSES, SLAB, EYE, COMPOSE],
+            Self::Xray => &[CLASSES, SLAB, XRAY],
         };
         [field.as_slice(), own].concat().join("\n")
     }
@@ -168,6 +192,43 @@ impl Mode {
 /// The text of the pass that classifies voxels.
 pub(crate) fn classify_shader() -> String {
     [FRAME, NODES, LIGHT, CLIPS, CLASSIFY].join("\n")
+}
+
+/// What a pixel makes of a cloud's planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum CloudMode {
+    /// Material of kernels that are classified before they are splatted.
+    Colors,
+    /// Material of a mesh's values, lit by differences of four planes.
+    Field,
+    /// The same where clips leave it, or isosurfaces instead.
+    FieldEffects,
+}
+
+impl CloudMode {
+    /// The text of its entry point `march`. Intervals are kept beside those of other layers.
+    pub(crate) fn text(self) -> String {
+        let field = [RING, CLOUD_VALUES, READ, TABLE, PLANES, CLOUD_FIELD, EYE].as_slice();
+        let own: Vec<&str> = match self {
+            Self::Colors => vec![RING, CLOUD_COLORS, READ, SLAB, EMISSION],
+            Self::Field => [field, &[MATERIAL]].concat(),
+            Self::FieldEffects => [field, &[CLIPS, EFFECTS]].concat(),
+        };
+        [&[FRAME, LIGHT, CLOUD_SPLAT], &own[..], &[MARCH, GATHER]]
+            .concat()
+            .join("\n")
+    }
+}
+
+/// The texts of the passes that make a cloud's planes: open, pairs, and planes of colours and of values.
+pub(crate) fn cloud_shaders() -> [String; 4] {
+    let planes = |sums| [FRAME, CLOUD_SPLAT, RING, sums, CLOUD_PLANES].join("\n");
+    [
+        [FRAME, LIGHT, CLIPS, CLOUD_SPLAT, OPEN].join("\n"),
+        [FRAME, CLOUD_SPLAT, LISTS, CLOUD_PAIRS].join("\n"),
+        planes(CLOUD_COLORS),
+        planes(CLOUD_VALUES),
+    ]
 }
 
 /// The text of the pass that composites several layers.

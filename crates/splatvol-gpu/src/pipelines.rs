@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use splatvol_scene::SceneError;
 
+use crate::clouds::CloudPasses;
 use crate::device::GpuDevice;
 use crate::error::GpuError;
-use crate::mode::{Mode, classify_shader, mixture_shader};
+use crate::mode::{CloudMode, Mode, classify_shader, mixture_shader};
 use crate::pass::Pass;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
@@ -31,6 +32,10 @@ pub(crate) struct Pipelines {
     classify: HashMap<Classify, Arc<Pass>>,
     /// Composites several layers; compiled likewise.
     mixture: Option<Arc<Pass>>,
+    /// Passes of clouds; compiled likewise.
+    clouds: Option<Arc<CloudPasses>>,
+    /// Passes over planes of clouds; compiled likewise.
+    cloud_marches: HashMap<CloudMode, Arc<Pass>>,
 }
 
 /// How voxels are classified.
@@ -147,6 +152,8 @@ impl Pipelines {
             marches: HashMap::new(),
             classify: HashMap::new(),
             mixture: None,
+            clouds: None,
+            cloud_marches: HashMap::new(),
         }
     }
 
@@ -192,6 +199,31 @@ impl Pipelines {
             None => Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("mixture", &mixture_shader()), &[]))?),
         };
         Ok(Arc::clone(self.mixture.insert(made)))
+    }
+
+    /// The passes that all clouds have.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn clouds(&mut self, gpu: &GpuDevice) -> Result<Arc<CloudPasses>, SceneError> {
+        let made = match self.clouds.take() {
+            Some(known) => known,
+            None => Arc::new(CloudPasses::new(gpu)?),
+        };
+        Ok(Arc::clone(self.clouds.insert(made)))
+    }
+
+    /// The pass over a cloud's planes.
+    ///
+    /// # Errors
+    /// A driver that refuses a shader.
+    pub(crate) fn cloud_march(&mut self, gpu: &GpuDevice, mode: CloudMode) -> Result<Arc<Pass>, SceneError> {
+        if let Some(known) = self.cloud_marches.get(&mode) {
+            return Ok(Arc::clone(known));
+        }
+        let made = Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("march", &mode.text()), &[]))?);
+        self.cloud_marches.insert(mode, Arc::clone(&made));
+        Ok(made)
     }
 
     fn compile_march(&self, gpu: &GpuDevice, variant: Variant) -> Marches {

@@ -1,14 +1,95 @@
-//! Shown: a volume in its place with its look, and what its data on the device depend on.
+//! Shown: volumes and meshes in their places with their looks, and what their data on the device depend on.
 
 use std::sync::{Arc, Weak};
 
+use splatvol_core::classification::ClassificationTable;
+use splatvol_core::engine::Shot;
 use splatvol_core::level::{Detail, Wanted};
+use splatvol_core::scene_cloud;
+use splatvol_core::shade_table::ShadeTable;
+use splatvol_core::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Gradient, RenderSettings, SheetKernel, SheetSettings, TransferFunction, Volume,
+    Camera, Gradient, RenderSettings, Scene, SheetKernel, SheetSettings, TransferFunction, Volume,
 };
 
+use crate::check::DrawnMesh;
+use crate::clouds::{Look, OfMesh};
 use crate::effects::Effects;
 use crate::mode::Mode;
+
+/// The layers of a scene where they lie.
+#[derive(Debug)]
+pub(crate) struct Placed<'a> {
+    pub shown: Vec<Shown<'a>>,
+    pub meshes: Vec<ShownMesh<'a>>,
+    /// Everything that is classified before it is splatted.
+    pub rest: Scene,
+    /// Clips of that.
+    pub clips: Effects,
+    pub sheets: RenderSettings<SheetSettings>,
+}
+
+impl Placed<'_> {
+    pub(crate) fn has_clouds(&self) -> bool {
+        !self.meshes.is_empty() || !self.rest.items.is_empty()
+    }
+
+    /// Looks of the meshes, then of the rest.
+    pub(crate) fn looks(&self) -> Vec<Look<'_>> {
+        let meshes = self.meshes.iter().map(ShownMesh::look);
+        let rest = (!self.rest.items.is_empty()).then_some(Look::Colors { clips: &self.clips });
+        meshes.chain(rest).collect()
+    }
+}
+
+/// A post-classified mesh where it lies, and its look.
+#[derive(Debug)]
+pub(crate) struct ShownMesh<'a> {
+    of: OfMesh<'a>,
+    table: ShadeTable,
+    effects: Effects,
+}
+
+impl<'a> ShownMesh<'a> {
+    pub(crate) fn new(drawn: &DrawnMesh<'a>, shot: &Shot<'_>) -> Self {
+        let DrawnMesh {
+            item,
+            mesh,
+            transfer_function,
+            isosurfaces,
+        } = *drawn;
+        let spacing = scene_cloud::spacing(item);
+        // Opacities refer to lengths of the item's own world.
+        let own = transfer_function.unit_distance;
+        let unit_distance = own.map_or(spacing, |distance| distance * item.scale());
+        let range = mesh.value_range().map(f64::from);
+        let classified = ClassificationTable::new(transfer_function, range, unit_distance);
+        let mut table = ShadeTable::default();
+        table.update(&classified, &VisibleLevels::new(&classified), 0.0);
+        // Beside the mesh there is nothing, whatever its values.
+        table.shows_background = false;
+        Self {
+            of: OfMesh {
+                mesh,
+                world_from_local: item.world_from_item * *mesh.world_from_local(),
+                spacing,
+            },
+            table,
+            effects: Effects::new((shot.scene, item, isosurfaces), shot.camera, (range, spacing)),
+        }
+    }
+
+    pub(crate) fn cloud(&self) -> OfMesh<'a> {
+        self.of
+    }
+
+    fn look(&self) -> Look<'_> {
+        Look::Field {
+            table: &self.table,
+            effects: &self.effects,
+        }
+    }
+}
 
 /// A volume where it lies, and its look.
 #[derive(Debug)]

@@ -10,6 +10,8 @@ use crate::pass::{Pass, groups, numbers, uniform};
 
 pub(crate) const RADIX: &str = include_str!("../shaders/sort/radix.wgsl");
 pub(crate) const SCAN: &str = include_str!("../shaders/sort/scan.wgsl");
+/// Lists of pairs; passes that make them add their own entry points.
+pub(crate) const LISTS: &str = include_str!("../shaders/sort/lists.wgsl");
 
 /// Keys, or numbers, of a workgroup.
 const BLOCK: u32 = 1024;
@@ -24,6 +26,16 @@ pub(crate) struct DigitData {
     pub shift: u32,
     pub blocks: u32,
     pub unused: u32,
+}
+
+/// Sizes of lists: `Lists` in WGSL.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ListsData {
+    pub splats: u32,
+    pub pairs: u32,
+    pub columns: u32,
+    pub per_tile: u32,
 }
 
 /// Numbers to add up: `Scan` in WGSL.

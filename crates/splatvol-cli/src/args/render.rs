@@ -92,10 +92,11 @@ pub(crate) struct RenderArgs {
     pub(crate) threads: Option<usize>,
     /// Engine: cpu, gpu, or auto
     ///
-    /// The CPU draws everything, with the same bytes on every machine. gpu draws volumes and labels together (with clips
-    /// or isosurfaces), the X-ray, maxima, minima or means of one, or 3-D Gaussians as published, and refuses the rest by name
-    /// (meshes, points, operators, motion, the papers' methods); its pictures differ by the last digits from device to device. auto takes the GPU where there is one that
-    /// draws the scene, and says otherwise why not. Programs have the GPU's engine if they were built with `--features gpu`.
+    /// The CPU draws everything, with the same bytes on every machine. gpu draws volumes, labels, meshes, points and
+    /// volumetric Gaussians together (with clips or isosurfaces), the X-ray, maxima, minima or means of one volume, or 3-D Gaussians
+    /// as published among themselves, and refuses the rest by name (operators, X-rays of several things, values of meshes, the papers'
+    /// methods); its pictures differ by the last digits from device to device. auto takes the GPU where there is one that draws the scene,
+    /// and says otherwise why not. Programs have the GPU's engine if they were built with `--features gpu`.
     #[arg(long, value_enum, value_name = "ENGINE", default_value_t, help_heading = GENERAL)]
     pub(crate) engine: EngineName,
     /// Write times and counts as JSON to this file, or to stdout (-)

@@ -14,6 +14,9 @@ pub type OnProgress<'a> = &'a (dyn Fn(f64) + Sync);
 /// Callback for finished pixels: their rectangle, and their linear premultiplied colours row by row.
 pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
 
+/// Asked between the steps of a preparation: whether it goes on.
+pub type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Control of a picture: cancellation, progress callbacks and the wanted part.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {

@@ -18,7 +18,7 @@ use std::fmt::Debug;
 
 use splatvol_scene::{Camera, Frame, RenderSettings, Scene, SceneError};
 
-pub use control::{Control, OnProgress, OnTile, Progress, Task};
+pub use control::{Control, GoOn, OnProgress, OnTile, Progress, Task};
 pub use edges::Edges;
 pub use statistics::{MemoryUse, RenderStatistics, StageSeconds};
 

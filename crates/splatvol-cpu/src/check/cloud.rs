@@ -1,5 +1,6 @@
 //! Checks of scenes rendered as clouds of splats: several items, meshes, points, Gaussians.
 
+use splatvol_core::scene_cloud::is_post_classified;
 use splatvol_scene::{
     Absorption, Alignment, Compositing, Content, Filter, Gradient, Item, Method, Occlusion, Rasterizer,
     Reconstruction, RenderSettings, Scene, SceneError, SheetContent, SheetSettings, SplatCompositing,
@@ -7,7 +8,7 @@ use splatvol_scene::{
 };
 
 use super::{ONE_VALUE, asked, asked_of, volume};
-use crate::route::{is_post_classified, own_layer};
+use crate::route::own_layer;
 
 /// Rejects settings that the published Gaussian renderer does not support.
 pub(super) fn published(scene: &Scene, settings: &RenderSettings) -> Result<(), SceneError> {

@@ -5,6 +5,7 @@
 //! it is without them. A scene without volumes has the planes of the finest mesh or cloud.
 
 use splatvol_core::bin::TileGrid;
+use splatvol_core::cloud_planes::own_spacing;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::plan::{GridView, Sampling, on_common_planes};
 use splatvol_core::splats::SplatCloud;
@@ -13,7 +14,6 @@ use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError, 
 use super::analytic::{Analytic, Sums};
 use super::classified::ClassifiedBricks;
 use super::cloud::layer::MeshLayer;
-use super::cloud::plan::own_spacing;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::engine::{SheetEngine, Single, TILE_EDGE, detail};

@@ -5,12 +5,13 @@ use std::mem::offset_of;
 use naga::TypeInner;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-use crate::gaussians::{ListsData, PictureData, ViewData, shaders};
+use crate::clouds::{CloudData, KernelData, PartData, SPLAT_BYTES};
+use crate::gaussians::{PictureData, ViewData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
+use crate::mode::{CloudMode, classify_shader, cloud_shaders, mixture_shader};
 use crate::mode::{Kept, Mode};
-use crate::mode::{classify_shader, mixture_shader};
 use crate::pipelines::cull_shader;
-use crate::sort::{DigitData, RADIX, SCAN, ScanData};
+use crate::sort::{DigitData, ListsData, RADIX, SCAN, ScanData};
 
 /// Members of a struct in WGSL, with their offsets, and its size.
 fn members(module: &naga::Module, name: &str) -> (Vec<(String, u32)>, u32) {
@@ -45,8 +46,11 @@ fn layouts_agree_and_shaders_are_valid() {
         Mode::Compose,
         Mode::Xray,
     ];
+    let clouds = [CloudMode::Colors, CloudMode::Field, CloudMode::FieldEffects];
     for text in [cull_shader(), classify_shader(), mixture_shader()]
         .into_iter()
+        .chain(clouds.map(CloudMode::text))
+        .chain(cloud_shaders())
         .chain(modes.into_iter().flat_map(|mode| {
             [false, true].map(|has_holes| mode.text(has_holes, has_holes && !mode.settles()))
         }))
@@ -94,8 +98,17 @@ fn layouts_of_gaussians_and_of_sorting_agree() {
     let wanted = offsets!(ViewData: eye near eye_rest scale to_x low_pass to_y is_perspective to_z degree direction
         is_antialiased centre tangent_limit reference_tiles count before);
     assert_eq!(members(&project, "View"), (wanted, size_of::<ViewData>() as u32));
-    let wanted = offsets!(ListsData: splats pairs columns unused);
+    let wanted = offsets!(ListsData: splats pairs columns per_tile);
     assert_eq!(members(&pairs, "Lists"), (wanted, size_of::<ListsData>() as u32));
+    let [open, _, planes, _] = cloud_shaders().map(|text| valid(&text));
+    let wanted = offsets!(CloudData: low_pass is_matched nearest widening mass peaks_from count before);
+    assert_eq!(members(&open, "Cloud"), (wanted, size_of::<CloudData>() as u32));
+    assert_eq!(members(&open, "Kernel").1 as usize, size_of::<KernelData>());
+    assert_eq!(u64::from(members(&planes, "Splat").1), SPLAT_BYTES);
+    let (found, size) = members(&planes, "Part");
+    let wanted = offsets!(PartData: columns groups first_row first_group pitch points unused);
+    assert_eq!(found[..6], wanted[..6]);
+    assert_eq!(size as usize, size_of::<PartData>());
     let wanted = offsets!(PictureData: size columns unused);
     assert_eq!(
         members(&composite, "Picture"),

@@ -3,6 +3,7 @@
 
 mod field;
 mod layout;
+mod robust;
 mod shade;
 mod sort;
 

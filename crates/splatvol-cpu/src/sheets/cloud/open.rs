@@ -1,24 +1,16 @@
 //! Open: brings a chunk's splats into camera space, and queues them for the first plane that they reach.
 
 use glam::{Affine3A, DMat3, DVec2, DVec3, Vec3};
+use splatvol_core::cloud_planes::{CUT, DEPTH_CUT, DEPTH_INTEGRAL, LEAST_WIDTH, widened};
 use splatvol_core::splats::{KernelShape, SplatCloud};
 use splatvol_scene::{Clip, ScreenFromCamera};
 
 use crate::sheets::cut::Cut;
 use crate::splat_light::SplatLight;
 
-/// Width, pixels, that is added to every footprint: a flat splat seen from its edge would fall between pixels.
-const LEAST_WIDTH: f64 = 1e-3;
-/// Standard deviation by which splats are widened in depth, in distances of planes: that of a kernel of radius two.
-const DEPTH_SIGMA: f64 = 0.64;
-/// Standard deviations at which splats are cut in depth: four planes hold a flat one.
-pub(super) const DEPTH_CUT: f64 = 2.0 / DEPTH_SIGMA;
-/// Share of that cut within which planes are searched for: beyond it a splat has less than a thousandth of its
+/// Share of the cut in depth within which planes are searched for: beyond it a splat has less than a thousandth of its
 /// peak.
 const NEARLY: f64 = 0.985;
-/// Lateral cut of splats, standard deviations.
-pub(super) const CUT: f64 = 3.4;
-
 /// A splat in camera space, ready for the planes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct OpenSplat {
@@ -34,7 +26,7 @@ pub(crate) struct OpenSplat {
     pub half_extent: [f32; 2],
     /// Reach in depth, world length.
     pub reach: f32,
-    /// Extinction and emission at its centre, before [`DEPTH_EDGE`] is subtracted.
+    /// Extinction and emission at its centre, before `cloud_planes::DEPTH_EDGE` is subtracted.
     pub payload: [f32; 4],
 }
 
@@ -58,11 +50,6 @@ pub(crate) struct CloudView<'a> {
     /// Depth of the nearest plane, for the low-pass of splats in front of it.
     nearest: f64,
 }
-
-/// Edge subtracted from the profile in depth, so that it ends without a step: its value at the cut.
-pub(super) const DEPTH_EDGE: f32 = 7.575_677_5e-3;
-/// Integral of the profile in depth, standard deviations: `sqrt(2 pi) (Phi(c) - Phi(-c)) - 2 c e`.
-const DEPTH_INTEGRAL: f64 = 2.454823378701;
 
 impl<'a> CloudView<'a> {
     pub(crate) fn new(
@@ -89,7 +76,7 @@ impl<'a> CloudView<'a> {
             light,
             low_pass,
             matched,
-            widening: (DEPTH_SIGMA * spacing).powi(2),
+            widening: widened(0.0, spacing),
             cut: Cut::default(),
             nearest,
         }
@@ -99,11 +86,6 @@ impl<'a> CloudView<'a> {
     pub(crate) fn cut(self, clips: &[Clip]) -> Self {
         let cut = Cut::new(clips, self.cloud.world_from_local);
         Self { cut, ..self }
-    }
-
-    /// Variance in depth that splats have on planes `spacing` apart.
-    pub(crate) fn widened(variance: f64, spacing: f64) -> f64 {
-        variance + (DEPTH_SIGMA * spacing).powi(2)
     }
 
     /// Opens a splat; `None` if it is empty.
@@ -274,17 +256,7 @@ impl Waiting {
 
 #[cfg(test)]
 mod tests {
-    use splatvol_core::normal::mass_within;
-
     use super::*;
-
-    #[test]
-    fn constants_are_those_of_the_cut_profile() {
-        let edge = (-0.5 * DEPTH_CUT * DEPTH_CUT).exp();
-        assert!((f64::from(DEPTH_EDGE) - edge).abs() < 1e-9);
-        let integral = std::f64::consts::TAU.sqrt() * mass_within(DEPTH_CUT) - 2.0 * DEPTH_CUT * edge;
-        assert!((DEPTH_INTEGRAL - integral).abs() < 1e-9, "{integral}");
-    }
 
     /// Lists return all their splats, whatever was dropped before.
     #[test]

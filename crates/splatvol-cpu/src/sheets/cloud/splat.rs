@@ -6,9 +6,10 @@
 //! channels the stores are the bottleneck, and for long thin ellipses the powers overflow.
 
 use fearless_simd::{f32x16, prelude::*};
+use splatvol_core::cloud_planes::DEPTH_EDGE;
 use splatvol_core::plan::SheetShape;
 
-use super::open::{DEPTH_EDGE, OpenSplat};
+use super::open::OpenSplat;
 use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, BLOCK_EDGE, LANES, Row};
