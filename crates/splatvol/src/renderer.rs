@@ -1,6 +1,8 @@
 //! The renderer: motion blur, anti-aliasing of edges, parts and progress, on top of an engine's pictures.
 
-use splatvol_core::engine::{Control, Edges, Engine, Progress, RenderStatistics, Shot, StageSeconds, Task};
+use splatvol_core::engine::{
+    Control, Edges, Engine, Progress, RenderStatistics, Share, Shot, StageSeconds, Task,
+};
 use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool};
 use splatvol_scene::{Camera, Coverage, Exposure, Frame, RenderSettings, Scene, SceneError};
 
@@ -121,6 +123,9 @@ impl Renderer {
         if let Some(part) = &control.part {
             part::keep(frame, part);
         }
+        if let Some(share) = control.share {
+            share.keep(frame);
+        }
         self.statistics.memory = self.engine.memory();
         task.show_all(frame);
         progress.report(1.0);
@@ -215,6 +220,7 @@ impl Renderer {
             progress: &first,
             // Edges are differences from neighbours.
             part: task.part.map(part::with_neighbors),
+            share: task.share.map(Share::with_neighbors),
             ..task
         };
         self.render_once(shot, frame, around)?;

@@ -12,7 +12,7 @@ use glam::{DAffine3, DVec3};
 use splatvol::{
     Bounds, Camera, Classification, Compositing, Control, Coverage, EngineConfig, FlatSettings, Frame,
     GaussianAttributes, Gaussians, Grid, ImageSize, Item, Motion, MotionBlur, PointAttributes, PointLook,
-    Points, RenderSettings, Renderer, Scene, SceneError, TileRect, View,
+    Points, RenderSettings, Renderer, Scene, SceneError, Share, TileRect, View,
 };
 use splatvol_samples::{Sample, SampleSize};
 use splatvol_testing::{Random, checked};
@@ -273,6 +273,45 @@ fn tiles_that_were_reported_are_the_picture() {
         if case.name != "shutter" {
             assert!(count >= case.tiles(), "{}: {count} reports", case.name);
         }
+    }
+}
+
+#[test]
+fn shares_that_are_put_together_are_the_whole_to_the_bit() {
+    let width = WIDTH as usize;
+    for case in cases() {
+        let whole = case.render(&mut renderer(), &Control::default()).unwrap();
+        let mut together = Frame::empty(case.settings.size);
+        // Each by a worker of its own; blocks that do and do not divide the tiles.
+        let (count, edge) = if case.name.len() % 2 == 0 {
+            (2, 32)
+        } else {
+            (3, 20)
+        };
+        for index in 0..count {
+            let share = Share::new(index, count, edge).unwrap();
+            let control = Control {
+                share: Some(share),
+                ..Control::default()
+            };
+            let part = case.render(&mut renderer(), &control).unwrap();
+            for rect in share.blocks(case.settings.size) {
+                for i in (rect.y0..rect.y1).flat_map(|y| y * width + rect.x0..y * width + rect.x1) {
+                    together.image.pixels[i] = part.image.pixels[i];
+                    together.depth[i] = part.depth[i];
+                    together.optical_depth[i] = part.optical_depth[i];
+                }
+            }
+            // Nothing else is there: the rest of the pixels is empty.
+            let mut kept = part.clone();
+            share.keep(&mut kept);
+            assert!(kept == part, "{}: share {index} has pixels of others", case.name);
+        }
+        assert!(
+            together == whole,
+            "{}: {count} shares of {edge} pixels",
+            case.name
+        );
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use splatvol_scene::{Frame, SceneError};
 
-use super::Edges;
+use super::{Edges, Share};
 use crate::bin::TileRect;
 
 /// Callback for the finished share of a picture.
@@ -32,6 +32,8 @@ pub struct Control<'a> {
     pub tile: Option<OnTile<'a>>,
     /// The wanted pixels, `None` for all; the others stay empty. A part has the whole picture's pixels, to the bit.
     pub part: Option<TileRect>,
+    /// The wanted share of the picture, `None` for all; the others stay empty, as outside a part.
+    pub share: Option<Share>,
 }
 
 impl Debug for Control<'_> {
@@ -41,6 +43,7 @@ impl Debug for Control<'_> {
             progress,
             tile,
             part,
+            share,
         } = self;
         formatter
             .debug_struct("Control")
@@ -48,6 +51,7 @@ impl Debug for Control<'_> {
             .field("progress", &progress.is_some())
             .field("tile", &tile.is_some())
             .field("part", part)
+            .field("share", share)
             .finish()
     }
 }
@@ -91,6 +95,8 @@ pub struct Task<'a> {
     pub tile: Option<OnTile<'a>>,
     /// The wanted pixels, `None` for all.
     pub part: Option<TileRect>,
+    /// The wanted share of the picture, `None` for all.
+    pub share: Option<Share>,
     /// Tiles without any of these are left out.
     pub edges: Option<&'a Edges>,
 }
@@ -103,6 +109,7 @@ impl<'a> Task<'a> {
             progress,
             tile: control.tile,
             part: control.part,
+            share: control.share,
             edges: None,
         }
     }
@@ -143,7 +150,9 @@ impl<'a> Task<'a> {
     pub fn wants(&self, rect: &TileRect) -> bool {
         let meets =
             |part: TileRect| rect.x0 < part.x1 && part.x0 < rect.x1 && rect.y0 < part.y1 && part.y0 < rect.y1;
-        self.part.is_none_or(meets) && self.edges.is_none_or(|edges| edges.meets(rect))
+        self.part.is_none_or(meets)
+            && self.share.is_none_or(|share| share.meets(rect))
+            && self.edges.is_none_or(|edges| edges.meets(rect))
     }
 
     /// Reports all pixels of a frame.

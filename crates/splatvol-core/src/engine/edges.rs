@@ -84,7 +84,7 @@ impl Edges {
         })
     }
 
-    /// Task for the larger picture: the same part, without the tiles that have no edges.
+    /// Task for the larger picture: the same part and share, without the tiles that have no edges.
     pub fn task<'a>(&'a self, task: Task<'a>) -> Task<'a> {
         let larger = |TileRect { x0, y0, x1, y1 }| TileRect {
             x0: x0 * self.samples,
@@ -94,6 +94,7 @@ impl Edges {
         };
         Task {
             part: task.part.map(larger),
+            share: task.share.map(|share| share.enlarged(self.samples)),
             edges: Some(self),
             ..task
         }

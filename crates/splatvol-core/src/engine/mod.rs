@@ -8,10 +8,12 @@
 //! |---|---|
 //! | `control` | what a caller may ask of a picture while it is made; the engine's side of it |
 //! | `edges` | the pixels of a picture that are sampled several times |
+//! | `share` | equal shares of a picture, for workers |
 //! | `statistics` | what a picture took: the report of an engine |
 
 mod control;
 mod edges;
+mod share;
 mod statistics;
 
 use std::fmt::Debug;
@@ -20,6 +22,7 @@ use splatvol_scene::{Camera, Frame, RenderSettings, Scene, SceneError};
 
 pub use control::{Control, GoOn, OnProgress, OnTile, Progress, Task};
 pub use edges::Edges;
+pub use share::Share;
 pub use statistics::{MemoryUse, RenderStatistics, StageSeconds};
 
 /// A picture to render.
