@@ -10,7 +10,8 @@
 //! `cargo xtask` runs all of them, `cargo xtask NAME` one; `--offline` looks at the dependencies of this platform only.
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
 //! machine code uses vectors as wide as promised, in the command or in any given program. `cargo xtask wasm` checks all
-//! crates but the command for `wasm32-unknown-unknown`, where its std is installed.
+//! crates but the command for `wasm32-unknown-unknown`, where its std is installed, and `cargo xtask web` builds the engine
+//! for browsers, which the command `export` needs.
 
 mod architecture;
 mod decode;
@@ -63,6 +64,10 @@ fn main() -> Result<()> {
         println!("wasm: {}", wasm::check(&root())?);
         return Ok(());
     }
+    if wanted.first().is_some_and(|name| name == "web") {
+        println!("web: {}", wasm::build_engine(&root())?);
+        return Ok(());
+    }
     let offline = wanted.iter().position(|argument| argument == "--offline");
     let platforms = match offline.map(|position| wanted.remove(position)) {
         Some(_) => Platforms::Host,
@@ -73,7 +78,7 @@ fn main() -> Result<()> {
         .find(|name| TASKS.iter().all(|task| task.name != **name))
     {
         let names = TASKS.map(|task| task.name).join(", ");
-        bail!("unknown task {unknown}: the tasks are {names}, instructions, wasm");
+        bail!("unknown task {unknown}: the tasks are {names}, instructions, wasm, web");
     }
     for task in &TASKS {
         if wanted.is_empty() || wanted.iter().any(|name| name == task.name) {

@@ -1,22 +1,41 @@
-//! `cargo xtask wasm`: everything but the command builds for WebAssembly.
+//! `cargo xtask wasm`: everything but the command builds for WebAssembly. `cargo xtask web`: builds the engine for
+//! browsers, which programs built after that include in their pages.
 //!
-//! If the target's std is not installed, the check is skipped with a message.
+//! If the target's std is not installed, either is skipped with a message.
 
+#[path = "../../crates/splatvol-page/sources.rs"]
+mod sources;
+
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use flate2::Compression;
+use flate2::write::GzEncoder;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// The crates that run in a browser; they include those that they depend on.
-const CRATES: [&str; 4] = ["splatvol", "splatvol-document", "splatvol-io", "splatvol-samples"];
+const CRATES: [&str; 5] = [
+    "splatvol",
+    "splatvol-document",
+    "splatvol-io",
+    "splatvol-samples",
+    "splatvol-web",
+];
+/// The package of the engine for browsers.
+const ENGINE: &str = "splatvol-web";
+/// Its module, packed.
+const MODULE: &str = "splatvol_web.wasm.gz";
+/// What JavaScript calls.
+const EXPORTS: [&str; 2] = ["splatvol_message", "splatvol_answer"];
+/// Where programs look for the engine, in the repository.
+const PLACE: &str = "crates/splatvol-page/engine";
 
 /// Checks the crates for the target.
 pub(crate) fn check(root: &Path) -> Result<String> {
     let Some(folder) = standard_library()? else {
-        return Ok(format!(
-            "skipped: std for {TARGET} is not installed (rustup target add {TARGET})"
-        ));
+        return Ok(not_installed());
     };
     let mut cargo = Command::new(env!("CARGO"));
     cargo
@@ -49,6 +68,143 @@ pub(crate) fn check(root: &Path) -> Result<String> {
     ))
 }
 
+fn not_installed() -> String {
+    format!("skipped: std for {TARGET} is not installed (rustup target add {TARGET})")
+}
+
+/// Builds the engine for browsers, and puts it where programs look for it.
+pub(crate) fn build_engine(root: &Path) -> Result<String> {
+    let Some(folder) = standard_library()? else {
+        return Ok(not_installed());
+    };
+    let digest = sources::digest(root).context("the engine's sources cannot be read")?;
+    let place = root.join(PLACE);
+    let (packed, sources) = (place.join(MODULE), place.join("sources.txt"));
+    if packed.is_file() && std::fs::read_to_string(&sources).is_ok_and(|sources| sources == digest) {
+        return Ok(format!(
+            "the engine for browsers is up to date, {} bytes",
+            packed.metadata()?.len()
+        ));
+    }
+    let status = Command::new(env!("CARGO"))
+        .current_dir(root)
+        .args(["rustc", "--locked", "--profile", "web", "--target", TARGET])
+        .args(["--package", ENGINE, "--lib", "--crate-type", "staticlib"])
+        .status()
+        .context("cannot start cargo")?;
+    ensure!(status.success(), "{ENGINE} does not build for {TARGET}");
+    let built = target_folder(root)?.join(TARGET).join("web");
+    let module = without_custom_sections(&linked(&built)?)?;
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+    gzip.write_all(&module)?;
+    let bytes = gzip.finish()?;
+    std::fs::write(&packed, &bytes).with_context(|| packed.display().to_string())?;
+    std::fs::write(&sources, digest).with_context(|| sources.display().to_string())?;
+    Ok(format!(
+        "the engine for browsers has {} bytes, {} in gzip, by the std in {}; programs built from now on include it",
+        module.len(),
+        bytes.len(),
+        folder.display()
+    ))
+}
+
+/// The module of the library in a folder. Cargo's own link would export every name of the crates that it depends on, and keep
+/// them: bindings to all of JavaScript, which nothing calls, and which would ask for imports.
+fn linked(folder: &Path) -> Result<Vec<u8>> {
+    let module = folder.join("splatvol_web.wasm");
+    let status = Command::new(linker()?)
+        .args([
+            "-flavor",
+            "wasm",
+            "--no-entry",
+            "--gc-sections",
+            "--strip-all",
+            "-O2",
+        ])
+        .args(["--allow-undefined", "--stack-first", "-z", "stack-size=1048576"])
+        .args(EXPORTS.map(|name| format!("--export={name}")))
+        .arg(folder.join("libsplatvol_web.a"))
+        .arg("-o")
+        .arg(&module)
+        .status()
+        .context("cannot start the linker")?;
+    ensure!(status.success(), "{ENGINE} does not link");
+    std::fs::read(&module).with_context(|| module.display().to_string())
+}
+
+/// The linker that is asked for, or the one of the compiler.
+fn linker() -> Result<PathBuf> {
+    if let Some(linker) = std::env::var_os("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER") {
+        return Ok(linker.into());
+    }
+    let output = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+        .args(["--print", "target-libdir"])
+        .output()
+        .context("cannot start the compiler")?;
+    let libraries = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
+    let linker = libraries.with_file_name("bin").join("rust-lld");
+    Ok(if linker.is_file() {
+        linker
+    } else {
+        "rust-lld".into()
+    })
+}
+
+/// Length of a WebAssembly module's magic number and version.
+const HEAD: usize = 8;
+
+/// A module without its custom sections, which nothing reads, and which has to import nothing.
+fn without_custom_sections(module: &[u8]) -> Result<Vec<u8>> {
+    const CUSTOM: u8 = 0;
+    const IMPORTS: u8 = 2;
+    ensure!(
+        module.starts_with(b"\0asm"),
+        "the engine is no WebAssembly module"
+    );
+    let mut kept = module[..HEAD].to_vec();
+    let mut rest = &module[HEAD..];
+    while let [kind, after @ ..] = rest {
+        let (length, digits) = leb128(after).context("a section has no length")?;
+        let end = 1 + digits + length;
+        ensure!(end <= rest.len(), "a section ends beyond the module");
+        ensure!(
+            *kind != IMPORTS || after.get(digits) == Some(&0),
+            "the engine imports something"
+        );
+        if *kind != CUSTOM {
+            kept.extend_from_slice(&rest[..end]);
+        }
+        rest = &rest[end..];
+    }
+    Ok(kept)
+}
+
+/// A number in 7-bit groups, the lowest first, and how many bytes it takes.
+fn leb128(bytes: &[u8]) -> Option<(usize, usize)> {
+    let mut number = 0;
+    for (place, byte) in bytes.iter().take(5).enumerate() {
+        number |= usize::from(byte & 0x7f) << (7 * place);
+        if byte & 0x80 == 0 {
+            return Some((number, place + 1));
+        }
+    }
+    None
+}
+
+/// Where cargo builds.
+fn target_folder(root: &Path) -> Result<PathBuf> {
+    let output = Command::new(env!("CARGO"))
+        .current_dir(root)
+        .args(["metadata", "--locked", "--no-deps", "--format-version", "1"])
+        .output()
+        .context("cannot start cargo")?;
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).context("cargo metadata")?;
+    let folder = metadata["target_directory"]
+        .as_str()
+        .context("cargo metadata names no target folder")?;
+    Ok(PathBuf::from(folder))
+}
+
 /// The folder of the target's std, if it is there.
 fn standard_library() -> Result<Option<PathBuf>> {
     let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
@@ -63,4 +219,28 @@ fn standard_library() -> Result<Option<PathBuf>> {
     let mut names = files.flatten().map(|file| file.file_name());
     let there = names.any(|name| name.to_string_lossy().starts_with("libstd-"));
     Ok(there.then_some(folder))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn custom_sections_are_left_out_and_imports_are_refused() {
+        let head = b"\0asm\x01\0\0\0";
+        let (types, custom): (&[u8], &[u8]) = (&[1, 2, 9, 9], &[0, 0x83, 0, 7, 7, 7]);
+        let module = [head, custom, types, custom].concat();
+        assert_eq!(without_custom_sections(&module).unwrap(), [head, types].concat());
+        let nothing = [&head[..], &[2, 1, 0]].concat();
+        assert_eq!(without_custom_sections(&nothing).unwrap(), nothing);
+        let imports = [&head[..], &[2, 2, 1, 0]].concat();
+        assert!(without_custom_sections(&imports).is_err());
+        for broken in [
+            &b"wasm"[..],
+            &[&head[..], &[1, 9, 0]].concat(),
+            &[&head[..], &[1]].concat(),
+        ] {
+            assert!(without_custom_sections(broken).is_err());
+        }
+    }
 }

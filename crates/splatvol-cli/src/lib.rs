@@ -43,6 +43,7 @@ fn carry_out(cli: &Cli) -> u8 {
         Command::Info(args) => commands::info::run(args, &terminal),
         Command::Sample(args) => commands::sample::run(args, &terminal),
         Command::Convert(args) => commands::convert::run(args, &terminal),
+        Command::Export(args) => commands::export::run(args, &terminal),
         Command::Compare(args) => commands::compare::run(args, &terminal),
         Command::Bench(args) => commands::bench::run(args, &terminal),
         Command::Schema => commands::schema::run(),

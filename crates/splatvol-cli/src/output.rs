@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{Frame, Image};
+use splatvol::Frame;
+use splatvol_document::resolve::laid_over;
 use splatvol_io::{ImageFormat, encode_image};
 
 use crate::failure::{During, Failure, Step};
@@ -148,15 +148,9 @@ pub(crate) fn encode_frame(
     match (format, background) {
         (ImageFormat::Exr, _) => encode_image(&frame.image, Some(&frame.depth), format, metadata),
         (_, None) => encode_image(&frame.image, None, format, metadata),
-        (_, Some(background)) => encode_image(&over(&frame.image, background), None, format, metadata),
+        (_, Some(background)) => encode_image(&laid_over(&frame.image, background), None, format, metadata),
     }
     .during(Step::Output)
-}
-
-/// A picture over a background (sRGB, straight alpha).
-pub(crate) fn over(image: &Image, [r, g, b, a]: [f64; 4]) -> Image {
-    let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
-    image.over([r, g, b, a as f32])
 }
 
 fn exists(path: &Path) -> Failure {

@@ -23,7 +23,7 @@
 //! | [`mod@format`], `version1` | TOML, JSON and PNG text; what earlier versions wrote |
 //! | [`edit`] | edits, undo and redo |
 //! | `schema` | the JSON schema |
-//! | `resolve` | from a document to a picture that can be rendered |
+//! | [`resolve`] | from a document to a picture that can be rendered |
 //! | [`items`], [`input`], [`held`], [`meaning`] | reading an item, or taking it from memory; which keys it can have |
 //! | [`look`], [`settings`], `effects`, [`motion`] | transfer function, method, operators and clips, motion blur |
 //! | [`upright`], [`standing`] | which way is up: as given, or as the data suggest |
@@ -52,7 +52,7 @@ pub mod meaning;
 mod mesh_outline;
 pub mod motion;
 pub mod outline;
-mod resolve;
+pub mod resolve;
 mod schema;
 pub mod settings;
 pub mod spelling;

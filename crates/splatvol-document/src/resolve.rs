@@ -9,8 +9,8 @@ use std::path::PathBuf;
 
 use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{
-    Camera, Classification, Compositing, Content, FlatSettings, Gradient, ImageSize, RenderSettings, Scene,
-    SheetSettings, Shows, TransferFunction2d, View,
+    Camera, Classification, Compositing, Content, FlatSettings, Gradient, Image, ImageSize, RenderSettings,
+    Scene, SheetSettings, Shows, TransferFunction2d, View,
 };
 
 use crate::camera::{CameraPose, Surroundings};
@@ -57,6 +57,12 @@ pub struct Resolving<'a> {
     pub moves: CameraMotion,
     /// Whether the output keeps its alpha, whatever the background.
     pub keeps_alpha: bool,
+}
+
+/// A picture over a background (sRGB, straight alpha), as a PNG has it.
+pub fn laid_over(image: &Image, [r, g, b, a]: [f64; 4]) -> Image {
+    let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
+    image.over([r, g, b, a as f32])
 }
 
 impl Picture {

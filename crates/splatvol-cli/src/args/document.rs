@@ -10,8 +10,8 @@ use splatvol_document::keys::{
 use splatvol_io::Endian;
 
 use super::{
-    AnimateArgs, BenchArgs, CameraArgs, EffectArgs, FastSplatsArgs, FootprintArgs, InputArgs, KernelArgs,
-    LookArgs, MethodArgs, MotionArgs, PictureArgs, RenderArgs,
+    AnimateArgs, BenchArgs, CameraArgs, EffectArgs, ExportArgs, FastSplatsArgs, FootprintArgs, InputArgs,
+    KernelArgs, LookArgs, MethodArgs, MotionArgs, PictureArgs, RenderArgs,
 };
 
 impl RenderArgs {
@@ -25,6 +25,16 @@ impl RenderArgs {
 }
 
 impl BenchArgs {
+    /// The flags as a document, as those of `render`.
+    pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
+        Document {
+            size: self.size,
+            ..self.picture.document(item_file)
+        }
+    }
+}
+
+impl ExportArgs {
     /// The flags as a document, as those of `render`.
     pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
         Document {

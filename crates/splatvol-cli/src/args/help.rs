@@ -107,6 +107,10 @@ fn short_flags(command: &str) -> Option<&'static str> {
             "inputs scenes quick looks projection threads frames warm_up orbit counts preset size json \
              first_frame overwrite",
         ),
+        "export" => Some(
+            "input view azimuth elevation zoom cmap opacity clim iso preset output max_size quantize title size overwrite \
+             threads",
+        ),
         "info" => Some("input kernel kind time channel series json bins"),
         "convert" => Some("input output clim unit_distance time channel series overwrite"),
         _ => None,

@@ -13,6 +13,7 @@ mod bench;
 mod camera;
 mod document;
 mod effects;
+mod export;
 mod fastsplats;
 mod footprint;
 pub(crate) mod help;
@@ -39,6 +40,7 @@ pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::CameraArgs;
 pub(crate) use document::of_input;
 pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve};
+pub(crate) use export::ExportArgs;
 pub(crate) use fastsplats::FastSplatsArgs;
 pub(crate) use footprint::FootprintArgs;
 pub(crate) use input::InputArgs;
@@ -100,6 +102,8 @@ pub(crate) enum Command {
     Sample(SampleArgs),
     /// Convert volumes, transfer functions and pictures
     Convert(ConvertArgs),
+    /// Write one HTML file that turns, zooms, changes look and cut, without a network
+    Export(Box<ExportArgs>),
     /// Measure how two pictures or volumes differ
     Compare(CompareArgs),
     /// Measure how long pictures take, and check that they are as recorded

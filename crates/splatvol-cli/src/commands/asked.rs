@@ -11,7 +11,7 @@ use splatvol_io::is_plot3d_pair;
 
 use super::render::describe;
 use super::studio::{Means, threads_within};
-use crate::args::{AnimateArgs, BenchArgs, PictureArgs, RenderArgs};
+use crate::args::{AnimateArgs, BenchArgs, ExportArgs, PictureArgs, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::record;
 use crate::terminal::Terminal;
@@ -54,6 +54,11 @@ impl Asked {
     /// The document that `bench` asks for of one of its inputs.
     pub(super) fn of_bench(args: &BenchArgs, input: Option<&str>) -> Result<Self, Failure> {
         Self::over((input, &args.picture), |file| args.document(file))
+    }
+
+    /// The document that `export` asks for.
+    pub(super) fn of_export(args: &ExportArgs) -> Result<Self, Failure> {
+        Self::over((args.input.as_deref(), &args.picture), |file| args.document(file))
     }
 
     /// Flags over what the input or the earlier picture says.
@@ -119,13 +124,7 @@ impl Asked {
         (moves, keeps_alpha): (CameraMotion, bool),
         terminal: &Terminal,
     ) -> Result<Prepared, Failure> {
-        let threads = args.threads.and_then(|asked| threads_within(asked, terminal));
-        if let Some(threads) = threads {
-            // Reading and generating use the global pool; it exists already only if this ran before.
-            let _ = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global();
-        }
+        let threads = threads(args.threads, terminal);
         let resolving = Resolving {
             reading: self.reading(&args.picture, terminal),
             held: &[],
@@ -169,6 +168,18 @@ impl Asked {
             false => error.into(),
         }
     }
+}
+
+/// The threads asked for, of which reading and generating make use as well.
+pub(super) fn threads(asked: Option<usize>, terminal: &Terminal) -> Option<usize> {
+    let threads = asked.and_then(|asked| threads_within(asked, terminal));
+    if let Some(threads) = threads {
+        // They use the global pool; it exists already only if this ran before.
+        let _ = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global();
+    }
+    threads
 }
 
 /// The input and, if there are two, its solution: a grid and a solution of PLOT3D, in either order.

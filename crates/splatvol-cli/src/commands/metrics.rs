@@ -50,6 +50,11 @@ impl PictureDifference {
         }
     }
 
+    /// Decibel; `None` for pictures that are equal in 8 bits.
+    pub(crate) fn psnr(&self) -> Option<f64> {
+        self.psnr
+    }
+
     pub(crate) fn text(&self) -> String {
         let psnr = self.psnr.map_or_else(
             || "infinite (equal in 8 bits)".to_owned(),

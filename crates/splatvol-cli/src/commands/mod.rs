@@ -5,6 +5,7 @@ mod asked;
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod convert;
+pub(crate) mod export;
 pub(crate) mod info;
 #[cfg(feature = "lab")]
 pub(crate) mod lab;

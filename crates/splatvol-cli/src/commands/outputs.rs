@@ -124,7 +124,12 @@ fn depth_target(path: &Path) -> Result<(Target, DepthFormat), Failure> {
 
 /// `folder/scan.nii.gz` makes `scan.png`, here; `sample:head:128` makes `head.png`.
 fn default_name(reference: &str) -> PathBuf {
-    let name = match reference.strip_prefix("sample:") {
+    PathBuf::from(format!("{}.png", short_name(reference)))
+}
+
+/// `scan` for `folder/scan.nii.gz`, `head` for `sample:head:128`.
+pub(super) fn short_name(reference: &str) -> String {
+    match reference.strip_prefix("sample:") {
         Some(sample) => sample.split(':').next().unwrap_or(sample).to_owned(),
         None => {
             let path = Path::new(reference);
@@ -137,8 +142,7 @@ fn default_name(reference: &str) -> PathBuf {
                 .to_string_lossy()
                 .into_owned()
         }
-    };
-    PathBuf::from(format!("{name}.png"))
+    }
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ fn json(text: &str) -> serde_json::Value {
 fn help_has_examples_for_every_command() {
     let sandbox = Sandbox::new();
     for command in [
-        "render", "animate", "info", "sample", "convert", "compare", "bench",
+        "render", "animate", "info", "sample", "convert", "export", "compare", "bench",
     ] {
         let text = sandbox.run(&format!("{command} --help")).succeeds().stdout();
         assert!(

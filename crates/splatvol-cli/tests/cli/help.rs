@@ -8,6 +8,7 @@ const COMMANDS: &[&str] = &[
     "info",
     "sample",
     "convert",
+    "export",
     "compare",
     "bench",
     #[cfg(feature = "lab")]

@@ -2,9 +2,11 @@
 
 mod animate;
 mod bench;
+mod browser;
 mod commands;
 mod data;
 mod effects;
+mod export;
 mod help;
 mod kernels;
 #[cfg(feature = "lab")]

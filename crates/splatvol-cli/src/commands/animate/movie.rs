@@ -5,12 +5,13 @@ use std::path::Path;
 use anyhow::Context;
 use splatvol::{Frame, Image};
 use splatvol_document::Picture;
+use splatvol_document::resolve::laid_over;
 use splatvol_io::AnimationSettings;
 use splatvol_io::animation::{Container, MovieWriter};
 use splatvol_io::image::png::Depth;
 
 use crate::failure::{During, Failure, Step};
-use crate::output::{Scratch, over};
+use crate::output::Scratch;
 
 /// A file that grows frame by frame.
 pub(crate) struct Movie {
@@ -60,7 +61,7 @@ impl Movie {
         let image = match self.background {
             None => &frame.image,
             Some(background) => {
-                laid = over(&frame.image, background);
+                laid = laid_over(&frame.image, background);
                 &laid
             }
         };

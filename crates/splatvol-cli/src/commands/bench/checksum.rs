@@ -14,8 +14,9 @@ use splatvol::Image;
 
 use crate::commands::metrics;
 use crate::failure::{During, Failure, Step};
-use crate::output::{self, Target};
+use crate::output::Target;
 use splatvol_document::keys::CHARCOAL;
+use splatvol_document::resolve::laid_over;
 
 /// Cells along each side.
 const CELLS: u32 = 8;
@@ -39,7 +40,7 @@ pub(super) struct Checksum {
 impl Checksum {
     /// The checksum of a picture without background.
     pub(super) fn new(image: &Image) -> Self {
-        let codes = metrics::codes(&output::over(image, CHARCOAL));
+        let codes = metrics::codes(&laid_over(image, CHARCOAL));
         let [width, height] = [image.size().width(), image.size().height()];
         // Cells of pictures with fewer pixels than cells overlap.
         let range = |cell: u32, side: u32| {

@@ -1,0 +1,88 @@
+//! `splatvol export`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use splatvol_document::keys::PictureSize;
+use splatvol_page::Bits;
+
+use super::help::{GENERAL, OUTPUT};
+use super::{PictureArgs, WriteArgs, values};
+
+/// Raw arguments of `export`.
+#[derive(Debug, Clone, Args)]
+#[command(
+    after_help = "Examples:
+  splatvol export scan.nii.gz                    makes scan.html
+  splatvol export sample:head --view front --max-size 4M -o head.html",
+    after_long_help = "The page needs no server and no network, and makes no connection: engine, data and all are in it. It is
+opened from disk, or sent as it is. Volumes can be shown, alone or in a scene; points, Gaussians and
+meshes cannot yet. The data are kept as they are if they fit, else in fewer bits or at a coarser level;
+what was chosen, and how far the page's picture is from that of all data (PSNR), is said, and stands in
+the page. No text of a file goes into it but its name.
+
+Examples:
+  splatvol export scan.nii.gz
+  splatvol export sample:head --view front --max-size 4M -o head.html
+  splatvol export ct.nrrd --iso 300 --quantize 8 --title \"Specimen 12\"
+  splatvol export scene.toml --size 1200x900 --report - -o scene.html
+  splatvol export --like head.png -o head.html"
+)]
+pub(crate) struct ExportArgs {
+    /// File or folder (volume, scene.toml), or sample:NAME[:SIZE]
+    #[arg(required_unless_present = "like")]
+    pub(crate) input: Option<String>,
+    /// HTML file to write, - for stdout [default: INPUT's name with .html]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) output: Option<PathBuf>,
+    /// Size of the picture that is saved from the page, and of its first one: WxH, or N [default: 1024x1024]
+    ///
+    /// On the page the picture has the size of the window.
+    #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
+    pub(crate) size: Option<PictureSize>,
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+    /// Largest size of the page: bytes, or 4M, 1G [default: 15M]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = OUTPUT)]
+    pub(crate) max_size: Option<u64>,
+    /// Bits per sample: 8, 12 or 16 [default: the most that fit]
+    ///
+    /// Integers that have no more stay as they are.
+    #[arg(long, value_name = "BITS", help_heading = OUTPUT)]
+    pub(crate) quantize: Option<BitsArg>,
+    /// Title of the page [default: INPUT's name]
+    #[arg(long, value_name = "TEXT", help_heading = OUTPUT)]
+    pub(crate) title: Option<String>,
+    /// Write sizes, bits, level and error as JSON to this file, or to stdout (-)
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub(crate) report: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) write: WriteArgs,
+    /// Number of threads; 0 is one per processor [default: 0]
+    #[arg(long, value_name = "N", help_heading = GENERAL)]
+    pub(crate) threads: Option<usize>,
+}
+
+/// Bits per sample by their number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BitsArg {
+    /// 256 values
+    #[value(name = "8")]
+    Eight,
+    /// 4096 values
+    #[value(name = "12")]
+    Twelve,
+    /// 65536 values
+    #[value(name = "16")]
+    Sixteen,
+}
+
+impl From<BitsArg> for Bits {
+    fn from(bits: BitsArg) -> Self {
+        match bits {
+            BitsArg::Eight => Self::Eight,
+            BitsArg::Twelve => Self::Twelve,
+            BitsArg::Sixteen => Self::Sixteen,
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! `splatvol export`: one HTML file, with the engine and the data.
+//!
+//! The picture is rendered twice, from all data and from those of the page: how far the two are apart is what the page's
+//! size costs.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::Serialize;
+use splatvol::{Content, Frame, Gradient, Volume};
+use splatvol_document::keys::ItemKeys;
+use splatvol_document::resolve::laid_over;
+use splatvol_document::{CameraMotion, Document, Held, Picture, Resolving, Silent};
+use splatvol_io::{Data, Description, ImageFormat};
+use splatvol_page::{Absent, Bits, Fitted, Page, PageError};
+
+use super::asked::{self, Asked};
+use super::metrics::PictureDifference;
+use super::outputs::{encode_with_bits, short_name};
+use super::studio::{Means, Studio};
+use crate::args::ExportArgs;
+use crate::failure::{During, Failure, Step};
+use crate::output::{Target, check_distinct};
+use crate::terminal::Terminal;
+
+/// Largest page unless asked otherwise, bytes.
+const MOST_BYTES: u64 = 15_000_000;
+/// Bytes of the sentences about the data, which are known only after they have been fitted.
+const NOTES: u64 = 2048;
+
+pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure> {
+    splatvol_page::engine().map_err(|absent| Failure::usage(absent).hint(Absent::REMEDY))?;
+    let asked = Asked::of_export(args)?;
+    let name = short_name(asked.document.reference());
+    let output = args
+        .output
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(format!("{name}.html")));
+    let page = Target::new(&output);
+    let report = args.report.as_deref().map(Target::new);
+    let overwrite = args.write.overwrite;
+    let mut targets = vec![("the page", &page)];
+    targets.extend(report.as_ref().map(|report| ("--report", report)));
+    check_distinct(&targets)?;
+    targets
+        .iter()
+        .try_for_each(|(_, target)| target.check(overwrite))?;
+
+    let exported = Exported::new(&asked, args, terminal)?;
+    let title = args.title.as_deref().unwrap_or(&name);
+    let (html, said) = exported.page(title, args)?;
+    page.write(html.as_bytes(), overwrite)?;
+    if let Some(target) = &report {
+        let json = serde_json::to_string_pretty(&said).during(Step::Output)? + "\n";
+        target.write(json.as_bytes(), overwrite)?;
+    }
+    for sentence in said.sentences() {
+        terminal.note(sentence);
+    }
+    if let Target::File(path) = &page {
+        terminal.note(format!("wrote {} ({})", path.display(), megabytes(said.bytes)));
+    }
+    Ok(())
+}
+
+/// A picture that a page can show, and how it is rendered.
+struct Exported {
+    picture: Picture,
+    means: Means,
+    /// The picture of all data.
+    frame: Frame,
+}
+
+/// What was made, and what it costs.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+struct Report {
+    /// Bytes of the page.
+    bytes: u64,
+    /// Bytes of the data in it, as gzip.
+    data_bytes: u64,
+    /// Most bits per sample.
+    bits: Bits,
+    /// Halvings of the resolution along each axis.
+    level: usize,
+    /// Samples along x, y, z, for each item.
+    dims: Vec<[usize; 3]>,
+    /// Whether the samples are those of the files.
+    exact: bool,
+    /// PSNR of the page's picture, decibel; absent where it is the same in 8 bits.
+    psnr: Option<f64>,
+}
+
+impl Report {
+    fn sentences(&self) -> Vec<String> {
+        let dims: Vec<String> = self
+            .dims
+            .iter()
+            .map(|[x, y, z]| format!("{x} × {y} × {z}"))
+            .collect();
+        let data = match (self.exact, self.level) {
+            (true, _) => format!("The samples ({}) are those of the data.", dims.join(", ")),
+            (false, 0) => format!(
+                "The samples ({}) have {} bits.",
+                dims.join(", "),
+                u8::from(self.bits)
+            ),
+            (false, level) => format!(
+                "The samples ({}) have {} bits, and 1/{} of the resolution of the data.",
+                dims.join(", "),
+                u8::from(self.bits),
+                1 << level
+            ),
+        };
+        let error = match self.psnr {
+            None => "The first picture is that of all data, in 8 bits.".to_owned(),
+            Some(psnr) => format!("The first picture is {psnr:.1} dB (PSNR) from that of all data."),
+        };
+        vec![data, error]
+    }
+}
+
+impl Exported {
+    fn new(asked: &Asked, args: &ExportArgs, terminal: &Terminal) -> Result<Self, Failure> {
+        let threads = asked::threads(args.threads, terminal);
+        let resolving = Resolving {
+            reading: asked.reading(&args.picture, terminal),
+            held: &[],
+            moves: CameraMotion::default(),
+            keeps_alpha: false,
+        };
+        let picture = asked.picture(&asked.document, &args.picture, resolving)?;
+        refuse(&picture)?;
+        let means = Means {
+            engine: splatvol::EngineChoice::Cpu,
+            threads,
+        };
+        let frame = rendered(&picture, means)?;
+        Ok(Self {
+            picture,
+            means,
+            frame,
+        })
+    }
+
+    /// The page, and what it cost.
+    fn page(&self, title: &str, args: &ExportArgs) -> Result<(String, Report), Failure> {
+        let most = args.max_size.unwrap_or(MOST_BYTES);
+        let (volumes, distances) = self.volumes();
+        let poster = encode_with_bits(
+            &self.frame,
+            (ImageFormat::Png8, 8),
+            self.picture.background(),
+            &[],
+        )?;
+        let description = format!("Picture of {title}, rendered by splatvol");
+        let json = |document: &Document| serde_json::to_value(document).during(Step::Output);
+        let document = json(&self.document(None))?;
+        let empty = Page {
+            title,
+            description: &description,
+            document: &document,
+            data: &[],
+            bytes: &[],
+            poster: &poster,
+            notes: &[],
+        };
+        let overhead = empty.overhead().map_err(refused)? + NOTES;
+        let fitted = splatvol_page::fit(
+            &volumes,
+            args.quantize.map(Bits::from),
+            Page::room(most, overhead),
+        );
+        let fitted = fitted.map_err(|error| match error {
+            // The limit is the page's; the data have what the rest leaves.
+            PageError::TooLarge { why, .. } => Failure::usage(format!("--max-size {most}: {why}"))
+                .hint(format!("without the data the page has {overhead} bytes")),
+            other => refused(other),
+        })?;
+        let kept = self.document((fitted.level > 0).then_some(&distances[..]));
+        let shown = resolved(&kept, &fitted)?;
+        let psnr = self.difference(&rendered(&shown, self.means)?).psnr();
+        let mut report = Report {
+            bytes: 0,
+            data_bytes: fitted.bytes.len() as u64,
+            bits: fitted.bits,
+            level: fitted.level,
+            dims: fitted.data.iter().map(|data| data.dims).collect(),
+            exact: fitted.exact,
+            psnr,
+        };
+        let notes = [
+            report.sentences(),
+            vec![
+                "Everything is in this file: it makes no connection, and sends nothing anywhere.".to_owned(),
+                format!("Made by splatvol {}.", env!("CARGO_PKG_VERSION")),
+            ],
+        ]
+        .concat();
+        let page = Page {
+            document: &json(&kept)?,
+            data: &fitted.data,
+            bytes: &fitted.bytes,
+            notes: &notes,
+            ..empty
+        };
+        let html = page.html().map_err(refused)?;
+        report.bytes = html.len() as u64;
+        Ok((html, report))
+    }
+
+    /// The volumes of the items, with whether they are labels, and the lengths to which their opacities refer.
+    fn volumes(&self) -> (Vec<(Arc<Volume>, bool)>, Vec<f64>) {
+        let items = self.picture.scene.items.iter();
+        let all = items.filter_map(|item| match &item.content {
+            Content::Volume {
+                volume,
+                transfer_function,
+                labels,
+                ..
+            } => {
+                let distance = transfer_function.unit_distance;
+                let distance = distance.unwrap_or_else(|| volume.grid().mean_spacing());
+                Some(((Arc::clone(volume), *labels), distance))
+            }
+            _ => None,
+        });
+        all.unzip()
+    }
+
+    /// The document of the page: nothing in it names a file. `distances`: lengths of opacities that no longer are the
+    /// spacing of the volumes.
+    fn document(&self, distances: Option<&[f64]>) -> Document {
+        let all = self.picture.document.clone();
+        let exact = all.effects.iso_exact == Some(true);
+        let items = all.items.into_iter().filter(ItemKeys::is_visible);
+        let items = items.enumerate().map(|(index, item)| {
+            let mut look = item.transfer_function;
+            if let (Some(look), Some(distances)) = (&mut look, distances) {
+                look.unit_distance = distances.get(index).copied();
+            }
+            ItemKeys {
+                scale: item.scale,
+                rotate: item.rotate,
+                translate: item.translate,
+                iso: item.iso.filter(|_| exact),
+                labels: item.labels,
+                transfer_function: look,
+                ..ItemKeys::of_file(short_name(&item.file))
+            }
+        });
+        Document {
+            name: None,
+            bits: None,
+            items: items.collect(),
+            ..all
+        }
+    }
+
+    fn difference(&self, frame: &Frame) -> PictureDifference {
+        let shown = |frame: &Frame| match self.picture.background() {
+            Some(color) => laid_over(&frame.image, color),
+            None => frame.image.clone(),
+        };
+        PictureDifference::new(&shown(&self.frame), &shown(frame))
+    }
+}
+
+/// Refuses by name what a page cannot show.
+fn refuse(picture: &Picture) -> Result<(), Failure> {
+    let no = |what: &str| Err(Failure::usage(format!("{what}: a page cannot show it")));
+    let effects = &picture.document.effects;
+    let visible = picture.document.items.iter().filter(|item| item.is_visible());
+    for (item, keys) in picture.scene.items.iter().zip(visible) {
+        let kind = match item.content {
+            Content::Volume { .. } => continue,
+            Content::Mesh { .. } => "a mesh",
+            Content::Points { .. } => "points",
+            Content::Gaussians(_) => "Gaussians",
+        };
+        return no(&format!("{}, {kind}", keys.file))
+            .map_err(|failure| failure.hint("it shows volumes only"));
+    }
+    let moves =
+        !picture.sub_frames.is_empty() || picture.scene.items.iter().any(|item| item.motion.is_some());
+    let asked = [
+        (effects.bump.is_some(), "--bump"),
+        (effects.environment.is_some(), "--environment"),
+        (effects.tf2d.is_some(), "--tf2d"),
+        (moves, "motion blur"),
+        (picture.bits() == 16, "--bits 16"),
+        (
+            has_analytic_gradients(picture),
+            "--gradient analytic (of --preset best)",
+        ),
+    ];
+    match asked.iter().find(|(asked, _)| *asked) {
+        Some((_, what)) => no(what),
+        None => Ok(()),
+    }
+}
+
+/// Whether gradients are footprints' derivatives: WebAssembly's `min` and `max` keep a NaN that those of other processors
+/// drop, and pixels of these pictures depend on it.
+fn has_analytic_gradients(picture: &Picture) -> bool {
+    let sheets = picture.settings.method.sheets();
+    sheets.is_some_and(|sheets| sheets.gradient == Gradient::Analytic)
+}
+
+/// The picture of a page's data.
+fn resolved(document: &Document, fitted: &Fitted) -> Result<Picture, Failure> {
+    let held = fitted.volumes.iter().map(|volume| {
+        let description = Description {
+            oriented: true,
+            ..Description::default()
+        };
+        Some(Held::new(Data::Volume(Volume::clone(volume)), description))
+    });
+    let held: Vec<Option<Held>> = held.collect();
+    let resolving = Resolving {
+        reading: splatvol_document::Reading {
+            rules: splatvol_document::ReadRules::default(),
+            folder: None,
+            listener: &Silent,
+        },
+        held: &held,
+        moves: CameraMotion::default(),
+        keeps_alpha: false,
+    };
+    Ok(document.resolve(resolving)?)
+}
+
+fn rendered(picture: &Picture, means: Means) -> Result<Frame, Failure> {
+    let mut studio = Studio::new(&picture.scene, picture.settings, means)?;
+    Ok(studio.expose(&[picture.camera])?.clone())
+}
+
+fn refused(error: PageError) -> Failure {
+    Failure::of(Step::Output, error.into())
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.2} MB", bytes as f64 / 1e6)
+}

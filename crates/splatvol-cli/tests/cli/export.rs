@@ -1,0 +1,289 @@
+//! Pages: what is refused, how they fit, and what a browser makes of them.
+
+use std::sync::Mutex;
+
+use crate::browser::Browser;
+use crate::sandbox::{Sandbox, png};
+
+/// Whether the command has the engine for browsers; says so where it has not.
+fn has_engine() -> bool {
+    match splatvol_page::engine() {
+        Ok(_) => true,
+        Err(absent) => {
+            splatvol_recorded::skip(&format!("{absent} (cargo xtask web)"));
+            false
+        }
+    }
+}
+
+/// Browsers take much memory: one at a time.
+static ONE: Mutex<()> = Mutex::new(());
+
+/// A browser, where there is one.
+fn browser(size: [u32; 2]) -> Option<Browser> {
+    let browser = Browser::start(size);
+    if browser.is_none() {
+        splatvol_recorded::skip("Chromium and its driver are not installed");
+    }
+    browser
+}
+
+#[test]
+fn without_its_engine_the_command_says_how_to_get_it() {
+    if splatvol_page::engine().is_err() {
+        let sandbox = Sandbox::new();
+        let run = sandbox.run("export sample:head:16 -o a.html");
+        run.fails(2, &["engine for browsers", "cargo xtask web"]);
+        assert!(sandbox.files().is_empty());
+    }
+}
+
+#[test]
+fn what_a_page_cannot_show_is_refused_by_name() {
+    if !has_engine() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    sandbox.write("points.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n");
+    for (arguments, words) in [
+        ("points.csv --kind points", ["points.csv, points", "volumes only"]),
+        ("sample:head:16 --bits 16", ["--bits 16", "cannot show"]),
+        (
+            "sample:head:16 --preset best",
+            ["--gradient analytic", "cannot show"],
+        ),
+        (
+            "sample:head:16 --spin 20 --classification pre --motion-blur exact",
+            ["motion blur", "cannot show"],
+        ),
+        (
+            "sample:head:16 --max-size 100K",
+            ["--max-size", "without the data"],
+        ),
+    ] {
+        sandbox
+            .run(&format!("export {arguments} -o a.html"))
+            .fails(2, &words);
+    }
+    sandbox.run("export missing.nrrd").fails(3, &["missing.nrrd"]);
+    sandbox
+        .run("export sample:head:16 -o none/a.html")
+        .fails(5, &["none"]);
+    assert_eq!(sandbox.files(), ["points.csv"]);
+    sandbox.write("b.html", "mine");
+    sandbox
+        .run("export sample:head:16 -o b.html")
+        .fails(5, &["already exists"]);
+}
+
+#[test]
+fn the_report_says_what_fits_and_how_far_the_picture_is() {
+    if !has_engine() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let report = |arguments: &str, name: &str| -> serde_json::Value {
+        let run = format!("export sample:head:64 --size 128 {arguments} -o {name}.html --report {name}.json");
+        let said = sandbox.run(&run).succeeds().stderr();
+        assert!(
+            said.contains("dB (PSNR)") || said.contains("that of all data, in 8 bits"),
+            "{said}"
+        );
+        let report: serde_json::Value =
+            serde_json::from_slice(&sandbox.bytes(&format!("{name}.json"))).unwrap();
+        assert_eq!(report["bytes"], sandbox.bytes(&format!("{name}.html")).len());
+        report
+    };
+    let whole = report("", "whole");
+    assert_eq!(
+        (&whole["exact"], &whole["psnr"]),
+        (&true.into(), &serde_json::Value::Null)
+    );
+    let eight = report("--quantize 8", "eight");
+    assert_eq!(
+        (&eight["exact"], &eight["bits"], &eight["level"]),
+        (&false.into(), &8.into(), &0.into())
+    );
+    let psnr = eight["psnr"].as_f64().unwrap();
+    assert!((40.0..90.0).contains(&psnr), "{psnr}");
+    // Room for less than the samples in 8 bits.
+    let bytes = eight["bytes"].as_u64().unwrap() - eight["data-bytes"].as_u64().unwrap() / 2;
+    let small = report(&format!("--max-size {bytes}"), "small");
+    assert!(
+        small["bytes"].as_u64().unwrap() <= bytes && small["level"].as_u64().unwrap() > 0,
+        "{small}"
+    );
+    assert!(small["psnr"].as_f64().unwrap() < psnr);
+}
+
+#[test]
+fn a_page_holds_no_path_and_no_text_of_the_file() {
+    if !has_engine() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    sandbox
+        .run("sample head --size 16 -o secret-folder.nrrd")
+        .succeeds();
+    let below = sandbox.below("elsewhere");
+    below.write("patient.nrrd", sandbox.bytes("secret-folder.nrrd"));
+    let run = "export elsewhere/patient.nrrd --size 64 --title <b>&\"scan\" -o page.html";
+    sandbox.run(run).succeeds();
+    let page = String::from_utf8(sandbox.bytes("page.html")).unwrap();
+    assert!(page.contains("<title>&lt;b&gt;&amp;&quot;scan&quot;</title>"));
+    assert!(!page.contains("elsewhere") && page.contains("\"file\":\"patient\""));
+}
+
+#[test]
+fn a_page_opens_from_disk_turns_and_asks_nobody() {
+    if !has_engine() {
+        return;
+    }
+    let _one = ONE.lock();
+    let Some(browser) = browser([900, 700]) else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    sandbox
+        .run("render sample:head:64 --view front --size 240x200 -o head.png")
+        .succeeds();
+    sandbox.run("export --like head.png -o head.html").succeeds();
+    let (_, _, expected) = png(&sandbox.path("head.png"));
+    browser.requests();
+    browser.open(&sandbox.path("head.html"));
+    assert!(
+        browser.promised("splatvol.workers()").as_u64().unwrap() > 0,
+        "no workers"
+    );
+    let first = browser.picture([240, 200]);
+    assert!(
+        opaque(&first) == expected,
+        "the page's picture is not the command's"
+    );
+    let pose = browser.promised("splatvol.view()");
+
+    browser.promised("splatvol.settled()");
+    browser.drag("#view", [120, 40]);
+    browser.promised("splatvol.settled()");
+    assert_ne!(browser.promised("splatvol.view()"), pose);
+    let turned = browser.picture([240, 200]);
+    assert!(turned != first, "a drag turns nothing");
+    browser.promised("document.getElementById('view').focus()");
+    // Home.
+    browser.press("\u{e011}");
+    assert!(browser.picture([240, 200]) == first, "Home is not where it began");
+
+    // By the panel: another range, then everything as it was.
+    browser.promised(
+        "(() => { const slider = document.querySelector('#controls input[type=range]'); \
+         slider.value = Number(slider.min) + 0.6 * (slider.max - slider.min); \
+         slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); })()",
+    );
+    browser.promised("splatvol.settled()");
+    assert!(
+        browser.picture([240, 200]) != first,
+        "another range changes nothing"
+    );
+    browser.promised(
+        "[...document.querySelectorAll('button')].find((made) => made.textContent === 'Undo').click()",
+    );
+    assert!(browser.picture([240, 200]) == first, "Undo leaves a trace");
+    assert_eq!(
+        browser.promised("document.getElementById('trouble').textContent"),
+        ""
+    );
+
+    for url in browser.requests() {
+        let own = url.ends_with("/head.html") && url.starts_with("file:");
+        assert!(
+            own || url.starts_with("blob:") || url.starts_with("data:"),
+            "the page asks for {url}"
+        );
+    }
+    // What asks all the same is stopped by the page's policy.
+    let asked = browser.promised("fetch('file:///etc/hostname').then(() => 'read', () => 'refused')");
+    assert_eq!(asked, "refused");
+    let complaints = browser.complaints();
+    assert!(
+        complaints
+            .iter()
+            .any(|text| text.contains("Content Security Policy")),
+        "{complaints:?}"
+    );
+}
+
+#[test]
+fn a_page_shows_where_workers_are_blocked() {
+    if !has_engine() {
+        return;
+    }
+    let _one = ONE.lock();
+    let Some(browser) = browser([420, 800]) else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    sandbox
+        .run("render sample:head:48 --size 160 -o head.png")
+        .succeeds();
+    sandbox.run("export --like head.png -o head.html").succeeds();
+    let page = String::from_utf8(sandbox.bytes("head.html")).unwrap();
+    let blocked = page.replacen("worker-src blob:", "worker-src &#39;none&#39;", 1);
+    assert_ne!(page, blocked);
+    sandbox.write("blocked.html", blocked);
+    browser.open(&sandbox.path("blocked.html"));
+    assert_eq!(browser.promised("splatvol.workers()"), 0);
+    assert!(opaque(&browser.picture([160, 160])) == png(&sandbox.path("head.png")).2);
+    browser.promised("splatvol.settled()");
+    assert_eq!(
+        browser.promised("document.getElementById('trouble').textContent"),
+        ""
+    );
+}
+
+#[test]
+fn eight_scenes_are_the_commands_to_the_byte() {
+    if !has_engine() {
+        return;
+    }
+    let _one = ONE.lock();
+    let Some(browser) = browser([600, 500]) else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    sandbox.write(
+        "two.toml",
+        "[[item]]\nfile = \"sample:head:32\"\nopacity = \"linear\"\n[[item]]\nfile = \"sample:tomato:24\"\ntranslate = [90, 0, 0]\n",
+    );
+    for scene in [
+        "sample:head:48",
+        "sample:head:48 --cmap viridis --opacity linear --background white",
+        "sample:tomato:40 --preset fast --unit-distance 3",
+        "sample:shells:40 --compositing mip --orthographic",
+        "sample:nerve:32 --compositing xray --view top",
+        "sample:head:40 --classification pre --no-shade",
+        "sample:head:40 --clip-plane 0,0,20:0,0,-1 --coverage adaptive",
+        "two.toml --preset fast",
+    ] {
+        sandbox
+            .run(&format!("render {scene} --size 150x110 -o made.png -w"))
+            .succeeds();
+        sandbox
+            .run("export --like made.png --quantize 16 -o made.html -w")
+            .succeeds();
+        browser.open(&sandbox.path("made.html"));
+        let picture = browser.picture([150, 110]);
+        assert!(opaque(&picture) == png(&sandbox.path("made.png")).2, "{scene}");
+    }
+}
+
+/// RGB of opaque pixels.
+fn opaque(pixels: &[u8]) -> Vec<u8> {
+    assert!(
+        pixels.chunks_exact(4).all(|pixel| pixel[3] == 255),
+        "pixels are transparent"
+    );
+    pixels
+        .chunks_exact(4)
+        .flat_map(|pixel| pixel[..3].to_vec())
+        .collect()
+}

@@ -1,0 +1,217 @@
+// Frames: drafts while something changes, then finer passes, then the final picture, tile by tile.
+//
+// A picture is divided among the members of the pool by shares. Nothing can stop an instance, so the final picture is asked for
+// in more shares than there are members, each of which takes about PIECE, and no more of them once something changes.
+
+/** Pixels of the final picture per pixel of a draft and axis. */
+const STEPS = [1, Math.SQRT2, 2, 2 * Math.SQRT2, 4, 4 * Math.SQRT2];
+/** Longest and shortest time of a draft that is as fine as it should be, milliseconds. */
+const DRAFT = [18, 45];
+/** Longest time of a share, milliseconds. */
+const PIECE = 90;
+/** Most shares of a picture for each member. */
+const MOST_PIECES = 8;
+/** Time without a change after which finer passes begin, milliseconds. */
+const REST = 80;
+
+/** One picture, in shares. `done` gets each tile, `ended` is told when all are there. */
+class Job {
+  constructor(size, step, count) {
+    Object.assign(this, { size, step, count, next: 0, open: 0, given: 0, started: performance.now() });
+  }
+}
+
+class Frames {
+  /** `view` tells the size of the picture, the camera's keys for it, and the edits to be made before the next one. */
+  constructor(canvas, pool, view) {
+    Object.assign(this, { canvas, view, members: pool.members, idle: [...pool.members] });
+    this.context = canvas.getContext("2d", { alpha: true });
+    this.draft = document.createElement("canvas");
+    this.step = 3;
+    this.changes = 0;
+    this.shown = -1;
+    this.job = null;
+    this.timer = 0;
+    this.held = false;
+    // Milliseconds per pixel of the last final picture, one member working.
+    this.cost = 0;
+    this.listeners = [];
+  }
+
+  /** Something has changed: a draft as soon as the instances are free, then finer passes. */
+  changed() {
+    this.changes += 1;
+    clearTimeout(this.timer);
+    this.pump();
+  }
+
+  /** Another member is ready. */
+  joined(member) {
+    this.members.push(member);
+    this.idle.push(member);
+  }
+
+  /** Waits for the final picture of what is shown. */
+  settled() {
+    return new Promise((resolve) => {
+      this.listeners.push(resolve);
+      if (!this.job && this.shown === this.changes && this.final) this.told();
+    });
+  }
+
+  told() {
+    this.listeners.splice(0).forEach((resolve) => resolve());
+  }
+
+  /** Starts what is due, if all instances are free. */
+  pump() {
+    if (this.held || this.idle.length < this.members.length) return;
+    if (this.job && this.job.next >= this.job.count) this.job = null;
+    if (this.shown === this.changes) return;
+    this.job = null;
+    this.begin(this.step);
+  }
+
+  /** Starts a picture. */
+  begin(step) {
+    const full = this.view.size();
+    const size = full.map((side) => Math.max(1, Math.round(side / STEPS[step])));
+    const predicted = (this.cost * size[0] * size[1]) / this.members.length;
+    const pieces = step > 1 ? 1 : Math.min(MOST_PIECES, Math.max(2, Math.ceil(predicted / PIECE)));
+    const job = new Job(size, step, this.members.length * pieces);
+    job.changes = this.changes;
+    job.camera = this.view.camera(size);
+    if (step === 0) this.fit(full, true);
+    else Object.assign(this.draft, { width: size[0], height: size[1] });
+    job.context = step === 0 ? this.context : this.draft.getContext("2d");
+    this.final = false;
+    this.job = job;
+    const edits = this.view.takeEdits();
+    for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
+    [...this.idle].forEach((member) => this.give(member));
+  }
+
+  /** The canvas in its size; what it shows is kept, enlarged. */
+  fit([width, height], keep) {
+    const { canvas } = this;
+    if (canvas.width === width && canvas.height === height) return;
+    let old = null;
+    if (keep && canvas.width > 0) {
+      old = document.createElement("canvas");
+      Object.assign(old, { width: canvas.width, height: canvas.height });
+      old.getContext("2d").drawImage(canvas, 0, 0);
+    }
+    Object.assign(canvas, { width, height });
+    if (old) this.context.drawImage(old, 0, 0, width, height);
+  }
+
+  edit(member, edit) {
+    member.ask(edit).then(({ header }) => {
+      if (header.error) this.view.trouble(header.error);
+      else if (member === this.members[0]) this.view.edited(header);
+    }, (error) => this.view.trouble(String(error)));
+  }
+
+  /** Gives an instance the next share of the picture. */
+  async give(member) {
+    const { job } = this;
+    if (!job || job.next >= job.count || (job.step < 2 && job.changes !== this.changes)) {
+      return this.pump();
+    }
+    const share = [job.next, job.count];
+    job.next += 1;
+    job.open += 1;
+    this.idle = this.idle.filter((other) => other !== member);
+    try {
+      const { header, bytes, milliseconds } = await member.ask({ do: "render", size: job.size, camera: job.camera, share });
+      if (header.error) throw new Error(header.error);
+      job.given += milliseconds;
+      // What is finished although something has changed is no part of the next picture.
+      if (job === this.job) this.draw(job, header.tiles, bytes);
+    } catch (error) {
+      this.view.trouble(error.message || String(error));
+    }
+    job.open -= 1;
+    this.idle.push(member);
+    if (job === this.job && job.next >= job.count && job.open === 0) this.ended(job);
+    return this.give(member);
+  }
+
+  draw(job, tiles, bytes) {
+    let start = 0;
+    for (const [x0, y0, x1, y1] of tiles) {
+      const length = 4 * (x1 - x0) * (y1 - y0);
+      const pixels = new Uint8ClampedArray(bytes.buffer, bytes.byteOffset + start, length);
+      job.context.putImageData(new ImageData(pixels, x1 - x0, y1 - y0), x0, y0);
+      start += length;
+    }
+  }
+
+  /** A picture is complete: shows it, and goes on with a finer one. */
+  ended(job) {
+    const took = performance.now() - job.started;
+    this.job = null;
+    if (job.step > 0) {
+      this.fit(this.view.size(), true);
+      const { width, height } = this.canvas;
+      this.context.imageSmoothingQuality = "high";
+      this.context.clearRect(0, 0, width, height);
+      this.context.drawImage(this.draft, 0, 0, width, height);
+    }
+    this.canvas.hidden = false;
+    this.view.seen();
+    this.cost = job.given / (job.size[0] * job.size[1]);
+    if (job.step >= 2) this.adapt(job, took);
+    if (job.changes !== this.changes) return;
+    this.shown = job.changes;
+    this.final = job.step === 0;
+    this.view.progress(job.step, took);
+    if (this.final) {
+      this.told();
+      return;
+    }
+    const finer = job.step > 2 ? 2 : 0;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => {
+      if (this.shown === this.changes && !this.job && !this.held) this.begin(finer);
+    }, job.step === this.step ? REST : 0);
+  }
+
+  /** Drafts become coarser where they take long, and finer where they do not. */
+  adapt(job, took) {
+    if (job.step !== this.step) return;
+    if (took > DRAFT[1] && this.step < STEPS.length - 1) this.step += 1;
+    if (took < DRAFT[0] && this.step > 2) this.step -= 1;
+  }
+
+  /** A whole picture of a size, RGBA, by all instances, whatever the page shows. */
+  async picture(size) {
+    while (this.held) await new Promise((resolve) => setTimeout(resolve, 20));
+    this.held = true;
+    try {
+      while (this.idle.length < this.members.length) await new Promise((resolve) => setTimeout(resolve, 5));
+      const edits = this.view.takeEdits();
+      for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
+      const pixels = new Uint8ClampedArray(4 * size[0] * size[1]);
+      const camera = this.view.camera(size);
+      const count = this.members.length;
+      await Promise.all(this.members.map(async (member, index) => {
+        const { header, bytes } = await member.ask({ do: "render", size, camera, share: [index, count] });
+        if (header.error) throw new Error(header.error);
+        let start = 0;
+        for (const [x0, y0, x1, y1] of header.tiles) {
+          for (let y = y0; y < y1; y += 1) {
+            const row = bytes.subarray(start, start + 4 * (x1 - x0));
+            pixels.set(row, 4 * (y * size[0] + x0));
+            start += row.length;
+          }
+        }
+      }));
+      return new ImageData(pixels, size[0], size[1]);
+    } finally {
+      this.held = false;
+      if (this.final) this.pump();
+      else this.changed();
+    }
+  }
+}

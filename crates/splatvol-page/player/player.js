@@ -1,0 +1,303 @@
+// The player: begins, holds the state, and hears mouse, fingers and keys.
+
+/** Most pixels of the picture on the page. */
+const MOST_PIXELS = 1600000;
+/** Memory that instances may take together, bytes, and what one takes per byte of data. */
+const MEMORY = 1.5e9;
+const PER_BYTE = 8;
+/** Degrees per picture height of a drag. */
+const DEGREES = 180;
+
+const $ = (id) => document.getElementById(id);
+
+function trouble(text) {
+  $("trouble").textContent = text;
+}
+
+function copied(value) {
+  return JSON.parse(JSON.stringify(value));
+}
+
+/** The state of the page: the camera, the looks, the cut; and what is still to be told to the instances. */
+class View {
+  constructor(facts, page) {
+    this.facts = facts;
+    const { camera, effects, size } = facts.document;
+    const projection = camera.fov === undefined
+      ? { orthographic: { height: camera.orthographic } }
+      : { perspective: { fov_degrees: camera.fov } };
+    this.first = { position: camera.position, target: camera.target, up: camera.up, projection };
+    this.pose = this.first;
+    this.documentSize = size.split("x").map(Number);
+    this.own = (effects && effects["clip-box"]) || null;
+    const { min, max } = facts.bounds;
+    this.whole = [0, 1, 2].flatMap((i) => [min[i], max[i]]);
+    this.state = { looks: facts.items.map(() => ({})), box: this.own || this.whole };
+    this.past = [copied(this.state)];
+    this.at = 0;
+    this.edits = new Map();
+    this.looks = facts.items.map((item) => item["transfer-function"]);
+    for (const item of facts.items) {
+      item.span = [Math.min(item.values[0], item.range[0]), Math.max(item.values[1], item.range[1])];
+      if (item.span[0] === item.span[1]) item.span[1] += 1;
+    }
+    facts.about = page.notes;
+    this.trouble = trouble;
+  }
+
+  // What the frames ask.
+
+  size() {
+    const stage = $("stage");
+    const scale = Math.min(window.devicePixelRatio || 1, Math.sqrt(MOST_PIXELS / (stage.clientWidth * stage.clientHeight || 1)));
+    return [stage.clientWidth, stage.clientHeight].map((side) => Math.max(1, Math.round(side * scale)));
+  }
+
+  camera([width, height]) {
+    return cameraKeys(this.pose, width / height, this.documentSize[0] / this.documentSize[1]);
+  }
+
+  takeEdits() {
+    const edits = [...this.edits.values()];
+    this.edits.clear();
+    return edits;
+  }
+
+  edited({ document: now }) {
+    trouble("");
+    this.looks = now.item.map((item) => item["transfer-function"]);
+    this.panel.curves(this.looks);
+  }
+
+  /** There is a picture on the canvas. */
+  seen() {
+    $("poster").hidden = true;
+  }
+
+  progress(step, took) {
+    $("badge").textContent = step === 0 ? "final" : `draft 1/${STEPS[step].toFixed(1).replace(".0", "")}`;
+    if (step === 0) $("status").textContent = `Final picture, ${this.size().join(" × ")} pixels, ${(took / 1000).toFixed(2)} s.`;
+  }
+
+  // Changes.
+
+  turn(pose) {
+    this.pose = pose;
+    this.frames.changed();
+  }
+
+  home() {
+    this.turn(this.first);
+  }
+
+  async look(name) {
+    const { header } = await this.frames.members[0].ask({ do: "camera", camera: { view: name }, size: this.documentSize });
+    if (header.error) trouble(header.error);
+    else this.turn(header);
+  }
+
+  setLook(item, key, value) {
+    const look = this.state.looks[item];
+    if (value === null) delete look[key];
+    else look[key] = value;
+    this.tellLook(item);
+    this.frames.changed();
+  }
+
+  tellLook(item) {
+    this.edits.set(`look-${item}`, { do: "look", item, look: copied(this.state.looks[item]) });
+  }
+
+  setBox(end, value) {
+    const { box } = this.state;
+    box[end] = value;
+    const other = end ^ 1;
+    box[other] = end % 2 === 0 ? Math.max(box[other], value) : Math.min(box[other], value);
+    this.tellBox();
+    this.frames.changed();
+  }
+
+  tellBox() {
+    const { box } = this.state;
+    const whole = !this.own && box.every((value, i) => value === this.whole[i]);
+    this.edits.set("box", { do: "edit", edits: [{ path: "effects.clip-box", value: whole ? null : [...box] }] });
+  }
+
+  /** What was changed is one step back. */
+  remember() {
+    this.past.length = this.at + 1;
+    this.past.push(copied(this.state));
+    this.at += 1;
+    this.panel.put(this.state);
+    this.steps();
+  }
+
+  step(way) {
+    if (!this.past[this.at + way]) return;
+    this.at += way;
+    this.restore(this.past[this.at]);
+  }
+
+  reset() {
+    this.restore(this.past[0]);
+    this.remember();
+    this.home();
+  }
+
+  restore(state) {
+    this.state = copied(state);
+    this.state.looks.forEach((_, item) => this.tellLook(item));
+    this.tellBox();
+    this.panel.put(this.state);
+    this.steps();
+    this.frames.changed();
+  }
+
+  steps() {
+    this.panel.steps(this.at > 0, this.at < this.past.length - 1);
+  }
+
+  /** Less or more opaque, by a factor. */
+  strengthen(factor) {
+    this.state.looks.forEach((look, item) => {
+      look.strength = Math.min(16, Math.max(1 / 16, (look.strength || 1) * factor));
+      this.tellLook(item);
+    });
+    this.remember();
+    this.frames.changed();
+  }
+
+  /** Saves the picture in the document's size. */
+  async save() {
+    const image = await this.frames.picture(this.documentSize);
+    const canvas = element("canvas", { width: image.width, height: image.height });
+    canvas.getContext("2d").putImageData(image, 0, 0);
+    const blob = await new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
+    const url = URL.createObjectURL(blob);
+    element("a", { href: url, download: `${document.title.replace(/[^\w.-]+/g, "-") || "picture"}.png` }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 60000);
+  }
+}
+
+/** Mouse, pen and fingers on the picture. */
+function hearPointers(canvas, view) {
+  const down = new Map();
+  const middle = () => {
+    const all = [...down.values()];
+    const centre = [0, 1].map((i) => all.reduce((sum, point) => sum + point[i], 0) / all.length);
+    const [a, b] = [all[0], all[1] || all[0]];
+    return { centre, reach: Math.hypot(a[0] - b[0], a[1] - b[1]), angle: Math.atan2(b[1] - a[1], b[0] - a[0]) };
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    down.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  const up = (event) => down.delete(event.pointerId);
+  canvas.addEventListener("pointerup", up);
+  canvas.addEventListener("pointercancel", up);
+  canvas.addEventListener("pointermove", (event) => {
+    if (!down.has(event.pointerId)) return;
+    const before = middle();
+    down.set(event.pointerId, [event.clientX, event.clientY]);
+    const now = middle();
+    const height = canvas.clientHeight || 1;
+    const [x, y] = [0, 1].map((i) => (now.centre[i] - before.centre[i]) / height);
+    if (down.size > 1) {
+      let pose = panned(view.pose, x, y);
+      if (before.reach > 0 && now.reach > 0) pose = zoomed(pose, now.reach / before.reach);
+      let twist = (now.angle - before.angle) / RADIANS;
+      twist -= 360 * Math.round(twist / 360);
+      view.turn(orbited(pose, 0, 0, -twist));
+    } else if (event.shiftKey || event.buttons === 4) {
+      view.turn(panned(view.pose, x, y));
+    } else if (event.ctrlKey) {
+      view.turn(orbited(view.pose, 0, 0, -DEGREES * x));
+    } else if (event.buttons === 2) {
+      view.turn(zoomed(view.pose, 2 ** (-2 * y)));
+    } else {
+      view.turn(orbited(view.pose, -DEGREES * x, DEGREES * y));
+    }
+  });
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const lines = event.deltaMode === 1 ? 30 : 1;
+    view.turn(zoomed(view.pose, 2 ** (-event.deltaY * lines / 400)));
+  }, { passive: false });
+}
+
+/** Keys on the picture. Arrows do what a drag in their direction does. */
+function hearKeys(canvas, view) {
+  const step = 7.5;
+  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  const views = { 1: "front", 2: "back", 3: "right", 4: "left", 7: "top", 8: "bottom", 9: "iso" };
+  canvas.addEventListener("keydown", (event) => {
+    const { key } = event;
+    const arrow = arrows[key];
+    const act = () => {
+      if (arrow && event.altKey) return view.turn(panned(view.pose, arrow[0] / 20, -arrow[1] / 20));
+      if (arrow && event.shiftKey) return view.turn(orbited(view.pose, 0, 0, -step * arrow[0]));
+      if (arrow) return view.turn(orbited(view.pose, -step * arrow[0], -step * arrow[1]));
+      if (key === "+" || key === "=") return view.turn(zoomed(view.pose, 1.15));
+      if (key === "-" || key === "−") return view.turn(zoomed(view.pose, 1 / 1.15));
+      if (key === "Home" || key === "Enter") return view.home();
+      if (key === "[" || key === "]") return view.strengthen(key === "]" ? 1.25 : 0.8);
+      if (key.toLowerCase() === "p" && !event.ctrlKey && !event.metaKey) return view.save();
+      if (views[key] && !event.ctrlKey && !event.metaKey && !event.altKey) return view.look(views[key]);
+      return null;
+    };
+    if (act() !== null) event.preventDefault();
+  });
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    event.preventDefault();
+    view.step(event.shiftKey ? 1 : -1);
+  });
+}
+
+/** Instances that are started: as many as there are processors and memory for. */
+function memberCount(bytes) {
+  const fit = Math.floor(MEMORY / (PER_BYTE * bytes + 5e7));
+  return Math.max(1, Math.min(navigator.hardwareConcurrency || 2, 8, fit));
+}
+
+async function main() {
+  const page = JSON.parse($("facts").textContent);
+  $("status").textContent = "Unpacking the data.";
+  const [module, samples] = await Promise.all([
+    unpacked(bytesOf("engine")).then((bytes) => WebAssembly.compile(bytes)),
+    unpacked(bytesOf("samples")),
+  ]);
+  const pool = await startPool(module, memberCount(samples.length));
+  $("status").textContent = "Preparing the picture.";
+  const open = { do: "open", document: page.document, data: page.data };
+  const answers = await Promise.all(pool.members.map((member) => member.ask(open, samples)));
+  const facts = answers[0].header;
+  if (facts.error) throw new Error(facts.error);
+  const canvas = $("view");
+  const view = new View(facts, page);
+  const frames = new Frames(canvas, pool, view);
+  view.frames = frames;
+  view.panel = buildPanel(view);
+  view.panel.curves(view.looks);
+  view.steps();
+  hearPointers(canvas, view);
+  hearKeys(canvas, view);
+  new ResizeObserver(() => frames.changed()).observe($("stage"));
+  frames.changed();
+  return { view, frames, pool };
+}
+
+const started = main().catch((error) => {
+  trouble(`This browser cannot show it: ${error.message || error}. The picture above stays as it was made.`);
+  $("status").textContent = "";
+  throw error;
+});
+
+/** For scripts: the picture of any size as it would be shown, when the page shows it finally, and by how many workers. */
+window.splatvol = {
+  picture: async (width, height) => (await started).frames.picture([width, height]),
+  settled: async () => (await started).frames.settled(),
+  workers: async () => (await started).pool.workers,
+  view: async () => copied((await started).view.pose),
+};

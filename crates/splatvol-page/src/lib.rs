@@ -1,0 +1,27 @@
+//! One HTML file that shows volumes: it turns, zooms, changes look and clip, in any browser, without a network.
+//!
+//! A page is the player (DOM, hand-written), the engine as WebAssembly, a document, and its data, which are made to fit a
+//! size. The player asks instances of the engine, one per worker, for pictures ([`splatvol_web`]); where workers are
+//! blocked, the page has one itself. Its content policy forbids every connection.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `engine` | the engine, gzip, if `cargo xtask web` built it before this crate |
+//! | `fit` | data in fewer bits or of a coarser level, until they fit |
+//! | `template` | the page with slots: each is filled once, by text that is escaped, or by code and data that are checked |
+//! | `page` | the page of a document |
+//!
+//! The player is in the folder `player`: `page.html` has the slots, `engine.js` runs in workers, `camera.js` moves the
+//! camera, `frames.js` decides what is rendered when, `controls.js` makes the panel, `player.js` begins.
+#![forbid(unsafe_code)]
+
+mod engine;
+mod error;
+mod fit;
+mod page;
+mod template;
+
+pub use engine::{Absent, engine};
+pub use error::PageError;
+pub use fit::{Bits, Fitted, fit};
+pub use page::Page;

@@ -1,0 +1,46 @@
+//! The CPU engine for browsers: an instance that holds one document with its data, and answers messages.
+//!
+//! A message is a header, JSON, and bytes; so is its answer ([`Session::answer`]). There is no state that two instances
+//! share, so each worker of a page has an instance of its own, and renders its share of the tiles: no threads, no memory
+//! in common, and no page that a server must isolate. All shares together are the whole picture, to the byte, and that is
+//! the picture of the command: it is the same code.
+//!
+//! ```
+//! use splatvol_web::{Session, VolumeData};
+//!
+//! let volume = splatvol::samples::sample("marschner-lobb", None)?;
+//! let header = serde_json::json!({
+//!     "do": "open",
+//!     "document": { "item": [{ "file": "marschner-lobb" }] },
+//!     "data": [VolumeData::of(&volume, false)],
+//! });
+//! let mut session = Session::new()?;
+//! let opened = session.answer(&header.to_string(), &VolumeData::of(&volume, false).pack(&volume));
+//! assert!(opened.header.contains("viridis"));
+//! let tiles = session.answer(r#"{ "do": "render", "size": [64, 48], "share": [0, 1] }"#, &[]);
+//! assert_eq!(tiles.bytes.len(), 64 * 48 * 4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | `session` | the instance |
+//! | [`message`] | what may be asked, and what is answered |
+//! | `data` | samples as bytes, packed so that they compress well |
+//! | `look` | changes of a transfer function: range, strength, colour map, curve |
+//! | `interface` | the instance as a WebAssembly module, without bindings: memory for a message, and its answer |
+#![cfg_attr(not(target_family = "wasm"), forbid(unsafe_code))]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod data;
+mod error;
+#[cfg(target_family = "wasm")]
+mod interface;
+mod look;
+pub mod message;
+mod session;
+
+pub use data::VolumeData;
+pub use error::WebError;
+pub use look::LookEdit;
+pub use session::{Answer, BLOCK, Session};

@@ -1,0 +1,338 @@
+//! An instance against the engine that it is: the same bytes, whole or in shares; and what it refuses.
+
+#![allow(clippy::unwrap_used, reason = "a test")]
+
+use serde_json::{Value, json};
+use splatvol::{EngineConfig, Renderer, Volume};
+use splatvol_document::resolve::laid_over;
+use splatvol_document::{CameraMotion, Document, Held, ReadRules, Reading, Resolving, Silent};
+use splatvol_io::{Data, Description};
+use splatvol_web::{Session, VolumeData};
+
+const SIZE: [u32; 2] = [150, 130];
+
+fn sample(name: &str, longest: usize) -> Volume {
+    splatvol::samples::sample(name, Some(splatvol_samples::SampleSize::Longest(longest))).unwrap()
+}
+
+/// Documents of one volume or of two, by every way in which an engine draws volumes.
+fn documents() -> Vec<(&'static str, Value, Vec<Volume>)> {
+    let head = || vec![sample("head", 40)];
+    let one = |keys: Value, rest: Value| {
+        let mut document = json!({ "size": "150x130", "item": [{ "file": "head" }] });
+        for (key, value) in keys.as_object().unwrap() {
+            document["item"][0][key] = value.clone();
+        }
+        for (key, value) in rest.as_object().unwrap() {
+            document[key] = value.clone();
+        }
+        document
+    };
+    vec![
+        (
+            "opaque",
+            one(json!({}), json!({ "camera": { "view": "front" } })),
+            head(),
+        ),
+        (
+            "translucent",
+            one(
+                json!({ "cmap": "viridis", "opacity": "linear" }),
+                json!({ "background": "white" }),
+            ),
+            head(),
+        ),
+        (
+            "largest",
+            one(json!({}), json!({ "settings": { "compositing": "mip" } })),
+            head(),
+        ),
+        (
+            "xray",
+            one(
+                json!({}),
+                json!({ "settings": { "compositing": "xray" }, "background": "none" }),
+            ),
+            head(),
+        ),
+        (
+            "pre",
+            one(json!({}), json!({ "settings": { "classification": "pre" } })),
+            head(),
+        ),
+        (
+            "edges",
+            one(
+                json!({ "iso": 300.0 }),
+                json!({ "settings": { "coverage": "adaptive" } }),
+            ),
+            head(),
+        ),
+        (
+            "best",
+            one(json!({}), json!({ "settings": { "preset": "best" } })),
+            vec![sample("tomato", 32)],
+        ),
+        (
+            "cut",
+            one(
+                json!({}),
+                json!({ "camera": { "orthographic": true }, "effects": { "clip-box": [-200.0, 0.0, -200.0, 200.0, -200.0, 200.0] } }),
+            ),
+            head(),
+        ),
+        (
+            "two",
+            json!({
+                "size": "150x130",
+                "item": [
+                    { "file": "head", "opacity": "linear", "cmap": "gray" },
+                    { "file": "ball", "translate": [60.0, 0.0, 0.0], "scale": 30.0 },
+                ],
+            }),
+            vec![sample("head", 32), sample("ball", 16)],
+        ),
+    ]
+}
+
+fn opened(document: &Value, volumes: &[Volume], delta: bool) -> (Session, Value) {
+    let data: Vec<VolumeData> = volumes
+        .iter()
+        .map(|volume| VolumeData::of(volume, delta))
+        .collect();
+    let bytes: Vec<u8> = data
+        .iter()
+        .zip(volumes)
+        .flat_map(|(data, volume)| data.pack(volume))
+        .collect();
+    let mut session = Session::new().unwrap();
+    let header = json!({ "do": "open", "document": document, "data": data });
+    let answer = session.answer(&header.to_string(), &bytes);
+    (session, serde_json::from_str(&answer.header).unwrap())
+}
+
+fn ask(session: &mut Session, header: &Value) -> (Value, Vec<u8>) {
+    let answer = session.answer(&header.to_string(), &[]);
+    (serde_json::from_str(&answer.header).unwrap(), answer.bytes)
+}
+
+/// The picture in shares, put together.
+fn picture(document: &Value, volumes: &[Volume], shares: usize) -> Vec<u8> {
+    let width = SIZE[0] as usize;
+    let mut pixels = vec![0; 4 * width * SIZE[1] as usize];
+    for index in 0..shares {
+        // Each by an instance of its own.
+        let (mut session, opened) = opened(document, volumes, index % 2 == 1);
+        assert!(opened.get("error").is_none(), "{opened}");
+        let header = json!({ "do": "render", "size": SIZE, "share": [index, shares] });
+        let (header, bytes) = ask(&mut session, &header);
+        let mut rest = &bytes[..];
+        for tile in header["tiles"].as_array().unwrap_or_else(|| panic!("{header}")) {
+            let [x0, y0, x1, y1] = std::array::from_fn(|i| tile[i].as_u64().unwrap() as usize);
+            for y in y0..y1 {
+                let (row, others) = rest.split_at(4 * (x1 - x0));
+                pixels[4 * (y * width + x0)..4 * (y * width + x1)].copy_from_slice(row);
+                rest = others;
+            }
+        }
+        assert!(rest.is_empty());
+    }
+    pixels
+}
+
+/// The picture as the command makes it.
+fn command(document: &Value, volumes: &[Volume]) -> Vec<u8> {
+    let document = Document::from_json(&document.to_string(), "document".as_ref()).unwrap();
+    let held: Vec<_> = volumes
+        .iter()
+        .map(|volume| {
+            let description = Description {
+                oriented: true,
+                ..Description::default()
+            };
+            Some(Held::new(Data::Volume(volume.clone()), description))
+        })
+        .collect();
+    let reading = Reading {
+        rules: ReadRules::default(),
+        folder: None,
+        listener: &Silent,
+    };
+    let resolving = Resolving {
+        reading,
+        held: &held,
+        moves: CameraMotion::default(),
+        keeps_alpha: false,
+    };
+    let picture = document.resolve(resolving).unwrap();
+    let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+    let frame = renderer
+        .render(&picture.scene, &picture.camera, &picture.settings)
+        .unwrap();
+    let image = match picture.background() {
+        Some(color) => laid_over(&frame.image, color),
+        None => frame.image,
+    };
+    splatvol_io::image::png::srgb8(&image).as_flattened().to_vec()
+}
+
+#[test]
+fn all_shares_together_are_the_commands_picture_to_the_byte() {
+    for (index, (name, document, volumes)) in documents().into_iter().enumerate() {
+        let expected = command(&document, &volumes);
+        assert!(
+            expected.chunks(4).any(|pixel| pixel != &expected[..4]),
+            "{name}: nothing to see"
+        );
+        for shares in [1, 2 + index % 4] {
+            assert!(
+                picture(&document, &volumes, shares) == expected,
+                "{name} in {shares} shares"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_opened_says_what_it_is_and_leaves_nothing_open() {
+    let (_, document, volumes) = documents().swap_remove(0);
+    let (_, facts) = opened(&document, &volumes, true);
+    let item = &facts["items"][0];
+    assert_eq!(item["name"], "head");
+    assert_eq!(item["dims"], json!(volumes[0].grid().dims()));
+    assert_eq!(item["unit"], "mm");
+    let counts: u64 = item["histogram"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|count| count.as_u64().unwrap())
+        .sum();
+    assert_eq!(counts as usize, volumes[0].samples().len());
+    let document = &facts["document"];
+    assert!(
+        document["camera"]["position"].is_array() && document["item"][0]["transfer-function"].is_object()
+    );
+    assert!(facts["bounds"]["min"][0].as_f64() < facts["bounds"]["max"][0].as_f64());
+    assert!(
+        facts["color-maps"]
+            .as_array()
+            .unwrap()
+            .contains(&json!("viridis"))
+    );
+}
+
+#[test]
+fn a_look_is_of_the_opened_one_and_what_is_taken_back_leaves_no_trace() {
+    let (_, document, volumes) = documents().swap_remove(1);
+    let (mut session, _) = opened(&document, &volumes, false);
+    let render = json!({ "do": "render", "size": SIZE });
+    let (_, first) = ask(&mut session, &render);
+    let look = |look: Value| json!({ "do": "look", "item": 0, "look": look });
+    let cut =
+        |value: Value| json!({ "do": "edit", "edits": [{ "path": "effects.clip-box", "value": value }] });
+    let mut seen = vec![first.clone()];
+    for edit in [
+        look(json!({ "range": [100.0, 900.0] })),
+        look(json!({ "strength": 3.0 })),
+        look(json!({ "cmap": "turbo", "opacity": "sigmoid" })),
+        cut(json!([-500.0, 500.0, -500.0, 500.0, 0.0, 500.0])),
+    ] {
+        let (said, _) = ask(&mut session, &edit);
+        assert!(said["document"].is_object(), "{said}");
+        let (_, picture) = ask(&mut session, &render);
+        assert!(!seen.contains(&picture), "{edit} changes nothing");
+        seen.push(picture);
+    }
+    ask(&mut session, &look(json!({})));
+    ask(&mut session, &cut(Value::Null));
+    assert!(ask(&mut session, &render).1 == first);
+}
+
+#[test]
+fn cameras_are_found_for_views_and_kept_for_pictures() {
+    let (_, document, volumes) = documents().swap_remove(0);
+    let (mut session, facts) = opened(&document, &volumes, false);
+    let (front, _) = ask(
+        &mut session,
+        &json!({ "do": "camera", "camera": { "view": "front" }, "size": SIZE }),
+    );
+    assert_eq!(front["position"], facts["document"]["camera"]["position"]);
+    let (top, _) = ask(
+        &mut session,
+        &json!({ "do": "camera", "camera": { "view": "top" }, "size": SIZE }),
+    );
+    let render = |camera: &Value| {
+        let keys = json!({ "position": camera["position"], "target": camera["target"], "up": camera["up"],
+            "fov": camera["projection"]["perspective"]["fov_degrees"] });
+        json!({ "do": "render", "size": SIZE, "camera": keys })
+    };
+    let (header, from_top) = ask(&mut session, &render(&top));
+    assert_eq!(header["camera"], top);
+    let (_, from_front) = ask(&mut session, &json!({ "do": "render" }));
+    assert!(from_front == ask(&mut session, &render(&front)).1 && from_front != from_top);
+}
+
+#[test]
+fn what_cannot_be_answered_is_said_and_changes_nothing() {
+    let (_, document, volumes) = documents().swap_remove(0);
+    let mut empty = Session::new().unwrap();
+    assert!(
+        ask(&mut empty, &json!({ "do": "render" })).0["error"]
+            .as_str()
+            .unwrap()
+            .contains("no document")
+    );
+    let (mut session, _) = opened(&document, &volumes, false);
+    let render = json!({ "do": "render", "size": [32, 32] });
+    let (_, before) = ask(&mut session, &render);
+    let data = VolumeData::of(&volumes[0], false);
+    for (refused, why) in [
+        (json!({}), "not understood"),
+        (json!({ "do": "dance" }), "not understood"),
+        (json!({ "do": "render", "size": [0, 9] }), "size"),
+        (
+            json!({ "do": "render", "size": [9, 9], "share": [2, 2] }),
+            "share",
+        ),
+        (
+            json!({ "do": "render", "size": [9, 9], "camera": { "fov": -1.0 } }),
+            "fov",
+        ),
+        (json!({ "do": "look", "item": 1, "look": {} }), "item 1"),
+        (
+            json!({ "do": "look", "item": 0, "look": { "cmap": "mauve" } }),
+            "mauve",
+        ),
+        (
+            json!({ "do": "edit", "edits": [{ "path": "effects.clip", "value": 1 }] }),
+            "effects.clip",
+        ),
+        (
+            json!({ "do": "edit", "edits": [{ "path": "item[0].visible", "value": false }] }),
+            "visible",
+        ),
+        (
+            json!({ "do": "edit", "edits": [{ "path": "background", "value": "white" }, { "path": "size", "value": "no" }] }),
+            "size",
+        ),
+        (
+            json!({ "do": "open", "document": document, "data": [] }),
+            "0 items have data",
+        ),
+        (
+            json!({ "do": "open", "document": document, "data": [data] }),
+            "too few",
+        ),
+        (
+            json!({ "do": "open", "document": { "version": 99 }, "data": [] }),
+            "version",
+        ),
+    ] {
+        let (said, bytes) = ask(&mut session, &refused);
+        let error = said["error"]
+            .as_str()
+            .unwrap_or_else(|| panic!("{refused} is answered: {said}"));
+        assert!(error.contains(why) && bytes.is_empty(), "{refused}: {error}");
+    }
+    assert!(ask(&mut session, &render).1 == before);
+}
