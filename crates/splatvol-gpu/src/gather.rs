@@ -18,7 +18,7 @@ use crate::pass::{Pass, groups};
 const TOGETHER: u32 = 16;
 /// Bytes of a pixel's gathered interval.
 const MATERIAL: u64 = 32;
-/// Bytes for gathered intervals, and for the planes of a cloud, which every device can bind.
+/// Most bytes for gathered intervals, and for the planes of a cloud: every device of WebGPU's default limits binds them.
 const ROOM: u64 = 128 << 20;
 
 /// Layers of one picture; their planes are multiples of the same distance.
@@ -91,12 +91,13 @@ pub(crate) struct Bands {
 impl Bands {
     fn new(gpu: &GpuDevice, data: &FrameData, has_clouds: bool) -> Self {
         let pixels_of_row = u64::from(data.size[0]) * u64::from(TILE[1]);
-        let intervals = (ROOM / MATERIAL / pixels_of_row).clamp(1, u64::from(TOGETHER)) as u32;
+        let room = ROOM.min(gpu.device.limits().max_storage_buffer_binding_size);
+        let intervals = (room / MATERIAL / pixels_of_row).clamp(1, u64::from(TOGETHER)) as u32;
         let samples_of_row = pixels_of_row * u64::from(intervals);
-        let mut rows = (ROOM / MATERIAL).min(gpu.samples_per_dispatch) / samples_of_row;
+        let mut rows = (room / MATERIAL).min(gpu.samples_per_dispatch) / samples_of_row;
         if has_clouds {
             let row = ring_bytes(data.size, 1) - ring_bytes(data.size, 0);
-            rows = rows.min((ROOM / row).saturating_sub(1));
+            rows = rows.min((room / row).saturating_sub(1));
         }
         Self {
             rows: (rows as u32).clamp(1, data.tiles[1]),
