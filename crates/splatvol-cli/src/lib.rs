@@ -49,6 +49,8 @@ fn carry_out(cli: &Cli) -> u8 {
         Command::Schema => commands::schema::run(),
         #[cfg(feature = "lab")]
         Command::Lab(args) => commands::lab::run(args, &terminal),
+        #[cfg(feature = "view")]
+        Command::View(args) => commands::view::run(args, &terminal),
     };
     match done {
         Ok(()) => 0,

@@ -50,7 +50,7 @@ fn without_root(argument: &str, folder: &Path) -> String {
 }
 
 /// The command line that runs, quoted so that a POSIX shell reproduces it.
-fn command_line(folder: &Path) -> String {
+pub(crate) fn command_line(folder: &Path) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_=+./:,@%#".contains(c);
     let quote = |arg: String| {
         if !arg.is_empty() && arg.chars().all(plain) {

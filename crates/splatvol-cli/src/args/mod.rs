@@ -29,6 +29,8 @@ mod picture;
 mod pyramid;
 mod render;
 pub(crate) mod values;
+#[cfg(feature = "view")]
+mod view;
 
 use std::path::PathBuf;
 
@@ -54,6 +56,8 @@ pub(crate) use motion::MotionArgs;
 pub(crate) use picture::PictureArgs;
 pub(crate) use pyramid::PyramidArgs;
 pub(crate) use render::{EngineName, RenderArgs};
+#[cfg(feature = "view")]
+pub(crate) use view::ViewArgs;
 
 /// Volume rendering by splatting.
 #[derive(Debug, Parser)]
@@ -113,6 +117,9 @@ pub(crate) enum Command {
     /// Repeat the experiments of the papers: numbers, plots and pictures
     #[cfg(feature = "lab")]
     Lab(LabArgs),
+    /// Open a window: turn, cut, give a look, save pictures
+    #[cfg(feature = "view")]
+    View(ViewArgs),
 }
 
 /// Flags of every command that writes a file.

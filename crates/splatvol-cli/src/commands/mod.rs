@@ -17,3 +17,5 @@ pub(crate) mod sample;
 pub(crate) mod schema;
 mod ssim;
 mod studio;
+#[cfg(feature = "view")]
+pub(crate) mod view;

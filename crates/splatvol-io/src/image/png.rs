@@ -106,6 +106,14 @@ pub(crate) fn write_texts<W: Write>(
     Ok(())
 }
 
+/// The codes that a PNG of 8 bits holds, for showing a picture without a file: sRGB, straight alpha, row-major.
+pub fn codes_of_8_bits(image: &Image) -> Vec<[u8; 4]> {
+    let srgb = Depth::Eight.srgb_codes();
+    let codes = image.pixels.iter().map(|&pixel| code(pixel, Depth::Eight, srgb));
+    // A code of 8 bits is at most 255.
+    codes.map(|code| code.map(|channel| channel as u8)).collect()
+}
+
 /// Codes of a picture: sRGB, straight alpha, row-major.
 pub(crate) fn codes(image: &Image, depth: Depth) -> Vec<[u16; 4]> {
     let srgb = depth.srgb_codes();

@@ -1,0 +1,44 @@
+//! Arguments of `splatvol view`.
+
+use clap::Args;
+use splatvol_document::ReadRules;
+
+use super::help::{GENERAL, INPUT};
+use super::values;
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  splatvol view scan.nii.gz
+  splatvol view sample:head
+  splatvol view ct.nrrd electrodes.ply            side by side, in one scene
+  splatvol view head.png                          a picture that splatvol made: everything is as it was
+
+F1 in the window shows all keys and gestures.")]
+pub(crate) struct ViewArgs {
+    /// Files to open (volumes, points, Gaussians, meshes, or sample:NAME), or one scene or picture
+    #[arg(value_name = "FILE")]
+    pub(crate) files: Vec<String>,
+    /// Refuse files that break the rules of their format in any way
+    #[arg(long, help_heading = INPUT)]
+    strict: bool,
+    /// Follow links that lead out of the folder of the input, and read files elsewhere that a picture names
+    #[arg(long, help_heading = INPUT)]
+    allow_outside: bool,
+    /// Most memory for the samples of an input: bytes, or 500M, 8G [default: half of the machine's]
+    #[arg(long, value_name = "BYTES", value_parser = values::bytes, help_heading = INPUT)]
+    max_memory: Option<u64>,
+    /// Number of threads; 0 is one per processor [default: 0]
+    #[arg(long, value_name = "N", help_heading = GENERAL)]
+    pub(crate) threads: Option<usize>,
+}
+
+impl ViewArgs {
+    /// What is refused when files are read.
+    pub(crate) fn rules(&self) -> ReadRules {
+        ReadRules {
+            strict: self.strict,
+            allow_outside: self.allow_outside,
+            max_bytes: self.max_memory,
+        }
+    }
+}

@@ -1,0 +1,481 @@
+//! The viewer without its window: the document and its history, the engine beside it, and what is shown.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`session`] | the document that is shown, its edits and gestures |
+//! | [`navigate`], [`curve`] | gestures of the camera; edits of a transfer function |
+//! | [`opening`] | from paths to documents |
+//! | [`engine`] | the engine's thread, with `mailbox`, `draft` and `store`: the latest view wins, drafts, data in memory |
+//! | [`saving`] | pictures written in the background |
+//! | [`probe`] | what a ray meets |
+
+pub mod curve;
+mod draft;
+pub mod engine;
+mod mailbox;
+pub mod navigate;
+pub mod opening;
+pub mod probe;
+mod saving;
+pub mod session;
+mod store;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use splatvol::{Camera, ImageSize, RenderSettings, SceneError};
+use splatvol_document::keys::{CameraKeys, ItemKeys, PictureSize, SettingKeys};
+use splatvol_document::{Document, DocumentError, Edit, ReadRules, Record};
+
+use engine::{Asked, Engine, Reporter, View};
+pub use engine::{News, Shown, Wake};
+use opening::Opening;
+use saving::Saving;
+use session::Session;
+pub use store::{Facts, Values};
+
+/// Time after the last input of a gesture until the picture is refined.
+const REST: Duration = Duration::from_millis(80);
+
+/// How a viewer starts.
+#[derive(Debug, Clone, Default)]
+pub struct Start {
+    /// Files to open: data side by side, or one scene or picture.
+    pub files: Vec<String>,
+    /// The command line, which pictures carry.
+    pub command: String,
+    /// What is refused when files are read.
+    pub rules: ReadRules,
+    /// Threads of the engine; `None` for one per processor.
+    pub threads: Option<usize>,
+}
+
+/// A message for the user.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// What to say.
+    pub text: String,
+    /// Whether something failed.
+    pub is_error: bool,
+}
+
+/// What the answer to a request becomes.
+#[derive(Debug)]
+enum Becomes {
+    /// Another session: its document has no earlier one.
+    Session(Option<Box<Record>>),
+    /// A step of the present one.
+    Step,
+}
+
+/// What was sent to the engine last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sent {
+    revision: u64,
+    size: ImageSize,
+    moving: bool,
+}
+
+/// The viewer's state.
+pub struct Model {
+    session: Session,
+    engine: Engine,
+    news: Receiver<News>,
+    reporter: Reporter,
+    rules: ReadRules,
+    command: String,
+    earlier: Option<Record>,
+    facts: Vec<(ItemKeys, Facts)>,
+    asked: Option<(u64, Becomes, Instant)>,
+    requests: u64,
+    views: u64,
+    sent: Option<Sent>,
+    /// When a gesture changed something last.
+    touched: Option<Instant>,
+    size: Option<ImageSize>,
+    shown: Option<Shown>,
+    /// Number of pictures shown so far.
+    pictures: u64,
+    progress: Option<f64>,
+    message: Option<Message>,
+    writing: Option<(Arc<AtomicBool>, f64)>,
+}
+
+impl Model {
+    /// Starts the engine, and opens the files.
+    ///
+    /// # Errors
+    /// Threads that the system refuses.
+    pub fn new(start: Start, wake: Wake) -> Result<Self, std::io::Error> {
+        let (sender, news) = channel();
+        let reporter = Reporter { news: sender, wake };
+        let mut model = Self {
+            session: Session::default(),
+            engine: Engine::start(start.rules, start.threads, reporter.clone())?,
+            news,
+            reporter,
+            rules: start.rules,
+            command: start.command,
+            earlier: None,
+            facts: Vec::new(),
+            asked: None,
+            requests: 0,
+            views: 0,
+            sent: None,
+            touched: None,
+            size: None,
+            shown: None,
+            pictures: 0,
+            progress: None,
+            message: None,
+            writing: None,
+        };
+        if !start.files.is_empty() {
+            model.open(&start.files);
+        }
+        Ok(model)
+    }
+
+    /// The document and its history.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The document.
+    pub fn document(&self) -> &Document {
+        self.session.document()
+    }
+
+    /// The picture that is shown.
+    pub fn shown(&self) -> Option<&Shown> {
+        self.shown.as_ref()
+    }
+
+    /// Number of pictures shown so far: equal numbers, equal pictures.
+    pub fn pictures(&self) -> u64 {
+        self.pictures
+    }
+
+    /// Whether the final picture of the document is shown.
+    pub fn is_final(&self) -> bool {
+        let newest = self.shown.as_ref().is_some_and(|shown| {
+            shown.draft_step.is_none() && shown.number == self.views && Some(shown.view_size) == self.size
+        });
+        let current = self
+            .sent
+            .is_some_and(|sent| sent.revision == self.session.revision());
+        newest && current && self.asked.is_none()
+    }
+
+    /// The finished share of the final picture, while it is made.
+    pub fn progress(&self) -> Option<f64> {
+        self.progress
+    }
+
+    /// The last message.
+    pub fn message(&self) -> Option<&Message> {
+        self.message.as_ref()
+    }
+
+    /// Takes the message away.
+    pub fn dismiss(&mut self) {
+        self.message = None;
+    }
+
+    /// Since when the engine reads or decides something.
+    pub fn asked_since(&self) -> Option<Instant> {
+        self.asked.as_ref().map(|(.., since)| *since)
+    }
+
+    /// The finished share of what is written in the background.
+    pub fn writing(&self) -> Option<f64> {
+        self.writing.as_ref().map(|(_, share)| *share)
+    }
+
+    /// What is known about the data of an item.
+    pub fn facts(&self, item: &ItemKeys) -> Option<&Facts> {
+        let keys = store::reading_keys(item);
+        self.facts
+            .iter()
+            .find(|(of, _)| *of == keys)
+            .map(|(_, facts)| facts)
+    }
+
+    /// Opens files instead of what is shown.
+    pub fn open(&mut self, paths: &[String]) {
+        match opening::documents(paths, self.rules) {
+            Ok((document, record)) => self.ask(document, Becomes::Session(record.map(Box::new))),
+            Err(error) => self.fail(&error),
+        }
+    }
+
+    /// Opens a file that was dropped: a transfer function becomes the look of the item with this number, data are added if asked, and everything
+    /// else replaces what is shown.
+    pub fn drop_file(&mut self, path: &str, (adds, selected): (bool, usize)) {
+        match Opening::of_path(path, self.rules) {
+            Ok(Opening::Document(document, record)) => self.ask(*document, Becomes::Session(record)),
+            Ok(Opening::Data(item)) if adds && !self.session.items().is_empty() => self.add(*item),
+            Ok(Opening::Data(item)) => {
+                self.ask(Document::of_items([*item]), Becomes::Session(None));
+            }
+            Ok(Opening::Look(path)) => {
+                let keys = ItemKeys {
+                    tf: Some(path),
+                    ..ItemKeys::default()
+                };
+                self.change(opening::with_item_keys(self.document(), selected, keys));
+            }
+            Err(error) => self.fail(&error),
+        }
+    }
+
+    /// Adds an item.
+    pub fn add(&mut self, item: ItemKeys) {
+        let mut document = self.document().clone();
+        document.items.push(item);
+        self.change(document);
+    }
+
+    /// Removes an item; the last one stays.
+    pub fn remove(&mut self, index: usize) {
+        if self.session.items().len() > 1 {
+            self.edit(Edit::Remove(index));
+        }
+    }
+
+    /// Asks for a document in place of the present one, as a step: what it leaves open is decided by the data.
+    pub fn change(&mut self, document: Document) {
+        self.ask(document, Becomes::Step);
+    }
+
+    /// Asks for settings over the present ones, as flags are laid over an earlier picture.
+    pub fn change_settings(&mut self, settings: SettingKeys) {
+        let asked = Document {
+            settings,
+            ..Document::default()
+        };
+        self.change(asked.over(self.document()));
+    }
+
+    /// Asks for a camera over the present one: a side to look from, or one that fits.
+    pub fn change_camera(&mut self, camera: CameraKeys) {
+        let asked = Document {
+            camera,
+            ..Document::default()
+        };
+        self.change(asked.over(self.document()));
+    }
+
+    /// Asks for the look of an item over its present one.
+    pub fn change_look(&mut self, index: usize, keys: ItemKeys) {
+        self.change(opening::with_item_keys(self.document(), index, keys));
+    }
+
+    fn ask(&mut self, document: Document, becomes: Becomes) {
+        self.requests += 1;
+        self.asked = Some((self.requests, becomes, Instant::now()));
+        self.message = None;
+        self.engine.ask(Asked {
+            number: self.requests,
+            document,
+            size: self.size.unwrap_or(RenderSettings::default().size),
+        });
+    }
+
+    /// Makes an edit that is a step of its own.
+    pub fn edit(&mut self, edit: Edit) {
+        let done = self.session.edit(edit);
+        self.report(done);
+    }
+
+    /// Makes edits that belong to the gesture that is being made; drafts follow it.
+    pub fn gesture(&mut self, change: impl FnOnce(&mut Session) -> Result<(), DocumentError>) {
+        let done = change(&mut self.session);
+        self.touched = Some(Instant::now());
+        self.report(done);
+    }
+
+    /// Moves the camera, as a part of a gesture.
+    pub fn move_camera(&mut self, change: impl FnOnce(&Camera) -> Result<Camera, SceneError>) {
+        let Some(camera) = self.session.camera() else {
+            return;
+        };
+        self.gesture(|session| session.place_camera(&change(&camera)?));
+    }
+
+    /// Ends the gesture: what follows is another step.
+    pub fn end_gesture(&mut self) {
+        self.session.end_gesture();
+    }
+
+    /// Undoes a step.
+    pub fn undo(&mut self) {
+        let done = self.session.undo().map(drop);
+        self.report(done);
+    }
+
+    /// Repeats a step.
+    pub fn redo(&mut self) {
+        let done = self.session.redo().map(drop);
+        self.report(done);
+    }
+
+    fn report(&mut self, done: Result<(), DocumentError>) {
+        match done {
+            Ok(()) => self.message = None,
+            Err(error) => self.fail(&error),
+        }
+    }
+
+    fn fail(&mut self, error: &DocumentError) {
+        self.say(error.to_string(), true);
+    }
+
+    /// Tells the user something.
+    pub fn say(&mut self, text: impl Into<String>, is_error: bool) {
+        self.message = Some(Message {
+            text: text.into(),
+            is_error,
+        });
+    }
+
+    /// Writes the picture of the document in the background, at its own size or the view's.
+    pub fn save(&mut self, path: PathBuf, size: Option<ImageSize>, overwrite: bool) {
+        let Some(view_size) = self.size.filter(|_| !self.session.items().is_empty()) else {
+            return;
+        };
+        if self.writing.is_some() {
+            self.say("a picture is being written already", true);
+            return;
+        }
+        let document = Document {
+            size: size.map(PictureSize).or(self.document().size),
+            ..self.document().clone()
+        };
+        let saving = Saving {
+            document,
+            size: view_size,
+            path,
+            overwrite,
+            earlier: self.earlier.clone(),
+            command: self.command.clone(),
+            rules: self.rules,
+        };
+        let stop = Arc::new(AtomicBool::new(false));
+        let control = (Arc::clone(&stop), self.reporter.clone());
+        match saving::start(saving, Arc::clone(self.engine.store()), control) {
+            Ok(()) => self.writing = Some((stop, 0.0)),
+            Err(error) => self.say(error.to_string(), true),
+        }
+    }
+
+    /// Stops what is written in the background.
+    pub fn stop_writing(&self) {
+        if let Some((stop, _)) = &self.writing {
+            stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Takes news, and sends the view if it changed. `pane` is the room for the picture, pixels. Returns when to call
+    /// again without input.
+    pub fn tick(&mut self, pane: [u32; 2]) -> Option<Duration> {
+        while let Ok(news) = self.news.try_recv() {
+            self.hear(news);
+        }
+        let size = opening::view_size(self.document().size, pane);
+        let Ok(size) = ImageSize::new(size[0], size[1]) else {
+            return None;
+        };
+        self.size = Some(size);
+        if self.session.items().is_empty() {
+            return None;
+        }
+        let rests_in = self
+            .touched
+            .and_then(|touched| REST.checked_sub(touched.elapsed()));
+        let wanted = Sent {
+            revision: self.session.revision(),
+            size,
+            moving: rests_in.is_some(),
+        };
+        let changed = self.sent.is_none_or(|sent| {
+            sent.revision != wanted.revision || sent.size != size || (sent.moving && !wanted.moving)
+        });
+        if changed {
+            self.views += 1;
+            self.progress = None;
+            self.engine.show(View {
+                number: self.views,
+                document: self.document().clone(),
+                size,
+                moving: wanted.moving,
+            });
+            self.sent = Some(wanted);
+        }
+        rests_in
+    }
+
+    fn hear(&mut self, news: News) {
+        match news {
+            News::Resolved {
+                number,
+                document,
+                facts,
+                warnings,
+            } => {
+                let Some((_, becomes, _)) = self.asked.take_if(|(asked, ..)| *asked == number) else {
+                    return;
+                };
+                for (item, facts) in document.items.iter().zip(facts) {
+                    if let Some(facts) = facts.filter(|_| self.facts(item).is_none()) {
+                        self.facts.push((store::reading_keys(item), facts));
+                    }
+                }
+                match becomes {
+                    Becomes::Session(record) => {
+                        self.session = Session::continuing(*document, &self.session);
+                        self.earlier = record.map(|record| *record);
+                        self.sent = None;
+                    }
+                    Becomes::Step => self.edit(Edit::Replace(document)),
+                }
+                if !warnings.is_empty() {
+                    self.say(warnings.join("; "), false);
+                }
+            }
+            News::Failed { number, message } => {
+                match number {
+                    Some(number) => drop(self.asked.take_if(|(asked, ..)| *asked == number)),
+                    None => self.progress = None,
+                }
+                self.say(message, true);
+            }
+            News::Shown(shown) => {
+                if shown.draft_step.is_none() {
+                    self.progress = None;
+                }
+                self.shown = Some(*shown);
+                self.pictures += 1;
+            }
+            News::Progress(share) => self.progress = Some(share),
+            News::Writing(share) => {
+                if let Some((_, written)) = &mut self.writing {
+                    *written = share;
+                }
+            }
+            News::Written(result) => {
+                self.writing = None;
+                match result {
+                    Ok(text) => self.say(text, false),
+                    Err(text) => self.say(text, true),
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

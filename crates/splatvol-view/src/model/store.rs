@@ -1,0 +1,123 @@
+//! Data of items in memory, by the keys by which they are read: a change of look or place reads nothing again.
+
+use splatvol::Volume;
+use splatvol_document::held::HeldContent;
+use splatvol_document::keys::ItemKeys;
+use splatvol_document::{Document, DocumentError, Held, Reading};
+
+/// Bins of a histogram.
+const BINS: usize = 256;
+
+/// What is known about the data of an item.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Facts {
+    /// What they are, for a person: `256 x 256 x 109 u8`.
+    pub summary: String,
+    /// Range and histogram of the values, if they are a volume.
+    pub values: Option<Values>,
+}
+
+/// The values of a volume.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Values {
+    /// Smallest and largest value.
+    pub range: [f64; 2],
+    /// Counts of equal bins over the range.
+    pub histogram: Vec<u64>,
+    /// World length to which opacities refer unless a transfer function says otherwise: the mean spacing.
+    pub spacing: f64,
+    /// Symbol of the unit of lengths, or empty.
+    pub unit: &'static str,
+}
+
+/// The data, and what is known about them.
+#[derive(Debug, Default)]
+pub(super) struct Store {
+    entries: Vec<(ItemKeys, Held, Facts)>,
+}
+
+impl Store {
+    /// Reads whatever the document shows and is not here; forgets what it does not name.
+    pub(super) fn read(&mut self, document: &Document, reading: Reading<'_>) -> Result<(), DocumentError> {
+        let several = document.items.len() > 1;
+        for (index, item) in document.items.iter().enumerate() {
+            let keys = reading_keys(item);
+            let known = self.entries.iter().any(|(of, ..)| *of == keys);
+            if known || !item.is_visible() {
+                continue;
+            }
+            let held = Held::read(item, reading).map_err(|error| match several {
+                true => error.of_index(index),
+                false => error,
+            })?;
+            let facts = facts(&held);
+            self.entries.push((keys, held, facts));
+        }
+        let wanted: Vec<ItemKeys> = document.items.iter().map(reading_keys).collect();
+        self.entries.retain(|(keys, ..)| wanted.contains(keys));
+        Ok(())
+    }
+
+    /// The data of each item, where they are here.
+    pub(super) fn held(&self, document: &Document) -> Vec<Option<Held>> {
+        let of = |item| self.entry(item).map(|(_, held, _)| held.clone());
+        document.items.iter().map(of).collect()
+    }
+
+    /// What is known about each item.
+    pub(super) fn facts(&self, document: &Document) -> Vec<Option<Facts>> {
+        let of = |item| self.entry(item).map(|(.., facts)| facts.clone());
+        document.items.iter().map(of).collect()
+    }
+
+    fn entry(&self, item: &ItemKeys) -> Option<&(ItemKeys, Held, Facts)> {
+        let keys = reading_keys(item);
+        self.entries.iter().find(|(of, ..)| *of == keys)
+    }
+}
+
+/// The keys that matter when an item is read.
+pub(super) fn reading_keys(item: &ItemKeys) -> ItemKeys {
+    ItemKeys {
+        visible: None,
+        up: None,
+        scale: None,
+        rotate: None,
+        translate: None,
+        tf: None,
+        cmap: None,
+        clim: None,
+        opacity: None,
+        iso: None,
+        unit_distance: None,
+        labels: None,
+        color: None,
+        radius: None,
+        transfer_function: None,
+        ..item.clone()
+    }
+}
+
+fn facts(held: &Held) -> Facts {
+    let (summary, values) = match held.content() {
+        HeldContent::Volume(volume) => (of_volume(volume), Some(values(volume))),
+        HeldContent::Mesh(mesh) => (format!("mesh of {} samples", mesh.positions().len()), None),
+        HeldContent::Points(points) => (format!("{} points", points.positions().len()), None),
+        HeldContent::Gaussians(gaussians) => (format!("{} Gaussians", gaussians.len()), None),
+    };
+    Facts { summary, values }
+}
+
+fn of_volume(volume: &Volume) -> String {
+    let [x, y, z] = volume.grid().dims();
+    format!("{x} x {y} x {z} {}", volume.samples().type_name())
+}
+
+fn values(volume: &Volume) -> Values {
+    Values {
+        range: volume.value_range(),
+        histogram: volume.histogram(BINS),
+        spacing: volume.grid().mean_spacing(),
+        unit: volume.unit().symbol(),
+    }
+}

@@ -1,0 +1,81 @@
+//! The menu: everything that keys do, for the pointer and for screen readers.
+
+use eframe::egui::{Button, MenuBar, Ui};
+use splatvol_document::keys::names::ViewName;
+
+use super::bindings::{Action, key_of};
+use crate::model::Model;
+
+const VIEWS: [(&str, Action); 9] = [
+    ("Front", Action::Look(ViewName::Front)),
+    ("Back", Action::Look(ViewName::Back)),
+    ("Left", Action::Look(ViewName::Left)),
+    ("Right", Action::Look(ViewName::Right)),
+    ("Top", Action::Look(ViewName::Top)),
+    ("Bottom", Action::Look(ViewName::Bottom)),
+    ("Corner", Action::Look(ViewName::Iso)),
+    ("Show everything", Action::Fit),
+    ("Perspective or parallel", Action::Projection),
+];
+
+/// Sizes of text, shares of the usual.
+const TEXT_SIZES: [f32; 5] = [1.0, 1.25, 1.5, 1.75, 2.0];
+
+/// Shows the menu; returns what was chosen.
+pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
+    let mut chosen = None;
+    let has_items = !model.session().items().is_empty();
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| {
+            entry(ui, ("Open ...", Action::Open), (true, &mut chosen));
+            entry(ui, ("Save picture ...", Action::Save), (has_items, &mut chosen));
+            ui.separator();
+            entry(ui, ("Quit", Action::Quit), (true, &mut chosen));
+        });
+        ui.menu_button("Edit", |ui| {
+            let session = model.session();
+            entry(ui, ("Undo", Action::Undo), (session.can_undo(), &mut chosen));
+            entry(ui, ("Redo", Action::Redo), (session.can_redo(), &mut chosen));
+        });
+        ui.menu_button("View", |ui| {
+            for view in VIEWS {
+                entry(ui, view, (has_items, &mut chosen));
+            }
+            ui.separator();
+            entry(ui, ("Panels", Action::Panels), (has_items, &mut chosen));
+            ui.menu_button("Text size", |ui| {
+                for size in TEXT_SIZES {
+                    let is_set = (ui.ctx().zoom_factor() - size).abs() < 0.01;
+                    if ui.radio(is_set, format!("{:.0} %", 100.0 * size)).clicked() {
+                        ui.ctx().set_zoom_factor(size);
+                    }
+                }
+            });
+        });
+        ui.menu_button("Help", |ui| {
+            entry(ui, ("Keys and gestures", Action::Help), (true, &mut chosen));
+        });
+        ui.separator();
+        let session = model.session();
+        for (name, action, enabled) in [
+            ("Undo", Action::Undo, session.can_undo()),
+            ("Redo", Action::Redo, session.can_redo()),
+            ("Show everything", Action::Fit, has_items),
+            ("Save picture", Action::Save, has_items),
+        ] {
+            let button = ui.add_enabled(enabled, Button::new(name).frame(false));
+            if button.on_hover_text(key_of(action)).clicked() {
+                chosen = Some(action);
+            }
+        }
+    });
+    chosen
+}
+
+fn entry(ui: &mut Ui, (name, action): (&str, Action), (enabled, chosen): (bool, &mut Option<Action>)) {
+    let button = Button::new(name).shortcut_text(key_of(action));
+    if ui.add_enabled(enabled, button).clicked() {
+        *chosen = Some(action);
+        ui.close();
+    }
+}

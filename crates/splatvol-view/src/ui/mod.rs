@@ -1,0 +1,206 @@
+//! The window: panels around the picture. All state that matters is the model's document; what is here is which panel
+//! is open and what is typed.
+
+pub mod bindings;
+mod clip;
+mod curve;
+mod dialogs;
+mod look;
+mod menu;
+mod method;
+mod picture;
+mod profile;
+mod scene;
+mod status;
+mod style;
+
+use std::sync::Arc;
+
+use eframe::egui::{CentralPanel, Context, Frame, Margin, Panel, ScrollArea, Ui};
+use splatvol::glam::DVec2;
+use splatvol_document::keys::CameraKeys;
+
+use crate::model::{Model, Start, navigate};
+use bindings::{Action, KEYS};
+use curve::CurveState;
+use dialogs::Dialogs;
+use picture::PicturePanel;
+use profile::Pins;
+
+/// The viewer in a window.
+pub struct Viewer {
+    model: Model,
+    picture: PicturePanel,
+    curve: CurveState,
+    dialogs: Dialogs,
+    pins: Pins,
+    /// Number of the item whose look is edited.
+    selected: usize,
+    hides_panels: bool,
+}
+
+impl Viewer {
+    /// A viewer in a context that shows windows, or that tests one.
+    ///
+    /// # Errors
+    /// Threads that the system refuses.
+    pub fn new(context: &Context, start: Start) -> Result<Self, std::io::Error> {
+        style::apply(context);
+        let wakes = context.clone();
+        let model = Model::new(start, Arc::new(move || wakes.request_repaint()))?;
+        Ok(Self {
+            model,
+            picture: PicturePanel::default(),
+            curve: CurveState::default(),
+            dialogs: Dialogs::default(),
+            pins: Pins::default(),
+            selected: 0,
+            hides_panels: false,
+        })
+    }
+
+    /// The state.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Shows everything once.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let items = self.model.session().items().len();
+        self.selected = self.selected.min(items.saturating_sub(1));
+        self.keys(ui);
+        self.drops(ui);
+        Panel::top("menu").show(ui, |ui| {
+            if let Some(action) = menu::show(ui, &self.model) {
+                self.act(ui, action);
+            }
+        });
+        Panel::bottom("status").show(ui, |ui| {
+            status::show(ui, &mut self.model, self.picture.hovered.as_ref());
+        });
+        if !self.hides_panels && items > 0 {
+            self.panels(ui);
+        }
+        CentralPanel::default()
+            .frame(Frame::NONE)
+            .show(ui, |ui| self.picture.show(ui, &mut self.model));
+        self.pins.show(ui.ctx(), &self.model, &self.picture);
+        self.dialogs.show(ui.ctx(), &mut self.model);
+        let rests = ui.input(|input| !input.pointer.any_down() && input.keys_down.is_empty());
+        if rests {
+            self.model.end_gesture();
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui) {
+        let margin = Frame::side_top_panel(ui.style()).inner_margin(Margin::same(8));
+        Panel::left("scene")
+            .default_size(230.0)
+            .size_range(180.0..=420.0)
+            .frame(margin)
+            .show(ui, |ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    if scene::show(ui, &mut self.model, &mut self.selected) {
+                        self.dialogs.open_file(true);
+                    }
+                });
+            });
+        Panel::right("look")
+            .default_size(330.0)
+            .size_range(300.0..=520.0)
+            .frame(margin)
+            .show(ui, |ui| {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    look::show(ui, &mut self.model, (self.selected, &mut self.curve));
+                    method::show(ui, &mut self.model);
+                    clip::show(ui, &mut self.model);
+                });
+            });
+    }
+
+    /// Obeys keys. Those without Ctrl go to what has the focus, if that is not the picture; while text is typed, all do.
+    fn keys(&mut self, ui: &mut Ui) {
+        let typing = ui.ctx().text_edit_focused();
+        let focused = ui.memory(|memory| memory.focused().is_some()) && !self.picture_has_focus(ui);
+        for line in KEYS {
+            let is_global = |keys: &eframe::egui::KeyboardShortcut| {
+                keys.modifiers.command || line.action == Action::Escape || line.action == Action::Panels
+            };
+            let pressed = line.keys.iter().any(|keys| {
+                let free = !typing && !focused;
+                (free || (is_global(keys) && !(typing && line.action != Action::Escape)))
+                    && ui.input_mut(|input| input.consume_shortcut(keys))
+            });
+            if pressed {
+                self.act(ui, line.action);
+            }
+        }
+    }
+
+    fn picture_has_focus(&self, ui: &Ui) -> bool {
+        let focused = ui.memory(|memory| memory.focused());
+        focused.is_some() && focused == self.picture.id
+    }
+
+    fn act(&mut self, ui: &Ui, action: Action) {
+        let model = &mut self.model;
+        match action {
+            Action::Turn(azimuth, elevation) => {
+                model.move_camera(|camera| navigate::orbit(camera, azimuth, elevation));
+            }
+            Action::Roll(degrees) => model.move_camera(|camera| navigate::roll(camera, degrees)),
+            Action::Pan(x, y) => model.move_camera(|camera| navigate::pan(camera, DVec2::new(x, y))),
+            Action::Zoom(factor) => model.move_camera(|camera| navigate::zoom(camera, factor, DVec2::ZERO)),
+            Action::Projection => model.move_camera(navigate::other_projection),
+            Action::Look(view) => model.change_camera(CameraKeys {
+                view: Some(view),
+                ..CameraKeys::default()
+            }),
+            Action::Fit => model.change_camera(CameraKeys {
+                fit: Some(splatvol_document::keys::names::Fit::Visible),
+                ..CameraKeys::default()
+            }),
+            Action::Pivot => self.picture.pivot(model),
+            Action::Undo => model.undo(),
+            Action::Redo => model.redo(),
+            Action::Open => self.dialogs.open_file(false),
+            Action::Save => self.dialogs.save_picture(model),
+            Action::Pin => self.pins.pin(self.picture.hovered.as_ref(), model),
+            Action::Escape => {
+                self.dialogs.close();
+                self.pins.clear();
+                model.dismiss();
+                ui.memory_mut(|memory| {
+                    if let Some(focused) = memory.focused() {
+                        memory.surrender_focus(focused);
+                    }
+                });
+            }
+            Action::Help => self.dialogs.help(),
+            Action::Panels => self.hides_panels = !self.hides_panels,
+            Action::Quit => ui.ctx().send_viewport_cmd(eframe::egui::ViewportCommand::Close),
+        }
+    }
+
+    fn drops(&mut self, ui: &Ui) {
+        let (files, adds) = ui.input(|input| (input.raw.dropped_files.clone(), input.modifiers.command));
+        let paths: Vec<String> = files
+            .iter()
+            .map(|file| file.path().to_string_lossy().into_owned())
+            .collect();
+        match &paths[..] {
+            [] => {}
+            [path] => self.model.drop_file(path, (adds, self.selected)),
+            several => self.model.open(several),
+        }
+    }
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}
+
+#[cfg(test)]
+mod tests;

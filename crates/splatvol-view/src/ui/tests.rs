@@ -1,0 +1,240 @@
+//! The window's panels, found by the names that screen readers say.
+
+use std::time::{Duration, Instant};
+
+use eframe::egui::{Key, Modifiers, Pos2, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use super::*;
+
+type Window<'a> = Harness<'a, Option<Viewer>>;
+
+fn start(files: &[&str]) -> Start {
+    Start {
+        files: files.iter().map(|&file| file.to_owned()).collect(),
+        command: "splatvol view".to_owned(),
+        ..Start::default()
+    }
+}
+
+fn window(files: &[&str]) -> Window<'static> {
+    let start = start(files);
+    let mut window = Harness::builder()
+        .with_size(Vec2::new(1100.0, 900.0))
+        .build_ui_state(
+            move |ui, viewer: &mut Option<Viewer>| {
+                let viewer = viewer.get_or_insert_with(|| Viewer::new(ui.ctx(), start.clone()).unwrap());
+                viewer.show(ui);
+            },
+            None,
+        );
+    if !files.is_empty() {
+        wait(&mut window, "the first picture", |model| model.is_final());
+    }
+    window
+}
+
+fn model<'a>(window: &'a Window<'_>) -> &'a Model {
+    window.state().as_ref().unwrap().model()
+}
+
+/// Steps until something holds.
+fn wait(window: &mut Window<'_>, what: &str, done: impl Fn(&Model) -> bool) {
+    let start = Instant::now();
+    loop {
+        window.step();
+        if done(model(window)) {
+            // What changed is laid out, and laid out again where it depends on itself.
+            window.step();
+            window.step();
+            return;
+        }
+        assert!(
+            start.elapsed() < Duration::from_secs(120),
+            "{what}: {:?}",
+            model(window).message()
+        );
+        std::thread::sleep(Duration::from_millis(3));
+    }
+}
+
+fn click(window: &mut Window<'_>, label: &str) {
+    // As a screen reader does, which reaches what is scrolled away, too.
+    window.get_by_label(label).click_accesskit();
+    window.step();
+    window.step();
+}
+
+#[test]
+fn an_empty_window_says_what_to_do() {
+    let mut window = window(&[]);
+    window.step();
+    window.get_by_label("Picture: nothing is open");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.step();
+    window.step();
+    window.get_by_label("File or folder, or sample:NAME");
+    window.check_accessibility();
+    window.key_press(Key::Escape);
+    window.step();
+    window.step();
+    assert!(window.query_by_label("File or folder, or sample:NAME").is_none());
+}
+
+#[test]
+fn every_panel_has_names_for_all_that_can_be_changed() {
+    let mut window = window(&["sample:head:16", "sample:tomato:16"]);
+    for section in ["Place", "Light", "Picture", "Clip", "Points"] {
+        click(&mut window, section);
+    }
+    click(&mut window, "Box");
+    wait(&mut window, "the box", |model| model.is_final());
+    window.check_accessibility();
+    for label in [
+        "Shift x",
+        "Scale",
+        "Kind of picture",
+        "Smooth edges",
+        "Ambient",
+        "From above",
+        "As large as the window",
+        "Background",
+        "x from",
+        "z to",
+        "Cut the inside away",
+        "Log counts",
+        "Colours over the values",
+        "Opacity per",
+        "Value of point 1",
+        "Opacity of point 1",
+        "Remove point 1",
+        "Automatic",
+    ] {
+        assert!(window.query_all_by_label(label).count() > 0, "{label}");
+    }
+}
+
+#[test]
+fn panels_edit_the_document_and_steps_are_undone() {
+    let mut window = window(&["sample:head:16"]);
+    let start = model(&window).document().clone();
+    click(&mut window, "Clip");
+    click(&mut window, "Box");
+    assert!(model(&window).document().effects.clip_box.is_some());
+    click(&mut window, "Cut the inside away");
+    assert_eq!(model(&window).document().effects.clip_inside, Some(true));
+    click(&mut window, "Smooth edges");
+    wait(&mut window, "smooth edges", |model| {
+        model.document().settings != start.settings
+    });
+    click(&mut window, "Points");
+    let points = |window: &Window<'_>| {
+        let function = model(window).document().items[0].transfer_function.clone();
+        function.unwrap().opacities().len()
+    };
+    let before = points(&window);
+    click(&mut window, "Add a point");
+    assert_eq!(points(&window), before + 1);
+    click(&mut window, "Remove point 1");
+    assert_eq!(points(&window), before);
+    for _ in 0..5 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.step();
+        window.step();
+    }
+    assert_eq!(model(&window).document(), &start);
+}
+
+#[test]
+fn keys_and_drags_turn_the_picture() {
+    let mut window = window(&["sample:head:16"]);
+    let camera = |window: &Window<'_>| model(window).session().camera().unwrap();
+    let start = camera(&window);
+    window.key_press(Key::ArrowLeft);
+    window.step();
+    window.step();
+    let turned = camera(&window);
+    assert!((turned.position() - start.position()).length() > 1.0);
+    window.key_press(Key::Num5);
+    window.step();
+    window.step();
+    assert!(matches!(
+        camera(&window).projection(),
+        splatvol::Projection::Orthographic { .. }
+    ));
+    let drag = |window: &mut Window<'_>, from: Pos2, to: Pos2| {
+        window.drag_at(from);
+        window.step();
+        for share in 1..=4 {
+            window.hover_at(from + (to - from) * (share as f32 / 4.0));
+            window.step();
+        }
+        window.drop_at(to);
+        window.step();
+        window.step();
+    };
+    let before = camera(&window);
+    drag(&mut window, Pos2::new(450.0, 400.0), Pos2::new(520.0, 430.0));
+    assert!((camera(&window).position() - before.position()).length() > 1.0);
+    // A drag is one step, a key press is one, and a click none.
+    for _ in 0..3 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.step();
+        window.step();
+    }
+    assert_eq!(camera(&window), start);
+    assert!(!model(&window).session().can_undo());
+}
+
+#[test]
+fn a_point_of_the_curve_is_dragged_and_removed() {
+    let mut window = window(&["sample:head:16"]);
+    let function = |window: &Window<'_>| {
+        model(window).document().items[0]
+            .transfer_function
+            .clone()
+            .unwrap()
+    };
+    let start = function(&window);
+    let label = format!(
+        "Opacity curve of {} points; the list of points has the same by keyboard",
+        start.opacities().len()
+    );
+    let rect = window.get_by_label(&label).rect();
+    // High above every point: a new one.
+    let at = Pos2::new(
+        rect.left() + 0.63 * rect.width(),
+        rect.top() + 0.06 * rect.height(),
+    );
+    window.drag_at(at);
+    window.step();
+    window.hover_at(at + Vec2::new(4.0, 10.0));
+    window.step();
+    window.hover_at(at + Vec2::new(8.0, 30.0));
+    window.step();
+    window.drop_at(at + Vec2::new(8.0, 30.0));
+    window.step();
+    window.step();
+    let edited = function(&window);
+    assert_eq!(edited.opacities().len(), start.opacities().len() + 1);
+    window.key_press(Key::Delete);
+    window.step();
+    window.step();
+    assert_eq!(function(&window), start);
+}
+
+#[test]
+fn the_help_shows_all_keys_and_text_grows() {
+    let mut window = window(&["sample:head:16"]);
+    window.key_press(Key::F1);
+    window.step();
+    window.step();
+    window.get_by_label("undo a step");
+    window.key_press(Key::Escape);
+    window.step();
+    window.ctx.set_zoom_factor(2.0);
+    wait(&mut window, "a picture for large text", |model| model.is_final());
+    window.get_by_label("Save picture");
+    window.check_accessibility();
+}
