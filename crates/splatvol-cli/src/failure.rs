@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+use splatvol::SceneError;
 use splatvol_document::DocumentError;
 
 use crate::terminal::say;
@@ -84,6 +85,7 @@ impl From<DocumentError> for Failure {
     /// Names keys as the flags of the same names.
     fn from(error: DocumentError) -> Self {
         let step = match error {
+            DocumentError::Scene(SceneError::Source { .. }) => Step::Input,
             DocumentError::Refused { .. } | DocumentError::Scene(_) => Step::Usage,
             DocumentError::Malformed { .. } | DocumentError::Input { .. } | DocumentError::Sample(_) => {
                 Step::Input

@@ -44,6 +44,8 @@ fn carry_out(cli: &Cli) -> u8 {
         Command::Sample(args) => commands::sample::run(args, &terminal),
         Command::Convert(args) => commands::convert::run(args, &terminal),
         Command::Export(args) => commands::export::run(args, &terminal),
+        Command::Part(args) => commands::part::run(args, &terminal),
+        Command::Assemble(args) => commands::part::assemble(args, &terminal),
         Command::Compare(args) => commands::compare::run(args, &terminal),
         Command::Bench(args) => commands::bench::run(args, &terminal),
         Command::Schema => commands::schema::run(),

@@ -6,14 +6,15 @@
 //! | transfer function | visible cells where visible levels changed, needed voxels around what changed | 1 bit per voxel |
 //! | brick needed | its chunk's coefficients, from the samples | 2 bytes per voxel |
 //!
+//! Of a volume that is read in chunks ([`lazy`]) nothing is read before a picture opens a brick.
+//!
 //! A store depends only on the volume, the kernel and the last transfer function, to the bit, and not on earlier
 //! transfer functions. [`crate::visibility`] defines which voxels are needed.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use splatvol_scene::volume::widen;
-use splatvol_scene::{Samples, SceneError, VoxelBox};
+use splatvol_scene::SceneError;
 
 use crate::brick::BRICK;
 use crate::kernel::GaussianKernel;
@@ -48,11 +49,14 @@ mod by_cell;
 mod cells;
 mod chunk;
 mod lattice;
+mod lazy;
 mod level;
 mod needs;
+mod reader;
 #[cfg(test)]
 mod regions;
 mod samples;
+mod survey;
 #[cfg(test)]
 mod tests;
 
@@ -60,10 +64,13 @@ use around::BrickRanges;
 use cells::CellBits;
 use chunk::{CHUNK, ChunkSolver, Scratch, StoredBrick};
 use lattice::{Block, Lattice, StoredSample};
+use lazy::Lazy;
 use level::Failure;
 pub use level::SourceLevel;
 use needs::Needs;
+use reader::Reader;
 pub use samples::Neighbourhood;
+pub use survey::survey;
 
 /// A volume of up to so many bricks (128 MiB) keeps solved bricks that are not needed now for the next transfer
 /// function.
@@ -93,6 +100,8 @@ pub struct FieldStore {
     background: f32,
     voxels: usize,
     work: FieldWork,
+    /// Of a volume in chunks: what is solved when it is opened.
+    lazy: Option<Lazy>,
 }
 
 /// Bricks on which an update worked; the others were kept as they were.
@@ -146,18 +155,24 @@ impl FieldStore {
         let is_wide = kernel.radius > 2.0;
         let bounds = (solver.interpolates(), is_wide);
         let failure = Failure::default();
-        let ranges = BrickRanges::new((&lattice, &source, &failure), bricks, bounds);
+        let lazy = source.chunks().and_then(Lazy::new);
+        let reads = (&lattice, &source, &failure);
+        let (ranges, now) = match lazy {
+            Some(_) => (BrickRanges::unknown(bounds), 0),
+            None => (BrickRanges::new(reads, bricks, bounds), count),
+        };
         let chunks: usize = (0..3).map(|a| bricks[a].div_ceil(CHUNK[a])).product();
         Self {
             is_wide,
             solver,
-            histogram: histogram(&mut Reader::new(&source, &failure)),
+            histogram: reader::histogram(&source, &failure),
             bricks,
             ranges,
-            cells: vec![[0; BRICK]; count],
+            cells: vec![[0; BRICK]; now],
             keep_all: count <= KEEP_ALL,
             levels: None,
-            chunks: vec![Chunk::default(); chunks],
+            chunks: vec![Chunk::default(); if now > 0 { chunks } else { 0 }],
+            lazy,
             needed: Vec::new(),
             background: 0.0,
             voxels: 0,
@@ -181,6 +196,11 @@ impl FieldStore {
         let first_time = self.levels.is_none();
         if self.levels.as_ref() == Some(levels) && background == self.background {
             return;
+        }
+        if self.lazy.is_some() {
+            self.background = background;
+            self.levels = Some(levels.clone());
+            return self.find_candidates();
         }
         let all_again = first_time || background != self.background;
         let changed = self.levels.as_ref().map(|old| old.difference(levels));
@@ -244,7 +264,10 @@ impl FieldStore {
     pub fn first(&self, index: usize) -> [u32; 3] {
         let [chunk, i] = self.needed[index].map(|n| n as usize);
         let first = self.chunk_first(chunk);
-        let offset = place(self.chunks[chunk].needed[i].place as usize);
+        let offset = place(match self.lazy {
+            Some(_) => i,
+            None => self.chunks[chunk].needed[i].place as usize,
+        });
         std::array::from_fn(|a| ((first[a] + offset[a]) * BRICK) as u32)
     }
 
@@ -252,6 +275,9 @@ impl FieldStore {
     /// [`FieldStore::decode`] soon after finds them in the cache.
     #[inline(always)]
     pub fn touch(&self, index: usize) {
+        if self.lazy.is_some() {
+            return;
+        }
         let [chunk, i] = self.needed[index].map(|n| n as usize);
         let chunk = &self.chunks[chunk];
         chunk.stored(chunk.needed[i].place).touch();
@@ -261,6 +287,9 @@ impl FieldStore {
     /// for needed ones with a missing sample.
     #[inline(always)]
     pub fn decode(&self, index: usize, out: &mut [f32; BRICK_VOXELS]) {
+        if self.lazy.is_some() {
+            return self.decode_lazily(index, out);
+        }
         let [chunk, i] = self.needed[index].map(|n| n as usize);
         let chunk = &self.chunks[chunk];
         let brick = &chunk.needed[i];
@@ -310,15 +339,11 @@ impl FieldStore {
 
     /// Memory held, bytes, the volume's own not included.
     pub fn bytes(&self) -> usize {
-        let of_chunk = |chunk: &Chunk| {
-            size_of::<Chunk>()
-                + chunk.stored.capacity() * size_of::<StoredBrick>()
-                + chunk.needed.capacity() * size_of::<NeededBrick>()
-        };
-        self.ranges.bytes()
+        let lazy = self.lazy.as_ref().map_or(0, Lazy::bytes);
+        lazy + self.ranges.bytes()
             + self.cells.len() * size_of::<CellBits>()
             + self.needed.capacity() * size_of::<[u32; 2]>()
-            + self.chunks.iter().map(of_chunk).sum::<usize>()
+            + self.chunks.iter().map(Chunk::bytes).sum::<usize>()
     }
 
     /// Updates the visible cells of the bricks whose levels changed. Marks the bricks whose cells changed, and counts the
@@ -353,53 +378,47 @@ impl FieldStore {
         (touched, searched.into_inner())
     }
 
+    /// Voxels of a brick that are needed, from the visible cells of the 27 around it.
+    fn needs(&self, cells: [Option<&CellBits>; 27]) -> Option<Needs> {
+        if cells.iter().all(Option::is_none) {
+            return None;
+        }
+        vectorized!(
+            self.lattice.simd,
+            if self.is_wide {
+                Needs::around::<true>(&cells)
+            } else {
+                Needs::around::<false>(&cells)
+            }
+        )
+    }
+
+    /// Adds the needed bricks among the stored ones of a chunk, whose first brick is given.
+    fn mask(&self, first: [usize; 3], found: Vec<(u32, Needs)>, chunk: &mut Chunk) {
+        for (at, needs) in found {
+            let stored = chunk.stored(at);
+            let offset = place(at as usize);
+            let voxel = std::array::from_fn(|a| (first[a] + offset[a]) * BRICK);
+            let existing = cells::within(self.lattice.dims, voxel);
+            let mask = vectorized!(self.lattice.simd, stored.mask(&needs, self.background, &existing));
+            let voxels = mask.iter().map(|bits| bits.count_ones()).sum();
+            if voxels > 0 {
+                let brick = NeededBrick {
+                    place: at,
+                    mask,
+                    voxels,
+                };
+                chunk.needed.push(brick);
+            }
+        }
+    }
+
     /// First brick of a chunk.
     fn chunk_first(&self, chunk: usize) -> [usize; 3] {
         let [nx, ny]: [usize; 2] = std::array::from_fn(|a| self.bricks[a].div_ceil(CHUNK[a]));
         let at = [chunk % nx, chunk / nx % ny, chunk / (nx * ny)];
         std::array::from_fn(|a| at[a] * CHUNK[a])
     }
-}
-
-/// Reads regions of samples into its own memory.
-pub(crate) struct Reader<'a> {
-    source: &'a SourceLevel,
-    failure: &'a Failure,
-    memory: Option<Samples>,
-}
-
-impl<'a> Reader<'a> {
-    fn new(source: &'a SourceLevel, failure: &'a Failure) -> Self {
-        Self {
-            source,
-            failure,
-            memory: None,
-        }
-    }
-
-    fn read(&mut self, region: VoxelBox) -> Option<splatvol_scene::Block<'_>> {
-        self.failure.catch(self.source.read(region, &mut self.memory))
-    }
-}
-
-/// Frequencies of values, from up to 65 536 evenly spread samples.
-fn histogram(reader: &mut Reader<'_>) -> Histogram {
-    let [nx, ny, nz] = reader.source.grid().dims();
-    let mut histogram = Histogram::new(reader.source.value_range(), reader.source.rescale());
-    let step = Histogram::step(nx * ny * nz);
-    for z in 0..nz {
-        let slice = VoxelBox {
-            first: [0, 0, z],
-            size: [nx, ny, 1],
-        };
-        let from = (z * nx * ny).next_multiple_of(step);
-        with_block!(reader, slice, data => {
-            for at in (from..(z + 1) * nx * ny).step_by(step) {
-                histogram.add(widen(data.row([at / nx % ny, z]).at(at % nx)));
-            }
-        });
-    }
-    histogram
 }
 
 /// The bricks of a chunk and those around it.
@@ -413,12 +432,17 @@ struct Surroundings<'a> {
 const AROUND: [usize; 3] = [CHUNK[0] + 2, CHUNK[1] + 2, CHUNK[2] + 2];
 
 impl<'a> Surroundings<'a> {
-    fn new(store: &'a FieldStore, touched: &[bool], first: [usize; 3]) -> Self {
+    /// `cells`: those of the brick at a place, if it exists, and whether they changed.
+    fn new(
+        bricks: [usize; 3],
+        first: [usize; 3],
+        cells: impl Fn([usize; 3]) -> (&'a CellBits, bool),
+    ) -> Self {
         let mut around = Self {
             bricks: [(None, false); _],
             any_touched: false,
         };
-        let [nx, ny, nz] = store.bricks;
+        let [nx, ny, nz] = bricks;
         for (row, bricks) in around.bricks.chunks_exact_mut(AROUND[0]).enumerate() {
             // Wraps below zero, which is outside too.
             let y = (first[1] + row % AROUND[1]).wrapping_sub(1);
@@ -429,11 +453,10 @@ impl<'a> Surroundings<'a> {
             for (x, brick) in (first[0]..).zip(bricks) {
                 let x = x.wrapping_sub(1);
                 if x < nx {
-                    let index = (z * ny + y) * nx + x;
-                    let cells = &store.cells[index];
+                    let (cells, touched) = cells([x, y, z]);
                     let any = cells.iter().fold(0, |all, bits| all | bits) != 0;
-                    *brick = (any.then_some(cells), touched[index]);
-                    around.any_touched |= touched[index];
+                    *brick = (any.then_some(cells), touched);
+                    around.any_touched |= touched;
                 }
             }
         }
@@ -467,6 +490,13 @@ impl Chunk {
         &self.stored[(self.held & ((1 << place) - 1)).count_ones() as usize]
     }
 
+    /// Memory held, bytes.
+    fn bytes(&self) -> usize {
+        size_of::<Self>()
+            + self.stored.capacity() * size_of::<StoredBrick>()
+            + self.needed.capacity() * size_of::<NeededBrick>()
+    }
+
     /// Drops bricks other than those at `places`.
     fn keep(&mut self, places: u128) {
         if self.held & !places != 0 {
@@ -492,7 +522,11 @@ impl ChunkJob<'_> {
     fn update(&self, index: usize, chunk: &mut Chunk, memory: (&mut Reader<'_>, &mut Scratch)) {
         let store = self.store;
         let first = store.chunk_first(index);
-        let surroundings = Surroundings::new(store, self.touched, first);
+        let [nx, ny, _] = store.bricks;
+        let surroundings = Surroundings::new(store.bricks, first, |[x, y, z]| {
+            let index = (z * ny + y) * nx + x;
+            (&store.cells[index], self.touched[index])
+        });
         if !self.all_again && !surroundings.any_touched {
             return;
         }
@@ -507,18 +541,7 @@ impl ChunkJob<'_> {
             let known = old.next_if(|brick| brick.place == at);
             let around = surroundings.of(offset);
             if self.all_again || around.iter().any(|(_, touched)| *touched) {
-                let cells = around.map(|(cells, _)| cells);
-                if cells.iter().all(Option::is_none) {
-                    continue;
-                }
-                let needs = vectorized!(
-                    store.lattice.simd,
-                    if store.is_wide {
-                        Needs::around::<true>(&cells)
-                    } else {
-                        Needs::around::<false>(&cells)
-                    }
-                );
+                let needs = store.needs(around.map(|(cells, _)| cells));
                 if let Some(needs) = needs {
                     again.push((at, needs));
                     wanted |= 1 << at;
@@ -537,25 +560,7 @@ impl ChunkJob<'_> {
                 return;
             }
         }
-        for (at, needs) in again {
-            let stored = chunk.stored(at);
-            let offset = place(at as usize);
-            let voxel = std::array::from_fn(|a| (first[a] + offset[a]) * BRICK);
-            let existing = cells::within(store.lattice.dims, voxel);
-            let mask = vectorized!(
-                store.lattice.simd,
-                stored.mask(&needs, store.background, &existing)
-            );
-            let voxels = mask.iter().map(|bits| bits.count_ones()).sum();
-            if voxels > 0 {
-                let brick = NeededBrick {
-                    place: at,
-                    mask,
-                    voxels,
-                };
-                chunk.needed.push(brick);
-            }
-        }
+        store.mask(first, again, chunk);
         chunk.needed.sort_unstable_by_key(|brick| brick.place);
         if !store.keep_all {
             chunk.keep(wanted);

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::classification::ClassificationTable;
 use crate::engine::RenderStatistics;
-use crate::field::{FieldStore, FieldWork, SourceLevel};
+use crate::field::{FieldStore, FieldWork, SourceLevel, survey};
 use crate::kernel::GaussianKernel;
 use crate::mip;
 use crate::visibility::VisibleLevels;
@@ -136,6 +136,20 @@ impl Level {
         statistics.solved_bricks += self.work.solved;
     }
 
+    /// Where bricks are solved when they are opened, leaves those that a picture needs, given their first lattice
+    /// points.
+    pub fn restrict(&mut self, keep: &(dyn Fn([u32; 3]) -> bool + Sync)) {
+        let (_, _, wanted) = self.made_for;
+        if wanted == Wanted::Classified {
+            let visible = VisibleLevels::new(&self.classification);
+            self.field.visible_bricks(&visible, &mut self.visible);
+            let field = &self.field;
+            self.visible.retain(|&brick| keep(field.brick_first(brick)));
+        } else {
+            self.field.restrict(keep);
+        }
+    }
+
     /// Finds the needed voxels.
     fn find(&mut self, stop: &AtomicBool) {
         let visible = VisibleLevels::new(&self.classification);
@@ -191,7 +205,7 @@ impl Detail {
 
     /// Detail for a camera, `bias` octaves coarser than the picture asks.
     pub fn new(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)) -> Self {
-        let grid = volume.grid();
+        let grid = volume.finest_grid();
         let centre = grid.bounds().centre();
         let depth = camera.camera_from_world().transform_point3(centre).z;
         let scale = camera.screen_from_camera(size).scale_at(depth);
@@ -233,7 +247,7 @@ impl Pyramid {
     pub fn is_of(&self, volume: &Arc<Volume>, settings: &RenderSettings<SheetSettings>) -> bool {
         let same = self.kernel == settings.method.kernel && self.prefilter == interpolates(settings);
         let (own, _) = self.sources[0].of();
-        std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(volume)) && same
+        same && std::ptr::addr_eq(Arc::as_ptr(own), Arc::as_ptr(&volume.source()))
     }
 
     /// Memory held, bytes, the samples included.
@@ -259,6 +273,8 @@ impl Pyramid {
     fn source(&mut self, level: usize) -> Result<SourceLevel, SceneError> {
         while self.sources.len() <= level {
             let last = &self.sources[self.sources.len() - 1];
+            fits_halved(last)?;
+            survey(last, &AtomicBool::new(false))?;
             let half = match mip::half(last) {
                 Ok(half) => Arc::new(half).into(),
                 Err(error @ SceneError::Source { .. }) => return Err(error),
@@ -280,13 +296,13 @@ impl Pyramid {
         look: (&TransferFunction, f64),
         wanted: Wanted,
         stop: &AtomicBool,
-    ) -> Result<&Level, SceneError> {
+    ) -> Result<&mut Level, SceneError> {
         let finest = self.finest();
         if wanted == Wanted::Classified && level > finest {
             self.own_level(finest, look, wanted, stop)?;
             self.own_level(level, look, wanted, stop)?;
             self.average(finest, level, stop)?;
-            return self.levels[level].as_ref().ok_or(SceneError::Stopped);
+            return self.levels[level].as_mut().ok_or(SceneError::Stopped);
         }
         self.own_level(level, look, wanted, stop)
     }
@@ -317,8 +333,9 @@ impl Pyramid {
         look: (&TransferFunction, f64),
         wanted: Wanted,
         stop: &AtomicBool,
-    ) -> Result<&Level, SceneError> {
+    ) -> Result<&mut Level, SceneError> {
         let source = self.source(level)?;
+        survey(&source, stop)?;
         let slot = &mut self.levels[level];
         match slot.as_mut() {
             Some(level) => level.update(look, wanted, stop),
@@ -331,7 +348,47 @@ impl Pyramid {
         if failure.is_some() || stop.load(Ordering::Relaxed) {
             *slot = None;
         }
-        slot.as_ref().ok_or(failure.unwrap_or(SceneError::Stopped))
+        slot.as_mut().ok_or(failure.unwrap_or(SceneError::Stopped))
+    }
+
+    /// Forgets a level, whose samples could not be read.
+    pub fn forget(&mut self, level: usize) {
+        if let Some(slot) = self.levels.get_mut(level) {
+            *slot = None;
+        }
+    }
+
+    /// Frees what levels other than these have solved, where they are solved as pictures need them.
+    pub fn keep_only(&self, levels: std::ops::Range<usize>) {
+        let others = self
+            .levels
+            .iter()
+            .enumerate()
+            .filter(|(at, _)| !levels.contains(at));
+        for (_, level) in others {
+            // No bytes are always granted.
+            let _ = level.as_ref().map(|level| level.field.keep(0));
+        }
+    }
+}
+
+/// Share of a budget that a half of a level in chunks, and what is derived from it, may take.
+const HALF_SHARE: u64 = 4;
+/// Bytes that a sample of such a half takes: itself, and its coefficient.
+const HALF_BYTES: u64 = 6;
+
+/// Refuses to make a half in memory of a level in chunks that is too large.
+fn fits_halved(level: &SourceLevel) -> Result<(), SceneError> {
+    let Some(chunks) = level.chunks() else {
+        return Ok(());
+    };
+    let bytes = level.grid().sample_count() as u64 / 8 * HALF_BYTES;
+    match bytes <= chunks.budget().limit() / HALF_SHARE {
+        true => Ok(()),
+        false => Err(SceneError::Combination {
+            what: "a volume without the level of detail that this picture needs",
+            why: "the level would be made in memory, and takes more than a quarter of it; convert the volume to .ome.zarr, which has all levels",
+        }),
     }
 }
 

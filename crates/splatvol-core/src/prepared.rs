@@ -50,8 +50,7 @@ impl PreparedVolumes {
             match others.iter().position(|pyramid| pyramid.is_of(volume, settings)) {
                 Some(at) => others[..=at].rotate_right(1),
                 None => {
-                    let own: Arc<Volume> = Arc::clone(volume);
-                    let new = Pyramid::new(own, settings);
+                    let new = Pyramid::new(volume.source(), settings);
                     self.pyramids.insert(self.own, new);
                 }
             }

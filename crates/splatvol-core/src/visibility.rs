@@ -184,7 +184,6 @@ pub struct Histogram {
 
 impl Histogram {
     const BINS: usize = 256;
-    const SAMPLES: usize = 1 << 16;
 
     /// An empty histogram for samples in a range of real values.
     pub fn new([low, high]: [f64; 2], rescale: Rescale) -> Self {
@@ -198,7 +197,7 @@ impl Histogram {
 
     /// Samples from one that is counted to the next, given their number.
     pub fn step(samples: usize) -> usize {
-        (samples / Self::SAMPLES).max(1) | 1
+        splatvol_scene::chunks::spread_step(samples)
     }
 
     /// Adds a stored sample, unless it is missing.

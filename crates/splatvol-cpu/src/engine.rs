@@ -167,6 +167,7 @@ impl Engine for CpuEngine {
             level: self.level,
             tile_edge: self.tile_edge,
             task,
+            block: None,
         };
         let statistics = match &route {
             Route::Volume(volume, own) => self.sheets.render(run, volume, (camera, own), frame)?,

@@ -115,7 +115,7 @@ impl VolumeScene<'_> {
     pub(crate) fn unit_distance(&self) -> f64 {
         self.transfer_function
             .unit_distance
-            .unwrap_or_else(|| self.volume.grid().mean_spacing())
+            .unwrap_or_else(|| self.volume.finest_grid().mean_spacing())
     }
 }
 

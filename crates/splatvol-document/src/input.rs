@@ -9,7 +9,7 @@ use splatvol_samples::Sample;
 use splatvol_scene::{Mesh, Volume};
 
 use crate::keys::ItemKeys;
-use crate::{DocumentError, Listener, spelling};
+use crate::{DocumentError, Listener, chunked, spelling};
 
 /// A volume, and what is known about it.
 pub struct Input {
@@ -33,6 +33,17 @@ pub struct ReadRules {
     pub allow_outside: bool,
     /// Most bytes that an item's samples may take; if absent, half of the memory that the machine or container grants.
     pub max_bytes: Option<u64>,
+    /// How volumes are read that need not be in memory; if absent, all are read whole.
+    pub chunks: Option<ChunkRules>,
+}
+
+/// How volumes are read in chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChunkRules {
+    /// Bytes that all volumes in chunks may take together, and what is derived from them.
+    pub memory: u64,
+    /// Whether lost chunks are holes, not errors.
+    pub holes: bool,
 }
 
 /// Where and how files are read.
@@ -72,6 +83,9 @@ pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentErro
         return generate(name);
     }
     let path = reading.locate(&item.file);
+    if let Some(input) = chunked::open(item, &path, reading)? {
+        return Ok(input);
+    }
     let loaded = splatvol_io::read_volume(&path, &options(item, reading.rules)?);
     let loaded = loaded.map_err(|error| hinting(refused(error), item, &path))?;
     for warning in &loaded.description.warnings {

@@ -25,6 +25,7 @@
 //! | `schema` | the JSON schema |
 //! | [`resolve`] | from a document to a picture that can be rendered |
 //! | [`items`], [`input`], [`held`], [`meaning`] | reading an item, or taking it from memory; which keys it can have |
+//! | `chunked` | items that are read in chunks when they are drawn |
 //! | [`look`], [`settings`], `effects`, [`motion`] | transfer function, method, operators and clips, motion blur |
 //! | [`upright`], [`standing`] | which way is up: as given, or as the data suggest |
 //! | [`camera`], `framing`, `turning` | the camera: as requested, or so that an outline fills the picture, still or turning |
@@ -36,6 +37,7 @@
 
 pub mod animation;
 pub mod camera;
+mod chunked;
 mod document;
 pub mod edit;
 mod effects;
@@ -69,7 +71,7 @@ pub use edit::{Edit, History};
 pub use error::DocumentError;
 pub use format::Record;
 pub use held::Held;
-pub use input::{ReadRules, Reading};
+pub use input::{ChunkRules, ReadRules, Reading};
 pub use listener::{Listener, Silent};
 pub use motion::CameraMotion;
 pub use outline::outline;

@@ -167,11 +167,16 @@ impl Document {
 
     /// Reads the items that are visible.
     fn load(&self, resolving: Resolving<'_>) -> Result<All, DocumentError> {
+        let visible = self.items.iter().filter(|item| item.is_visible()).count();
+        let mut reading = resolving.reading;
+        if let Some(chunks) = &mut reading.rules.chunks {
+            chunks.memory /= visible.max(1) as u64;
+        }
         let among = Among {
             compositing: self.settings.compositing(),
-            alone: self.items.iter().filter(|item| item.is_visible()).count() == 1,
+            alone: visible == 1,
             effects: &self.effects,
-            reading: resolving.reading,
+            reading,
         };
         let mut all = Vec::new();
         let mut keys = Vec::new();

@@ -134,6 +134,12 @@ fn refuse<T>(what: &'static str, why: &'static str) -> Result<T, SceneError> {
 }
 
 fn check_volume(scene: &Scene, single: &SingleVolume<'_>, sheets: &SheetSettings) -> Result<(), SceneError> {
+    if single.volume.chunks().is_some() {
+        return refuse(
+            "on the GPU, a volume that is read in chunks",
+            "it is drawn by the engine cpu; or read the volume whole",
+        );
+    }
     let is_cut = !scene.clips.is_empty() || !single.item.clips.is_empty();
     let has_cut_faces =
         sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;

@@ -12,7 +12,7 @@ use splatvol_io::image::png::Depth;
 use crate::data::Data;
 use crate::error::{Raise, refused};
 use crate::frame::Frame;
-use crate::work;
+use crate::{chunks, work};
 
 /// The frames of an animation, each a document.
 #[pyclass(frozen)]
@@ -38,7 +38,10 @@ impl Animation {
             .collect();
         work::run(py, (None, None), |_| {
             let reading = Reading {
-                rules: ReadRules::default(),
+                rules: ReadRules {
+                    chunks: Some(chunks::chunk_rules()),
+                    ..ReadRules::default()
+                },
                 folder: None,
                 listener: &Silent,
             };

@@ -132,6 +132,7 @@ impl Data {
             strict,
             allow_outside,
             max_bytes,
+            chunks: None,
         };
         work::run(py, (stop, progress.as_ref()), |_| {
             let notes = Notes::default();

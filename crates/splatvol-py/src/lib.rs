@@ -9,6 +9,7 @@
 //! | [`data`] | data in memory: arrays, or files that were read |
 //! | [`array`] | memory of arrays, as samples |
 //! | [`picture`] | a document with its data, resolved, and how it is rendered |
+//! | [`chunks`] | volumes that are read in chunks |
 //! | [`frame`] | the picture: codes, floats, files |
 //! | [`animation`] | frames of animations, and files of many frames |
 //! | [`work`] | work without the interpreter's lock, that can be interrupted |
@@ -17,6 +18,7 @@
 
 mod animation;
 mod array;
+mod chunks;
 mod data;
 mod engines;
 mod error;

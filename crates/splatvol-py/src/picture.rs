@@ -9,6 +9,7 @@ use splatvol_document::format::{is_scene, path_outside, read_scene};
 use splatvol_document::keys::ItemKeys;
 use splatvol_document::{CameraMotion, Document, Edit, Held, ReadRules, Reading, Record, Resolving};
 
+use crate::chunks;
 use crate::data::{Data, Notes};
 use crate::engines;
 use crate::error::Raise;
@@ -50,6 +51,7 @@ impl Picture {
                 reading: Reading {
                     rules: ReadRules {
                         strict,
+                        chunks: Some(chunks::chunk_rules()),
                         ..ReadRules::default()
                     },
                     folder: folder.as_deref(),
@@ -60,9 +62,8 @@ impl Picture {
                 keeps_alpha,
             });
             let picture = picture.map_err(Raise::raised)?;
-            splatvol::check(&picture.scene, &picture.camera, &picture.settings).map_err(Raise::raised)?;
             Ok(Self {
-                picture,
+                picture: chunks::whole_where_needed(picture)?,
                 notes: notes.taken(),
             })
         })

@@ -63,8 +63,8 @@ pub mod volume;
 pub use camera::{Camera, Projection, ScreenFromCamera, View};
 pub use camera_path::{CameraKey, CameraPath};
 pub use chunks::{
-    Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkFault, ChunkSource, ChunkedVolume, ElementType,
-    LevelLayout, OverBudget, Reservation, SourceError, SourceIdentity,
+    Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkCounts, ChunkFault, ChunkSource, ChunkedVolume,
+    ElementType, LevelLayout, OverBudget, Recent, Reservation, SourceError, SourceIdentity, Survey,
 };
 pub use clip::{Clip, ClipPlane, Keep};
 pub use error::SceneError;

@@ -80,6 +80,30 @@ impl Scene {
         self
     }
 
+    /// Whether volumes of it are read in chunks when they are drawn.
+    pub fn reads_chunks(&self) -> bool {
+        let chunked = |item: &Item| match &item.content {
+            Content::Volume { volume, .. } => volume.chunks().is_some(),
+            _ => false,
+        };
+        self.items.iter().any(chunked)
+    }
+
+    /// This scene with all volumes in memory, at full resolution, for methods that need all their samples.
+    ///
+    /// # Errors
+    /// Samples that cannot be read, or that are larger than their budget.
+    pub fn in_memory(mut self) -> Result<Self, SceneError> {
+        for item in &mut self.items {
+            if let Content::Volume { volume, .. } = &mut item.content
+                && let Some(chunks) = volume.chunks()
+            {
+                *volume = Arc::new(chunks.in_memory(0)?);
+            }
+        }
+        Ok(self)
+    }
+
     /// Checks the items.
     ///
     /// # Errors
@@ -213,7 +237,7 @@ impl SingleVolume<'_> {
     /// World length to which the transfer function's opacities refer.
     pub fn unit_distance(&self) -> f64 {
         let own = self.transfer_function.unit_distance;
-        let own = own.unwrap_or_else(|| self.volume.grid().mean_spacing());
+        let own = own.unwrap_or_else(|| self.volume.finest_grid().mean_spacing());
         own * self.item.scale()
     }
 

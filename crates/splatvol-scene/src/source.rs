@@ -7,7 +7,7 @@
 use std::fmt::Debug;
 
 use crate::volume::Statistics;
-use crate::{Grid, Rescale, Samples, SceneError, Volume};
+use crate::{ChunkedVolume, Grid, Rescale, Samples, SceneError, Volume};
 
 /// A box of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,6 +86,11 @@ pub trait SampleSource: Debug + Send + Sync {
 
     /// Bytes in memory that belong to the source.
     fn bytes(&self) -> usize;
+
+    /// The chunks from which the samples are read, where they are not all in memory.
+    fn chunks(&self) -> Option<&ChunkedVolume> {
+        None
+    }
 }
 
 impl SampleSource for Volume {

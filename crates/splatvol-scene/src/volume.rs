@@ -4,9 +4,11 @@
 //! they carry no weight in the reconstruction, exactly as if they lay outside the volume, and they are counted in
 //! [`Statistics::non_finite`].
 
+use std::sync::Arc;
+
 use glam::DAffine3;
 
-use crate::{Grid, LengthUnit, SceneError, Storage};
+use crate::{ChunkedVolume, Grid, LengthUnit, SampleSource, SceneError, Storage};
 
 /// Stored samples, x fastest.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,7 +163,8 @@ pub struct Statistics {
     pub non_finite: usize,
 }
 
-/// A validated scalar volume.
+/// A validated scalar volume. One that is larger than memory has the samples of a coarse level here, an overview from
+/// which looks and cameras are chosen, and reads its own from chunks when it is drawn.
 #[derive(Debug, Clone)]
 pub struct Volume {
     grid: Grid,
@@ -169,6 +172,7 @@ pub struct Volume {
     rescale: Rescale,
     unit: LengthUnit,
     statistics: Statistics,
+    chunks: Option<Arc<ChunkedVolume>>,
 }
 
 impl Volume {
@@ -197,7 +201,38 @@ impl Volume {
             rescale,
             unit,
             statistics,
+            chunks: None,
         })
+    }
+
+    /// The volume of which this is an overview.
+    #[must_use]
+    pub fn over_chunks(self, chunks: ChunkedVolume) -> Self {
+        Self {
+            chunks: Some(Arc::new(chunks)),
+            ..self
+        }
+    }
+
+    /// The chunks from which the volume is read when it is drawn; the samples here are an overview then.
+    pub fn chunks(&self) -> Option<&Arc<ChunkedVolume>> {
+        self.chunks.as_ref()
+    }
+
+    /// The samples that are drawn.
+    pub fn source(self: &Arc<Self>) -> Arc<dyn SampleSource> {
+        match &self.chunks {
+            Some(chunks) => Arc::<ChunkedVolume>::clone(chunks),
+            None => Arc::<Self>::clone(self),
+        }
+    }
+
+    /// Grid of the samples that are drawn, at full resolution.
+    pub fn finest_grid(&self) -> &Grid {
+        match &self.chunks {
+            Some(chunks) => chunks.grid(0),
+            None => &self.grid,
+        }
     }
 
     /// Moves the volume: its map from voxel to world becomes `world_from_old * world_from_voxel`.
@@ -205,7 +240,11 @@ impl Volume {
     /// # Errors
     /// Same as [`Grid::from_affine`]; the volume then keeps its placement.
     pub fn transform(&mut self, world_from_old: DAffine3) -> Result<(), SceneError> {
-        self.grid = Grid::from_affine(self.grid.dims(), world_from_old * self.grid.world_from_voxel())?;
+        let grid = Grid::from_affine(self.grid.dims(), world_from_old * self.grid.world_from_voxel())?;
+        if let Some(chunks) = &mut self.chunks {
+            *chunks = Arc::new(chunks.transformed(world_from_old)?);
+        }
+        self.grid = grid;
         Ok(())
     }
 

@@ -67,6 +67,7 @@ impl InputArgs {
             strict: self.strict,
             allow_outside: self.allow_outside,
             max_bytes: self.max_memory,
+            chunks: None,
         }
     }
 }

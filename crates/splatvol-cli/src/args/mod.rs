@@ -11,6 +11,7 @@
 mod animate;
 mod bench;
 mod camera;
+mod chunks;
 mod document;
 mod effects;
 mod export;
@@ -25,6 +26,7 @@ mod lab;
 mod look;
 mod method;
 mod motion;
+mod part;
 mod picture;
 mod pyramid;
 mod render;
@@ -40,6 +42,7 @@ use help::{GENERAL, INPUT, LOOK, OUTPUT};
 pub(crate) use animate::AnimateArgs;
 pub(crate) use bench::{BenchArgs, LookName, ProjectionName};
 pub(crate) use camera::CameraArgs;
+pub(crate) use chunks::ChunkArgs;
 pub(crate) use document::of_input;
 pub(crate) use effects::{BoxSides, EffectArgs, GradientCurve};
 pub(crate) use export::ExportArgs;
@@ -53,6 +56,7 @@ pub(crate) use lab::LabArgs;
 pub(crate) use look::LookArgs;
 pub(crate) use method::MethodArgs;
 pub(crate) use motion::MotionArgs;
+pub(crate) use part::{AssembleArgs, PartArgs};
 pub(crate) use picture::PictureArgs;
 pub(crate) use pyramid::PyramidArgs;
 pub(crate) use render::{EngineName, RenderArgs};
@@ -108,6 +112,10 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Write one HTML file that turns, zooms, changes look and cut, without a network
     Export(Box<ExportArgs>),
+    /// Make a part of a picture, for whoever puts all of them together: one process of many
+    Part(PartArgs),
+    /// Put the parts of a picture together
+    Assemble(AssembleArgs),
     /// Measure how two pictures or volumes differ
     Compare(CompareArgs),
     /// Measure how long pictures take, and check that they are as recorded

@@ -6,7 +6,7 @@ use clap::Args;
 use splatvol_document::keys::PictureSize;
 
 use super::help::{GENERAL, METHOD, OUTPUT};
-use super::{PictureArgs, WriteArgs, values};
+use super::{ChunkArgs, PictureArgs, WriteArgs, values};
 
 /// Raw arguments of `render`.
 #[derive(Debug, Clone, Args)]
@@ -75,6 +75,9 @@ pub(crate) struct RenderArgs {
     /// Along the camera's axis. A PNG has 16 bits, and says in its text which range they stand for.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) depth: Option<PathBuf>,
+    /// Write the picture's recipe, a scene with nothing left open, and no picture: for `splatvol part`
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["output", "depth", "stats"], help_heading = OUTPUT)]
+    pub(crate) recipe: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
     /// Write no settings and no command line into the picture
@@ -90,6 +93,8 @@ pub(crate) struct RenderArgs {
     /// The picture does not depend on it.
     #[arg(long, value_name = "N", help_heading = GENERAL)]
     pub(crate) threads: Option<usize>,
+    #[command(flatten)]
+    pub(crate) chunks: ChunkArgs,
     /// Engine: cpu, gpu, or auto
     ///
     /// The CPU draws everything, with the same bytes on every machine. gpu draws volumes, labels, meshes, points and

@@ -49,9 +49,10 @@ pub(crate) fn picture_size(text: &str) -> Result<PictureSize, String> {
     text.parse()
 }
 
-/// A number of bytes, with K, M, G or T for powers of 1024.
+/// A number of bytes, with K, M, G or T, or KiB and so on, for powers of 1024.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
-    let (digits, unit) = match text.strip_suffix(['B', 'b']).unwrap_or(text) {
+    let text = text.strip_suffix(['B', 'b']).unwrap_or(text);
+    let (digits, unit) = match text.strip_suffix('i').unwrap_or(text) {
         text if text.ends_with(|c: char| c.is_ascii_alphabetic()) => text.split_at(text.len() - 1),
         text => (text, ""),
     };

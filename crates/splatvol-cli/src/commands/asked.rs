@@ -11,7 +11,7 @@ use splatvol_io::is_plot3d_pair;
 
 use super::render::describe;
 use super::studio::{Means, threads_within};
-use crate::args::{AnimateArgs, BenchArgs, ExportArgs, PictureArgs, RenderArgs};
+use crate::args::{AnimateArgs, BenchArgs, EngineName, ExportArgs, PictureArgs, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::record;
 use crate::terminal::Terminal;
@@ -125,13 +125,16 @@ impl Asked {
         terminal: &Terminal,
     ) -> Result<Prepared, Failure> {
         let threads = threads(args.threads, terminal);
+        let mut reading = self.reading(&args.picture, terminal);
+        reading.rules.chunks = Some(args.chunks.rules());
         let resolving = Resolving {
-            reading: self.reading(&args.picture, terminal),
+            reading,
             held: &[],
             moves,
             keeps_alpha,
         };
         let picture = self.picture(&self.document, &args.picture, resolving)?;
+        let picture = whole_where_needed(picture, args.engine, terminal)?;
         terminal.detail(format!("camera: {}", describe(&picture.camera)));
         let folder = args
             .output
@@ -157,7 +160,9 @@ impl Asked {
     ) -> Result<Picture, Failure> {
         let picture = document.resolve(resolving).map_err(|error| self.failure(error))?;
         refuse::gaussians(args, &picture.scene, &picture.settings)?;
-        splatvol::check(&picture.scene, &picture.camera, &picture.settings).during(Step::Usage)?;
+        if !picture.scene.reads_chunks() {
+            splatvol::check(&picture.scene, &picture.camera, &picture.settings).during(Step::Usage)?;
+        }
         Ok(picture)
     }
 
@@ -180,6 +185,25 @@ pub(super) fn threads(asked: Option<usize>, terminal: &Terminal) -> Option<usize
             .build_global();
     }
     threads
+}
+
+/// The picture with its volumes in memory, where they are read in chunks and the method or the engine needs all samples.
+pub(super) fn whole_where_needed(
+    mut picture: Picture,
+    engine: EngineName,
+    terminal: &Terminal,
+) -> Result<Picture, Failure> {
+    let check = |picture: &Picture| splatvol::check(&picture.scene, &picture.camera, &picture.settings);
+    if !picture.scene.reads_chunks() {
+        check(&picture).during(Step::Usage)?;
+        return Ok(picture);
+    }
+    if engine != EngineName::Cpu || check(&picture).is_err() {
+        terminal.detail("volumes are read whole: the method, or the engine, needs all samples");
+        picture.scene = picture.scene.in_memory().during(Step::Input)?;
+        check(&picture).during(Step::Usage)?;
+    }
+    Ok(picture)
 }
 
 /// The input and, if there are two, its solution: a grid and a solution of PLOT3D, in either order.

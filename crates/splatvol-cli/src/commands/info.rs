@@ -8,6 +8,7 @@ use std::fmt::Write;
 use glam::DVec3;
 use serde::Serialize;
 use splatvol::{Grid, TransferFunction};
+use splatvol_document::ChunkRules;
 use splatvol_document::input::{self, Input};
 use splatvol_document::upright::Up;
 
@@ -23,8 +24,14 @@ pub(crate) fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
     if let Some(text) = data::text(name, args, terminal)? {
         return Target::Stdout.write(text.as_bytes(), false);
     }
-    let mut input = input::load(&of_input(&args.read, name), terminal.reads(args.read.rules()))?;
-    let stored = input.volume.grid().clone();
+    let mut rules = args.read.rules();
+    // A huge image is described by its metadata and a coarse level.
+    rules.chunks = Some(ChunkRules {
+        memory: splatvol_io::memory::granted() / 2,
+        holes: false,
+    });
+    let mut input = input::load(&of_input(&args.read, name), terminal.reads(rules))?;
+    let stored = input.volume.finest_grid().clone();
     let up = Up::of(&input);
     // The choice of a transfer function depends on the axes in which a volume is rendered.
     input.turn(up.axis)?;
@@ -68,6 +75,9 @@ struct Report {
     times: usize,
     levels: Vec<[usize; 3]>,
     series: Vec<String>,
+    /// Samples along x, y, z of the level whose values are described, where that is not the finest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    values_of: Option<[usize; 3]>,
     histogram: Vec<u64>,
     transfer_function: TransferFunctionReport,
     warnings: Vec<String>,
@@ -93,6 +103,10 @@ impl Report {
             Some(own) => (own, "the sample brings its own".to_owned()),
             None => (automatic, choice.reason),
         };
+        let (sample_type, bytes) = match volume.chunks() {
+            Some(chunks) => (chunks.layout(0).element.name(), chunks.layout(0).element.size()),
+            None => (volume.samples().type_name(), volume.samples().bytes_per_sample()),
+        };
         Self {
             kind: "volume",
             input: name.to_owned(),
@@ -100,8 +114,8 @@ impl Report {
             stored_type: description.stored_type.clone(),
             files: description.files.clone(),
             dims: grid.dims(),
-            sample_type: volume.samples().type_name(),
-            memory_bytes: volume.samples().len() * volume.samples().bytes_per_sample(),
+            sample_type,
+            memory_bytes: grid.sample_count() * bytes,
             slope: volume.rescale().slope,
             intercept: volume.rescale().intercept,
             spacing: grid.spacing().to_array(),
@@ -119,6 +133,7 @@ impl Report {
             times: description.times,
             levels: description.levels.clone(),
             series: description.series.clone(),
+            values_of: Some(volume.grid().dims()).filter(|dims| *dims != grid.dims()),
             histogram: volume.histogram(bins),
             transfer_function: TransferFunctionReport { reason, curves },
             warnings: description.warnings.clone(),
@@ -163,6 +178,10 @@ impl Report {
             format!("{} ({})", self.orientation_code, self.orientation),
         );
         row("up", format!("{} ({})", self.up.axis.name(), self.up.reason));
+        if let Some(dims) = self.values_of {
+            let level = dims.map(|n| n.to_string()).join(" x ");
+            row("values", format!("of the level {level}: the finest was not read"));
+        }
         row("range", format!("{} to {}", tidy(self.min), tidy(self.max)));
         row("mean", tidy(self.mean));
         let share = 100.0 * self.missing_samples as f64 / samples as f64;

@@ -12,6 +12,7 @@ pub(crate) mod lab;
 mod methods;
 mod metrics;
 mod outputs;
+pub(crate) mod part;
 pub(crate) mod render;
 pub(crate) mod sample;
 pub(crate) mod schema;

@@ -1,5 +1,6 @@
 //! `splatvol render`: resolve, render, write.
 
+use std::path::Path;
 use std::time::Instant;
 
 use splatvol::{Camera, Frame, RenderStatistics};
@@ -20,12 +21,16 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     }
     let start = Instant::now();
     let asked = Asked::of(args)?;
+    if let Some(path) = &args.recipe {
+        return recipe(&asked, path, args, terminal);
+    }
     let outputs = Outputs::new(args, asked.document.reference())?;
     let keeps_alpha = outputs.format() == ImageFormat::Exr;
     let prepared = asked.prepare(args, (CameraMotion::default(), keeps_alpha), terminal)?;
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
     let (frame, statistics) = render(&prepared, terminal)?;
     terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
+    say_holes(&statistics, terminal);
     if !statistics.why.is_empty() {
         terminal.note(format!("rendered by the CPU: {}", statistics.why));
     }
@@ -40,6 +45,23 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
     };
     outputs.write(&frame, look, &metadata, overwrite)?;
     outputs.finish(&statistics, picture.settings.size, (overwrite, start), terminal)
+}
+
+/// Writes the scene with nothing left open, and with paths that lead to its files from anywhere.
+fn recipe(asked: &Asked, path: &Path, args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
+    let target = Target::new(path);
+    target.check(args.write.overwrite)?;
+    let prepared = asked.prepare(args, (CameraMotion::default(), false), terminal)?;
+    let text = prepared.picture.document.absolute().to_json(true)? + "\n";
+    target.write(text.as_bytes(), args.write.overwrite)
+}
+
+/// Warns of chunks that were lost.
+pub(super) fn say_holes(statistics: &RenderStatistics, terminal: &Terminal) {
+    let holes = statistics.chunks.holes;
+    if holes > 0 {
+        terminal.warn(format!("{holes} chunks were lost, and are holes in the picture"));
+    }
 }
 
 fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStatistics), Failure> {

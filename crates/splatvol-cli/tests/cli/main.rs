@@ -3,6 +3,7 @@
 mod animate;
 mod bench;
 mod browser;
+mod chunks;
 mod commands;
 mod data;
 mod effects;

@@ -58,6 +58,25 @@ pub struct MemoryUse {
     pub device: usize,
 }
 
+/// Chunks of volumes that are larger than memory, read for a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct ChunkStatistics {
+    /// Chunks of the levels that were drawn.
+    pub all: u64,
+    /// Different chunks that were read. All others are invisible, hidden, or outside the picture.
+    pub touched: u64,
+    /// Reads of these.
+    pub reads: u64,
+    /// Reads of the one that was read most often.
+    pub most_reads: u64,
+    /// Bytes read, as they are stored.
+    pub bytes: u64,
+    /// Lost chunks that are holes in the picture, where that was allowed.
+    pub holes: u64,
+    /// The most bytes of a volume's budget that were reserved at a time.
+    pub planned_bytes: u64,
+}
+
 /// Times and counts of the last frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct RenderStatistics {
@@ -116,6 +135,8 @@ pub struct RenderStatistics {
     /// Pixels that are means of several samples ([`splatvol_scene::Coverage`]). Times include theirs, other counts
     /// do not.
     pub sampled_pixels: u64,
+    /// Chunks read of volumes that are larger than memory; zeros for all others.
+    pub chunks: ChunkStatistics,
     /// Memory held by the renderer after the frame.
     pub memory: MemoryUse,
 }

@@ -79,6 +79,16 @@ impl BrickRanges {
         of
     }
 
+    /// None: they are found brick by brick ([`Self::visible_within`]).
+    pub(super) fn unknown((interpolates, is_wide): (bool, bool)) -> Self {
+        Self {
+            ranges: Vec::new(),
+            loose: Vec::new(),
+            interpolates,
+            is_wide,
+        }
+    }
+
     /// Widens the ranges of bricks by those of the bricks around, where values from there reach them.
     fn spread(&mut self, bricks: [usize; 3]) {
         if !self.loose.contains(&true) {
@@ -149,6 +159,33 @@ impl BrickRanges {
             }
         };
         let existing = existing(lattice, first);
+        std::array::from_fn(|z| found[z] & existing[z])
+    }
+
+    /// As [`Self::visible`], of a brick whose range is not known and whose cells are bounded by their corners.
+    pub(super) fn visible_within<T: StoredSample>(
+        (lattice, data): (&Lattice, &Block<'_, T>),
+        first: [usize; 3],
+        (levels, intervals): (&VisibleLevels, &[LevelRange]),
+    ) -> CellBits {
+        let existing = existing(lattice, first);
+        if levels.all_of([0, LEVELS as i16 - 1]) {
+            return existing;
+        }
+        let found = vectorized!(lattice.simd, {
+            let points = cells::read(lattice, data, first);
+            let range = cells::range(&points);
+            match cells::verdict(range, levels) {
+                Verdict::None => [0; BRICK],
+                Verdict::All => [u64::MAX; BRICK],
+                Verdict::Mixed => {
+                    let [low, high] = cells::widened(range);
+                    let from = intervals.partition_point(|interval| interval[1] < low);
+                    let to = intervals.partition_point(|interval| interval[0] <= high);
+                    cells::visible(&points, &intervals[from..to])
+                }
+            }
+        });
         std::array::from_fn(|z| found[z] & existing[z])
     }
 

@@ -170,6 +170,15 @@ pub(super) fn read<T: StoredSample>(
     levels
 }
 
+/// Smallest and largest level of the points around a brick's cells.
+#[inline(always)]
+pub(super) fn range(points: &PointLevels) -> LevelRange {
+    let points = &points[..POINTS * POINTS * POINTS];
+    points.iter().fold([i16::MAX, i16::MIN], |[low, high], &level| {
+        [low.min(level), high.max(level)]
+    })
+}
+
 /// Visible cells between points, each by its own range. `intervals`: the visible levels.
 #[inline(always)]
 pub(super) fn visible(points: &PointLevels, intervals: &[LevelRange]) -> CellBits {

@@ -3,7 +3,9 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use splatvol_scene::volume::Statistics;
-use splatvol_scene::{Block, Grid, Rescale, SampleSource, Samples, SceneError, Volume, VoxelBox};
+use splatvol_scene::{
+    Block, ChunkedVolume, Grid, Rescale, SampleSource, Samples, SceneError, Survey, Volume, VoxelBox,
+};
 
 /// Samples on one grid.
 #[derive(Debug, Clone)]
@@ -42,6 +44,16 @@ impl SourceLevel {
     pub fn value_range(&self) -> [f64; 2] {
         let Statistics { min, max, .. } = self.statistics();
         [min, max]
+    }
+
+    /// The chunks from which the samples are read, where they are not in memory.
+    pub fn chunks(&self) -> Option<&ChunkedVolume> {
+        self.source.chunks()
+    }
+
+    /// What is known of the level, where it is read from chunks.
+    pub fn known(&self) -> Option<&Survey> {
+        self.chunks()?.survey(self.level)
     }
 
     /// The samples of a region, or of a larger one.

@@ -44,6 +44,9 @@ impl FieldStore {
             low <= high && levels.any_of([(low - 1).max(0), (high + 1).min(LEVELS as i16 - 1)])
         };
         bricks.clear();
+        if self.lazy.is_some() {
+            return self.candidate_bricks(levels, bricks);
+        }
         bricks.extend(
             (0u32..)
                 .zip(self.ranges.all())

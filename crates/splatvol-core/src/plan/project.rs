@@ -9,6 +9,7 @@ use crate::footprint::FootprintShape;
 use crate::sheets::Planes;
 
 /// Bricks to screen rectangles and front sheets.
+#[derive(Debug)]
 pub(super) struct BrickProjection<'a> {
     pub camera_from_lattice: DAffine3,
     pub screen: ScreenFromCamera,

@@ -60,13 +60,8 @@ impl ZonePlan {
         };
     }
 
-    /// Sorts the bricks that the zone's sheets meet into tiles.
-    pub(super) fn bin(
-        &mut self,
-        view: &GridView,
-        bricks: &dyn Bricks,
-        (tiles, projected): (&TileGrid, &mut Vec<Option<ProjectedBrick>>),
-    ) {
+    /// Projection of bricks to the zone, whose sheets have their footprints.
+    pub(super) fn projection<'a>(&self, view: &'a GridView) -> BrickProjection<'a> {
         let &Extents {
             screen, along_rays, ..
         } = view.extents();
@@ -76,7 +71,7 @@ impl ZonePlan {
         } = *zone;
         let room = view.room();
         let half_extent = room_of(&self.sheets[zone.first_made], cut as f32, room);
-        let projection = BrickProjection {
+        BrickProjection {
             camera_from_lattice: view.camera_from_lattice(),
             screen,
             shape: view.shape(),
@@ -90,7 +85,17 @@ impl ZonePlan {
                 view.depth_reach()
             },
             margin: f64::from(pixel_reach(half_extent, raster.step)),
-        };
+        }
+    }
+
+    /// Sorts the bricks that the zone's sheets meet into tiles.
+    pub(super) fn bin(
+        &mut self,
+        view: &GridView,
+        bricks: &dyn Bricks,
+        (tiles, projected): (&TileGrid, &mut Vec<Option<ProjectedBrick>>),
+    ) {
+        let projection = self.projection(view);
         projected.clear();
         projected.resize(bricks.len(), None);
         let each = projected.par_iter_mut().enumerate().with_min_len(256);

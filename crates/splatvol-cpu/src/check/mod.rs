@@ -6,9 +6,11 @@
 //! | a volume alone, with the settings | `volume` |
 //! | a rasteriser, with the footprints of a view | `raster` |
 //! | layers and clouds: several things, meshes, points, Gaussians | `cloud` |
+//! | volumes that are read in chunks | `chunks` |
 //!
 //! Rendering accepts everything that passes these checks. `docs/scenes.md` tabulates their results.
 
+mod chunks;
 mod cloud;
 mod raster;
 mod volume;
@@ -36,9 +38,11 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
         RenderLoop::Volume(single, own) => {
             own.with(Method::Sheets(own.method)).validate()?;
             volume::on_sheets(scene, &single, &own.method)?;
+            chunks::on_sheets(single.item, &own.method)?;
         }
         RenderLoop::Classic(single, own) => {
             own.with(Method::Splats(own.method)).validate()?;
+            chunks::whole(&scene.items)?;
             volume::footprints(scene, &single)?;
             raster::check(&single, camera, &own.method)?;
         }
@@ -46,8 +50,14 @@ pub fn check(shot: Shot<'_>) -> Result<(), SceneError> {
         RenderLoop::Layers(own) => {
             settings.validate()?;
             cloud::layers(scene, &own.method)?;
+            for item in &scene.items {
+                chunks::on_sheets(item, &own.method)?;
+            }
         }
-        RenderLoop::Splats => cloud::splats(scene, settings)?,
+        RenderLoop::Splats => {
+            chunks::whole(&scene.items)?;
+            cloud::splats(scene, settings)?;
+        }
     }
     Ok(())
 }

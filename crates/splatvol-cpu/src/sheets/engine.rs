@@ -12,6 +12,7 @@ use splatvol_core::plan::{Bricks, GridView, Sampling};
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::analytic::{Analytic, Sums};
+use super::blocks::{self, Needs, Room};
 use super::canvas::Canvas;
 use super::classified::ClassifiedBricks;
 use super::cloud::plan::CloudPlan;
@@ -36,7 +37,7 @@ use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
-use splatvol_core::level::{Detail, Wanted, blend};
+use splatvol_core::level::{Detail, Level, Wanted, blend};
 use splatvol_core::prepared::PreparedVolumes;
 
 /// Largest and default edge of a tile, pixels: few voxels lie in two tiles.
@@ -94,18 +95,29 @@ impl TileMemory {
             self.tiles.resize_with(count, Mutex::default);
         }
         let tiles = &self.tiles[..count];
-        render_tiles(run, picture, &self.scratch, tiles);
+        let order = match &run.block {
+            Some(block) => block.tiles(&plan.tiles),
+            None => Vec::new(),
+        };
+        let order = if run.block.is_some() {
+            &order
+        } else {
+            &plan.longest_first
+        };
+        render_tiles(run, picture, &self.scratch, (tiles, order));
         if run.task.is_stopped() {
             return;
         }
-        resolve(&plan.tiles, tiles, frame);
+        resolve(&plan.tiles, tiles, frame, run.block.map(|block| block.rect));
         statistics.seconds.tiles += start.elapsed().as_secs_f64();
         statistics.active_bricks += picture.bricks();
-        statistics.sheets += plan.sheets();
-        statistics.zones += picture.zones();
-        statistics.tiles += count;
-        for tile in tiles {
-            let (_, work) = &*lock(tile);
+        if run.block.is_none_or(|block| block.is_first) {
+            statistics.sheets += plan.sheets();
+            statistics.zones += picture.zones();
+        }
+        statistics.tiles += order.len();
+        for &tile in order {
+            let (_, work) = &*lock(&tiles[tile as usize]);
             count_work(work, sheets_per_voxel, statistics);
         }
     }
@@ -197,17 +209,32 @@ impl SheetEngine {
         run: Run<'_>,
         scene: &VolumeScene<'_>,
         (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
-        level: usize,
+        number: usize,
         frame: &mut Frame,
         statistics: &mut RenderStatistics,
     ) -> Result<(), SceneError> {
         let prepared = Instant::now();
-        let [pyramid, ..] = self.prepared.of_scene(std::iter::once(&scene.volume), settings) else {
+        let edge = run.tile_edge.unwrap_or(TILE_EDGE);
+        let Self {
+            prepared: kept,
+            plan,
+            memory,
+            ..
+        } = self;
+        let [pyramid, ..] = kept.of_scene(std::iter::once(&scene.volume), settings) else {
             return Ok(());
         };
         let wanted = Wanted::of(settings);
+        pyramid.keep_only(number..number + 1);
+        let needs = Needs {
+            size: settings.size,
+            threads: run.pool.current_num_threads(),
+            tile_edge: edge,
+            volumes: 1,
+        };
+        let room = Room::of_picture((&scene.volume, pyramid), needs, wanted)?;
         let look = (&*scene.transfer_function, scene.unit_distance());
-        let level = pyramid.classify(level, look, wanted, run.task.stop)?;
+        let level = pyramid.classify(number, look, wanted, run.task.stop)?;
         level.count_work(statistics);
         let sampling = match (wanted, settings.method.shows) {
             (Wanted::Classified, Shows::Xray) => Sampling::Rays,
@@ -216,74 +243,114 @@ impl SheetEngine {
         };
         let grid = level.field.source().grid();
         let view = GridView::new(grid, (camera, settings), sampling, None);
-        let planned = Instant::now();
-        statistics.seconds.classify += (planned - prepared).as_secs_f64();
-        let mut job = Job {
-            run,
-            view: &view,
-            settings,
-            plan: &mut self.plan,
-            memory: &mut self.memory,
+        statistics.bricks += level
+            .field
+            .dims()
+            .iter()
+            .map(|n| n.div_ceil(8))
+            .product::<usize>();
+        let edge = match sampling {
+            Sampling::Rays => view.ray_tile_edge(TILE_EDGE),
+            _ => edge,
         };
-        let store: &FieldStore = &level.field;
-        let spacing = scene.volume.grid().mean_spacing();
-        statistics.bricks += store.dims().iter().map(|n| n.div_ceil(8)).product::<usize>();
-        let cut = || {
-            Cut::new(
-                &scene.effects.clips,
-                world_from_lattice(grid.world_from_voxel(), view.margin()),
-            )
-        };
-        let voxel_cut = if wanted == Wanted::Classified {
-            cut()
-        } else {
-            Cut::default()
-        };
-        let bricks = ClassifiedBricks::new(level).cut(&voxel_cut);
-        let values = ValueColors::new(&level.classification, scene.unit_distance());
-        let shade = || shader(&view, (store, &level.table), (settings, spacing));
-        match (wanted, sampling) {
-            (Wanted::Classified, Sampling::Rays) => {
-                let mode = Integral {
-                    bricks: bricks.clone(),
-                    shapes: view.ray_shapes(),
-                    depth_reach: view.depth_reach(),
-                };
-                job.run.tile_edge = Some(view.ray_tile_edge(TILE_EDGE));
-                job.render(&bricks, &mode, frame, statistics);
+        let own = room.as_ref().map(|room| (room, &*level));
+        let blocks = blocks::of_picture(own.as_slice(), settings.size, &run, edge)?;
+        statistics.seconds.classify += prepared.elapsed().as_secs_f64();
+        for (at, &block) in blocks.iter().enumerate() {
+            let planned = Instant::now();
+            blocks::restrict(level, &view, block);
+            statistics.seconds.bin += planned.elapsed().as_secs_f64();
+            let share = |done: f64| (run.task.progress)((at as f64 + done) / blocks.len() as f64);
+            let task = Task {
+                progress: &share,
+                ..run.task
+            };
+            let job = Job {
+                run: Run { task, block, ..run },
+                view: &view,
+                settings,
+                plan,
+                memory,
+            };
+            draw(job, (scene, level), (camera, sampling), (frame, statistics));
+            if let Some(error) = level.field.failure() {
+                pyramid.forget(number);
+                return Err(error);
             }
-            (Wanted::Classified, _) => {
-                let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
-                let bricks = bricks.lit(phong, view.camera_from_voxel(), scene.labels);
-                let mode = Compose {
-                    bricks: bricks.clone(),
-                };
-                job.render(&bricks, &mode, frame, statistics);
-            }
-            (Wanted::Largest, _) => {
-                job.values::<Extreme<Largest>>((store, shade()), values, (frame, statistics));
-            }
-            (Wanted::Smallest, _) => {
-                job.values::<Extreme<Smallest>>((store, shade()), values, (frame, statistics));
-            }
-            (Wanted::All, _) => job.values::<Mean>((store, shade()), values, (frame, statistics)),
-            (Wanted::Visible, _) if settings.method.gradient == Gradient::Analytic => {
-                let mode = Analytic::new(
-                    analytic_field(&view, store, (shade(), Sums::Moments)),
-                    &level.classification,
-                );
-                job.render(store, &mode, frame, statistics);
-            }
-            (Wanted::Visible, _) => {
-                let mode = Shaded {
-                    store,
-                    shader: shade(),
-                    operated: Operated::new(&scene.effects, spacing, (camera, store.source().value_range())),
-                };
-                job.render(store, &mode, frame, statistics);
-            }
+            run.task.go_on()?;
         }
-        store.failure().map_or(Ok(()), Err)
+        if let Some(room) = &room {
+            room.count(level, statistics);
+        }
+        Ok(())
+    }
+}
+
+/// Draws the tiles of a block, or of the whole picture.
+fn draw(
+    mut job: Job<'_>,
+    (scene, level): (&VolumeScene<'_>, &Level),
+    (camera, sampling): (&Camera, Sampling),
+    (frame, statistics): (&mut Frame, &mut RenderStatistics),
+) {
+    let (view, settings) = (job.view, job.settings);
+    let wanted = Wanted::of(settings);
+    let store: &FieldStore = &level.field;
+    let spacing = scene.volume.finest_grid().mean_spacing();
+    let cut = || {
+        Cut::new(
+            &scene.effects.clips,
+            world_from_lattice(store.source().grid().world_from_voxel(), view.margin()),
+        )
+    };
+    let voxel_cut = if wanted == Wanted::Classified {
+        cut()
+    } else {
+        Cut::default()
+    };
+    let bricks = ClassifiedBricks::new(level).cut(&voxel_cut);
+    let values = ValueColors::new(&level.classification, scene.unit_distance());
+    let shade = || shader(view, (store, &level.table), (settings, spacing));
+    match (wanted, sampling) {
+        (Wanted::Classified, Sampling::Rays) => {
+            let mode = Integral {
+                bricks: bricks.clone(),
+                shapes: view.ray_shapes(),
+                depth_reach: view.depth_reach(),
+            };
+            job.run.tile_edge = Some(view.ray_tile_edge(TILE_EDGE));
+            job.render(&bricks, &mode, frame, statistics);
+        }
+        (Wanted::Classified, _) => {
+            let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
+            let bricks = bricks.lit(phong, view.camera_from_voxel(), scene.labels);
+            let mode = Compose {
+                bricks: bricks.clone(),
+            };
+            job.render(&bricks, &mode, frame, statistics);
+        }
+        (Wanted::Largest, _) => {
+            job.values::<Extreme<Largest>>((store, shade()), values, (frame, statistics));
+        }
+        (Wanted::Smallest, _) => {
+            job.values::<Extreme<Smallest>>((store, shade()), values, (frame, statistics));
+        }
+        (Wanted::All, _) => job.values::<Mean>((store, shade()), values, (frame, statistics)),
+        (Wanted::Visible, _) if settings.method.gradient == Gradient::Analytic => {
+            let mode = Analytic::new(
+                analytic_field(view, store, (shade(), Sums::Moments)),
+                &level.classification,
+            );
+            job.render(store, &mode, frame, statistics);
+        }
+        (Wanted::Visible, _) => {
+            let mode = Shaded {
+                store,
+                shader: shade(),
+                operated: Operated::new(&scene.effects, spacing, (camera, store.source().value_range())),
+            };
+            job.render(store, &mode, frame, statistics);
+        }
     }
 }
 
@@ -428,12 +495,17 @@ impl<M: Mode<N>, const N: usize> Tiles for Single<'_, M, N> {
 }
 
 /// Renders all tiles; each thread takes the next tile when it is free.
-fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetScratch>>], tiles: &[Tile]) {
+fn render_tiles(
+    run: Run<'_>,
+    picture: &impl Tiles,
+    scratch: &[Mutex<Vec<SheetScratch>>],
+    (tiles, order): (&[Tile], &[u32]),
+) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let frame = picture.frame().plan;
     scratch.par_iter().with_max_len(1).for_each(|scratch| {
         let scratch = &mut *lock(scratch);
-        while let Some(&index) = frame.longest_first.get(next.fetch_add(1, Ordering::Relaxed)) {
+        while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
             let index = index as usize;
             let (canvas, work) = &mut *lock(&tiles[index]);
             let rect = frame.tiles.rect(index);
@@ -451,7 +523,7 @@ fn render_tiles(run: Run<'_>, picture: &impl Tiles, scratch: &[Mutex<Vec<SheetSc
                 SheetWork::default()
             };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            run.task.report(done as f64 / tiles.len() as f64);
+            run.task.report(done as f64 / order.len() as f64);
         }
     });
 }

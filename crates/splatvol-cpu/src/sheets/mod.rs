@@ -28,6 +28,7 @@
 
 pub(crate) mod activate;
 pub(crate) mod analytic;
+pub(crate) mod blocks;
 pub(crate) mod canvas;
 pub(crate) mod classified;
 pub(crate) mod cloud;

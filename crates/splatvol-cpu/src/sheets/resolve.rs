@@ -1,14 +1,14 @@
 //! Resolve: tiles to the frame.
 
 use rayon::prelude::*;
-use splatvol_core::bin::TileGrid;
+use splatvol_core::bin::{TileGrid, TileRect};
 use splatvol_scene::Frame;
 
 use super::canvas::Canvas;
 use super::engine::{Tile, lock};
 
-/// Copies the tiles' pixels to the frame.
-pub(crate) fn resolve(grid: &TileGrid, tiles: &[Tile], frame: &mut Frame) {
+/// Copies the tiles' pixels to the frame; only those within a rectangle of whole tiles, if one is given.
+pub(crate) fn resolve(grid: &TileGrid, tiles: &[Tile], frame: &mut Frame, only: Option<TileRect>) {
     let width = frame.image.size().width() as usize;
     let band = width * grid.edge;
     let pixels = frame.image.pixels.par_chunks_mut(band);
@@ -24,6 +24,11 @@ pub(crate) fn resolve(grid: &TileGrid, tiles: &[Tile], frame: &mut Frame) {
             for column in 0..grid.columns {
                 let index = row * grid.columns + column;
                 let rect = grid.rect(index);
+                let holds =
+                    |of: TileRect| (of.x0..of.x1).contains(&rect.x0) && (of.y0..of.y1).contains(&rect.y0);
+                if !only.is_none_or(holds) {
+                    continue;
+                }
                 let (canvas, _) = &*lock(&tiles[index]);
                 for y in 0..rect.y1 - rect.y0 {
                     let target = y * width + rect.x0..y * width + rect.x1;

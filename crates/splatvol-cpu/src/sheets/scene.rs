@@ -12,8 +12,10 @@ use splatvol_core::splats::SplatCloud;
 use splatvol_scene::{Camera, Clip, Frame, Gradient, RenderSettings, SceneError, SheetSettings};
 
 use super::analytic::{Analytic, Sums};
+use super::blocks::{self, Needs, Room};
 use super::classified::ClassifiedBricks;
 use super::cloud::layer::MeshLayer;
+use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
 use super::engine::{SheetEngine, Single, TILE_EDGE, detail};
@@ -79,6 +81,114 @@ fn views(
         })
         .collect();
     on_common_planes(&grids, camera)
+}
+
+/// Levels of a scene's volumes, the views of them, and what is cut from them.
+type OfVolumes<'a> = (&'a [&'a Level], &'a [GridView], &'a [Cut]);
+
+fn cuts(levels: &[&Level], volumes: &[VolumeScene<'_>], views: &[GridView]) -> Vec<Cut> {
+    let volumes = volumes.iter().zip(views).zip(levels);
+    volumes
+        .map(|((volume, view), level)| {
+            let grid = level.field.source().grid();
+            Cut::new(
+                &volume.effects.clips,
+                world_from_lattice(grid.world_from_voxel(), view.margin()),
+            )
+        })
+        .collect()
+}
+
+fn classified_bricks<'a>(
+    (levels, views, cuts): OfVolumes<'a>,
+    volumes: &[VolumeScene<'_>],
+    settings: &RenderSettings<SheetSettings>,
+) -> Vec<ClassifiedBricks<'a>> {
+    levels
+        .iter()
+        .zip(cuts)
+        .zip(volumes.iter().zip(views))
+        .map(|((level, cut), (volume, view))| {
+            let spacing = volume.volume.finest_grid().mean_spacing();
+            let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
+            ClassifiedBricks::new(level)
+                .cut(cut)
+                .lit(phong, view.camera_from_voxel(), volume.labels)
+        })
+        .collect()
+}
+
+/// Memory of layers, kept between frames.
+struct Kept<'a> {
+    plans: &'a mut [GridPlan],
+    meshes: &'a mut [MeshLayer],
+    cloud_plan: &'a mut CloudPlan,
+}
+
+impl<'a> Kept<'a> {
+    /// The layers of a scene.
+    fn layers(
+        self,
+        (scene, (levels, views, _), bricks): (&LayeredScene<'a>, OfVolumes<'a>, &'a [ClassifiedBricks<'a>]),
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
+        tiles: TileGrid,
+    ) -> Vec<Layer<'a>> {
+        let edge = tiles.edge;
+        let mut layers = Vec::with_capacity(scene.volumes.len() + 1);
+        for (at, (plan, view)) in self.plans.iter_mut().zip(views).enumerate() {
+            let (volume, level) = (&scene.volumes[at], levels[at]);
+            layers.push(if Wanted::of(&volume.settings(settings)) == Wanted::Classified {
+                let sheets = plan.update(view, &bricks[at], settings, edge);
+                Layer::Compose(
+                    sheets,
+                    Compose {
+                        bricks: bricks[at].clone(),
+                    },
+                )
+            } else {
+                let sheets = plan.update(view, &level.field, settings, edge);
+                let spacing = volume.volume.finest_grid().mean_spacing();
+                let shader = shader(view, (&level.field, &level.table), (settings, spacing));
+                if settings.method.gradient == Gradient::Analytic {
+                    let field = analytic_field(view, &level.field, (shader, Sums::Moments));
+                    layers.push(Layer::Analytic(
+                        sheets,
+                        Analytic::new(field, &level.classification),
+                    ));
+                    continue;
+                }
+                let mode = Shaded {
+                    store: &level.field,
+                    shader,
+                    operated: Operated::new(
+                        &volume.effects,
+                        spacing,
+                        (camera, level.field.source().value_range()),
+                    ),
+                };
+                Layer::Shaded(sheets, mode)
+            });
+        }
+        let spacing = views
+            .first()
+            .map(GridView::spacing)
+            .or_else(|| scene.spacing((camera, settings)));
+        for ((kept, mesh), cloud) in self
+            .meshes
+            .iter_mut()
+            .zip(scene.meshes)
+            .zip(scene.mesh_clouds.clouds())
+        {
+            layers.push(kept.layer((cloud, mesh), (camera, settings), tiles, spacing));
+        }
+        if let Some(cloud) = scene.cloud {
+            layers.push(
+                self.cloud_plan
+                    .layer((cloud, scene.clips), (camera, settings), tiles, spacing),
+            );
+        }
+        layers
+    }
 }
 
 impl SheetEngine {
@@ -184,99 +294,76 @@ impl SheetEngine {
             ..
         } = self;
         let pyramids = kept.of_scene(scene.volumes.iter().map(|own| &own.volume), settings);
-        let mut classified: Vec<&Level> = Vec::with_capacity(levels.len());
+        let mut rooms: Vec<Option<Room>> = Vec::new();
+        let needs = Needs {
+            size: settings.size,
+            threads: run.pool.current_num_threads(),
+            tile_edge: edge,
+            volumes: scene.volumes.len(),
+        };
+        for ((pyramid, volume), &level) in pyramids.iter().zip(scene.volumes).zip(levels) {
+            pyramid.keep_only(level..level + 1);
+            let wanted = Wanted::of(&volume.settings(settings));
+            rooms.push(Room::of_picture((&volume.volume, pyramid), needs, wanted)?);
+        }
+        let mut classified: Vec<&mut Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let look = (&*volume.transfer_function, volume.unit_distance());
             let wanted = Wanted::of(&volume.settings(settings));
             classified.push(pyramid.classify(level, look, wanted, run.task.stop)?);
         }
-        let levels = classified;
-        for level in &levels {
+        let all: Vec<&Level> = classified.iter().map(|level| &**level).collect();
+        for level in &all {
             level.count_work(statistics);
         }
-        let views = views(&levels, scene.volumes, (camera, settings));
-        let planned = Instant::now();
-        statistics.seconds.classify += (planned - prepared).as_secs_f64();
-        let cuts: Vec<Cut> = scene
-            .volumes
+        let views = views(&all, scene.volumes, (camera, settings));
+        let own: Vec<(&Room, &Level)> = rooms
             .iter()
-            .zip(&views)
-            .zip(&levels)
-            .map(|((volume, view), level)| {
-                let grid = level.field.source().grid();
-                Cut::new(
-                    &volume.effects.clips,
-                    world_from_lattice(grid.world_from_voxel(), view.margin()),
-                )
-            })
+            .zip(&all)
+            .filter_map(|(room, level)| Some((room.as_ref()?, *level)))
             .collect();
-        let bricks: Vec<ClassifiedBricks<'_>> = levels
-            .iter()
-            .zip(&cuts)
-            .zip(scene.volumes.iter().zip(&views))
-            .map(|((level, cut), (volume, view))| {
-                let spacing = volume.volume.grid().mean_spacing();
-                let phong = settings.lighting.as_ref().map(|l| Phong::new(l, spacing));
-                ClassifiedBricks::new(level)
-                    .cut(cut)
-                    .lit(phong, view.camera_from_voxel(), volume.labels)
-            })
-            .collect();
-        let mut layers = Vec::with_capacity(scene.volumes.len() + 1);
-        for (at, (plan, view)) in plans.iter_mut().zip(&views).enumerate() {
-            let (volume, level) = (&scene.volumes[at], levels[at]);
-            layers.push(if Wanted::of(&volume.settings(settings)) == Wanted::Classified {
-                let sheets = plan.update(view, &bricks[at], settings, edge);
-                Layer::Compose(
-                    sheets,
-                    Compose {
-                        bricks: bricks[at].clone(),
-                    },
-                )
-            } else {
-                let sheets = plan.update(view, &level.field, settings, edge);
-                let spacing = volume.volume.grid().mean_spacing();
-                let shader = shader(view, (&level.field, &level.table), (settings, spacing));
-                if settings.method.gradient == Gradient::Analytic {
-                    let field = analytic_field(view, &level.field, (shader, Sums::Moments));
-                    layers.push(Layer::Analytic(
-                        sheets,
-                        Analytic::new(field, &level.classification),
-                    ));
-                    continue;
-                }
-                let mode = Shaded {
-                    store: &level.field,
-                    shader,
-                    operated: Operated::new(
-                        &volume.effects,
-                        spacing,
-                        (camera, level.field.source().value_range()),
-                    ),
-                };
-                Layer::Shaded(sheets, mode)
-            });
+        let blocks = blocks::of_picture(&own, settings.size, &run, edge)?;
+        statistics.seconds.classify += prepared.elapsed().as_secs_f64();
+        for (at, &block) in blocks.iter().enumerate() {
+            let planned = Instant::now();
+            for (level, view) in classified.iter_mut().zip(&views) {
+                blocks::restrict(level, view, block);
+            }
+            let share = |done: f64| (run.task.progress)((at as f64 + done) / blocks.len() as f64);
+            let task = Task {
+                progress: &share,
+                ..run.task
+            };
+            let all: Vec<&Level> = classified.iter().map(|level| &**level).collect();
+            let cuts = cuts(&all, scene.volumes, &views);
+            let kept = Kept {
+                plans: &mut *plans,
+                meshes: &mut *meshes,
+                cloud_plan: &mut *cloud_plan,
+            };
+            let of_volumes = (&all[..], &views[..], &cuts[..]);
+            let bricks = classified_bricks(of_volumes, scene.volumes, settings);
+            let layers = kept.layers((scene, of_volumes, &bricks), view, tiles);
+            statistics.seconds.bin += planned.elapsed().as_secs_f64();
+            if !layers.is_empty() {
+                let run = Run { task, block, ..run };
+                memory.render(run, &Layers(layers), LANES as u64, frame, statistics);
+            }
+            run.task.go_on()?;
         }
-        let spacing = views
-            .first()
-            .map(GridView::spacing)
-            .or_else(|| scene.spacing((camera, settings)));
-        for ((kept, mesh), cloud) in meshes
-            .iter_mut()
-            .zip(scene.meshes)
-            .zip(scene.mesh_clouds.clouds())
-        {
-            layers.push(kept.layer((cloud, mesh), (camera, settings), tiles, spacing));
+        for (room, level) in rooms.iter().zip(&classified) {
+            if let Some(room) = room {
+                room.count(level, statistics);
+            }
         }
-        if let Some(cloud) = scene.cloud {
-            layers.push(cloud_plan.layer((cloud, scene.clips), (camera, settings), tiles, spacing));
+        let failure = classified.iter().find_map(|level| level.field.failure());
+        if let Some(error) = failure {
+            for (pyramid, &level) in pyramids.iter_mut().zip(levels) {
+                pyramid.forget(level);
+            }
+            return Err(error);
         }
-        statistics.seconds.bin += planned.elapsed().as_secs_f64();
-        if !layers.is_empty() {
-            memory.render(run, &Layers(layers), LANES as u64, frame, statistics);
-        }
-        let failure = levels.iter().find_map(|level| level.field.failure());
-        failure.map_or(Ok(()), Err)
+        Ok(())
     }
 
     /// Renders one value of each ray of the scene's mesh.

@@ -60,6 +60,19 @@ impl Document {
     }
 }
 
+impl Document {
+    /// The document with paths that lead to its files from any folder.
+    #[must_use]
+    pub fn absolute(mut self) -> Self {
+        for path in self.paths_mut() {
+            if let Ok(absolute) = std::path::absolute(&*path) {
+                *path = absolute.to_string_lossy().into_owned();
+            }
+        }
+        self
+    }
+}
+
 impl Record {
     /// The record for a picture in a folder. Absolute paths say who works where: those inside the current folder become
     /// relative to it, others relative to the picture's folder, and where they share no more than the root, only the

@@ -4,10 +4,12 @@
 //! |---|---|
 //! | PNG, 8 or 16 bits | straight alpha, sRGB |
 //! | EXR, 32-bit float | premultiplied alpha, linear light, and camera depth as channel `Z` |
+//! | [`part`] | the pixels of a block, to be put together |
 
 pub mod depth;
 pub mod exr;
 pub mod metadata;
+pub mod part;
 pub mod png;
 mod srgb;
 

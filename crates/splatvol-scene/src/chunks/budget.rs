@@ -46,6 +46,11 @@ impl Budget {
         self.reserved().most
     }
 
+    /// Bytes that are reserved.
+    pub fn used(&self) -> u64 {
+        self.reserved().now
+    }
+
     /// Reserves bytes, and waits for those that others hold.
     ///
     /// # Errors
@@ -94,6 +99,37 @@ impl Reservation {
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
+
+    /// Another reservation in the same budget, of no bytes.
+    #[must_use]
+    pub fn empty(&self) -> Self {
+        Self {
+            budget: Arc::clone(&self.budget),
+            bytes: 0,
+        }
+    }
+
+    /// Reserves so many bytes instead. It does not wait for those that others hold.
+    ///
+    /// # Errors
+    /// More than are left; the reservation stays as it was.
+    pub fn resize(&mut self, bytes: u64) -> Result<(), OverBudget> {
+        let limit = self.budget.limit;
+        let mut reserved = self.budget.reserved();
+        let wanted = (reserved.now - self.bytes).saturating_add(bytes);
+        if wanted > limit {
+            return Err(OverBudget { wanted, limit });
+        }
+        reserved.now = wanted;
+        reserved.most = reserved.most.max(wanted);
+        drop(reserved);
+        let shrinks = bytes < self.bytes;
+        self.bytes = bytes;
+        if shrinks {
+            self.budget.freed.notify_all();
+        }
+        Ok(())
+    }
 }
 
 impl Drop for Reservation {
@@ -125,6 +161,10 @@ mod tests {
             }
         });
         assert!(budget.most() <= 100);
-        assert!(budget.try_reserve(100).is_some());
+        let mut all = budget.try_reserve(100).unwrap();
+        all.resize(30).unwrap();
+        let other = budget.reserve(60).unwrap();
+        assert!(all.resize(41).is_err() && all.resize(40).is_ok());
+        assert_eq!((all.bytes(), other.bytes()), (40, 60));
     }
 }

@@ -1,10 +1,13 @@
 //! Chunks that were read last, kept in memory.
 
-use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use super::recent::Recent;
 use super::region::copy_box;
-use super::{ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, Reservation, SourceError, SourceIdentity};
+use super::{
+    ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, OverBudget, Reservation, SourceError, SourceIdentity,
+};
 use crate::{Samples, VoxelBox};
 
 /// Level and number of a chunk.
@@ -13,65 +16,53 @@ type Key = (usize, [usize; 3]);
 /// Bytes that a kept chunk takes beside its samples.
 const OVERHEAD: u64 = 256;
 
-/// A source that keeps the chunks read last, within a reservation.
+/// A source that keeps the chunks read last, within a reservation, and counts what it reads.
 #[derive(Debug)]
 pub struct CachedSource {
     source: Arc<dyn ChunkSource>,
-    memory: Reservation,
-    kept: Mutex<Kept>,
+    kept: Recent<Key, Chunk>,
+    /// Whether lost chunks are holes, not errors.
+    holes: bool,
+    /// Bits of the stored value that fills holes.
+    hole: AtomicU64,
+    counts: Mutex<Counts>,
 }
 
-/// Chunks, and the order in which they were used.
+/// What was read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ChunkCounts {
+    /// Chunks read, each as often as it was.
+    pub reads: u64,
+    /// Their bytes, as they are stored.
+    pub bytes: u64,
+    /// Different chunks that were read.
+    pub chunks: u64,
+    /// Times that the one which was read most often was.
+    pub most: u64,
+    /// Lost chunks that were taken for holes.
+    pub holes: u64,
+}
+
+/// Counts, and how often each chunk of the levels was read.
 #[derive(Debug, Default)]
-struct Kept {
-    chunks: HashMap<Key, (Chunk, u64)>,
-    by_use: BTreeMap<u64, Key>,
-    uses: u64,
-    bytes: u64,
+struct Counts {
+    sums: ChunkCounts,
+    reads: Vec<Vec<u16>>,
 }
 
 #[derive(Debug, Clone)]
 enum Chunk {
     Samples(Arc<Samples>),
     Constant(f64),
+    Hole,
 }
 
 impl Chunk {
     fn bytes(&self) -> u64 {
         match self {
             Self::Samples(samples) => (samples.len() * samples.bytes_per_sample()) as u64 + OVERHEAD,
-            Self::Constant(_) => OVERHEAD,
+            Self::Constant(_) | Self::Hole => OVERHEAD,
         }
-    }
-}
-
-impl Kept {
-    fn get(&mut self, key: Key) -> Option<Chunk> {
-        let (chunk, used) = self.chunks.get_mut(&key)?;
-        self.by_use.remove(used);
-        self.uses += 1;
-        *used = self.uses;
-        self.by_use.insert(self.uses, key);
-        Some(chunk.clone())
-    }
-
-    fn insert(&mut self, key: Key, chunk: Chunk, limit: u64) {
-        let bytes = chunk.bytes();
-        if bytes > limit || self.chunks.contains_key(&key) {
-            return;
-        }
-        while self.bytes + bytes > limit {
-            let Some((_, oldest)) = self.by_use.pop_first() else {
-                return;
-            };
-            if let Some((chunk, _)) = self.chunks.remove(&oldest) {
-                self.bytes -= chunk.bytes();
-            }
-        }
-        self.uses += 1;
-        self.bytes += bytes;
-        self.by_use.insert(self.uses, key);
-        self.chunks.insert(key, (chunk, self.uses));
     }
 }
 
@@ -79,29 +70,87 @@ impl CachedSource {
     /// Keeps as many chunks of `source` as fit `memory`.
     pub fn new(source: Arc<dyn ChunkSource>, memory: Reservation) -> Self {
         Self {
+            hole: AtomicU64::new(source.levels()[0].fill.to_bits()),
             source,
-            memory,
-            kept: Mutex::default(),
+            kept: Recent::new(memory),
+            holes: false,
+            counts: Mutex::default(),
         }
     }
 
-    fn kept(&self) -> MutexGuard<'_, Kept> {
-        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    /// With lost chunks as holes, which have one value: the fill, until another is set.
+    #[must_use]
+    pub fn with_holes(self) -> Self {
+        Self { holes: true, ..self }
     }
 
-    fn chunk(&self, key: Key, buffer: &mut ChunkBuffer) -> Result<Chunk, SourceError> {
-        if let Some(chunk) = self.kept().get(key) {
-            return Ok(chunk);
+    /// Sets the stored value that fills holes from now on.
+    pub fn set_hole(&self, value: f64) {
+        self.hole.store(value.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Keeps so many bytes of chunks from now on.
+    ///
+    /// # Errors
+    /// More than the budget has left.
+    pub fn resize(&self, bytes: u64) -> Result<(), OverBudget> {
+        self.kept.resize(bytes)
+    }
+
+    /// Bytes of the chunks in memory.
+    pub fn kept_bytes(&self) -> u64 {
+        self.kept.bytes()
+    }
+
+    /// What was read since the last call.
+    pub fn take_counts(&self) -> ChunkCounts {
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        counts.reads.clear();
+        std::mem::take(&mut counts.sums)
+    }
+
+    fn count(&self, (level, chunk): Key, bytes: usize, is_hole: bool) {
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let Counts { sums, reads } = &mut *counts;
+        let [nx, ny, nz] = self.levels()[level].counts();
+        if reads.len() <= level {
+            reads.resize_with(level + 1, Vec::new);
         }
-        let chunk = match self.source.read(key.0, key.1, buffer)? {
-            ChunkContent::Constant(value) => Chunk::Constant(value),
-            ChunkContent::Samples => {
+        reads[level].resize(nx * ny * nz, 0);
+        let own = &mut reads[level][(chunk[2] * ny + chunk[1]) * nx + chunk[0]];
+        sums.chunks += u64::from(*own == 0);
+        *own = own.saturating_add(1);
+        sums.most = sums.most.max(u64::from(*own));
+        sums.reads += 1;
+        sums.bytes += bytes as u64;
+        sums.holes += u64::from(is_hole);
+    }
+
+    fn read_chunk(&self, key: Key, buffer: &mut ChunkBuffer) -> Result<Chunk, SourceError> {
+        buffer.coded.clear();
+        let chunk = match self.source.read(key.0, key.1, buffer) {
+            Ok(ChunkContent::Constant(value)) => Chunk::Constant(value),
+            Ok(ChunkContent::Samples) => {
                 let empty = buffer.samples.element_type().filled(0, 0.0);
                 Chunk::Samples(Arc::new(std::mem::replace(&mut buffer.samples, empty)))
             }
+            Err(SourceError::Missing(_)) if self.holes => Chunk::Hole,
+            Err(error) => return Err(error),
         };
-        self.kept().insert(key, chunk.clone(), self.memory.bytes());
+        self.count(key, buffer.coded.len(), matches!(chunk, Chunk::Hole));
         Ok(chunk)
+    }
+
+    fn chunk(&self, key: Key, buffer: &mut ChunkBuffer) -> Result<Chunk, SourceError> {
+        let chunk = self.kept.get_or_make(key, || {
+            let chunk = self.read_chunk(key, buffer)?;
+            let bytes = chunk.bytes();
+            Ok((chunk, bytes))
+        })?;
+        Ok(match chunk {
+            Chunk::Hole => Chunk::Constant(f64::from_bits(self.hole.load(Ordering::Relaxed))),
+            other => other,
+        })
     }
 }
 
@@ -117,11 +166,12 @@ impl ChunkSource for CachedSource {
         into: &mut ChunkBuffer,
     ) -> Result<ChunkContent, SourceError> {
         Ok(match self.chunk((level, chunk), into)? {
-            Chunk::Constant(value) => ChunkContent::Constant(value),
             Chunk::Samples(samples) => {
                 into.samples.clone_from(&samples);
                 ChunkContent::Samples
             }
+            Chunk::Constant(value) => ChunkContent::Constant(value),
+            Chunk::Hole => ChunkContent::Constant(self.levels()[level].fill),
         })
     }
 
@@ -136,9 +186,11 @@ impl ChunkSource for CachedSource {
         into.refill(layout.element, region.len(), layout.fill);
         for chunk in layout.chunks_of(region) {
             let samples = match self.chunk((level, chunk), buffer)? {
-                Chunk::Constant(value) if value.to_bits() == layout.fill.to_bits() => continue,
-                Chunk::Constant(value) => Arc::new(layout.element.filled(layout.region(chunk).len(), value)),
                 Chunk::Samples(samples) => samples,
+                Chunk::Constant(value) if value.to_bits() != layout.fill.to_bits() => {
+                    Arc::new(layout.element.filled(layout.region(chunk).len(), value))
+                }
+                Chunk::Constant(_) | Chunk::Hole => continue,
             };
             copy_box(&samples, layout.region(chunk), into, region);
         }
@@ -147,6 +199,10 @@ impl ChunkSource for CachedSource {
 
     fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
         self.source.bounds(level, chunk)
+    }
+
+    fn spread(&self, level: usize) -> Option<Vec<f64>> {
+        self.source.spread(level)
     }
 
     fn will_need(&self, chunks: &[(usize, [usize; 3])]) {

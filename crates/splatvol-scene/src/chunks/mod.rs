@@ -9,6 +9,7 @@ mod budget;
 mod cache;
 mod error;
 mod layout;
+mod recent;
 mod region;
 mod volume;
 
@@ -17,11 +18,12 @@ use std::fmt::Debug;
 use crate::{Samples, VoxelBox};
 
 pub use budget::{Budget, OverBudget, Reservation};
-pub use cache::CachedSource;
+pub use cache::{CachedSource, ChunkCounts};
 pub use error::{ChunkFault, SourceError};
 pub use layout::{ElementType, LevelLayout};
+pub use recent::Recent;
 pub use region::{copy_box, read_by_chunks};
-pub use volume::ChunkedVolume;
+pub use volume::{ChunkedVolume, Survey, spread_step};
 
 /// Memory in which a chunk is read. It may be used again for any chunk of any source, which saves allocations.
 #[derive(Debug)]
@@ -100,6 +102,12 @@ pub trait ChunkSource: Debug + Send + Sync {
     /// Smallest and largest stored value of a chunk and of the samples around it (one in each direction), if that is
     /// known without reading them. Chunks with missing samples have no bounds.
     fn bounds(&self, _level: usize, _chunk: [usize; 3]) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Every n-th stored sample of a level, n by [`spread_step`], from the first on, x fastest, if that is known without
+    /// reading through the level. All of its samples are finite then.
+    fn spread(&self, _level: usize) -> Option<Vec<f64>> {
         None
     }
 

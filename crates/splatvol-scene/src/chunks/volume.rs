@@ -1,11 +1,14 @@
 //! Volumes in memory as chunks, and chunks as volumes for engines.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+use glam::DAffine3;
 
 use super::region::copy_box;
-use super::{ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, SourceError, SourceIdentity};
+use super::{Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, OverBudget};
+use super::{Reservation, SourceError, SourceIdentity};
 use crate::volume::Statistics;
-use crate::{Block, Grid, Rescale, SampleSource, Samples, SceneError, Volume, VoxelBox};
+use crate::{Block, Grid, LengthUnit, Rescale, SampleSource, Samples, SceneError, Volume, VoxelBox};
 
 /// Edge of the chunks of a volume in memory, samples.
 const EDGE: usize = 64;
@@ -77,42 +80,184 @@ impl ChunkSource for InMemory {
     }
 }
 
-/// Chunks as engines read samples: region by region.
-#[derive(Debug)]
+/// Samples that stand for all in histograms, about so many.
+const SPREAD: usize = 1 << 16;
+
+/// Samples from one that stands for its level to the next, given the number of all.
+pub fn spread_step(samples: usize) -> usize {
+    (samples / SPREAD).max(1) | 1
+}
+
+/// Of a level of which nothing is known.
+const UNKNOWN: Statistics = Statistics {
+    min: 0.0,
+    max: 0.0,
+    mean: 0.0,
+    non_finite: 0,
+};
+
+/// What must be known of a level before it can be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// Range, mean and missing samples, in real values. Where nobody read through the level, the mean is that of
+    /// another.
+    pub statistics: Statistics,
+    /// Every n-th stored sample, n by [`spread_step`].
+    pub spread: Vec<f64>,
+}
+
+/// A source of chunks as engines read samples: region by region, through a cache, within a budget of bytes. Clones, and
+/// the same volume at other places, share cache and budget.
+#[derive(Debug, Clone)]
 pub struct ChunkedVolume {
-    source: Arc<dyn ChunkSource>,
-    statistics: Vec<Statistics>,
+    shared: Arc<Shared>,
+    grids: Vec<Grid>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    source: CachedSource,
+    budget: Arc<Budget>,
+    unit: LengthUnit,
+    surveys: Vec<OnceLock<Survey>>,
+    /// Statistics of a coarse level, for those that were not surveyed, and the memory of its samples.
+    overview: OnceLock<(Statistics, Reservation)>,
 }
 
 impl ChunkedVolume {
-    /// A source and the statistics of its levels, the finest first. Nobody reads through all of a large volume to
-    /// find them: those of a coarse level may stand for all.
+    /// A source, whose samples and all that is derived from them shall take no more than a budget. `holes`: chunks
+    /// that are lost are holes, not errors.
     ///
     /// # Errors
-    /// Another number of statistics than of levels.
-    pub fn new(source: Arc<dyn ChunkSource>, statistics: Vec<Statistics>) -> Result<Self, SceneError> {
-        if statistics.len() != source.levels().len() {
-            return Err(SceneError::invalid(
-                "statistics",
-                statistics.len(),
-                "one of each level",
-            ));
-        }
-        Ok(Self { source, statistics })
+    /// A budget of which nothing is left.
+    pub fn new(
+        source: Arc<dyn ChunkSource>,
+        unit: LengthUnit,
+        (budget, holes): (Arc<Budget>, bool),
+    ) -> Result<Self, OverBudget> {
+        let grids: Vec<Grid> = source.levels().iter().map(|level| level.grid.clone()).collect();
+        let source = CachedSource::new(source, budget.reserve(0)?);
+        Ok(Self {
+            shared: Arc::new(Shared {
+                surveys: grids.iter().map(|_| OnceLock::new()).collect(),
+                source: if holes { source.with_holes() } else { source },
+                budget,
+                unit,
+                overview: OnceLock::new(),
+            }),
+            grids,
+        })
     }
 
-    fn layout(&self, level: usize) -> &LevelLayout {
-        &self.source.levels()[level]
+    /// A volume whose overview, from which looks and cameras are chosen, is a coarse level. Its samples are read now, and
+    /// count.
+    ///
+    /// # Errors
+    /// Samples that cannot be read, or that are larger than the budget.
+    pub fn over(self, level: usize) -> Result<Volume, SceneError> {
+        let overview = self.in_memory(level)?;
+        let bytes = overview.bytes() as u64;
+        let budget = &self.shared.budget;
+        let region = VoxelBox::whole(&self.grids[level]);
+        let reserved = budget.try_reserve(bytes).ok_or_else(|| {
+            let reason = format!(
+                "of {} bytes of memory, {bytes} are needed for an overview",
+                budget.limit()
+            );
+            self.failed(level, region, reason)
+        })?;
+        let _ = self.shared.overview.set((overview.statistics(), reserved));
+        // What is read from now on is read for pictures.
+        self.shared.source.take_counts();
+        Ok(overview.over_chunks(self))
+    }
+
+    /// The same at another place: its maps from voxel to world become `world_from_old * world_from_voxel`.
+    ///
+    /// # Errors
+    /// Same as [`Grid::from_affine`].
+    pub fn transformed(&self, world_from_old: DAffine3) -> Result<Self, SceneError> {
+        let moved = |grid: &Grid| Grid::from_affine(grid.dims(), world_from_old * grid.world_from_voxel());
+        Ok(Self {
+            shared: Arc::clone(&self.shared),
+            grids: self.grids.iter().map(moved).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The chunks, and those in memory.
+    pub fn source(&self) -> &CachedSource {
+        &self.shared.source
+    }
+
+    /// Bytes that samples and all that is derived from them may take.
+    pub fn budget(&self) -> &Arc<Budget> {
+        &self.shared.budget
+    }
+
+    /// Division of a level into chunks; its grid is the stored one, not that of [`SampleSource::grid`].
+    pub fn layout(&self, level: usize) -> &LevelLayout {
+        &self.shared.source.levels()[level]
+    }
+
+    /// What is known of a level.
+    pub fn survey(&self, level: usize) -> Option<&Survey> {
+        self.shared.surveys[level].get()
+    }
+
+    /// Says what is known of a level; what was said first holds.
+    pub fn set_survey(&self, level: usize, survey: Survey) {
+        let _ = self.shared.surveys[level].set(survey);
+    }
+
+    /// Smallest and largest stored value within a region, or more, if they are known without reading it.
+    pub fn bounds(&self, level: usize, region: VoxelBox) -> Option<[f64; 2]> {
+        let mut ends: Option<[f64; 2]> = None;
+        for chunk in self.layout(level).chunks_of(region) {
+            let [low, high] = self.shared.source.bounds(level, chunk)?;
+            let known = ends.unwrap_or([low, high]);
+            ends = Some([known[0].min(low), known[1].max(high)]);
+        }
+        ends
+    }
+
+    /// All samples of a level in memory.
+    ///
+    /// # Errors
+    /// Samples that cannot be read, or that are larger than the budget.
+    pub fn in_memory(&self, level: usize) -> Result<Volume, SceneError> {
+        let (layout, grid) = (self.layout(level), &self.grids[level]);
+        let wanted = grid.sample_count() as u64 * layout.element.size() as u64;
+        let region = VoxelBox::whole(grid);
+        if wanted > self.shared.budget.limit() {
+            let limit = self.shared.budget.limit();
+            let reason = format!("in memory it takes {wanted} bytes, and {limit} are allowed");
+            return Err(self.failed(level, region, reason));
+        }
+        let mut samples = layout.element.filled(0, 0.0);
+        let source = &self.shared.source;
+        source
+            .read_region(level, region, &mut samples, &mut ChunkBuffer::default())
+            .map_err(|error| self.failed(level, region, error.to_string()))?;
+        Volume::new(grid.clone(), samples, layout.rescale, self.shared.unit)
+    }
+
+    fn failed(&self, level: usize, region: VoxelBox, reason: String) -> SceneError {
+        SceneError::Source {
+            name: self.shared.source.identity().name,
+            level,
+            first: region.first,
+            reason,
+        }
     }
 }
 
 impl SampleSource for ChunkedVolume {
     fn levels(&self) -> usize {
-        self.statistics.len()
+        self.grids.len()
     }
 
     fn grid(&self, level: usize) -> &Grid {
-        &self.layout(level).grid
+        &self.grids[level]
     }
 
     fn rescale(&self, level: usize) -> Rescale {
@@ -120,7 +265,9 @@ impl SampleSource for ChunkedVolume {
     }
 
     fn statistics(&self, level: usize) -> Statistics {
-        self.statistics[level]
+        let overview = || self.shared.overview.get().map(|(statistics, _)| *statistics);
+        let own = self.survey(level).map(|survey| survey.statistics);
+        own.or_else(overview).unwrap_or(UNKNOWN)
     }
 
     fn read<'a>(
@@ -130,22 +277,26 @@ impl SampleSource for ChunkedVolume {
         memory: &'a mut Option<Samples>,
     ) -> Result<Block<'a>, SceneError> {
         let samples = memory.get_or_insert_with(|| self.layout(level).element.filled(0, 0.0));
-        self.source
+        let source = &self.shared.source;
+        source
             .read_region(level, region, samples, &mut ChunkBuffer::default())
-            .map_err(|error| error.of_scene(self.source.identity().name, region))?;
+            .map_err(|error| error.of_scene(source.identity().name, region))?;
         Ok(Block { samples, of: region })
     }
 
     fn bytes(&self) -> usize {
-        0
+        self.shared.source.kept_bytes() as usize
+    }
+
+    fn chunks(&self) -> Option<&ChunkedVolume> {
+        Some(self)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Budget, CachedSource, ChunkFault};
+    use super::super::{ChunkCounts, ChunkFault};
     use super::*;
-    use crate::LengthUnit;
     use glam::DVec3;
 
     fn volume(dims: [usize; 3]) -> Arc<Volume> {
@@ -230,7 +381,9 @@ mod tests {
         };
         let pieces: Arc<dyn ChunkSource> = Arc::new(Pieces::new(Arc::clone(&volume), false));
         let cached = CachedSource::new(Arc::clone(&pieces), Budget::new(2000).reserve(2000).unwrap());
-        let chunked = ChunkedVolume::new(Arc::clone(&pieces), vec![volume.statistics()]).unwrap();
+        let unit = LengthUnit::Unknown;
+        let chunked = ChunkedVolume::new(Arc::clone(&pieces), unit, (Budget::new(2000), false)).unwrap();
+        chunked.source().resize(1000).unwrap();
         for (first, size) in [
             ([0; 3], dims),
             ([3, 2, 4], [5, 3, 2]),
@@ -263,8 +416,9 @@ mod tests {
     fn failures_name_their_place() {
         let volume = volume([5, 5, 5]);
         let source: Arc<dyn ChunkSource> = Arc::new(Pieces::new(Arc::clone(&volume), true));
-        assert!(ChunkedVolume::new(Arc::clone(&source), Vec::new()).is_err());
-        let chunked = ChunkedVolume::new(source, vec![volume.statistics()]).unwrap();
+        let unit = LengthUnit::Unknown;
+        let of = |holes| ChunkedVolume::new(Arc::clone(&source), unit, (Budget::new(2000), holes)).unwrap();
+        let chunked = of(false);
         let region = VoxelBox {
             first: [4, 0, 0],
             size: [1; 3],
@@ -272,5 +426,22 @@ mod tests {
         let error = chunked.read(0, region, &mut None).unwrap_err().to_string();
         let expected = "memory: level 0, samples from [4, 0, 0]: level 0, chunk 1,0,0, key a/b from byte 9, codec none: gone";
         assert_eq!(error, expected);
+        assert!(chunked.in_memory(0).is_err());
+        // Holes are counted, and have the value that was set last.
+        let chunked = of(true);
+        chunked.source().set_hole(7.0);
+        let mut memory = None;
+        assert_eq!(
+            chunked.read(0, region, &mut memory).unwrap().samples,
+            &Samples::U16(vec![7].into())
+        );
+        let counts = chunked.source().take_counts();
+        assert_eq!(
+            (counts.holes, counts.reads, counts.chunks, counts.most),
+            (1, 1, 1, 1)
+        );
+        assert_eq!(chunked.source().take_counts(), ChunkCounts::default());
+        let small = ChunkedVolume::new(source, unit, (Budget::new(100), true)).unwrap();
+        assert!(small.in_memory(0).unwrap_err().to_string().contains("250 bytes"));
     }
 }

@@ -84,6 +84,7 @@ const AS_TYPED: Reading<'static> = Reading {
         strict: false,
         allow_outside: false,
         max_bytes: None,
+        chunks: None,
     },
     folder: None,
     listener: &Silent,

@@ -66,6 +66,7 @@ impl Renderer {
             level: self.level,
             tile_edge: None,
             task: Task::new(&Control::default(), &|_| {}),
+            block: None,
         };
         self.engine.render(run, clouds, (camera, settings), frame);
     }

@@ -12,7 +12,7 @@
 //! | `files` | stored bytes of a chunk, from files and shards |
 //! | `codec`, `blosc`, `shuffle` | what becomes of them |
 //! | `level` | samples of a chunk |
-//! | `source`, `bounds` | chunks of all levels, and what is known of them without reading |
+//! | `source`, `bounds`, `spread` | chunks of all levels, and what is known of them without reading |
 //! | `whole` | all chunks of a level |
 //! | `write` | images with levels of detail, from any source of chunks |
 
@@ -28,6 +28,7 @@ mod ome;
 mod own;
 mod shuffle;
 mod source;
+mod spread;
 mod store;
 mod whole;
 mod write;

@@ -11,6 +11,8 @@ use crate::error::Context;
 const KEY: &str = "splatvol";
 /// Folder of the index of a level's bounds, below the image: behind it comes the number of the level.
 pub(super) const BOUNDS: &str = "splatvol/bounds";
+/// Folder of samples that stand for a level, likewise.
+pub(super) const SPREAD: &str = "splatvol/spread";
 
 /// Attributes of an image.
 #[derive(Debug, Clone, Default, PartialEq)]

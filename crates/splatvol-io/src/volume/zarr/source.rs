@@ -1,12 +1,14 @@
 //! An image as a source of chunks: metadata are read when it is opened, and each chunk when it is asked for.
 
-use std::sync::Arc;
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
 use splatvol_scene::{ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, SourceError, SourceIdentity};
 
 use super::bounds::Bounds;
 use super::level::ArrayLevel;
+use super::spread;
 use super::store::Store;
 use crate::IoError;
 use crate::volume::{Opened, ReadOptions};
@@ -17,6 +19,10 @@ pub(super) struct ZarrSource {
     layouts: Vec<LevelLayout>,
     levels: Vec<ArrayLevel>,
     bounds: Vec<Option<Bounds>>,
+    /// Samples that stand for each level, read when they are asked for.
+    spread: Vec<OnceLock<Option<Vec<f64>>>>,
+    /// Folder, number of the first level, and how it is read.
+    place: (PathBuf, usize, ReadOptions),
     identity: SourceIdentity,
 }
 
@@ -35,6 +41,8 @@ pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoErr
     let source = ZarrSource {
         layouts: levels.iter().map(|level| level.layout.clone()).collect(),
         identity: identity(store, &levels),
+        spread: levels.iter().map(|_| OnceLock::new()).collect(),
+        place: (store.folder.clone(), first, options.clone()),
         levels,
         bounds,
     };
@@ -75,6 +83,12 @@ impl ChunkSource for ZarrSource {
 
     fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
         self.bounds[level].as_ref()?.of(chunk)
+    }
+
+    fn spread(&self, level: usize) -> Option<Vec<f64>> {
+        let (folder, first, options) = &self.place;
+        let read = || spread::read(folder, first + level, &self.levels[level], options);
+        self.spread[level].get_or_init(read).clone()
     }
 
     fn identity(&self) -> SourceIdentity {

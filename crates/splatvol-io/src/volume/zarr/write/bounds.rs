@@ -1,5 +1,5 @@
-//! Smallest and largest samples of chunks: found by the tasks, which leave them in files that also say that a task is
-//! done; put together in an array when a level is complete.
+//! Smallest and largest samples of chunks, and samples that stand for a level: found by the tasks, which leave them in
+//! files that also say that a task is done; put together in arrays when a level is complete.
 
 use std::path::{Path, PathBuf};
 
@@ -12,19 +12,31 @@ use super::metadata::ArrayMetadata;
 use super::plan::{LevelPlan, Plan, chunks_in};
 use super::{OmeVersion, PyramidOptions};
 use crate::IoError;
-use crate::volume::zarr::own;
+use crate::volume::zarr::{own, spread};
 
 /// Edge of the chunks of an index.
 const EDGE: usize = 32;
-/// Bytes of the bounds of a chunk in the file of a task.
-const ENTRY: usize = 16;
 
-/// Bounds of the chunks of a box, with the samples around each that `samples` have; NaN where samples are missing.
-pub(super) fn of_chunks(
-    level: &LevelPlan,
-    own: VoxelBox,
-    (samples, of): (&Samples, VoxelBox),
-) -> Vec<[f64; 2]> {
+/// What a task finds in its box.
+pub(super) struct Found {
+    /// Smallest and largest samples of its chunks, and of those around each; NaN where samples are missing.
+    bounds: Vec<[f64; 2]>,
+    /// Samples that stand for the level.
+    spread: Vec<f64>,
+}
+
+/// What is found in a box; `samples` are its own and those around it.
+pub(super) fn of_box(level: &LevelPlan, own: VoxelBox, (samples, of): (&Samples, VoxelBox)) -> Found {
+    let spread = with_samples!(samples, data => spread::within(level.dims, own)
+        .map(|(_, [x, y, z])| widen(of.row(data, [y, z])[x - of.first[0]]))
+        .collect());
+    Found {
+        bounds: of_chunks(level, own, (samples, of)),
+        spread,
+    }
+}
+
+fn of_chunks(level: &LevelPlan, own: VoxelBox, (samples, of): (&Samples, VoxelBox)) -> Vec<[f64; 2]> {
     let bounds = |chunk| {
         let region = around(level.whole_chunk(chunk), of);
         with_samples!(samples, data => of_region(data, of, region))
@@ -87,32 +99,69 @@ impl Done {
     }
 
     /// Says that a task is done.
-    pub(super) fn write(&self, task: usize, bounds: &[[f64; 2]]) -> Result<(), IoError> {
-        let mut bytes: Vec<u8> = bounds
-            .iter()
-            .flatten()
-            .flat_map(|end| end.to_le_bytes())
-            .collect();
+    pub(super) fn write(&self, task: usize, found: &Found) -> Result<(), IoError> {
+        let numbers = found.bounds.iter().flatten().chain(&found.spread);
+        let mut bytes: Vec<u8> = numbers.flat_map(|number| number.to_le_bytes()).collect();
         let sum = crc32c::crc32c(&bytes);
         bytes.extend(sum.to_le_bytes());
         files::write(&self.path(task), &bytes)
     }
 
-    /// The bounds that a task left, if it is done.
-    pub(super) fn read(&self, task: usize, chunks: usize) -> Option<Vec<[f64; 2]>> {
+    /// What a task left, if it is done.
+    pub(super) fn read(&self, task: usize, (level, own): (&LevelPlan, VoxelBox)) -> Option<Found> {
         let bytes = std::fs::read(self.path(task)).ok()?;
-        let (bounds, sum) = bytes.split_last_chunk::<4>()?;
-        if bounds.len() != ENTRY * chunks || crc32c::crc32c(bounds) != u32::from_le_bytes(*sum) {
+        let (numbers, sum) = bytes.split_last_chunk::<4>()?;
+        let chunks = chunks_in(level, own).count();
+        let spread = spread::within(level.dims, own).count();
+        if numbers.len() != 8 * (2 * chunks + spread) || crc32c::crc32c(numbers) != u32::from_le_bytes(*sum) {
             return None;
         }
-        let ends = bounds
-            .as_chunks::<8>()
-            .0
-            .iter()
-            .map(|end| f64::from_le_bytes(*end));
-        let ends: Vec<f64> = ends.collect();
-        Some(ends.as_chunks::<2>().0.to_vec())
+        let numbers = numbers.as_chunks::<8>().0.iter();
+        let mut bounds: Vec<f64> = numbers.map(|number| f64::from_le_bytes(*number)).collect();
+        let spread = bounds.split_off(2 * chunks);
+        Some(Found {
+            bounds: bounds.as_chunks::<2>().0.to_vec(),
+            spread,
+        })
     }
+}
+
+/// Writes the samples that stand for a level, all of whose tasks are done.
+pub(super) fn write_spread(
+    folder: &Path,
+    (plan, level): (&Plan, usize),
+    done: &Done,
+    element: ElementType,
+    options: &PyramidOptions,
+) -> Result<(), IoError> {
+    let of = &plan.levels[level];
+    let rows = spread::count(of.dims).div_ceil(spread::ROW);
+    let mut values = vec![0.0; rows * spread::ROW];
+    for index in 0..plan.tasks(level) {
+        let own = plan.task(level, index).own;
+        let found = done.read(index, (of, own)).map(|found| found.spread);
+        let places = spread::within(of.dims, own);
+        for ((number, _), value) in places.zip(found.unwrap_or_default()) {
+            values[number] = value;
+        }
+    }
+    let metadata = ArrayMetadata {
+        shape: &[rows, spread::ROW],
+        chunk: &[rows, spread::ROW],
+        shard: None,
+        element,
+        names: &["row", "sample"],
+        attributes: own::complete(),
+    };
+    metadata.write(folder, options)?;
+    let name = match options.version {
+        OmeVersion::V05 => "c/0/0",
+        OmeVersion::V04 => "0/0",
+    };
+    files::write(
+        &folder.join(name),
+        &coded(&mut of_type(element, &values), options),
+    )
 }
 
 /// Writes the index of a level, all of whose tasks are done.
@@ -130,8 +179,8 @@ pub(super) fn write_index(
     for index in 0..plan.tasks(level) {
         let task = plan.task(level, index);
         let chunks: Vec<[usize; 3]> = chunks_in(of, task.own).collect();
-        let found = done.read(index, chunks.len()).unwrap_or_default();
-        for ([x, y, z], bounds) in chunks.into_iter().zip(found) {
+        let found = done.read(index, (of, task.own)).map(|found| found.bounds);
+        for ([x, y, z], bounds) in chunks.into_iter().zip(found.unwrap_or_default()) {
             ends[(z * counts[1] + y) * counts[0] + x] = bounds;
         }
     }

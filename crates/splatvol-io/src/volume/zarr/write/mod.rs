@@ -5,7 +5,7 @@
 //! | in it | what |
 //! |---|---|
 //! | `store` | the image so far |
-//! | `done/LEVEL/TASK` | bounds of the chunks of a task; that it exists says that the task is done |
+//! | `done/LEVEL/TASK` | bounds of the chunks of a task, and samples for histograms; that it exists says that the task is done |
 //! | `state.json` | what is being written; work is taken up again only for the same |
 //!
 //! Every file is written under another name and renamed, so that a killed process leaves nothing that is half written,
@@ -273,7 +273,9 @@ impl<'a> Writer<'a> {
         };
         work.run(threads)?;
         let index = store.join(own::BOUNDS).join(level.to_string());
-        bounds::write_index(&index, (&self.plan, level), &work.done, element, self.options)
+        bounds::write_index(&index, (&self.plan, level), &work.done, element, self.options)?;
+        let spread = store.join(own::SPREAD).join(level.to_string());
+        bounds::write_spread(&spread, (&self.plan, level), &work.done, element, self.options)
     }
 
     /// The source with a cache, the number of threads, and the memory of these.
@@ -307,10 +309,12 @@ impl<'a> Writer<'a> {
     fn finish(&self) -> Result<(), IoError> {
         let store = self.store();
         let version = self.options.version;
-        let mut folder = store.clone();
-        for part in Path::new(own::BOUNDS) {
-            folder.push(part);
-            metadata::write_group(&folder, Map::new(), version)?;
+        for group in [own::BOUNDS, own::SPREAD] {
+            let mut folder = store.clone();
+            for part in Path::new(group) {
+                folder.push(part);
+                metadata::write_group(&folder, Map::new(), version)?;
+            }
         }
         let of_volume = (self.volume.unit, self.volume.description.oriented);
         let attributes = metadata::image(finest(self.volume), of_volume, &self.plan, version);

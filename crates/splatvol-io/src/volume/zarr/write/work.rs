@@ -10,7 +10,7 @@ use super::PyramidOptions;
 use super::bounds::{self, Done};
 use super::chunks::LevelFiles;
 use super::halve::halve;
-use super::plan::{Plan, chunks_in};
+use super::plan::Plan;
 use crate::IoError;
 use crate::error::Context;
 
@@ -100,7 +100,7 @@ impl LevelWork<'_> {
     fn task(&self, index: usize, memory: &mut Memory) -> Result<(), IoError> {
         let task = self.plan.task(self.level, index);
         let own = &self.plan.levels[self.level];
-        if self.done.read(index, chunks_in(own, task.own).count()).is_some() {
+        if self.done.read(index, (own, task.own)).is_some() {
             self.progress.add(task.own.len());
             return Ok(());
         }
@@ -117,8 +117,7 @@ impl LevelWork<'_> {
             self.files(self.level + 1)
                 .write(next, (&memory.next, next), &mut memory.chunk)?;
         }
-        self.done
-            .write(index, &bounds::of_chunks(own, task.own, samples))?;
+        self.done.write(index, &bounds::of_box(own, task.own, samples))?;
         self.progress.add(task.own.len());
         Ok(())
     }

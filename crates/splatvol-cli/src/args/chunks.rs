@@ -1,0 +1,48 @@
+//! Flags about volumes that are read in chunks.
+
+use clap::{Args, ValueEnum};
+use splatvol_document::ChunkRules;
+
+use super::help::{GENERAL, INPUT};
+use super::values;
+
+/// What lost chunks are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MissingChunks {
+    /// An error
+    Refuse,
+    /// Holes
+    Background,
+}
+
+/// Bytes of the program itself, beside volumes and their picture.
+const PROGRAM: u64 = 24 << 20;
+
+/// How volumes are read in chunks.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ChunkArgs {
+    /// Most memory for volumes of any size (OME-Zarr with levels, large Zarr arrays) and their picture: bytes, or
+    /// 500M, 1GiB [default: half of the machine's]
+    ///
+    /// They are read chunk by chunk, those alone that the picture shows, and a picture that cannot fit fails before it
+    /// reads. The picture does not depend on the memory. All other inputs are read whole (--max-memory), and so are these
+    /// where a method needs all samples: the papers' methods, maxima of several volumes, missing samples, the GPU.
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = GENERAL)]
+    pub(crate) memory: Option<u64>,
+    /// Chunks that are lost: refuse, or background [default: refuse]
+    ///
+    /// With background they are holes; a warning and --stats count them.
+    #[arg(long, value_name = "WHAT", value_enum, help_heading = INPUT)]
+    pub(crate) missing_chunks: Option<MissingChunks>,
+}
+
+impl ChunkArgs {
+    /// The rules.
+    pub(crate) fn rules(&self) -> ChunkRules {
+        let memory = self.memory.unwrap_or(splatvol_io::memory::granted() / 2);
+        ChunkRules {
+            memory: memory.saturating_sub(PROGRAM),
+            holes: self.missing_chunks == Some(MissingChunks::Background),
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Volumes that are read in chunks, and pictures in parts, by the command.
+
+use std::path::PathBuf;
+
+use splatvol_io::read_image;
+
+use crate::sandbox::Sandbox;
+
+const VIEW: &str = "--view left --size 200x150 --no-metadata";
+
+/// A head in chunks of 16 with levels, and the same in one piece.
+fn converted() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample head --size 72 -o a.nrrd").succeeds();
+    sandbox.run("convert a.nrrd a.ome.zarr --chunk 16").succeeds();
+    sandbox
+}
+
+fn stats(sandbox: &Sandbox, name: &str) -> serde_json::Value {
+    let json: serde_json::Value = serde_json::from_slice(&sandbox.bytes(name)).expect("statistics are JSON");
+    json["chunks"].clone()
+}
+
+#[test]
+fn pictures_of_chunks_are_those_of_memory() {
+    let sandbox = converted();
+    for (index, flags) in [
+        "",
+        "--compositing xray",
+        "--compositing mip --orthographic",
+        "--iso 300",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        sandbox
+            .run(&format!("render a.nrrd {VIEW} {flags} -o memory{index}.png"))
+            .succeeds();
+        for memory in ["64MiB", "1G"] {
+            sandbox
+                .run(&format!(
+                    "render a.ome.zarr {VIEW} {flags} --memory {memory} --threads 2 --stats s.json -w -o chunks{index}.png"
+                ))
+                .succeeds();
+            let [a, b] = ["memory", "chunks"].map(|name| sandbox.bytes(&format!("{name}{index}.png")));
+            assert!(a == b, "{flags} {memory}");
+            let chunks = stats(&sandbox, "s.json");
+            let count = |key: &str| chunks[key].as_u64().unwrap();
+            assert!(
+                count("touched") > 0 && count("touched") <= count("all"),
+                "{chunks}"
+            );
+            assert!(
+                count("most_reads") >= 1 && count("planned_bytes") < 1 << 30,
+                "{chunks}"
+            );
+        }
+    }
+    sandbox
+        .run(&format!("render a.ome.zarr {VIEW} --memory 26M -o b.png"))
+        .fails(4, &["memory", "it takes"]);
+    // What needs all samples has them.
+    for name in ["a.nrrd", "a.ome.zarr"] {
+        sandbox
+            .run(&format!(
+                "render {name} {VIEW} --compositing per-splat --classification pre -w -o {name}.png"
+            ))
+            .succeeds();
+    }
+    assert!(sandbox.bytes("a.nrrd.png") == sandbox.bytes("a.ome.zarr.png"));
+}
+
+/// The file of the shard that holds the finest level's first chunks.
+fn shard(sandbox: &Sandbox) -> PathBuf {
+    sandbox.path("a.ome.zarr/0/c/0/0/0")
+}
+
+#[test]
+fn faults_are_named_and_holes_are_counted() {
+    let sandbox = converted();
+    let whole = std::fs::read(shard(&sandbox)).unwrap();
+    let mut damaged = whole.clone();
+    damaged[20] ^= 1;
+    std::fs::write(shard(&sandbox), &damaged).unwrap();
+    let render = format!("render a.ome.zarr {VIEW} --compositing mean -w -o b.png");
+    sandbox
+        .run(&render)
+        .fails(3, &["level 0", "chunk 0,0,0", "c/0/0/0", "codec"]);
+    sandbox
+        .run(&format!("{render} --missing-chunks background"))
+        .fails(3, &["chunk 0,0,0"]);
+    std::fs::write(shard(&sandbox), &whole[..whole.len() / 2]).unwrap();
+    sandbox.run(&render).fails(3, &["level 0", "c/0/0/0"]);
+    std::fs::remove_file(shard(&sandbox)).unwrap();
+    sandbox.run(&render).fails(3, &["level 0", "c/0/0/0", "gone"]);
+    let run = sandbox
+        .run(&format!("{render} --missing-chunks background --stats s.json"))
+        .succeeds();
+    assert!(run.stderr().contains("chunks were lost"), "{}", run.stderr());
+    assert!(stats(&sandbox, "s.json")["holes"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn parts_make_the_picture() {
+    let sandbox = converted();
+    let view = "--view left --size 200x150 --coverage adaptive";
+    sandbox
+        .run(&format!("render a.ome.zarr {view} -o whole.png"))
+        .succeeds();
+    sandbox
+        .run(&format!("render a.ome.zarr {view} --recipe recipe.json"))
+        .succeeds();
+    std::fs::create_dir(sandbox.path("parts")).unwrap();
+    for index in [3, 0, 2] {
+        sandbox
+            .run(&format!(
+                "part recipe.json {index}/4 --memory 160M -o parts/{index}.part"
+            ))
+            .succeeds();
+    }
+    sandbox
+        .run("assemble parts -o b.png")
+        .fails(3, &["have no part", "column"]);
+    sandbox
+        .run("part recipe.json 0,0,200x75 --threads 1 -o parts/1.part")
+        .succeeds();
+    sandbox.run("assemble parts -o b.png").succeeds();
+    let [whole, assembled] = ["whole.png", "b.png"].map(|name| read_image(sandbox.path(name)).unwrap().image);
+    assert_eq!(whole.pixels, assembled.pixels);
+    // The record is that of the picture.
+    let run = sandbox.run("render --like b.png -w -o c.png").succeeds();
+    assert!(run.stderr().contains("c.png"));
+    assert_eq!(
+        read_image(sandbox.path("c.png")).unwrap().image.pixels,
+        whole.pixels
+    );
+    // Made again, a part stays; another one is not written over it.
+    let before = sandbox.bytes("parts/0.part");
+    sandbox.run("part recipe.json 0/4 -o parts/0.part").succeeds();
+    assert!(before == sandbox.bytes("parts/0.part"));
+    sandbox
+        .run("part recipe.json 1/4 -o parts/0.part")
+        .fails(5, &["already exists"]);
+    sandbox
+        .run("part recipe.json 5/4 -o parts/5.part")
+        .fails(2, &["5/4", "expected"]);
+    let mut damaged = before.clone();
+    let last = damaged.len() - 1;
+    damaged[last] ^= 1;
+    sandbox.write("parts/0.part", &damaged);
+    sandbox
+        .run("assemble parts -w -o b.png")
+        .fails(3, &["0.part", "not those that were written"]);
+}
+
+#[test]
+fn info_of_images_in_chunks_is_that_of_images_in_memory() {
+    let sandbox = converted();
+    let info = |name: &str| -> serde_json::Value {
+        let text = sandbox.run(&format!("info {name} --json")).succeeds().stdout();
+        serde_json::from_str(&text).unwrap()
+    };
+    let [memory, chunks] = ["a.nrrd", "a.ome.zarr"].map(info);
+    for key in [
+        "dims",
+        "min",
+        "max",
+        "histogram",
+        "sample-type",
+        "memory-bytes",
+        "transfer-function",
+    ] {
+        assert_eq!(memory[key], chunks[key], "{key}");
+    }
+}

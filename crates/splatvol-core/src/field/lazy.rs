@@ -1,0 +1,297 @@
+//! Fields of volumes that are read in chunks: nothing is read or solved before a picture opens a brick.
+//!
+//! | when | is done | and kept |
+//! |---|---|---|
+//! | the transfer function is set | bounds of chunks are asked whether anything in them, or around them, can be visible | 4 bytes per chunk that may be |
+//! | a picture is planned | bricks of these that the wanted pixels can show ([`FieldStore::restrict`]) | 8 bytes per brick |
+//! | a brick is opened | its chunk's visible cells, needed voxels and coefficients, from the samples | the chunks used last |
+//!
+//! A picture opens bricks front to back, and none that finished pixels hide: their chunks are never read. A chunk solved
+//! here has the bits of one that is solved in memory, as both are functions of the samples around it, of the kernel and
+//! of the transfer function. Bricks without needed voxels are part of the plan here; they decode to nothing.
+//! Only interpolating coefficients of volumes without missing samples: visibility of the others depends on bricks further
+//! away.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use splatvol_scene::{ChunkedVolume, OverBudget, Recent, Samples, VoxelBox};
+
+use super::around::BrickRanges;
+use super::cells::CellBits;
+use super::chunk::{CHUNK, Scratch};
+use super::reader::Reader;
+use super::{AROUND, Block, Chunk, FieldStore, Surroundings, place};
+use crate::brick::BRICK;
+use crate::visibility::{BRICK_VOXELS, LEVELS, VisibleLevels, level_of};
+
+/// Lattice points around a chunk from which the needs of its voxels follow: a brick of cells, and their last points.
+const MARGIN: usize = BRICK + 1;
+
+/// Chunks that were solved last, and what may be solved.
+#[derive(Debug)]
+pub(super) struct Lazy {
+    solved: Recent<u32, Arc<Chunk>>,
+    /// Chunks that may hold needed voxels, ascending.
+    candidates: Vec<u32>,
+    /// Memory of threads that solve.
+    scratch: Mutex<Vec<(Scratch, Option<Samples>)>>,
+    /// Bricks solved since the last call.
+    work: AtomicUsize,
+}
+
+impl Clone for Lazy {
+    /// Without what was solved; it shares the budget.
+    fn clone(&self) -> Self {
+        Self {
+            solved: self.solved.emptied(),
+            candidates: self.candidates.clone(),
+            scratch: Mutex::default(),
+            work: AtomicUsize::new(0),
+        }
+    }
+}
+
+impl Lazy {
+    /// Nothing solved yet, within the budget of a volume.
+    pub(super) fn new(volume: &ChunkedVolume) -> Option<Self> {
+        Some(Self {
+            solved: Recent::new(volume.budget().try_reserve(0)?),
+            candidates: Vec::new(),
+            scratch: Mutex::default(),
+            work: AtomicUsize::new(0),
+        })
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.solved.bytes() as usize
+    }
+}
+
+impl FieldStore {
+    /// Whether bricks are solved when they are opened.
+    pub fn is_lazy(&self) -> bool {
+        self.lazy.is_some()
+    }
+
+    /// Keeps so many bytes of solved chunks from now on, where bricks are solved when they are opened.
+    ///
+    /// # Errors
+    /// More than the volume's budget has left.
+    pub fn keep(&self, bytes: u64) -> Result<(), OverBudget> {
+        self.lazy
+            .as_ref()
+            .map_or(Ok(()), |lazy| lazy.solved.resize(bytes))
+    }
+
+    /// Bricks solved by decoding since the last call.
+    pub fn take_solved(&self) -> usize {
+        self.lazy
+            .as_ref()
+            .map_or(0, |lazy| lazy.work.swap(0, Ordering::Relaxed))
+    }
+
+    /// The largest number of bricks that a picture may have to plan: those of chunks that may hold something visible.
+    pub fn candidates(&self) -> usize {
+        let lazy = self.lazy.as_ref();
+        lazy.map_or(self.needed.len(), |lazy| match self.levels {
+            Some(_) => lazy.candidates.len() * CHUNK.iter().product::<usize>(),
+            // Voxels that are classified are found when a picture is planned.
+            None => self.bricks.iter().product(),
+        })
+    }
+
+    /// Where bricks are solved when they are opened, leaves those that a picture needs, given their first lattice
+    /// points.
+    pub fn restrict(&mut self, keep: &(dyn Fn([u32; 3]) -> bool + Sync)) {
+        use rayon::prelude::*;
+
+        let Some(lazy) = &self.lazy else { return };
+        let bricks = |&chunk: &u32| {
+            let first = self.chunk_first(chunk as usize);
+            let wanted = |at: &u32| {
+                let offset = place(*at as usize);
+                let brick: [usize; 3] = std::array::from_fn(|a| first[a] + offset[a]);
+                (0..3).all(|a| brick[a] < self.bricks[a]) && keep(brick.map(|b| (b * BRICK) as u32))
+            };
+            let own = (0..CHUNK.iter().product::<usize>() as u32).filter(wanted);
+            own.map(|at| [chunk, at]).collect::<Vec<_>>()
+        };
+        let kept: Vec<Vec<[u32; 2]>> = lazy.candidates.par_iter().map(bricks).collect();
+        self.needed = kept.concat();
+    }
+
+    /// Finds the chunks that may hold needed voxels; all their bricks are needed until [`FieldStore::restrict`].
+    pub(super) fn find_candidates(&mut self) {
+        let Some(levels) = &self.levels else { return };
+        let found = self.chunks_with(levels, MARGIN);
+        self.voxels = 0;
+        self.needed.clear();
+        self.set_hole();
+        if let Some(lazy) = &mut self.lazy {
+            lazy.solved.clear();
+            lazy.candidates = found;
+        }
+    }
+
+    /// Lost chunks have the value of the background, which is invisible.
+    fn set_hole(&self) {
+        let Some(chunks) = self.source.chunks() else {
+            return;
+        };
+        let [low, high] = self.source.value_range();
+        let rescale = self.source.rescale();
+        let real = low + f64::from(self.background) * (high - low);
+        let stored = (real - rescale.intercept) / rescale.slope;
+        let is_float = chunks.layout(self.source.of().1).element.is_float();
+        chunks
+            .source()
+            .set_hole(if is_float { stored } else { stored.round() });
+    }
+
+    /// Replaces `bricks` by those of chunks that may hold a visible sample, ascending.
+    pub(super) fn candidate_bricks(&self, levels: &VisibleLevels, bricks: &mut Vec<u32>) {
+        let [nx, ny, _] = self.bricks;
+        for chunk in self.chunks_with(levels, 1) {
+            let first = self.chunk_first(chunk as usize);
+            for at in 0..CHUNK.iter().product() {
+                let offset = place(at);
+                let [x, y, z]: [usize; 3] = std::array::from_fn(|a| first[a] + offset[a]);
+                if (0..3).all(|a| first[a] + offset[a] < self.bricks[a]) {
+                    bricks.push(((z * ny + y) * nx + x) as u32);
+                }
+            }
+        }
+        bricks.sort_unstable();
+    }
+
+    /// Chunks of which a sample, or one within so many points around them, may be visible as far as bounds tell.
+    fn chunks_with(&self, levels: &VisibleLevels, margin: usize) -> Vec<u32> {
+        let counts: [usize; 3] = std::array::from_fn(|a| self.bricks[a].div_ceil(CHUNK[a]));
+        let may_show = |chunk: &u32| {
+            let region = self.region_around(self.chunk_first(*chunk as usize), margin);
+            let (source, level) = self.source.of();
+            let bounds = source.chunks().and_then(|chunks| chunks.bounds(level, region));
+            bounds.is_none_or(|[low, high]| {
+                let [a, b] = [low, high].map(|end| level_of(self.lattice.normalised(end)));
+                let (low, high) = (a.min(b), a.max(b));
+                // A level more: the ends were rounded by another way here.
+                let [low, high] =
+                    super::cells::widened([(low - 1).max(0), (high + 1).min(LEVELS as i16 - 1)]);
+                levels.any_of([low, high])
+            })
+        };
+        (0..counts.iter().product::<usize>() as u32)
+            .filter(may_show)
+            .collect()
+    }
+
+    /// Samples of a chunk, given its first brick, and so many points around it.
+    fn region_around(&self, first: [usize; 3], margin: usize) -> VoxelBox {
+        let from = first.map(|brick| (brick * BRICK).saturating_sub(margin));
+        let to = std::array::from_fn(|a| (first[a] + CHUNK[a]) * BRICK + margin);
+        self.lattice.region(from, to)
+    }
+
+    pub(super) fn decode_lazily(&self, index: usize, out: &mut [f32; BRICK_VOXELS]) {
+        let [chunk, at] = self.needed[index];
+        let solved = self.lazy.as_ref().and_then(|lazy| {
+            let make = || {
+                let chunk = Arc::new(self.solve_lazily(lazy, chunk as usize).ok_or(())?);
+                let bytes = chunk.bytes() as u64;
+                Ok::<_, ()>((chunk, bytes))
+            };
+            lazy.solved.get_or_make(chunk, make).ok()
+        });
+        let brick = solved.as_ref().and_then(|chunk| {
+            let found = chunk.needed.binary_search_by_key(&at, |brick| brick.place).ok()?;
+            Some((chunk.stored(at), &chunk.needed[found]))
+        });
+        match brick {
+            Some((stored, brick)) => stored.decode(&brick.mask, self.background, out),
+            None => out.fill(f32::NAN),
+        }
+    }
+
+    /// Reads and solves a chunk; `None` after a failure.
+    fn solve_lazily(&self, lazy: &Lazy, index: usize) -> Option<Chunk> {
+        let pool = || lazy.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let (mut scratch, memory) = pool().pop().unwrap_or_default();
+        self.failure.get().is_none().then_some(())?;
+        let mut reader = Reader::with_memory(&self.source, &self.failure, memory);
+        let first = self.chunk_first(index);
+        let origin = first.map(|brick| brick * BRICK);
+        let around = self.region_around(first, MARGIN);
+        reader.hold(joined(self.solver.region(&self.lattice, origin), around))?;
+        let mut chunk = Chunk::default();
+        with_block!(reader, around, data => {
+            let found = self.needs_within(data, first);
+            if !found.is_empty() {
+                let solved = self.solver.solve(&self.lattice, data, origin, &mut scratch);
+                for (at, _) in &found {
+                    let from = (place(*at as usize).map(|brick| brick * BRICK), origin);
+                    chunk.stored.push(solved.brick(&scratch, &self.lattice, data, from));
+                    chunk.held |= 1 << at;
+                }
+                lazy.work.fetch_add(found.len(), Ordering::Relaxed);
+                self.mask(first, found, &mut chunk);
+            }
+        })?;
+        chunk.needed.shrink_to_fit();
+        chunk.stored.shrink_to_fit();
+        pool().push((scratch, reader.into_memory()));
+        Some(chunk)
+    }
+
+    /// Bricks of a chunk with voxels that are needed, and these, from the samples in and around it.
+    fn needs_within<T: super::StoredSample>(
+        &self,
+        data: &Block<'_, T>,
+        first: [usize; 3],
+    ) -> Vec<(u32, super::Needs)> {
+        let Some(levels) = &self.levels else {
+            return Vec::new();
+        };
+        let intervals = levels.intervals();
+        let mut cells: Vec<CellBits> = vec![[0; BRICK]; AROUND.iter().product()];
+        // Places around the chunk begin one brick before it; those outside wrap, and are left out.
+        let number = |brick: [usize; 3]| {
+            let [x, y, z]: [usize; 3] = std::array::from_fn(|a| (brick[a] + 1).wrapping_sub(first[a]));
+            (z * AROUND[1] + y) * AROUND[0] + x
+        };
+        for (at, cells) in cells.iter_mut().enumerate() {
+            let place = [
+                at % AROUND[0],
+                at / AROUND[0] % AROUND[1],
+                at / (AROUND[0] * AROUND[1]),
+            ];
+            let brick: [usize; 3] = std::array::from_fn(|a| (first[a] + place[a]).wrapping_sub(1));
+            if (0..3).all(|a| brick[a] < self.bricks[a]) {
+                let origin = brick.map(|brick| brick * BRICK);
+                *cells = BrickRanges::visible_within((&self.lattice, data), origin, (levels, &intervals));
+            }
+        }
+        let around = Surroundings::new(self.bricks, first, |brick| (&cells[number(brick)], false));
+        let mut found = Vec::new();
+        for at in 0..u128::BITS {
+            let offset = place(at as usize);
+            if (0..3).any(|a| first[a] + offset[a] >= self.bricks[a]) {
+                continue;
+            }
+            if let Some(needs) = self.needs(around.of(offset).map(|(cells, _)| cells)) {
+                found.push((at, needs));
+            }
+        }
+        found
+    }
+}
+
+/// The smallest box that holds two.
+fn joined(a: VoxelBox, b: VoxelBox) -> VoxelBox {
+    let first: [usize; 3] = std::array::from_fn(|axis| a.first[axis].min(b.first[axis]));
+    let end = |of: VoxelBox, axis: usize| of.first[axis] + of.size[axis];
+    VoxelBox {
+        first,
+        size: std::array::from_fn(|axis| end(a, axis).max(end(b, axis)) - first[axis]),
+    }
+}

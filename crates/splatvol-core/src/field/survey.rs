@@ -1,0 +1,124 @@
+//! What must be known of a level before it is drawn: the range of its values, whether samples are missing, and the
+//! samples from which the background is found. An index of bounds says it at once; otherwise all chunks are read once.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use splatvol_scene::chunks::spread_step;
+use splatvol_scene::volume::{Statistics, widen};
+use splatvol_scene::{
+    ChunkSource, ChunkedVolume, Rescale, SampleSource, SceneError, Survey, VoxelBox, with_samples,
+};
+
+use super::level::SourceLevel;
+
+/// Surveys a level that is read from chunks, unless that was done before.
+///
+/// # Errors
+/// Chunks that cannot be read, missing samples, `stop`.
+pub fn survey(level: &SourceLevel, stop: &AtomicBool) -> Result<(), SceneError> {
+    let (source, index) = level.of();
+    let Some(chunks) = source.chunks() else {
+        return Ok(());
+    };
+    if chunks.survey(index).is_none() {
+        let found = match of_index(chunks, index) {
+            Some(found) => found,
+            None => of_samples(chunks, index, stop)?,
+        };
+        chunks.set_survey(index, found);
+    }
+    Ok(())
+}
+
+/// From what is known without reading the samples.
+fn of_index(chunks: &ChunkedVolume, level: usize) -> Option<Survey> {
+    let layout = chunks.layout(level);
+    let spread = chunks.source().spread(level)?;
+    let ends = chunks.bounds(level, VoxelBox::whole(&layout.grid))?;
+    let statistics = Statistics {
+        non_finite: 0,
+        ..statistics(layout.rescale, ends, chunks.statistics(level).mean)?
+    };
+    Some(Survey { statistics, spread })
+}
+
+fn statistics(rescale: Rescale, ends: [f64; 2], mean: f64) -> Option<Statistics> {
+    let [a, b] = ends.map(|end| rescale.apply(end));
+    let (min, max) = (a.min(b), a.max(b));
+    (max - min).is_finite().then(|| Statistics {
+        min,
+        max,
+        mean: mean.clamp(min, max),
+        non_finite: 0,
+    })
+}
+
+/// What is found in a chunk.
+struct Found {
+    ends: [f64; 2],
+    sum: f64,
+    spread: Vec<(usize, f64)>,
+}
+
+/// From all samples.
+fn of_samples(chunks: &ChunkedVolume, level: usize, stop: &AtomicBool) -> Result<Survey, SceneError> {
+    let layout = chunks.layout(level);
+    let whole = VoxelBox::whole(&layout.grid);
+    let all: Vec<[usize; 3]> = layout.chunks_of(whole).collect();
+    let found: Vec<Found> = all
+        .into_par_iter()
+        .map(|chunk| match stop.load(Ordering::Relaxed) {
+            true => Err(SceneError::Stopped),
+            false => of_chunk(chunks, level, layout.region(chunk)),
+        })
+        .collect::<Result<_, _>>()?;
+    let ends = found.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| {
+        [all[0].min(own.ends[0]), all[1].max(own.ends[1])]
+    });
+    let mean = found.iter().map(|own| own.sum).sum::<f64>() / whole.len() as f64;
+    let mut spread: Vec<(usize, f64)> = found.into_iter().flat_map(|own| own.spread).collect();
+    spread.sort_unstable_by_key(|(index, _)| *index);
+    let statistics = statistics(layout.rescale, ends, layout.rescale.apply(mean));
+    Ok(Survey {
+        statistics: statistics.ok_or_else(|| SceneError::invalid("value range", ends, "a finite width"))?,
+        spread: spread.into_iter().map(|(_, sample)| sample).collect(),
+    })
+}
+
+fn of_chunk(chunks: &ChunkedVolume, level: usize, region: VoxelBox) -> Result<Found, SceneError> {
+    let mut memory = None;
+    let block = chunks.read(level, region, &mut memory)?;
+    let [nx, ny, nz] = chunks.layout(level).grid.dims();
+    let step = spread_step(nx * ny * nz);
+    let mut found = Found {
+        ends: [f64::INFINITY, f64::NEG_INFINITY],
+        sum: 0.0,
+        spread: Vec::new(),
+    };
+    let [x, y, z] = region.first;
+    let finite = with_samples!(block.samples, data => {
+        let mut finite = true;
+        for (row, samples) in data.chunks_exact(region.size[0]).enumerate() {
+            let (y, z) = (y + row % region.size[1], z + row / region.size[1]);
+            for &sample in samples {
+                let value = widen(sample);
+                found.ends = [found.ends[0].min(value), found.ends[1].max(value)];
+                found.sum += value;
+                finite &= value.is_finite();
+            }
+            let first = (z * ny + y) * nx + x;
+            for index in (first.next_multiple_of(step)..first + samples.len()).step_by(step) {
+                found.spread.push((index, widen(samples[index - first])));
+            }
+        }
+        finite
+    });
+    match finite {
+        true => Ok(found),
+        false => Err(SceneError::Combination {
+            what: "a volume with missing samples (NaN) in chunks",
+            why: "only volumes in memory may have some; --memory allows it to be read whole where that is enough",
+        }),
+    }
+}

@@ -1,0 +1,474 @@
+//! Parts of pictures: the pixels of a block, from a worker to whoever puts the picture together.
+//!
+//! A file is a line that names it, a line of JSON, and the block's pixels row by row, six little-endian floats each: red,
+//! green, blue and alpha, linear and premultiplied, mean depth, optical depth. The JSON holds the whole recipe, its
+//! SHA-256, the picture's size, the block, the instruction set that made it, and the SHA-256 of the pixels. Bytes follow
+//! from recipe and block; parts of different recipes, programs or instruction sets are never put together.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::Path;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use splatvol_scene::{Frame, Image, ImageSize};
+
+use crate::IoError;
+use crate::error::Context;
+
+/// First line of a part.
+const MAGIC: &[u8] = b"splatvol part 1\n";
+/// Bytes of a pixel.
+const PIXEL: usize = 24;
+/// Most bytes of the line of JSON.
+const MOST_HEADER: usize = 16 << 20;
+
+/// A block of pixels: a rectangle of a picture, written `X,Y,WIDTHxHEIGHT`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct PictureBlock {
+    /// First column.
+    pub x: u32,
+    /// First row.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl PictureBlock {
+    /// A picture's blocks of `edge` pixels, those at its right and lower ends smaller, row by row.
+    pub fn all(size: ImageSize, edge: u32) -> Vec<Self> {
+        let edge = edge.max(1);
+        let starts = |length: u32| (0..length).step_by(edge as usize);
+        let block = |x, y| Self {
+            x,
+            y,
+            width: edge.min(size.width() - x),
+            height: edge.min(size.height() - y),
+        };
+        starts(size.height())
+            .flat_map(|y| starts(size.width()).map(move |x| block(x, y)))
+            .collect()
+    }
+
+    /// Block `index` of `count` blocks of about the same size, as square as the number allows; `None` where the picture
+    /// has no so many.
+    pub fn of(size: ImageSize, index: u32, count: u32) -> Option<Self> {
+        let columns = (1..=count)
+            .rev()
+            .find(|n| u64::from(*n).pow(2) <= u64::from(count) && count.is_multiple_of(*n))?;
+        let rows = count / columns;
+        let (columns, rows) = match size.width() > size.height() {
+            true => (columns.max(rows), columns.min(rows)),
+            false => (columns.min(rows), columns.max(rows)),
+        };
+        if index >= count || columns > size.width() || rows > size.height() {
+            return None;
+        }
+        let ends = |length: u32, count: u32, at: u32| {
+            let end = |at: u32| (u64::from(length) * u64::from(at) / u64::from(count)) as u32;
+            [end(at), end(at + 1)]
+        };
+        let [x, x1] = ends(size.width(), columns, index % columns);
+        let [y, y1] = ends(size.height(), rows, index / columns);
+        Some(Self {
+            x,
+            y,
+            width: x1 - x,
+            height: y1 - y,
+        })
+    }
+
+    fn fits(&self, size: ImageSize) -> bool {
+        let within = |first: u32, count: u32, all: u32| {
+            count > 0 && first.checked_add(count).is_some_and(|end| end <= all)
+        };
+        within(self.x, self.width, size.width()) && within(self.y, self.height, size.height())
+    }
+
+    /// Indices of its pixels in a picture, row by row.
+    fn pixels(self, size: ImageSize) -> impl Iterator<Item = usize> {
+        let width = size.width() as usize;
+        let (x, y) = (self.x as usize, self.y as usize);
+        (y..y + self.height as usize)
+            .flat_map(move |row| row * width + x..row * width + x + self.width as usize)
+    }
+}
+
+impl Display for PictureBlock {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let Self { x, y, width, height } = self;
+        write!(formatter, "{x},{y},{width}x{height}")
+    }
+}
+
+impl FromStr for PictureBlock {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<u32>> = text.split([',', 'x']).map(|number| number.parse().ok()).collect();
+        match (numbers.as_deref(), text.matches(',').count()) {
+            (Some([x, y, width, height]), 2) if *width > 0 && *height > 0 => Ok(Self {
+                x: *x,
+                y: *y,
+                width: *width,
+                height: *height,
+            }),
+            _ => Err(format!(
+                "{text:?}: expected X,Y,WIDTHxHEIGHT in pixels, such as 512,0,512x512"
+            )),
+        }
+    }
+}
+
+/// All that a part says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct PartHeader {
+    /// Name and version of the program.
+    pub program: String,
+    /// The document with nothing left open, JSON.
+    pub recipe: String,
+    /// SHA-256 of the recipe.
+    pub recipe_sha256: String,
+    /// Width and height of the picture.
+    pub size: ImageSize,
+    /// The block.
+    pub block: PictureBlock,
+    /// Vector instructions that made the pixels.
+    pub simd: String,
+    /// Lost chunks that are holes in it.
+    pub holes: u64,
+    /// SHA-256 of the pixels.
+    pub pixels_sha256: String,
+}
+
+/// A part: what it says, and its pixels' bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// What it says.
+    pub header: PartHeader,
+    pixels: Vec<u8>,
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+impl Part {
+    /// A block of a frame.
+    ///
+    /// # Errors
+    /// A block outside the frame.
+    pub fn new(
+        frame: &Frame,
+        block: PictureBlock,
+        (recipe, simd, holes): (String, &str, u64),
+    ) -> Result<Self, IoError> {
+        let size = frame.image.size();
+        let context = Context::new("part", Path::new("part"));
+        if !block.fits(size) {
+            let expected = "a block within the picture";
+            return Err(context.field("block", block, None, expected));
+        }
+        let mut pixels = Vec::with_capacity(block.width as usize * block.height as usize * PIXEL);
+        for index in block.pixels(size) {
+            let [r, g, b, a] = frame.image.pixels[index];
+            for number in [r, g, b, a, frame.depth[index], frame.optical_depth[index]] {
+                pixels.extend(number.to_le_bytes());
+            }
+        }
+        Ok(Self {
+            header: PartHeader {
+                program: concat!("splatvol ", env!("CARGO_PKG_VERSION")).to_owned(),
+                recipe_sha256: sha256(recipe.as_bytes()),
+                recipe,
+                size,
+                block,
+                simd: simd.to_owned(),
+                holes,
+                pixels_sha256: sha256(&pixels),
+            },
+            pixels,
+        })
+    }
+
+    /// The bytes of its file.
+    ///
+    /// # Errors
+    /// Never: the header is text and numbers.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, IoError> {
+        let header = serde_json::to_string(&self.header)
+            .map_err(|error| Context::new("part", Path::new("part")).unsupported(error.to_string()))?;
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(header.as_bytes());
+        bytes.push(b'\n');
+        bytes.extend(&self.pixels);
+        Ok(bytes)
+    }
+
+    /// Reads and verifies a part; `path` is named in errors.
+    ///
+    /// # Errors
+    /// Bytes that are no part, or not all of one, or not those that were written.
+    pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, IoError> {
+        let context = &Context::new("part", path);
+        let rest = bytes
+            .strip_prefix(MAGIC)
+            .ok_or_else(|| context.unsupported("no part of a picture of this version"))?;
+        let end = rest.iter().take(MOST_HEADER).position(|&byte| byte == b'\n');
+        let (line, pixels) = end
+            .map(|end| (&rest[..end], &rest[end + 1..]))
+            .ok_or_else(|| context.unsupported("its second line does not end"))?;
+        let header: PartHeader = serde_json::from_slice(line)
+            .map_err(|error| context.unsupported(format!("its header: {error}")))?;
+        if !header.block.fits(header.size) {
+            let expected = "a block within the picture";
+            return Err(context.field("block", header.block, None, expected));
+        }
+        let wanted = u64::from(header.block.width) * u64::from(header.block.height) * PIXEL as u64;
+        if pixels.len() as u64 != wanted {
+            let found = pixels.len();
+            return Err(context.unsupported(format!("{found} bytes of pixels, and its block has {wanted}")));
+        }
+        let sums = [
+            (&header.recipe_sha256, header.recipe.as_bytes(), "recipe"),
+            (&header.pixels_sha256, pixels, "pixels"),
+        ];
+        for (sum, bytes, what) in sums {
+            if *sum != sha256(bytes) {
+                return Err(context.unsupported(format!("its {what} are not those that were written")));
+            }
+        }
+        Ok(Self {
+            pixels: pixels.to_vec(),
+            header,
+        })
+    }
+}
+
+/// A picture that is put together from parts, which may come in any order and more than once.
+#[derive(Debug)]
+pub struct Assembly {
+    first: PartHeader,
+    frame: Frame,
+    /// Which pixels are there.
+    there: Vec<bool>,
+    holes: u64,
+}
+
+impl Assembly {
+    /// Of the recipe of a part; `path` is named in errors.
+    ///
+    /// # Errors
+    /// A picture larger than the memory that the machine grants.
+    pub fn new(part: &Part, path: &Path) -> Result<Self, IoError> {
+        let size = part.header.size;
+        let needed = size.pixel_count() as u64 * (PIXEL as u64 + 1);
+        let granted = crate::memory::granted();
+        if needed > granted {
+            return Err(Context::new("part", path).limit(needed, granted));
+        }
+        let image = Image::from_pixels(size, vec![[0.0; 4]; size.pixel_count()])
+            .map_err(|error| Context::new("part", path).scene(error))?;
+        Ok(Self {
+            first: part.header.clone(),
+            frame: Frame {
+                image,
+                depth: vec![f32::INFINITY; size.pixel_count()],
+                optical_depth: vec![0.0; size.pixel_count()],
+            },
+            there: vec![false; size.pixel_count()],
+            holes: 0,
+        })
+    }
+
+    /// Adds a part; `path` is named in errors.
+    ///
+    /// # Errors
+    /// A part of another picture, or made by another program or other instructions, or other pixels than another part
+    /// has there.
+    pub fn add(&mut self, part: &Part, path: &Path) -> Result<(), IoError> {
+        let context = &Context::new("part", path);
+        let (own, first) = (&part.header, &self.first);
+        let same = [
+            (&own.recipe_sha256, &first.recipe_sha256, "recipe"),
+            (&own.program, &first.program, "program"),
+            (&own.simd, &first.simd, "instruction set"),
+        ];
+        for (own, first, what) in same {
+            if own != first {
+                return Err(
+                    context.unsupported(format!("its {what}, {own}, is not that of the others, {first}"))
+                );
+            }
+        }
+        if own.size != first.size {
+            return Err(context.unsupported("its picture has another size"));
+        }
+        let mut is_new = false;
+        let pixels = part.pixels.as_chunks::<PIXEL>().0;
+        for (index, pixel) in own.block.pixels(own.size).zip(pixels) {
+            let mut numbers = pixel
+                .as_chunks::<4>()
+                .0
+                .iter()
+                .map(|bytes| f32::from_le_bytes(*bytes));
+            let numbers: [f32; 6] = std::array::from_fn(|_| numbers.next().unwrap_or(0.0));
+            let [r, g, b, a, depth, optical_depth] = numbers;
+            if self.there[index] {
+                let [or, og, ob, oa] = self.frame.image.pixels[index];
+                let others = [
+                    or,
+                    og,
+                    ob,
+                    oa,
+                    self.frame.depth[index],
+                    self.frame.optical_depth[index],
+                ];
+                if numbers.map(f32::to_bits) != others.map(f32::to_bits) {
+                    return Err(context.unsupported("its pixels differ from those of another part"));
+                }
+                continue;
+            }
+            is_new = true;
+            self.there[index] = true;
+            self.frame.image.pixels[index] = [r, g, b, a];
+            self.frame.depth[index] = depth;
+            self.frame.optical_depth[index] = optical_depth;
+        }
+        if is_new {
+            self.holes += own.holes;
+        }
+        Ok(())
+    }
+
+    /// The picture's recipe.
+    pub fn recipe(&self) -> &str {
+        &self.first.recipe
+    }
+
+    /// Lost chunks that are holes, summed over the parts.
+    pub fn holes(&self) -> u64 {
+        self.holes
+    }
+
+    /// The picture.
+    ///
+    /// # Errors
+    /// Pixels of which there is no part, by the first of them.
+    pub fn finish(self) -> Result<Frame, IoError> {
+        let Some(index) = self.there.iter().position(|there| !there) else {
+            return Ok(self.frame);
+        };
+        let missing = self.there.iter().filter(|there| !**there).count();
+        let width = self.first.size.width() as usize;
+        let (x, y) = (index % width, index / width);
+        let what = format!("{missing} pixels have no part, the first at column {x}, row {y}");
+        Err(Context::new("picture", Path::new("parts")).unsupported(what))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(width: u32, height: u32) -> Frame {
+        let size = ImageSize::new(width, height).unwrap();
+        let count = size.pixel_count();
+        let pixels = (0..count).map(|i| [i as f32, 0.1, 0.2, 0.3]).collect();
+        Frame {
+            image: Image::from_pixels(size, pixels).unwrap(),
+            depth: (0..count)
+                .map(|i| if i % 3 == 0 { f32::INFINITY } else { i as f32 })
+                .collect(),
+            optical_depth: vec![0.5; count],
+        }
+    }
+
+    fn part(frame: &Frame, block: PictureBlock) -> Part {
+        Part::new(frame, block, ("{}".to_owned(), "scalar", 1)).unwrap()
+    }
+
+    #[test]
+    fn parts_make_the_picture_in_any_order_and_twice() {
+        let frame = frame(70, 33);
+        let mut blocks = PictureBlock::all(frame.image.size(), 32);
+        assert_eq!(blocks.len(), 6);
+        blocks.reverse();
+        blocks.extend(blocks.clone());
+        let parts: Vec<Part> = blocks.iter().map(|&block| part(&frame, block)).collect();
+        let path = Path::new("a.part");
+        let mut assembly = Assembly::new(&parts[0], path).unwrap();
+        for part in &parts[..5] {
+            assembly.add(part, path).unwrap();
+        }
+        let missing = Assembly {
+            frame: frame.clone(),
+            there: assembly.there.clone(),
+            first: assembly.first.clone(),
+            holes: 0,
+        };
+        let error = missing.finish().unwrap_err().to_string();
+        assert!(
+            error.contains("1024 pixels have no part, the first at column 0, row 0"),
+            "{error}"
+        );
+        for part in &parts[5..] {
+            let read = Part::from_bytes(&part.to_bytes().unwrap(), path).unwrap();
+            assert_eq!(read, *part);
+            assembly.add(&read, path).unwrap();
+        }
+        assert_eq!(assembly.holes(), 6);
+        let found = assembly.finish().unwrap();
+        assert_eq!(found.image.pixels, frame.image.pixels);
+        assert_eq!(found.depth, frame.depth);
+    }
+
+    #[test]
+    fn damaged_and_foreign_parts_are_refused() {
+        let path = Path::new("a.part");
+        let frame = frame(8, 8);
+        let block: PictureBlock = "2,0,4x8".parse().unwrap();
+        let own = part(&frame, block);
+        let bytes = own.to_bytes().unwrap();
+        for at in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 1;
+            assert_ne!(Part::from_bytes(&damaged, path).ok().as_ref(), Some(&own), "{at}");
+            assert!(Part::from_bytes(&bytes[..at], path).is_err(), "{at}");
+        }
+        let mut assembly = Assembly::new(&own, path).unwrap();
+        assembly.add(&own, path).unwrap();
+        let mut other = frame.clone();
+        other.image.pixels[2][0] += 1.0;
+        let error = assembly.add(&part(&other, block), path).unwrap_err().to_string();
+        assert!(error.contains("differ"), "{error}");
+        let foreign = Part::new(&frame, block, ("{}".to_owned(), "avx2", 0)).unwrap();
+        let error = assembly.add(&foreign, path).unwrap_err().to_string();
+        assert!(error.contains("instruction set, avx2"), "{error}");
+        assert!(Part::new(&frame, "5,0,4x8".parse().unwrap(), (String::new(), "", 0)).is_err());
+    }
+
+    #[test]
+    fn blocks_cover_pictures() {
+        let size = ImageSize::new(100, 70).unwrap();
+        for count in [1, 2, 6, 7, 12] {
+            let blocks: Vec<_> = (0..count)
+                .map(|i| PictureBlock::of(size, i, count).unwrap())
+                .collect();
+            let pixels: u32 = blocks.iter().map(|block| block.width * block.height).sum();
+            assert_eq!(pixels, 7000);
+            let text: PictureBlock = blocks[0].to_string().parse().unwrap();
+            assert_eq!(text, blocks[0]);
+        }
+        assert_eq!(PictureBlock::of(size, 3, 3), None);
+        for wrong in ["", "1,2,3,4", "1,2,0x3", "1,2,3", "-1,0,1x1", "1x2x3x4"] {
+            assert!(wrong.parse::<PictureBlock>().is_err(), "{wrong}");
+        }
+    }
+}
