@@ -6,7 +6,7 @@
 //!          show(view, at rest) ────►  draft, then the picture that `render` makes  ──►  News::Shown (final)
 //! ```
 //!
-//! The window's thread never waits: it leaves work in a [`Mailbox`], and hears of results by a channel.
+//! The window's thread never waits: it leaves work in a mailbox, and hears of results by a channel.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::Sender;

@@ -6,7 +6,7 @@
 //! | [`navigate`], [`curve`] | gestures of the camera; edits of a transfer function |
 //! | [`opening`] | from paths to documents |
 //! | [`engine`] | the engine's thread, with `mailbox`, `draft` and `store`: the latest view wins, drafts, data in memory |
-//! | [`saving`] | pictures written in the background |
+//! | `saving` | pictures written in the background |
 //! | [`probe`] | what a ray meets |
 
 pub mod curve;
