@@ -6,7 +6,7 @@
 //! | transfer function | visible cells where visible levels changed, needed voxels around what changed | 1 bit per voxel |
 //! | brick needed | its chunk's coefficients, from the samples | 2 bytes per voxel |
 //!
-//! Of a volume that is read in chunks ([`lazy`]) nothing is read before a picture opens a brick.
+//! Of a volume that is read in chunks (`lazy`) nothing is read before a picture opens a brick.
 //!
 //! A store depends only on the volume, the kernel and the last transfer function, to the bit, and not on earlier
 //! transfer functions. [`crate::visibility`] defines which voxels are needed.
