@@ -12,6 +12,7 @@
 //! each other, so that chunks they share are still there. Neither blocks nor memory change a pixel: a brick has the same
 //! place among those that a tile opens, and the same coefficients, whenever it is solved.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use splatvol_core::bin::{TileGrid, TileRect};
@@ -199,14 +200,15 @@ pub(crate) fn of_picture(
     size: ImageSize,
     run: &Run<'_>,
     tile_edge: usize,
-) -> Result<Vec<Option<Block>>, SceneError> {
+) -> Result<Cow<'static, [Option<Block>]>, SceneError> {
     let lazy = rooms.iter().filter(|(_, level)| level.field.is_lazy());
     let tiles = TileGrid::new(size, tile_edge);
     for (room, level) in rooms {
         room.give(level)?;
     }
     let Some(divisions) = lazy.map(|(room, level)| room.divisions(level, &tiles)).max() else {
-        return Ok(vec![None]);
+        // Nothing is allocated here: viewers render frame after frame.
+        return Ok(Cow::Borrowed(&[None]));
     };
     let whole = TileRect {
         x0: 0,
@@ -239,7 +241,7 @@ pub(crate) fn of_picture(
             }
         }
     }
-    Ok(blocks)
+    Ok(Cow::Owned(blocks))
 }
 
 /// Leaves the bricks of a level that a block can show.
