@@ -5,7 +5,6 @@ use fearless_simd::{f32x16, mask32x16, prelude::*};
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::SheetShape;
-use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
 use super::classified::ClassifiedVoxels;
@@ -16,7 +15,7 @@ use super::gradients::Moments;
 use super::hermite::{End, Hermite, RayLanes, pieces};
 use super::holes::{self, Holes};
 use super::lattice_weights::{LatticeWeights, WeightPlane, Weights};
-use super::mode::Mode;
+use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{MIDDLES, PlaneShader};
@@ -376,24 +375,9 @@ impl Mode<4> for Analytic<'_> {
         Moments
     }
 
-    fn has_holes(&self) -> bool {
-        self.field.store.any_missing()
-    }
-
     #[inline(always)]
-    fn touch(&self, brick: usize) {
-        self.field.store.touch(brick);
-    }
-
-    #[inline(always)]
-    fn open<S: Simd>(
-        &self,
-        _: S,
-        (brick, _): (usize, u32),
-        values: &mut [f32; BRICK_VOXELS],
-        _: &mut ClassifiedVoxels,
-    ) {
-        self.field.store.decode(brick, values);
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::Field(self.field.store)
     }
 
     #[inline(always)]

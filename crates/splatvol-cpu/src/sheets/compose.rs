@@ -6,12 +6,11 @@
 
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::plan::Rays;
-use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::{Canvas, Material};
 use super::classified::{ClassifiedBricks, ClassifiedVoxels};
 use super::frame::SheetFrame;
-use super::mode::Mode;
+use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::shaded::filled;
@@ -143,14 +142,8 @@ impl Mode<4> for Compose<'_> {
     }
 
     #[inline(always)]
-    fn open<S: Simd>(
-        &self,
-        simd: S,
-        brick_and_slot: (usize, u32),
-        values: &mut [f32; BRICK_VOXELS],
-        classified: &mut ClassifiedVoxels,
-    ) {
-        self.bricks.open(simd, brick_and_slot, values, classified);
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::Classified(&self.bricks)
     }
 
     #[inline(always)]

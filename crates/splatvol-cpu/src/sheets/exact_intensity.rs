@@ -5,7 +5,6 @@ use std::marker::PhantomData;
 
 use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::bin::TileRect;
-use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::analytic::{AnalyticField, AnalyticInterval};
 use super::canvas::Canvas;
@@ -14,7 +13,7 @@ use super::cubic::Parabola;
 use super::frame::{SheetFrame, ZonedFrame};
 use super::intensity::{RayInterval, Reduction, ValueColors};
 use super::lattice_weights::{WeightPlane, Weights};
-use super::mode::Mode;
+use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::slopes::Slopes;
 use super::tile::SheetScratch;
@@ -78,24 +77,9 @@ impl<K: Reduction> Mode<2> for ExactIntensity<'_, K> {
         Slopes
     }
 
-    fn has_holes(&self) -> bool {
-        self.field.store.any_missing()
-    }
-
     #[inline(always)]
-    fn touch(&self, brick: usize) {
-        self.field.store.touch(brick);
-    }
-
-    #[inline(always)]
-    fn open<S: Simd>(
-        &self,
-        _: S,
-        (brick, _): (usize, u32),
-        values: &mut [f32; BRICK_VOXELS],
-        _: &mut ClassifiedVoxels,
-    ) {
-        self.field.store.decode(brick, values);
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::Field(self.field.store)
     }
 
     #[inline(always)]

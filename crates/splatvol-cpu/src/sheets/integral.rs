@@ -15,13 +15,12 @@ use fearless_simd::{f32x4, f32x16, mask32x16, prelude::*};
 use splatvol_core::bin::TileRect;
 use splatvol_core::normal;
 use splatvol_core::plan::{RayShapes, SheetShape};
-use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::Canvas;
 use super::classified::{ClassifiedBricks, ClassifiedVoxels};
 use super::compose::{ray_length, through_and_opacity};
 use super::frame::{SheetFrame, ZonedFrame};
-use super::mode::Mode;
+use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::plane::{HALO, Plane};
 use super::ring::LANES;
@@ -66,14 +65,8 @@ impl Mode<1> for Integral<'_> {
     }
 
     #[inline(always)]
-    fn open<S: Simd>(
-        &self,
-        simd: S,
-        brick_and_slot: (usize, u32),
-        values: &mut [f32; BRICK_VOXELS],
-        classified: &mut ClassifiedVoxels,
-    ) {
-        self.bricks.open(simd, brick_and_slot, values, classified);
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::Classified(&self.bricks)
     }
 
     fn ring_groups(&self, _: &SheetFrame<'_>) -> usize {

@@ -7,14 +7,13 @@ use fearless_simd::{f32x16, prelude::*};
 use splatvol_core::bin::TileRect;
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::field::FieldStore;
-use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::Canvas;
 use super::classified::ClassifiedVoxels;
 use super::cubic::{Cubic, Parabola};
 use super::frame::{SheetFrame, ZonedFrame};
 use super::holes::Beside;
-use super::mode::Mode;
+use super::mode::{Bricks, Mode};
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
 use super::shade::{Interval, PlaneShader};
@@ -338,24 +337,9 @@ impl<K: Reduction> Mode<1> for Intensity<'_, K> {
         Coefficient
     }
 
-    fn has_holes(&self) -> bool {
-        self.store.any_missing()
-    }
-
     #[inline(always)]
-    fn touch(&self, brick: usize) {
-        self.store.touch(brick);
-    }
-
-    #[inline(always)]
-    fn open<S: Simd>(
-        &self,
-        _: S,
-        (brick, _): (usize, u32),
-        values: &mut [f32; BRICK_VOXELS],
-        _: &mut ClassifiedVoxels,
-    ) {
-        self.store.decode(brick, values);
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::Field(self.store)
     }
 
     #[inline(always)]

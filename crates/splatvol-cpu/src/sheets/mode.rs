@@ -12,18 +12,30 @@
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileRect};
+use splatvol_core::field::FieldStore;
 use splatvol_core::plan::SheetShape;
 use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::activate::Window;
 use super::canvas::Canvas;
-use super::classified::ClassifiedVoxels;
+use super::classified::{ClassifiedBricks, ClassifiedVoxels};
 use super::frame::{SheetFrame, ZonedFrame};
 use super::place::Place;
 use super::ring::LANES;
 use super::sheet::GroupShape;
 use super::splat::Payload;
 use super::tile::{SheetScratch, SheetWork, enter_lattice, lattice_window, take_planes};
+
+/// What the voxels of a grid are splatted from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Bricks<'a> {
+    /// Coefficients of values.
+    Field(&'a FieldStore),
+    /// Samples that are classified when their brick is opened.
+    Classified(&'a ClassifiedBricks<'a>),
+    /// Nothing: kernels with covariances of their own are splatted.
+    None,
+}
 
 /// Payload of the voxels, N numbers each, and shading of finished sheets.
 pub(crate) trait Mode<const N: usize>: Sync {
@@ -36,17 +48,27 @@ pub(crate) trait Mode<const N: usize>: Sync {
     /// Prepares an empty canvas.
     fn begin(&self, _: &mut Canvas) {}
 
+    /// The bricks of a grid, if it splats one.
+    #[inline(always)]
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::None
+    }
+
     /// Opens a brick of a grid. Writes its voxels' values, NaN where there is nothing to splat, and their payloads
     /// into the memory of its slot.
     #[inline(always)]
     fn open<S: Simd>(
         &self,
-        _: S,
-        _brick_and_slot: (usize, u32),
+        simd: S,
+        (brick, slot): (usize, u32),
         values: &mut [f32; BRICK_VOXELS],
-        _: &mut ClassifiedVoxels,
+        classified: &mut ClassifiedVoxels,
     ) {
-        values.fill(f32::NAN);
+        match self.bricks() {
+            Bricks::Field(store) => store.decode(brick, values),
+            Bricks::Classified(bricks) => bricks.open(simd, (brick, slot), values, classified),
+            Bricks::None => values.fill(f32::NAN),
+        }
     }
 
     /// Opens the brick of a list entry, unless finished pixels hide it.
@@ -96,12 +118,16 @@ pub(crate) trait Mode<const N: usize>: Sync {
 
     /// Whether samples may be missing; their voxels have infinite values.
     fn has_holes(&self) -> bool {
-        false
+        matches!(self.bricks(), Bricks::Field(store) if store.any_missing())
     }
 
     /// Prefetches the data for opening a brick.
     #[inline(always)]
-    fn touch(&self, _brick: usize) {}
+    fn touch(&self, brick: usize) {
+        if let Bricks::Field(store) = self.bricks() {
+            store.touch(brick);
+        }
+    }
 
     /// Groups of sheets in the ring.
     fn ring_groups(&self, frame: &SheetFrame<'_>) -> usize {

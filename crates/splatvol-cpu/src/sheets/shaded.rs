@@ -2,12 +2,11 @@
 
 use fearless_simd::prelude::*;
 use splatvol_core::field::FieldStore;
-use splatvol_core::visibility::BRICK_VOXELS;
 
 use super::canvas::Canvas;
 use super::classified::ClassifiedVoxels;
 use super::frame::SheetFrame;
-use super::mode::Mode;
+use super::mode::{Bricks, Mode};
 use super::operated::{Faces, Operated};
 use super::place::Place;
 use super::plane::{HALO, Plane, Span};
@@ -31,24 +30,9 @@ impl Mode<1> for Shaded<'_> {
         Coefficient
     }
 
-    fn has_holes(&self) -> bool {
-        self.store.any_missing()
-    }
-
     #[inline(always)]
-    fn touch(&self, brick: usize) {
-        self.store.touch(brick);
-    }
-
-    #[inline(always)]
-    fn open<S: Simd>(
-        &self,
-        _: S,
-        (brick, _): (usize, u32),
-        values: &mut [f32; BRICK_VOXELS],
-        _: &mut ClassifiedVoxels,
-    ) {
-        self.store.decode(brick, values);
+    fn bricks(&self) -> Bricks<'_> {
+        Bricks::Field(self.store)
     }
 
     #[inline(always)]
