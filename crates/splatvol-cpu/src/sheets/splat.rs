@@ -6,13 +6,13 @@
 //! `2^(a (i-u)^2 + c (i-u)(j-v) + b (j-v)^2) = C(i, j) p^i q^j 2^(a u^2 + c u v + b v^2)`,
 //! `C(i, j) = 2^(a i^2 + c i j + b j^2)`, `p = 2^(-2 a u - c v)`, `q = 2^(-2 b v - c u)`:
 //!
-//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs one or two
-//! vector exponentials whatever its size and shape, and every weight is exact: there is no table of phases and no
+//! C is the same for all voxels of a slab, and the powers follow by multiplication. So a voxel costs one
+//! vector exponential whatever its size and shape, and every weight is exact: there is no table of phases and no
 //! rounding of positions. Where C is a product of a column and a row (radial kernels) each vector of pixels costs
 //! one multiply-add, otherwise one more multiplication.
 //!
 //! Round footprints count i and j from their first block. For an elongated footprint the powers would overflow
-//! there; it counts from the middle block, and also needs the inverse powers `p^-2` and `q^-2`.
+//! there; it counts from the middle block, and also needs the inverses of `p^2` and `q^2`.
 
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
@@ -184,21 +184,13 @@ pub(crate) const fn origin_block(size: usize, ellipses: bool) -> usize {
 /// processor's look-ahead; those of different voxels run side by side.
 const BATCH: usize = 16;
 
-/// Powers of a batch: exponents first.
+/// Powers of a batch, exponents first: `p, q, 2^(a u^2 + c u v + b v^2)`, profile in depth, four sheets each.
 #[derive(Debug)]
-pub(crate) struct Powers {
-    /// `p, q, 2^(a u^2 + b v^2)`, profile in depth, four sheets each; of ellipses `p, p^-2, q, q^-2`.
-    steps: [Lanes16; BATCH],
-    /// Weights of the ellipses, `2^(a u^2 + c u v + b v^2)`, and of the profile in depth, twice.
-    weights: [Lanes16; BATCH],
-}
+pub(crate) struct Powers([Lanes16; BATCH]);
 
 impl Default for Powers {
     fn default() -> Self {
-        Self {
-            steps: [Lanes16::default(); BATCH],
-            weights: [Lanes16::default(); BATCH],
-        }
+        Self([Lanes16::default(); BATCH])
     }
 }
 
@@ -311,30 +303,17 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
     let mut first = 0;
     while first < total {
         let count = (total - first).min(BATCH);
-        if ELLIPSES {
-            exponents(simd, constants, shape, (records, first, count), powers);
-        } else {
-            round_exponents(simd, constants, shape, (records, first, count), powers);
-        }
-        for lanes in &mut powers.steps[..count] {
+        exponents::<S, ELLIPSES>(simd, constants, shape, (records, first, count), powers);
+        for lanes in &mut powers.0[..count] {
             exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
         }
-        if ELLIPSES {
-            for lanes in &mut powers.weights[..count] {
-                exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
-            }
-        }
         for n in 0..count {
-            let (lateral, depth) = if ELLIPSES {
-                load(simd, &powers.weights[n]).split()
-            } else {
-                let (lateral, depth) = load(simd, &powers.steps[n]).split().1.split();
-                (lateral.combine(lateral), depth.combine(depth))
-            };
+            let (bases, weights) = load(simd, &powers.0[n]).split();
+            let (lateral, depth) = weights.split();
             let steps = if ELLIPSES {
-                Steps::<S, SIZE>::of_ellipse(simd, &powers.steps[n])
+                Steps::<S, SIZE>::of_ellipse(simd, bases)
             } else {
-                Steps::<S, SIZE>::of_round(simd, &powers.steps[n], stencil)
+                Steps::<S, SIZE>::of_round(simd, bases, stencil)
             };
             let voxel = Voxel {
                 records,
@@ -343,8 +322,8 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
                 shape,
                 stencil,
                 steps,
-                lateral,
-                depth,
+                lateral: lateral.combine(lateral),
+                depth: depth.combine(depth),
                 column: (records.column[first + n] as usize).min(PITCH - SIZE),
             };
             payload.add::<S, SIZE, ELLIPSES>(simd, &voxel, rings);
@@ -375,9 +354,9 @@ pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
     by_size!(2 3 4 5 6 7 8 10 12 16);
 }
 
-/// Exponents of a batch of round footprints.
+/// Exponents of a batch of footprints.
 #[inline(always)]
-fn round_exponents<S: Simd>(
+fn exponents<S: Simd, const ELLIPSES: bool>(
     simd: S,
     constants: &SplatConstants,
     shape: &GroupShape,
@@ -386,7 +365,7 @@ fn round_exponents<S: Simd>(
 ) {
     let (depth, scale) = (load(simd, &shape.depth), load(simd, &shape.scale));
     let (xx, yy) = (load(simd, &shape.xx), load(simd, &shape.yy));
-    // Four lanes each: -2 a u, -2 b v, a u^2 + b v^2, the profile.
+    // Four lanes each: -2 a u - c v, -2 b v - c u, a u^2 + c u v + b v^2, the profile.
     let zero = f32x16::splat(simd, 0.0);
     let upper = f32x16::from_slice(simd, &ROW).simd_gt(zero);
     let odd = f32x16::from_slice(simd, &COLUMN).simd_gt(zero);
@@ -395,58 +374,26 @@ fn round_exponents<S: Simd>(
         f32x16::splat(simd, constants.depth_exponent),
         upper.select(xx, second.select(yy, xx) * -2.0),
     );
+    let xy = load(simd, &shape.xy);
+    let cross = last.select(zero, upper.select(xy, -xy));
     let vertical = (upper & !odd).select(yy, zero);
     let one = f32x16::splat(simd, 1.0);
     for n in 0..count {
         let record = first + n;
         let dz = depth - records.z[record];
-        let u = scale * records.x[record] + records.origin_x[record];
-        let v = scale * records.y[record] + records.origin_y[record];
+        let (mut x, mut y) = (scale * records.x[record], scale * records.y[record]);
+        if ELLIPSES {
+            x = (dz * constants.slope[0] + records.x[record]) * scale;
+            y = (dz * constants.slope[1] + records.y[record]) * scale;
+        }
+        let (u, v) = (x + records.origin_x[record], y + records.origin_y[record]);
         let own = last.select(dz, second.select(v, u));
         let again = upper.select(own, one);
-        (own * factor * again + v * v * vertical).store_slice(&mut powers.steps[n].0);
-    }
-}
-
-/// Exponents of a batch of ellipses.
-#[inline(always)]
-fn exponents<S: Simd>(
-    simd: S,
-    constants: &SplatConstants,
-    shape: &GroupShape,
-    (records, first, count): (&Records, usize, usize),
-    powers: &mut Powers,
-) {
-    let depth = load(simd, &shape.depth);
-    let scale = load(simd, &shape.scale);
-    let (xx, xy, yy) = (
-        load(simd, &shape.xx),
-        load(simd, &shape.xy),
-        load(simd, &shape.yy),
-    );
-    // p, p^-2 of columns in the lower half, q, q^-2 of rows in the upper one.
-    let factor = f32x16::from_slice(
-        simd,
-        &[
-            -2.0, -2.0, -2.0, -2.0, 4.0, 4.0, 4.0, 4.0, -2.0, -2.0, -2.0, -2.0, 4.0, 4.0, 4.0, 4.0,
-        ],
-    );
-    let upper = f32x16::from_slice(simd, &ROW).simd_gt(f32x16::splat(simd, 0.5));
-    let own = factor * upper.select(yy, xx);
-    let other = factor * xy * 0.5;
-    for n in 0..count {
-        let record = first + n;
-        let dz = depth - records.z[record];
-        let x = dz * constants.slope[0] + records.x[record];
-        let y = dz * constants.slope[1] + records.y[record];
-        let u = x * scale + records.origin_x[record];
-        let v = y * scale + records.origin_y[record];
-        let steps = other * upper.select(u, v) + own * upper.select(v, u);
-        let lateral = u * v * xy + (u * u * xx + v * v * yy);
-        steps.store_slice(&mut powers.steps[n].0);
-        upper
-            .select(dz * dz * constants.depth_exponent, lateral)
-            .store_slice(&mut powers.weights[n].0);
+        let mut linear = own * factor;
+        if ELLIPSES {
+            linear += second.select(u, v) * cross;
+        }
+        (linear * again + v * v * vertical).store_slice(&mut powers.0[n].0);
     }
 }
 
@@ -468,8 +415,8 @@ fn four_times<S: Simd>(four: f32x4<S>) -> f32x16<S> {
 
 impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
     #[inline(always)]
-    fn of_round(simd: S, steps: &Lanes16, stencil: &Stencil) -> Self {
-        let (p, q) = load(simd, steps).split().0.split();
+    fn of_round(simd: S, bases: f32x8<S>, stencil: &Stencil) -> Self {
+        let (p, q) = bases.split();
         let one = f32x4::splat(simd, 1.0);
         let columns = one.combine(p);
         let mut across = [columns.combine(columns); SIZE];
@@ -492,10 +439,11 @@ impl<S: Simd, const SIZE: usize> Steps<S, SIZE> {
     }
 
     #[inline(always)]
-    fn of_ellipse(simd: S, steps: &Lanes16) -> Self {
+    fn of_ellipse(simd: S, bases: f32x8<S>) -> Self {
         let origin = origin_block(SIZE, true);
-        let (columns, rows) = load(simd, steps).split();
-        let ((p, p_back), (q, q_back)) = (columns.split(), rows.split());
+        let (p, q) = bases.split();
+        let inverse = f32x8::splat(simd, 1.0) / bases;
+        let (p_back, q_back) = (inverse * inverse).split();
         let one = f32x4::splat(simd, 1.0);
         let columns = one.combine(p);
         let mut across = [columns.combine(columns); SIZE];
