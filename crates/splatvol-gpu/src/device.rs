@@ -4,9 +4,11 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bytemuck::Pod;
+use splatvol_core::engine::PassSeconds;
 use splatvol_scene::SceneError;
 
 use crate::error::GpuError;
+use crate::timer::Timer;
 
 /// Settings of an engine's lifetime.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -40,6 +42,7 @@ pub(crate) struct GpuDevice {
     pub samples_per_dispatch: u64,
     /// What the device reported by itself.
     faults: Faults,
+    timer: Option<Timer>,
 }
 
 /// What a device reports by itself: that it is lost, for good; or an error that no scope caught, once.
@@ -130,6 +133,7 @@ impl GpuDevice {
         };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("splatvol"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: limits,
             ..wgpu::DeviceDescriptor::default()
         };
@@ -144,6 +148,7 @@ impl GpuDevice {
         };
         Ok(Self {
             faults: Faults::of(&device),
+            timer: Timer::new(&device, &queue),
             device,
             queue,
             name,
@@ -214,6 +219,35 @@ impl GpuDevice {
     pub(crate) fn commands(&self) -> wgpu::CommandEncoder {
         self.device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Begins a pass of this name among commands.
+    pub(crate) fn pass<'c>(
+        &self,
+        commands: &'c mut wgpu::CommandEncoder,
+        name: &str,
+    ) -> wgpu::ComputePass<'c> {
+        commands.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(name),
+            timestamp_writes: self.timer.as_ref().and_then(|timer| timer.writes(name)),
+        })
+    }
+
+    /// Forgets the passes of a frame that has failed.
+    pub(crate) fn forget_passes(&self) {
+        if let Some(timer) = &self.timer {
+            timer.forget();
+        }
+    }
+
+    /// Seconds of the passes since the last call; none where the device has no timestamps.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub(crate) fn pass_seconds(&self) -> Result<Vec<PassSeconds>, SceneError> {
+        self.timer
+            .as_ref()
+            .map_or(Ok(Vec::new()), |timer| timer.read(self))
     }
 
     /// Waits for some submitted work, or for all.

@@ -174,10 +174,13 @@ impl Engine for GpuEngine {
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError> {
-        if let Some(clouds) = published(&shot)? {
-            return self.gaussians((&clouds, &shot), frame, task);
-        }
-        self.layers(&shot, frame, task)
+        self.gpu.forget_passes();
+        let mut statistics = match published(&shot)? {
+            Some(clouds) => self.gaussians((&clouds, &shot), frame, task)?,
+            None => self.layers(&shot, frame, task)?,
+        };
+        statistics.passes = self.gpu.pass_seconds()?;
+        Ok(statistics)
     }
 
     fn memory(&self) -> MemoryUse {

@@ -45,6 +45,7 @@ mod shown;
 mod sort;
 #[cfg(test)]
 mod tests;
+mod timer;
 mod voxels;
 
 pub use device::GpuConfig;

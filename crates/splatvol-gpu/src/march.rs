@@ -275,7 +275,7 @@ impl March<'_> {
             voxels.classify(gpu, pass, &mut commands, shared);
         }
         {
-            let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = gpu.pass(&mut commands, "cull");
             pass.set_pipeline(&self.pipelines.cull);
             pass.set_bind_group(0, &bound.cull, &[]);
             let pages: u32 = data.pages.iter().map(|&n| n as u32).product();
@@ -299,7 +299,7 @@ impl March<'_> {
         gpu.queue.write_buffer(&bound.frame, 0, bytemuck::bytes_of(part));
         let mut commands = gpu.commands();
         {
-            let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = gpu.pass(&mut commands, "march");
             pass.set_bind_group(0, &bound.march, &[]);
             pass.set_pipeline(&self.marches.march);
             pass.dispatch_workgroups(part.tiles[0], rows, 1);

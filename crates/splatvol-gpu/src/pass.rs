@@ -10,6 +10,7 @@ const ROW: u32 = 32_768;
 /// A compiled entry point.
 #[derive(Debug)]
 pub(crate) struct Pass {
+    name: String,
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
 }
@@ -35,7 +36,11 @@ impl Pass {
                 cache: None,
             });
         let layout = pipeline.get_bind_group_layout(0);
-        Self { pipeline, layout }
+        Self {
+            name: entry.to_owned(),
+            pipeline,
+            layout,
+        }
     }
 
     /// Adds a dispatch of so many workgroups along x, y to commands, with these buffers bound.
@@ -73,7 +78,7 @@ impl Pass {
             layout: &self.layout,
             entries: &entries,
         });
-        let mut pass = commands.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        let mut pass = gpu.pass(commands, &self.name);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &bound, &[]);
         pass.dispatch_workgroups(x, y, z);

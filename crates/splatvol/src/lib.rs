@@ -126,7 +126,8 @@ pub use progressive::Pass;
 pub use renderer::Renderer;
 pub use splatvol_core::bin::TileRect;
 pub use splatvol_core::engine::{
-    Control, Engine, MemoryUse, OnProgress, OnTile, RenderStatistics, Share, Shot, StageSeconds, Task,
+    Control, Engine, MemoryUse, OnProgress, OnTile, PassSeconds, RenderStatistics, Share, Shot, StageSeconds,
+    Task,
 };
 pub use splatvol_core::radial;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]

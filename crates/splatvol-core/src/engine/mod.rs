@@ -23,7 +23,7 @@ use splatvol_scene::{Camera, Frame, RenderSettings, Scene, SceneError};
 pub use control::{Control, GoOn, OnProgress, OnTile, Progress, Task};
 pub use edges::Edges;
 pub use share::Share;
-pub use statistics::{ChunkStatistics, MemoryUse, RenderStatistics, StageSeconds};
+pub use statistics::{ChunkStatistics, MemoryUse, PassSeconds, RenderStatistics, StageSeconds};
 
 /// A picture to render.
 #[derive(Debug, Clone, Copy)]

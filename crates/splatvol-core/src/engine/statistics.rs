@@ -43,6 +43,15 @@ impl StageSeconds {
     }
 }
 
+/// What a pass took on a device.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct PassSeconds {
+    /// Name of the pass.
+    pub pass: String,
+    /// Seconds, of all its dispatches.
+    pub seconds: f64,
+}
+
 /// Bytes that a renderer holds between frames, by purpose.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct MemoryUse {
@@ -88,6 +97,8 @@ pub struct RenderStatistics {
     pub engine: &'static str,
     /// The device that rendered it, as its driver names it; empty for the processor.
     pub device: String,
+    /// Seconds that its passes took there, by the device's timestamps; empty where it has none, and for the processor.
+    pub passes: Vec<PassSeconds>,
     /// Why the processor rendered it, where a device was preferred; empty elsewhere.
     pub why: String,
     /// Vector instructions that it used; `scalar` for none.

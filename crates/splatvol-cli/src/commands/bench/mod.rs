@@ -129,6 +129,9 @@ impl<'a> Bench<'a> {
                     self.write_picture(&picture, &measured)?;
                 }
                 self.print(&self.table.line(&case))?;
+                if !case.statistics.passes.is_empty() {
+                    self.print(&report::passes(&case.statistics))?;
+                }
                 if self.args.counts {
                     self.print(&counts(&case.statistics))?;
                 }

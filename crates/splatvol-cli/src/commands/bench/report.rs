@@ -158,6 +158,15 @@ fn stage_shares(seconds: &StageSeconds, threads: usize) -> [(&'static str, f64);
     ]
 }
 
+/// What a frame's passes took on the device, below the line of its case.
+pub(super) fn passes(statistics: &RenderStatistics) -> String {
+    let passes = statistics.passes.iter();
+    let each: Vec<String> = passes
+        .map(|own| format!("{} {:.3}", own.pass, 1e3 * own.seconds))
+        .collect();
+    format!("  on the device, ms: {}", each.join(", "))
+}
+
 /// Lines of what a frame counts, below that of its case.
 pub(super) fn counts(statistics: &RenderStatistics) -> String {
     let per = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
@@ -213,6 +222,22 @@ mod tests {
   pixels 40 hold material, 0.25 of the lanes of 10 vectors shaded";
         assert_eq!(counts(&statistics), expected);
         assert!(counts(&RenderStatistics::default()).ends_with("0.00 of the lanes of 0 vectors shaded"));
+    }
+
+    #[test]
+    fn passes_are_listed_with_milliseconds() {
+        let pass = |name: &str, seconds| splatvol::PassSeconds {
+            pass: name.to_owned(),
+            seconds,
+        };
+        let statistics = RenderStatistics {
+            passes: vec![pass("cull", 1e-5), pass("march", 0.0123)],
+            ..RenderStatistics::default()
+        };
+        assert_eq!(
+            passes(&statistics),
+            "  on the device, ms: cull 0.010, march 12.300"
+        );
     }
 
     #[test]
