@@ -26,7 +26,7 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     var high = vec2(-3e38);
     var before_eye = false;
     for (var corner = 0u; corner < 8u; corner++) {
-        let offset = vec3<f32>(vec3(corner & 1u, corner >> 1u & 1u, corner >> 2u)) * f32(PAGE);
+        let offset = vec3<f32>(vec3(corner & 1u, (corner >> 1u) & 1u, corner >> 2u)) * f32(PAGE);
         let place = (frame.camera_from_lattice * vec4(first + offset, 1.0)).xyz;
         nearest = min(nearest, place.z);
         farthest = max(farthest, place.z);

@@ -1,18 +1,33 @@
-// Effects: planes shaded where clips leave them, or where isosurfaces are crossed; `splatvol_cpu::sheets::{operated, pixel,
-// crossing}`, line by line.
+// Effects: planes shaded where clips leave them, or where isosurfaces are crossed, with operators; `splatvol_cpu::sheets::{operated,
+// pixel, crossing}`, line by line.
 
 // A pixel's cut face that it looks at: normal, camera space, and share of the lit material that lies on it; transmittance
 // from the face on, and the interval in which it was last seen.
 @group(0) @binding(10) var<storage, read_write> faces: array<vec4<f32>>;
-
-// Pieces of the part of an interval.
-const PIECES: i32 = 2;
 
 struct Face {
     normal: vec3<f32>,
     share: f32,
     through: f32,
     interval: f32,
+}
+
+// Material that a ray meets, camera space: normalised value and its gradient, place, and direction of the ray.
+struct Seen {
+    value: f32,
+    gradient: vec3<f32>,
+    place: vec3<f32>,
+    ray: vec3<f32>,
+}
+
+// Appearance of material; see `splatvol_scene::Appearance`.
+struct Appearance {
+    color: vec3<f32>,
+    extinction: f32,
+    normal: vec3<f32>,
+    surfaceness: f32,
+    reflection: vec3<f32>,
+    reflectance: f32,
 }
 
 // A pixel between two planes.
@@ -49,22 +64,35 @@ fn ink_with(ink: Ink, color: vec3<f32>, through: f32, depth: f32) -> Ink {
     return Ink(ink.color + color * share, ink.transmittance * through, ink.depth_sum + depth * share);
 }
 
-// The colour of material with this gradient, lit; a face turns its normal.
-fn lit(color: vec3<f32>, gradient: vec3<f32>, ray: vec3<f32>, face: Face) -> vec3<f32> {
-    if frame.lit == 0u {
-        return color;
-    }
-    let length = length(gradient);
-    var normal = select(-normalize(ray), -gradient / max(length, 1e-30), length > 1e-30);
-    var surface = surfaceness(length);
+// The appearance of material of this colour and extinction; a face turns its normal. Without light, surfaces matter only to
+// mirrors.
+fn appearance_of(seen: Seen, material: vec4<f32>, face: Face) -> Appearance {
+    let length = length(seen.gradient);
+    var normal = select(-normalize(seen.ray), -seen.gradient / max(length, 1e-30), length > 1e-30);
+    var surface = select(1.0, surfaceness(length), frame.lit != 0u);
     let weight = face.share * min(8.0 * face.through, 1.0);
     if weight > 0.0 {
         let mixed = mix(select(normal, -normal, dot(normal, face.normal) < 0.0), face.normal, weight);
         normal = select(face.normal, normalize(mixed), dot(mixed, mixed) > 1e-30);
         surface += (1.0 - surface) * weight;
     }
-    let light = phong_on(normal, surface);
-    return color * light.x + light.y;
+    return Appearance(material.rgb, material.a, normal, surface, vec3(0.0), 0.0);
+}
+
+// Its lit colour.
+fn lit(own: Appearance) -> vec3<f32> {
+    var color = own.color;
+    if frame.lit != 0u {
+        let light = phong_on(own.normal, own.surfaceness);
+        color = color * light.x + light.y;
+    }
+    return color + (own.reflection - color) * own.reflectance;
+}
+
+// Material at a place of an interval.
+fn seen_at(pixel: ptr<function, Pixel>, own: Between, u: f32, value: f32) -> Seen {
+    let ray = vec3((*pixel).offset * frame.per_pixel, 1.0);
+    return Seen(value, gradient_at(pixel, own.whole, u, own.sharpness), own.ray.start + own.ray.step * u, ray);
 }
 
 // Material of a part of an interval.
@@ -80,7 +108,6 @@ fn material(pixel: ptr<function, Pixel>, face: ptr<function, Face>, own: Between
         (*face).share = 0.0;
     }
     (*face).interval = f32(near);
-    let ray = vec3((*pixel).offset * frame.per_pixel, 1.0);
     for (var i = 1; i <= PIECES; i++) {
         let to_u = range.start + width * f32(i);
         let to_value = value_at(own, to_u);
@@ -103,9 +130,15 @@ fn material(pixel: ptr<function, Pixel>, face: ptr<function, Face>, own: Between
             (*face).share = 0.0;
             continue;
         }
-        let color = lit(color_of(value), gradient_at(pixel, own.whole, u, own.sharpness), ray, *face);
-        (*pixel).ink = ink_with((*pixel).ink, color, through, own.ray.start.z + own.ray.step.z * u);
-        (*face).through *= through;
+        let seen = seen_at(pixel, own, u, value);
+        var shown = appearance_of(seen, vec4(color_of(value), extinction), *face);
+        operate(seen, &shown);
+        if !(shown.extinction > 0.0) {
+            continue;
+        }
+        let left = exp2(max(-LOG2_E * shown.extinction * own.length * width, LEAST_EXPONENT));
+        (*pixel).ink = ink_with((*pixel).ink, lit(shown), left, seen.place.z);
+        (*face).through *= left;
     }
 }
 
@@ -168,7 +201,6 @@ fn value_at_end(own: Between, u: f32) -> f32 {
 
 // The isosurfaces that a pixel's ray crosses.
 fn cross_surfaces(pixel: ptr<function, Pixel>, own: Between) {
-    let ray = vec3((*pixel).offset * frame.per_pixel, 1.0);
     var crossing = next_crossing(own, vec2(-1.0));
     // A cubic takes a value three times at most.
     for (var i = 0u; i < 3u * frame.isosurfaces && crossing.x < 2.0; i++) {
@@ -176,11 +208,15 @@ fn cross_surfaces(pixel: ptr<function, Pixel>, own: Between) {
         let is_covered = mix(own.coverage.x, own.coverage.y, u) >= 0.5;
         if is_covered && (*pixel).ink.transmittance >= frame.termination && is_left(own.ray, u) {
             let at = frame.first_isosurface + 2u * u32(crossing.y);
-            let optical_depth = effects[at].y * frame.voxel;
-            let through = select(0.0, exp2(-LOG2_E * optical_depth), optical_depth < 100.0);
-            let gradient = gradient_at(pixel, own.whole, u, own.sharpness);
-            let color = lit(effects[at + 1u].rgb, gradient, ray, Face(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0));
-            (*pixel).ink = ink_with((*pixel).ink, color, through, own.ray.start.z + own.ray.step.z * u);
+            let seen = seen_at(pixel, own, u, effects[at].x);
+            let no_face = Face(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
+            var shown = appearance_of(seen, vec4(effects[at + 1u].rgb, effects[at].y), no_face);
+            operate(seen, &shown);
+            if shown.extinction > 0.0 {
+                let optical_depth = shown.extinction * frame.voxel;
+                let through = select(0.0, exp2(-LOG2_E * optical_depth), optical_depth < 100.0);
+                (*pixel).ink = ink_with((*pixel).ink, lit(shown), through, seen.place.z);
+            }
         }
         crossing = next_crossing(own, crossing);
     }

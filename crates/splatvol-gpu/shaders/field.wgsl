@@ -46,8 +46,8 @@ fn weights(t: f32) -> Weights {
 
 // Sum of the weights that lie on the lattice.
 fn sum_inside(w: Weights, cell: i32, count: i32) -> f32 {
-    let is_inside = vec3(cell - 2, cell - 1, cell) >= vec3(0) & vec3(cell - 2, cell - 1, cell) < vec3(count);
-    let is_behind = vec3(cell + 1, cell + 2, cell + 3) >= vec3(0) & vec3(cell + 1, cell + 2, cell + 3) < vec3(count);
+    let is_inside = (vec3(cell - 2, cell - 1, cell) >= vec3(0)) & (vec3(cell - 2, cell - 1, cell) < vec3(count));
+    let is_behind = (vec3(cell + 1, cell + 2, cell + 3) >= vec3(0)) & (vec3(cell + 1, cell + 2, cell + 3) < vec3(count));
     let before = select(vec3(0.0), vec3(w.a, w.b, w.c), is_inside);
     let behind = select(vec3(0.0), vec3(w.d, w.e, w.f), is_behind);
     return dot(before + behind, vec3(1.0));

@@ -13,7 +13,7 @@ var<workgroup> any_open: u32;
 const PATIENCE: u32 = 4u;
 
 fn has_material(tile: u32, sheet: u32) -> bool {
-    return sheet < frame.planes && (tile_sheets[tile * frame.words + sheet / 32u] >> (sheet % 32u) & 1u) != 0u;
+    return sheet < frame.planes && ((tile_sheets[tile * frame.words + sheet / 32u] >> (sheet % 32u)) & 1u) != 0u;
 }
 
 // The first plane from this one on that may hold something.

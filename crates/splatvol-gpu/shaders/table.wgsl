@@ -26,7 +26,7 @@ fn classify(value: f32) -> vec3<f32> {
 fn color_of(value: f32) -> vec3<f32> {
     let position = clamp((value - FIRST_VALUE) * PER_VALUE, 0.0, LAST_POSITION);
     let bits = bitcast<u32>(table[u32(position)].w);
-    let root = vec3<f32>(vec3(bits >> 21u, bits >> 10u & 0x7ffu, bits & 0x3ffu)) / vec3(2047.0, 2047.0, 1023.0);
+    let root = vec3<f32>(vec3(bits >> 21u, (bits >> 10u) & 0x7ffu, bits & 0x3ffu)) / vec3(2047.0, 2047.0, 1023.0);
     return root * root;
 }
 

@@ -85,10 +85,10 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<Drawn<'a>, SceneError> {
 /// Adds an item to the layers.
 fn add<'a>(drawn: &mut Drawn<'a>, scene: &Scene, item: &'a Item) -> Result<(), SceneError> {
     let sheets = drawn.sheets;
-    if !item.operators.is_empty() {
+    if item.operators.iter().any(|operator| operator.wgsl().is_none()) {
         return refuse(
-            "on the GPU, a volume or mesh with operators",
-            "operators are applied by the engine cpu",
+            "on the GPU, an operator without WGSL",
+            "its author wrote it in Rust alone; it is applied by the engine cpu",
         );
     }
     if let Some(single) = item.as_volume() {
@@ -118,9 +118,9 @@ fn add<'a>(drawn: &mut Drawn<'a>, scene: &Scene, item: &'a Item) -> Result<(), S
         });
         return Ok(());
     }
-    if !item.clips.is_empty() || item.shows_isosurfaces() {
+    if !item.clips.is_empty() || !item.operators.is_empty() || item.shows_isosurfaces() {
         return refuse(
-            "an isosurface, or a clip of an item",
+            "an isosurface, an operator, or a clip of an item",
             "it is of volumes and meshes that are classified after splatting; points, Gaussians and what is classified first are \
              splatted without it",
         );
@@ -144,9 +144,10 @@ fn check_volume(scene: &Scene, single: &SingleVolume<'_>, sheets: &SheetSettings
     let has_cut_faces =
         sheets.shows == Shows::Material(Classification::Post) && sheets.gradient == Gradient::Differences;
     let drops_voxels = matches!(sheets.shows, Shows::Xray | Shows::Material(Classification::Pre));
-    if (is_cut && !has_cut_faces && !drops_voxels) || (!single.isosurfaces.is_empty() && !has_cut_faces) {
+    let is_operated = !single.isosurfaces.is_empty() || !single.item.operators.is_empty();
+    if (is_cut && !has_cut_faces && !drops_voxels) || (is_operated && !has_cut_faces) {
         return refuse(
-            "on the GPU, clips or isosurfaces with analytic gradients, maxima, minima or means",
+            "on the GPU, clips, isosurfaces or operators with analytic gradients, maxima, minima or means",
             "take the presets default, fast or draft, and composited material",
         );
     }

@@ -1,15 +1,23 @@
-//! Effects: clips and isosurfaces, as shaders read them.
+//! Effects: clips, isosurfaces and operators, as shaders read them.
+
+use std::sync::Arc;
 
 use glam::{DAffine3, Vec3};
 use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{Camera, Clip, Isosurface, Item, Keep, Scene};
 
-/// Clips and isosurfaces of a volume, camera space: `effects` in WGSL.
+use crate::operators::Operators;
+
+/// Clips, isosurfaces and operators of a volume or mesh, camera space: `effects` in WGSL.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Effects {
     pub data: Vec<[f32; 4]>,
     pub bodies: u32,
     pub isosurfaces: u32,
+    /// Place of the first isosurface in the data.
+    pub first_isosurface: u32,
+    /// The function `operate`.
+    pub operators: Arc<str>,
 }
 
 impl Effects {
@@ -22,33 +30,36 @@ impl Effects {
         let place = &item.world_from_item;
         let own = item.clips.iter().map(|clip| clip.transformed(place));
         let clips: Vec<Clip> = scene.clips.iter().cloned().chain(own).collect();
-        let mut data = bodies(&clips, &camera.camera_from_world().inverse());
+        let world_from_camera = camera.camera_from_world().inverse();
+        let mut data = bodies(&clips, &world_from_camera);
+        let first_isosurface = data.len() as u32;
         for surface in isosurfaces {
             data.extend(of_isosurface(surface, (range, mean_spacing)));
         }
+        let operators = Operators::new(&item.operators, (&world_from_camera, range));
+        data.extend(operators.data);
         Self {
             data,
             bodies: clips.len() as u32,
             isosurfaces: isosurfaces.len() as u32,
+            first_isosurface,
+            operators: operators.text,
         }
     }
 
     /// The clips of a scene alone.
     pub(crate) fn clips(scene: &Scene, camera: &Camera) -> Self {
+        let data = bodies(&scene.clips, &camera.camera_from_world().inverse());
         Self {
-            data: bodies(&scene.clips, &camera.camera_from_world().inverse()),
             bodies: scene.clips.len() as u32,
-            isosurfaces: 0,
+            first_isosurface: data.len() as u32,
+            data,
+            ..Self::default()
         }
     }
 
     pub(crate) fn is_none(&self) -> bool {
         self.data.is_empty()
-    }
-
-    /// Place of the first isosurface in the data.
-    pub(crate) fn first_isosurface(&self) -> u32 {
-        self.data.len() as u32 - 2 * self.isosurfaces
     }
 }
 

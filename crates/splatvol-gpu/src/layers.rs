@@ -191,7 +191,7 @@ impl LayerStore {
         };
         let cloud_marches: Vec<Arc<Pass>> = looks
             .iter()
-            .map(|look| pipelines.cloud_march(gpu, look.mode()))
+            .map(|look| pipelines.cloud_march(gpu, (look.mode(), look.operators())))
             .collect::<Result<_, _>>()?;
         let shared = (gpu, &*pipelines, canvas);
         let marches: Vec<March<'_>> = layers
@@ -364,6 +364,7 @@ impl Layer<'_> {
         let mode = self.shown.mode();
         let variant = Variant {
             mode,
+            operators: Arc::clone(&self.shown.effects.operators),
             taps: self.shown.taps(),
             from_eye: self.view.holds_eye(),
             has_holes: !mode.splats_classes() && self.level.field.any_missing(),

@@ -149,7 +149,7 @@ impl Picture<'_> {
             camera_from_lattice: columns(&view.camera_from_lattice()),
             bodies: effects.bodies,
             isosurfaces: effects.isosurfaces,
-            first_isosurface: effects.first_isosurface(),
+            first_isosurface: effects.first_isosurface,
             gradient_from_lattice: gradients(&view.camera_from_lattice()),
             ..FrameData::seen(settings, &view.rays())
         }

@@ -38,6 +38,7 @@ mod layers;
 mod layout;
 mod march;
 mod mode;
+mod operators;
 mod pager;
 mod pass;
 mod pipelines;

@@ -64,7 +64,7 @@ pub(crate) enum Kept {
 pub(crate) enum Mode {
     /// Material, lit by differences of four planes.
     Material,
-    /// The same where clips leave it, or isosurfaces instead.
+    /// The same where clips leave it, or isosurfaces instead; with operators.
     Effects,
     /// Material, lit by the field's gradients.
     Analytic,
@@ -109,11 +109,13 @@ impl Mode {
     }
 
     /// The text of its shaders: entry points `march` and, where rays keep something else than colours, `settle`.
-    /// `has_holes`: samples are missing; `gathers`: intervals are kept beside those of other layers.
-    pub(crate) fn text(self, has_holes: bool, gathers: bool) -> String {
+    /// `has_holes`: samples are missing; `gathers`: intervals are kept beside those of other layers; `operators`: the function
+    /// `operate` of an item with effects.
+    pub(crate) fn text(self, [has_holes, gathers]: [bool; 2], operators: &str) -> String {
         let settle = if self.settles() && !gathers { SETTLE } else { "" };
         let target = if gathers { GATHER } else { DIRECT };
-        [&self.library(has_holes), MARCH, target, settle].join("\n")
+        let operators = if self == Self::Effects { operators } else { "" };
+        [&self.library(has_holes), operators, MARCH, target, settle].join("\n")
     }
 
     /// The text without the loop over planes. `has_holes`: samples are missing.
@@ -201,18 +203,19 @@ pub(crate) enum CloudMode {
     Colors,
     /// Material of a mesh's values, lit by differences of four planes.
     Field,
-    /// The same where clips leave it, or isosurfaces instead.
+    /// The same where clips leave it, or isosurfaces instead; with operators.
     FieldEffects,
 }
 
 impl CloudMode {
-    /// The text of its entry point `march`. Intervals are kept beside those of other layers.
-    pub(crate) fn text(self) -> String {
+    /// The text of its entry point `march`. Intervals are kept beside those of other layers; `operators`: the function `operate`
+    /// of a mesh with effects.
+    pub(crate) fn text(self, operators: &str) -> String {
         let field = [RING, CLOUD_VALUES, READ, TABLE, PLANES, CLOUD_FIELD, EYE].as_slice();
         let own: Vec<&str> = match self {
             Self::Colors => vec![RING, CLOUD_COLORS, READ, SLAB, EMISSION],
             Self::Field => [field, &[MATERIAL]].concat(),
-            Self::FieldEffects => [field, &[CLIPS, EFFECTS]].concat(),
+            Self::FieldEffects => [field, &[CLIPS, EFFECTS, operators]].concat(),
         };
         [&[FRAME, LIGHT, CLOUD_SPLAT], &own[..], &[MARCH, GATHER]]
             .concat()

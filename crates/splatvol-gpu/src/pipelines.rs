@@ -35,7 +35,7 @@ pub(crate) struct Pipelines {
     /// Passes of clouds; compiled likewise.
     clouds: Option<Arc<CloudPasses>>,
     /// Passes over planes of clouds; compiled likewise.
-    cloud_marches: HashMap<CloudMode, Arc<Pass>>,
+    cloud_marches: HashMap<(CloudMode, Arc<str>), Arc<Pass>>,
 }
 
 /// How voxels are classified.
@@ -50,9 +50,11 @@ pub(crate) struct Classify {
 }
 
 /// A mode for a kernel and a camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
     pub mode: Mode,
+    /// The function `operate`, in the mode of effects.
+    pub operators: Arc<str>,
     /// Voxels along an axis that a kernel meets: 4 or 6.
     pub taps: i32,
     /// Whether the camera is within the volume.
@@ -165,7 +167,7 @@ impl Pipelines {
         if let Some(known) = self.marches.get(&variant) {
             return Ok(known.clone());
         }
-        let made = gpu.scoped(|gpu| self.compile_march(gpu, variant))?;
+        let made = gpu.scoped(|gpu| self.compile_march(gpu, &variant))?;
         self.marches.insert(variant, made.clone());
         Ok(made)
     }
@@ -217,24 +219,31 @@ impl Pipelines {
     ///
     /// # Errors
     /// A driver that refuses a shader.
-    pub(crate) fn cloud_march(&mut self, gpu: &GpuDevice, mode: CloudMode) -> Result<Arc<Pass>, SceneError> {
-        if let Some(known) = self.cloud_marches.get(&mode) {
+    pub(crate) fn cloud_march(
+        &mut self,
+        gpu: &GpuDevice,
+        (mode, operators): (CloudMode, &Arc<str>),
+    ) -> Result<Arc<Pass>, SceneError> {
+        let key = (mode, Arc::clone(operators));
+        if let Some(known) = self.cloud_marches.get(&key) {
             return Ok(Arc::clone(known));
         }
-        let made = Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("march", &mode.text()), &[]))?);
-        self.cloud_marches.insert(mode, Arc::clone(&made));
+        let text = mode.text(operators);
+        let made = Arc::new(gpu.scoped(|gpu| Pass::new(gpu, ("march", &text), &[]))?);
+        self.cloud_marches.insert(key, Arc::clone(&made));
         Ok(made)
     }
 
-    fn compile_march(&self, gpu: &GpuDevice, variant: Variant) -> Marches {
+    fn compile_march(&self, gpu: &GpuDevice, variant: &Variant) -> Marches {
         let Variant {
             mode,
+            ref operators,
             taps,
             from_eye,
             has_holes,
             gathers,
-        } = variant;
-        let text = mode.text(has_holes, gathers);
+        } = *variant;
+        let text = mode.text([has_holes, gathers], operators);
         let mut constants = mode.constants(from_eye);
         constants.push(("TAPS", f64::from(taps)));
         let entry = |name| pipeline(&gpu.device, (name, &text), &self.march_layout, &constants);

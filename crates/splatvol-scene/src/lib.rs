@@ -78,7 +78,7 @@ pub use mesh::{Association, CellKind, Cells, Mesh, MeshField, Topology};
 pub use motion::Motion;
 pub use operator::{
     Appearance, BumpMap, EnvironmentMap, GradientOpacity, GradientOpacityPoint, PixelOperator, Region,
-    SheetSample, SolidTexture, Stuff, TransferFunction2d,
+    SheetSample, SolidTexture, Stuff, TransferFunction2d, WgslOperator,
 };
 pub use points::{PointAttributes, Points};
 pub use scene::{Scene, SingleVolume};

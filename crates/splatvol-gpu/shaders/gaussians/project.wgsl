@@ -41,7 +41,7 @@ override UNSEEN_ALPHA: f32;
 override LEAST_SPREAD: f32;
 override LEAST_RATIO: f32;
 
-const LARGEST: f32 = 3.4028235e38;
+const LARGEST: f32 = 3.4028234e38;
 const SMALLEST: f32 = 1.1754944e-38;
 const LOG2_E: f32 = 1.442695041;
 // Pixels by which the ellipse may be larger than computed.
@@ -192,8 +192,8 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
         color.rg,
         color.b,
         depth,
-        u32(columns.x) | u32(columns.y) << 16u,
-        u32(rows.x) | u32(rows.y) << 16u,
+        u32(columns.x) | (u32(columns.y) << 16u),
+        u32(rows.x) | (u32(rows.y) << 16u),
     );
     keys[at] = bitcast<u32>(depth);
 }

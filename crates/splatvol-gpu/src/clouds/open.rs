@@ -1,5 +1,7 @@
 //! Open: a cloud's splats in camera space, and the lists of tiles and groups of planes that they reach.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use splatvol_core::cloud_planes::{CloudBounds, nearest, widened};
 use splatvol_core::plan::{Rays, low_pass};
@@ -69,6 +71,14 @@ impl Look<'_> {
             Self::Colors { .. } => CloudMode::Colors,
             Self::Field { effects, .. } if effects.is_none() => CloudMode::Field,
             Self::Field { .. } => CloudMode::FieldEffects,
+        }
+    }
+
+    /// The text of its operators.
+    pub(crate) fn operators(&self) -> &Arc<str> {
+        match self {
+            Self::Colors { clips } => &clips.operators,
+            Self::Field { effects, .. } => &effects.operators,
         }
     }
 
@@ -289,7 +299,7 @@ fn of_intervals(data: FrameData, look: &Look<'_>) -> FrameData {
         Some(effects) => FrameData {
             bodies: effects.bodies,
             isosurfaces: effects.isosurfaces,
-            first_isosurface: effects.first_isosurface(),
+            first_isosurface: effects.first_isosurface,
             ..data
         },
     }

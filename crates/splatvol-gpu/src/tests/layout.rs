@@ -10,6 +10,7 @@ use crate::gaussians::{PictureData, ViewData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
 use crate::mode::{CloudMode, classify_shader, cloud_shaders, mixture_shader};
 use crate::mode::{Kept, Mode};
+use crate::operators::{self, Operators};
 use crate::pipelines::cull_shader;
 use crate::sort::{DigitData, ListsData, RADIX, SCAN, ScanData};
 
@@ -36,25 +37,67 @@ macro_rules! offsets {
     };
 }
 
+/// The function `operate` without operators.
+fn plain() -> std::sync::Arc<str> {
+    Operators::default().text
+}
+
+/// The texts of all passes over planes, of whole volumes that are drawn alone.
+fn shaders_of_planes() -> Vec<String> {
+    let clouds = [CloudMode::Colors, CloudMode::Field, CloudMode::FieldEffects];
+    [cull_shader(), classify_shader(), mixture_shader()]
+        .into_iter()
+        .chain(clouds.map(|mode| mode.text(&plain())))
+        .chain(cloud_shaders())
+        .chain(MODES.map(|mode| mode.text([false; 2], &plain())))
+        .collect()
+}
+
+/// Every mode.
+const MODES: [Mode; 7] = [
+    Mode::Material,
+    Mode::Effects,
+    Mode::Analytic,
+    Mode::Values(Kept::Mean),
+    Mode::ExactValues(Kept::Mean),
+    Mode::Compose,
+    Mode::Xray,
+];
+
+/// The texts of passes over planes of volumes that have holes, or are drawn among others.
+pub(super) fn variants() -> Vec<String> {
+    let of_mode = |mode: Mode| {
+        let gathers = [[false, true], [true, true]].map(|how| mode.text(how, &plain()));
+        let alone = mode.text([true, false], &plain());
+        let settles = mode.settles();
+        gathers.into_iter().filter(move |_| !settles).chain([alone])
+    };
+    MODES.into_iter().flat_map(of_mode).collect()
+}
+
+/// The texts of all passes but [`variants`].
+pub(super) fn every_shader() -> Vec<String> {
+    let sorts = [RADIX, SCAN].map(str::to_owned);
+    let operators: Vec<_> = super::operators::all()
+        .iter()
+        .filter_map(|(_, operator)| operator.wgsl())
+        .collect();
+    let operators = operators::text(&operators, 4);
+    let operated = [
+        Mode::Effects.text([false; 2], &operators),
+        CloudMode::FieldEffects.text(&operators),
+    ];
+    shaders_of_planes()
+        .into_iter()
+        .chain(operated)
+        .chain(shaders())
+        .chain(sorts)
+        .collect()
+}
+
 #[test]
 fn layouts_agree_and_shaders_are_valid() {
-    let modes = [
-        Mode::Material,
-        Mode::Analytic,
-        Mode::Values(Kept::Mean),
-        Mode::ExactValues(Kept::Mean),
-        Mode::Compose,
-        Mode::Xray,
-    ];
-    let clouds = [CloudMode::Colors, CloudMode::Field, CloudMode::FieldEffects];
-    for text in [cull_shader(), classify_shader(), mixture_shader()]
-        .into_iter()
-        .chain(clouds.map(CloudMode::text))
-        .chain(cloud_shaders())
-        .chain(modes.into_iter().flat_map(|mode| {
-            [false, true].map(|has_holes| mode.text(has_holes, has_holes && !mode.settles()))
-        }))
-    {
+    for text in shaders_of_planes().into_iter().chain(variants()) {
         let module = valid(&text);
         let (found, size) = members(&module, "Frame");
         let wanted = offsets!(FrameData: size tiles principal per_pixel plane_per_pixel dims planes pages words margin
@@ -84,7 +127,7 @@ fn layouts_agree_and_shaders_are_valid() {
 }
 
 /// The module of a text, which is valid.
-fn valid(text: &str) -> naga::Module {
+pub(super) fn valid(text: &str) -> naga::Module {
     let module = naga::front::wgsl::parse_str(text).unwrap();
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)

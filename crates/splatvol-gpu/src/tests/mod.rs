@@ -3,13 +3,15 @@
 
 mod field;
 mod layout;
+mod operators;
 mod robust;
 mod shade;
 mod sort;
+mod tint;
 
 use std::sync::Arc;
 
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use splatvol_core::level::Wanted;
 use splatvol_core::plan::{GridView, Sampling};
@@ -37,6 +39,21 @@ fn device() -> Option<GpuDevice> {
             None
         }
     }
+}
+
+/// The data of a buffer.
+fn read<T: Pod>(gpu: &GpuDevice, buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
+    use wgpu::BufferUsages as Usage;
+    if count == 0 {
+        return Vec::new();
+    }
+    let bytes = (size_of::<T>() * count) as u64;
+    let host = gpu.buffer("host", bytes, Usage::MAP_READ | Usage::COPY_DST);
+    let mut commands = gpu.commands();
+    commands.copy_buffer_to_buffer(buffer, 0, &host, 0, bytes);
+    gpu.queue.submit([commands.finish()]);
+    gpu.map(&host, |bytes| bytemuck::cast_slice(bytes).to_vec())
+        .unwrap()
 }
 
 /// A random volume with a transfer function that shows all of it.
@@ -91,6 +108,7 @@ impl Subject {
         let mut pipelines = Pipelines::new(gpu).unwrap();
         let variant = Variant {
             mode: self.mode,
+            operators: "".into(),
             taps,
             from_eye: false,
             has_holes: false,

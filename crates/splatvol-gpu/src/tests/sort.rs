@@ -2,25 +2,9 @@
 
 use splatvol_testing::random::Random;
 
-use super::device;
-use crate::device::GpuDevice;
+use super::{device, read};
 use crate::pass::numbers;
 use crate::sort::{Pairs, Scanner, Sorter};
-
-/// The numbers of a buffer.
-fn read(gpu: &GpuDevice, buffer: &wgpu::Buffer, count: usize) -> Vec<u32> {
-    use wgpu::BufferUsages as Usage;
-    if count == 0 {
-        return Vec::new();
-    }
-    let bytes = 4 * count as u64;
-    let host = gpu.buffer("host", bytes, Usage::MAP_READ | Usage::COPY_DST);
-    let mut commands = gpu.commands();
-    commands.copy_buffer_to_buffer(buffer, 0, &host, 0, bytes);
-    gpu.queue.submit([commands.finish()]);
-    gpu.map(&host, |bytes| bytemuck::cast_slice(bytes).to_vec())
-        .unwrap()
-}
 
 #[test]
 fn keys_are_sorted_as_the_standard_library_sorts_them() {
@@ -53,9 +37,12 @@ fn keys_are_sorted_as_the_standard_library_sorts_them() {
         wanted.sort_by_key(|(key, _)| *key);
         let (wanted_keys, wanted_values): (Vec<u32>, Vec<u32>) = wanted.into_iter().unzip();
         let count = count as usize;
-        assert!(read(&gpu, &pairs.keys, count) == wanted_keys, "{count} keys");
         assert!(
-            read(&gpu, &pairs.values, count) == wanted_values,
+            read::<u32>(&gpu, &pairs.keys, count) == wanted_keys,
+            "{count} keys"
+        );
+        assert!(
+            read::<u32>(&gpu, &pairs.values, count) == wanted_values,
             "{count} values"
         );
     }
@@ -81,6 +68,6 @@ fn running_sums_leave_out_their_own_number() {
                 Some(*sum - number)
             })
             .collect();
-        assert!(read(&gpu, &buffer, count) == wanted, "{count}");
+        assert!(read::<u32>(&gpu, &buffer, count) == wanted, "{count}");
     }
 }

@@ -1,48 +1,20 @@
 //! Points, meshes and volumetric Gaussians on the GPU's planes, alone and among volumes, against the CPU engine's.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use splatvol::glam::{DAffine3, DVec3};
 use splatvol::samples::{Sample, SampleSize};
 use splatvol::{
-    Association, Camera, Classification, Clip, Compositing, EngineConfig, Filter, FlatSettings,
-    GaussianAttributes, GaussianMode, Gaussians, ImageSize, Isosurface, Item, Mesh, MeshField, Motion,
-    MotionBlur, PointAttributes, PointLook, Points, Projection, RenderSettings, Renderer, Scene, Topology,
-    View,
+    Association, Camera, Classification, Clip, Compositing, Filter, FlatSettings, GaussianAttributes,
+    GaussianMode, Gaussians, Isosurface, Item, Mesh, MeshField, Motion, MotionBlur, PointAttributes,
+    PointLook, Points, Projection, RenderSettings, Renderer, Scene, Topology,
 };
-use splatvol_gpu::{GpuConfig, GpuEngine};
+use splatvol_gpu::GpuConfig;
 use splatvol_testing::random::Random;
 use splatvol_testing::{Comparison, Tolerance, assert_images, checked};
 
-/// A renderer on a GPU; without a driver the calling test is skipped.
-fn gpu_of(config: &GpuConfig) -> Option<Renderer> {
-    match GpuEngine::new(config) {
-        Ok(engine) => Some(Renderer::with_engine(engine)),
-        Err(error) => {
-            splatvol_recorded::skip(&error.to_string());
-            None
-        }
-    }
-}
-
-fn gpu() -> Option<Renderer> {
-    gpu_of(&GpuConfig::default())
-}
-
-/// Renderers on a GPU and on the processor.
-fn both() -> Option<(Renderer, Renderer)> {
-    Some((gpu()?, Renderer::new(EngineConfig::default()).unwrap()))
-}
-
-fn sized(settings: RenderSettings, pixels: u32) -> RenderSettings {
-    settings.with_size(ImageSize::new(pixels, pixels).unwrap())
-}
+use super::common::{both, camera, gpu, gpu_of, sized};
 
 const PERSPECTIVE: Projection = Projection::Perspective { fov_degrees: 30.0 };
 const PARALLEL: Projection = Projection::Orthographic { height: 1.0 };
-
-fn camera(scene: &Scene, projection: Projection) -> Camera {
-    Camera::framing(&scene.bounds().unwrap(), View::Iso, projection, 1.0).unwrap()
-}
 
 /// Even points on the unit sphere (Fibonacci's spiral), coloured by place. `are_bare`: without radii and normals.
 fn sphere(count: usize, are_bare: bool) -> Item {
@@ -347,6 +319,14 @@ fn pictures_are_repeated_to_the_bit() {
     let settings = volumetric(sized(RenderSettings::fast(), 48));
     let first = gpu.render(&everything, &camera, &settings).unwrap();
     let bytes = gpu.statistics().memory;
+    // Where a device has no timestamps there are no passes.
+    let passes = &gpu.statistics().passes;
+    let names = ["cull", "open", "make_planes", "march", "mixture"];
+    let is_timed = |name: &&str| passes.iter().any(|own| own.pass == *name && own.seconds > 0.0);
+    assert!(
+        passes.is_empty() || names.iter().all(|name| is_timed(&name)),
+        "{passes:?}"
+    );
     assert!(bytes.device > 0 && bytes.clouds > 0, "{bytes:?}");
     // Colours of Gaussians, look of the mesh, and what there is.
     let mut edited = everything.clone();

@@ -1,5 +1,4 @@
 //! 3-D Gaussians on the GPU against the CPU engine's, as published.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::sync::Arc;
 
@@ -9,20 +8,10 @@ use splatvol::{
     Camera, EngineConfig, Frame, GaussianAttributes, GaussianMode, Gaussians, ImageSize, Item, Projection,
     RenderSettings, Renderer, Scene, View,
 };
-use splatvol_gpu::{GpuConfig, GpuEngine};
 use splatvol_testing::random::Random;
 use splatvol_testing::{Tolerance, assert_images};
 
-/// A renderer on a GPU; without a driver the calling test is skipped.
-fn gpu() -> Option<Renderer> {
-    match GpuEngine::new(&GpuConfig::default()) {
-        Ok(engine) => Some(Renderer::with_engine(engine)),
-        Err(error) => {
-            splatvol_recorded::skip(&error.to_string());
-            None
-        }
-    }
-}
+use super::common::gpu;
 
 fn signed(random: &mut Random) -> f32 {
     2.0 * random.unit() as f32 - 1.0

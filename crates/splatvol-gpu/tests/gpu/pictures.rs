@@ -1,53 +1,16 @@
 //! Pictures of the GPU engine against those of the CPU engine, and requests that it refuses.
-#![allow(clippy::unwrap_used, reason = "tests")]
-
-use std::sync::Arc;
 
 use splatvol::glam::{DAffine3, DQuat, DVec3};
-use splatvol::samples::{Sample, SampleSize};
+use splatvol::samples::Sample;
 use splatvol::{
-    Bounds, Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Frame,
-    Grid, Image, ImageSize, Isosurface, Item, Keep, LengthUnit, OpacityPoint, Projection, RenderSettings,
-    Renderer, Rescale, Samples, Scene, TransferFunction, View, Volume,
+    Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Grid, Item,
+    LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene,
+    TransferFunction, Volume,
 };
 use splatvol_gpu::{GpuConfig, GpuEngine};
 use splatvol_testing::{Tolerance, assert_images, checked};
 
-/// A renderer on a GPU; without a driver the calling test is skipped.
-fn gpu() -> Option<Renderer> {
-    match GpuEngine::new(&GpuConfig::default()) {
-        Ok(engine) => Some(Renderer::with_engine(engine)),
-        Err(error) => {
-            splatvol_recorded::skip(&error.to_string());
-            None
-        }
-    }
-}
-
-fn scene(sample: Sample, edge: usize) -> Scene {
-    let volume = sample.generate(Some(SampleSize::Dims([edge; 3]))).unwrap();
-    Scene::new(volume, sample.default_transfer_function().unwrap())
-}
-
-fn sized(settings: RenderSettings, pixels: u32) -> RenderSettings {
-    settings.with_size(ImageSize::new(pixels, pixels).unwrap())
-}
-
-fn camera(scene: &Scene, projection: Projection) -> Camera {
-    Camera::framing(&scene.bounds().unwrap(), View::Iso, projection, 1.0).unwrap()
-}
-
-const PROJECTIONS: [Projection; 2] = [
-    Projection::Perspective { fov_degrees: 30.0 },
-    Projection::Orthographic { height: 1.0 },
-];
-
-/// Share of pixels of which no channel differs by more than a level of eight bits.
-fn share_within_a_level(a: &Image, b: &Image) -> f64 {
-    let near = |(p, q): (&[f32; 4], &[f32; 4])| (0..4).all(|c| (p[c] - q[c]).abs() <= 1.0 / 255.0);
-    let count = a.pixels.iter().zip(&b.pixels).filter(|&both| near(both)).count();
-    count as f64 / a.pixels.len() as f64
-}
+use super::common::{PROJECTIONS, assert_depths, camera, compare, gpu, scene, share_within_a_level, sized};
 
 /// Law 3, as far as the CPU's narrower kernels along the ray allow: docs/numerics.md, "The GPU's planes", has what is measured.
 #[test]
@@ -110,20 +73,6 @@ fn the_best_pictures_are_the_cpu_s() {
             compare((&mut gpu, &mut cpu), shot, &what, (65.0, 0.999, 1e-3));
         }
     }
-}
-
-fn compare(
-    (gpu, cpu): (&mut Renderer, &mut Renderer),
-    (scene, camera, settings): (&Scene, &Camera, &RenderSettings),
-    what: &str,
-    (decibels, share, depth): (f64, f64, f64),
-) {
-    let own = gpu.render(scene, camera, settings).unwrap();
-    let wanted = cpu.render(scene, camera, settings).unwrap();
-    assert_images(what, &own.image, &wanted.image, Tolerance::psnr(decibels));
-    let found = share_within_a_level(&own.image, &wanted.image);
-    assert!(found >= share, "{what}: {found:.4}");
-    assert_depths(&own, &wanted, depth);
 }
 
 #[test]
@@ -231,48 +180,6 @@ fn labels_are_the_cpu_s() {
             &what,
             (70.0, 0.999, 1e-2),
         );
-    }
-}
-
-/// A slice out of the volume, a box out of the rest, a cut that belongs to the item, and isosurfaces.
-#[test]
-fn cuts_and_isosurfaces_are_the_cpu_s() {
-    let Some(mut gpu) = gpu() else { return };
-    let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
-    let whole = scene(Sample::Head, 32);
-    let bounds = whole.bounds().unwrap();
-    let middle = bounds.min.lerp(bounds.max, 0.5);
-    let corner = Bounds {
-        min: middle,
-        max: bounds.max,
-    };
-    let behind = Clip::plane(middle, [0.3, 1.0, 0.1]).unwrap();
-    let boxed = Clip::of_box(&corner, Keep::Outside).unwrap();
-    let mut cut = whole.clone();
-    cut.clips = vec![behind.clone(), boxed.clone()];
-    let mut own = whole.clone();
-    own.items[0].clips.push(boxed);
-    let volume = Arc::clone(whole.single_volume().unwrap().volume);
-    let range = volume.value_range();
-    let surface = |share: f64, rgb, opacity| Isosurface {
-        value: range[0] + share * (range[1] - range[0]),
-        rgb,
-        opacity,
-    };
-    let levels = [
-        surface(0.3, [0.9, 0.7, 0.6], 0.4),
-        surface(0.6, [1.0, 1.0, 0.9], 1.0),
-    ];
-    let mut surfaces = Scene::from(Item::isosurfaces(volume, &levels).unwrap());
-    surfaces.clips.push(behind);
-    for (name, scene) in [("cut", &cut), ("own", &own), ("surfaces", &surfaces)] {
-        for projection in PROJECTIONS {
-            let camera = camera(&whole, projection);
-            let settings = sized(RenderSettings::balanced(), 64);
-            let what = format!("gpu-{name}");
-            let shot = (scene, &camera, &settings);
-            compare((&mut gpu, &mut cpu), shot, &what, (43.0, 0.9, 2e-3));
-        }
     }
 }
 
@@ -426,18 +333,6 @@ fn pictures_from_within_are_the_cpu_s() {
         let shot = (&scene, &camera, &settings);
         compare((&mut gpu, &mut cpu), shot, &what, (53.0, 0.93, 1e-1));
     }
-}
-
-/// Depths of opaque pixels agree within so much in the median; at silhouettes of waves behind each other some do not.
-fn assert_depths(own: &Frame, wanted: &Frame, most: f64) {
-    let opaque = |frame: &Frame, at: usize| frame.image.pixels[at][3] > 0.95;
-    let mut both: Vec<f64> = (0..own.depth.len())
-        .filter(|&at| opaque(own, at) && opaque(wanted, at))
-        .map(|at| f64::from((own.depth[at] - wanted.depth[at]).abs() / wanted.depth[at]))
-        .collect();
-    both.sort_by(f64::total_cmp);
-    let median = both.get(both.len() / 2).copied().unwrap_or(0.0);
-    assert!(median < most, "{median:e}");
 }
 
 #[test]

@@ -9,7 +9,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::picture::{Across, Picture};
-use super::{Appearance, PixelOperator, SheetSample};
+use super::{Appearance, PixelOperator, SheetSample, WgslOperator, wgsl};
 use crate::{Bounds, Image, SceneError};
 
 /// A picture wound around the volume that bends its normals.
@@ -71,6 +71,18 @@ impl PixelOperator for BumpMap {
         let normal = appearance.normal;
         let along = slope - normal * slope.dot(normal);
         appearance.normal = (normal - along).try_normalize().unwrap_or(normal);
+    }
+
+    fn wgsl(&self) -> Option<WgslOperator> {
+        let head = [
+            self.centre.extend(self.top).to_array(),
+            [self.per_length, self.height, 0.0, 0.0],
+        ];
+        Some(WgslOperator {
+            name: "bump_map",
+            texts: vec![wgsl::PICTURE, wgsl::BUMP_MAP],
+            operands: head.into_iter().chain(self.slopes.operands()).collect(),
+        })
     }
 }
 

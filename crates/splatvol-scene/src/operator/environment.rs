@@ -8,7 +8,7 @@
 use glam::Vec3;
 
 use super::picture::{Across, Picture};
-use super::{Appearance, PixelOperator, SheetSample};
+use super::{Appearance, PixelOperator, SheetSample, WgslOperator, wgsl};
 use crate::{Image, SceneError};
 
 /// A mirrored picture of the surroundings.
@@ -46,6 +46,16 @@ impl PixelOperator for EnvironmentMap {
         let (normal, view) = (appearance.normal, sample.view);
         appearance.reflection = self.light(2.0 * normal.dot(view) * normal - view);
         appearance.reflectance = self.share * appearance.surfaceness;
+    }
+
+    fn wgsl(&self) -> Option<WgslOperator> {
+        Some(WgslOperator {
+            name: "environment_map",
+            texts: vec![wgsl::PICTURE, wgsl::ENVIRONMENT_MAP],
+            operands: std::iter::once([self.share, 0.0, 0.0, 0.0])
+                .chain(self.picture.operands())
+                .collect(),
+        })
     }
 }
 

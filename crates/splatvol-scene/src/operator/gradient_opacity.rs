@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Appearance, PixelOperator, SheetSample};
+use super::{Appearance, PixelOperator, SheetSample, WgslOperator, wgsl};
 use crate::SceneError;
 
 /// A point of the curve.
@@ -80,6 +80,20 @@ impl PixelOperator for GradientOpacity {
 
     fn pieces(&self) -> usize {
         4
+    }
+
+    fn wgsl(&self) -> Option<WgslOperator> {
+        let points = self
+            .points
+            .iter()
+            .map(|&[gradient, factor]| [gradient, factor, 0.0, 0.0]);
+        Some(WgslOperator {
+            name: "gradient_opacity",
+            texts: vec![wgsl::GRADIENT_OPACITY],
+            operands: std::iter::once([self.points.len() as f32, 0.0, 0.0, 0.0])
+                .chain(points)
+                .collect(),
+        })
     }
 }
 

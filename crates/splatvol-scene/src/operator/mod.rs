@@ -53,6 +53,7 @@ mod noise;
 mod picture;
 mod solid_texture;
 mod transfer_function_2d;
+mod wgsl;
 
 use glam::Vec3;
 
@@ -62,6 +63,7 @@ pub use gradient_opacity::{GradientOpacity, GradientOpacityPoint};
 pub use noise::gradient_noise;
 pub use solid_texture::{SolidTexture, Stuff};
 pub use transfer_function_2d::{Region, TransferFunction2d};
+pub use wgsl::WgslOperator;
 
 /// Material that a pixel's ray meets between two sheets.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -120,5 +122,10 @@ pub trait PixelOperator: std::fmt::Debug + Send + Sync {
     /// needs more.
     fn pieces(&self) -> usize {
         2
+    }
+
+    /// The same for the GPU engine. `None`, unless an operator says otherwise: that engine then refuses the scene by name.
+    fn wgsl(&self) -> Option<WgslOperator> {
+        None
     }
 }

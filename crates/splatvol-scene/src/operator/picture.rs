@@ -34,6 +34,13 @@ impl Picture {
         }
     }
 
+    /// Its numbers in WGSL: columns, rows and whether it wraps around; then its pixels.
+    pub(super) fn operands(&self) -> impl Iterator<Item = [f32; 4]> {
+        let wraps = f32::from(u8::from(self.across == Across::Wrapped));
+        let head = [self.width as f32, self.height as f32, wraps, 0.0];
+        std::iter::once(head).chain(self.pixels.iter().map(|pixel| pixel.to_array()))
+    }
+
     /// Columns and rows.
     pub(super) fn size(&self) -> [usize; 2] {
         [self.width, self.height]

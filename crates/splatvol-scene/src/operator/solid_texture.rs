@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 
 use super::noise::{gradient_noise, octaves};
-use super::{Appearance, PixelOperator, SheetSample};
+use super::{Appearance, PixelOperator, SheetSample, WgslOperator, wgsl};
 use crate::{Bounds, SceneError};
 
 /// Material of the block.
@@ -57,6 +57,17 @@ impl SolidTexture {
 impl PixelOperator for SolidTexture {
     fn apply(&self, sample: &SheetSample, appearance: &mut Appearance) {
         appearance.color = self.color(sample.position);
+    }
+
+    fn wgsl(&self) -> Option<WgslOperator> {
+        Some(WgslOperator {
+            name: match self.stuff {
+                Stuff::Marble => "marble",
+                Stuff::Wood => "wood",
+            },
+            texts: vec![wgsl::NOISE, wgsl::SOLID_TEXTURE],
+            operands: vec![self.centre.extend(self.per_length).to_array()],
+        })
     }
 }
 

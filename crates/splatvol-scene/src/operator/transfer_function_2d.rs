@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::marginal;
 use super::picture::{Across, Picture};
-use super::{Appearance, PixelOperator, SheetSample};
+use super::{Appearance, PixelOperator, SheetSample, WgslOperator, wgsl};
 use crate::transfer_function::linear_from_srgb;
 use crate::{ColorPoint, Image, OpacityPoint, SceneError, TransferFunction};
 
@@ -61,6 +61,18 @@ struct Ready {
     gradient: Side,
     color: Vec3,
     extinction: f32,
+}
+
+impl Ready {
+    /// Its numbers in WGSL.
+    fn operands(&self) -> [[f32; 4]; 3] {
+        let of_side = |side: Side, last| [side.centre, side.half, side.per_fade, last];
+        [
+            of_side(self.value, self.extinction),
+            of_side(self.gradient, 0.0),
+            self.color.extend(0.0).to_array(),
+        ]
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -241,6 +253,38 @@ impl PixelOperator for TransferFunction2d {
 
     fn pieces(&self) -> usize {
         4
+    }
+
+    fn wgsl(&self) -> Option<WgslOperator> {
+        let (name, operands) = match &self.look {
+            Look::Regions(regions) => {
+                let count = [regions.len() as f32, 0.0, 0.0, 0.0];
+                let each = regions.iter().flat_map(Ready::operands);
+                ("regions_of_values", std::iter::once(count).chain(each).collect())
+            }
+            Look::Picture {
+                picture,
+                value,
+                gradient,
+            } => {
+                let [[low, high], [flattest, steepest]] =
+                    [value, gradient].map(|range| range.map(|end| end as f32));
+                let least = (1.0 - TransferFunction::MAX_OPACITY) as f32;
+                let head = [
+                    [low, high, flattest, steepest],
+                    [least, (1.0 / self.unit_distance) as f32, 0.0, 0.0],
+                ];
+                (
+                    "picture_of_values",
+                    head.into_iter().chain(picture.operands()).collect(),
+                )
+            }
+        };
+        Some(WgslOperator {
+            name,
+            texts: vec![wgsl::PICTURE, wgsl::TRANSFER_FUNCTION_2D],
+            operands,
+        })
     }
 }
 

@@ -11,60 +11,40 @@
 //! | composite | `gaussians/composite` | lists | display colour, transmittance, depth; a workgroup per 16 x 16 pixels |
 //! | resolve | - | these | a frame |
 
-use std::sync::{Arc, Weak};
+mod attributes;
+mod background;
+mod view;
+
+use std::sync::Arc;
 use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DAffine3;
-use rayon::prelude::*;
 use splatvol_core::cloud_view::{
-    CloudView, LEAST_ALPHA, LEAST_RATIO, LEAST_SPREAD, LEAST_TRANSMITTANCE, LOG2_255, LowPass, MOST_ALPHA,
-    PUBLISHED_LOW_PASS, PUBLISHED_NEAR, REFERENCE_TILE, UNSEEN_ALPHA, near_of_gaussians,
+    LEAST_ALPHA, LEAST_RATIO, LEAST_SPREAD, LEAST_TRANSMITTANCE, LOG2_255, MOST_ALPHA, REFERENCE_TILE,
+    UNSEEN_ALPHA,
 };
 use splatvol_core::engine::{Shot, StageSeconds, Task};
-use splatvol_scene::gaussians::harmonics_count;
-use splatvol_scene::transfer_function::{linear_from_srgb, srgb_from_linear};
 use splatvol_scene::{Compositing, Content, Frame, Gaussians, ImageSize, SceneError};
 
+use self::attributes::Attributes;
+use self::background::Background;
+pub(crate) use self::view::ViewData;
+use self::view::view;
 use crate::device::GpuDevice;
 use crate::march::Canvas;
 use crate::pass::{Pass, groups, numbers, uniform};
 use crate::sort::{LISTS, ListsData, Pairs, Sorter};
 
-const SPLAT: &str = include_str!("../shaders/gaussians/splat.wgsl");
-const PROJECT: &str = include_str!("../shaders/gaussians/project.wgsl");
-const PAIRS: &str = include_str!("../shaders/gaussians/pairs.wgsl");
-const COMPOSITE: &str = include_str!("../shaders/gaussians/composite.wgsl");
+const SPLAT: &str = include_str!("../../shaders/gaussians/splat.wgsl");
+const PROJECT: &str = include_str!("../../shaders/gaussians/project.wgsl");
+const PAIRS: &str = include_str!("../../shaders/gaussians/pairs.wgsl");
+const COMPOSITE: &str = include_str!("../../shaders/gaussians/composite.wgsl");
 
-/// Gaussians of a page: their harmonics take 96 MiB at most, less than any device binds.
-const PAGE: usize = 1 << 19;
 /// Tiles of the published renderer along an edge of one that has a list.
 const LIST_TILE: u32 = 4;
 /// Bytes of a projected splat.
 const SPLAT_BYTES: u64 = 48;
-
-/// A cloud before a camera: `View` in WGSL.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct ViewData {
-    pub eye: [f32; 3],
-    pub near: f32,
-    pub eye_rest: [f32; 3],
-    pub scale: f32,
-    pub to_x: [f32; 3],
-    pub low_pass: f32,
-    pub to_y: [f32; 3],
-    pub is_perspective: u32,
-    pub to_z: [f32; 3],
-    pub degree: u32,
-    pub direction: [f32; 3],
-    pub is_antialiased: u32,
-    pub centre: [f32; 2],
-    pub tangent_limit: [f32; 2],
-    pub reference_tiles: [f32; 2],
-    pub count: u32,
-    pub before: u32,
-}
 
 /// A picture of splats: `Picture` in WGSL.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -121,56 +101,6 @@ pub(crate) fn published<'a>(shot: &Shot<'a>) -> Result<Option<Clouds<'a>>, Scene
     Ok(Some(clouds))
 }
 
-/// A cloud's attributes on the device.
-#[derive(Debug)]
-struct Resident {
-    of: Weak<Gaussians>,
-    pages: Vec<Page>,
-}
-
-#[derive(Debug)]
-struct Page {
-    means: wgpu::Buffer,
-    rotations: wgpu::Buffer,
-    scales: wgpu::Buffer,
-    harmonics: wgpu::Buffer,
-    count: u32,
-}
-
-impl Page {
-    fn new(gpu: &GpuDevice, gaussians: &Gaussians, from: usize) -> Self {
-        let all = gaussians.attributes();
-        let range = from..(from + PAGE).min(gaussians.len());
-        let means: Vec<[f32; 4]> = range
-            .clone()
-            .map(|i| {
-                let [x, y, z] = all.means[i];
-                [x, y, z, all.opacities[i]]
-            })
-            .collect();
-        let scales: Vec<[f32; 4]> = all.scales[range.clone()]
-            .iter()
-            .map(|&[x, y, z]| [x, y, z, 0.0])
-            .collect();
-        let per_one = harmonics_count(gaussians.degree());
-        Self {
-            means: gpu.buffer_of("means", &means),
-            rotations: gpu.buffer_of("rotations", &all.rotations[range.clone()]),
-            scales: gpu.buffer_of("scales", &scales),
-            harmonics: gpu.buffer_of(
-                "harmonics",
-                &all.harmonics[range.start * per_one..range.end * per_one],
-            ),
-            count: range.len() as u32,
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        let buffers = [&self.means, &self.rotations, &self.scales, &self.harmonics];
-        buffers.iter().map(|buffer| buffer.size() as usize).sum()
-    }
-}
-
 /// Renders Gaussians; keeps them on the device.
 #[derive(Debug)]
 pub(crate) struct GaussianEngine {
@@ -180,7 +110,7 @@ pub(crate) struct GaussianEngine {
     find_ranges: Pass,
     composite: Pass,
     sorter: Sorter,
-    resident: Vec<Resident>,
+    attributes: Attributes,
     /// Bytes of the last frame's splats and lists.
     transient: usize,
 }
@@ -214,7 +144,7 @@ impl GaussianEngine {
                 find_ranges: pair("find_ranges"),
                 composite: Pass::new(gpu, ("composite", &composite), &of_composite),
                 sorter: Sorter::new(gpu),
-                resident: Vec::new(),
+                attributes: Attributes::default(),
                 transient: 0,
             }
         })
@@ -222,8 +152,7 @@ impl GaussianEngine {
 
     /// Bytes on the device.
     pub(crate) fn bytes(&self) -> usize {
-        let pages = self.resident.iter().flat_map(|resident| &resident.pages);
-        pages.map(Page::bytes).sum::<usize>() + self.transient
+        self.attributes.bytes() + self.transient
     }
 
     /// Renders clouds over a background (linear light, straight alpha). Seconds, as the caller waits for them: `bin` until
@@ -240,7 +169,7 @@ impl GaussianEngine {
     ) -> Result<StageSeconds, SceneError> {
         let start = Instant::now();
         let count = room_for(gpu, clouds)?;
-        self.upload(gpu, clouds)?;
+        self.attributes.upload(gpu, clouds)?;
         task.go_on()?;
         let mut splats = gpu.scoped(|gpu| Splats {
             projected: gpu.buffer(
@@ -271,36 +200,13 @@ impl GaussianEngine {
         })
     }
 
-    /// Brings attributes to the device that are not there; frees those of other scenes.
-    fn upload(&mut self, gpu: &GpuDevice, clouds: &Clouds<'_>) -> Result<(), SceneError> {
-        let is_of =
-            |resident: &Resident, own: &Arc<Gaussians>| std::ptr::eq(resident.of.as_ptr(), Arc::as_ptr(own));
-        self.resident
-            .retain(|resident| clouds.iter().any(|(own, _)| is_of(resident, own)));
-        for (own, _) in clouds {
-            if !self.resident.iter().any(|resident| is_of(resident, own)) {
-                let firsts = (0..own.len()).step_by(PAGE);
-                let pages = gpu.scoped(|gpu| firsts.map(|from| Page::new(gpu, own, from)).collect())?;
-                self.resident.push(Resident {
-                    of: Arc::downgrade(own),
-                    pages,
-                });
-            }
-        }
-        Ok(())
-    }
-
     /// Projects all clouds, and sorts the splats by depth.
     fn project(&self, gpu: &GpuDevice, (clouds, shot): (&Clouds<'_>, &Shot<'_>), splats: &mut Splats) {
         let mut commands = gpu.commands();
         let mut before = 0;
         for (own, world_from_item) in clouds {
             let view = view(own, world_from_item, shot);
-            let resident = self
-                .resident
-                .iter()
-                .find(|resident| std::ptr::eq(resident.of.as_ptr(), Arc::as_ptr(own)));
-            for page in resident.iter().flat_map(|resident| &resident.pages) {
+            for page in self.attributes.pages(own) {
                 let data = uniform(
                     gpu,
                     &ViewData {
@@ -457,92 +363,4 @@ pub(crate) fn room_for(gpu: &GpuDevice, clouds: &Clouds<'_>) -> Result<u32, Scen
                 "{count} Gaussians are more than the {most} that its largest buffer holds"
             ))
         })
-}
-
-/// A cloud before the camera; page and count are left open.
-fn view(own: &Gaussians, world_from_item: &DAffine3, shot: &Shot<'_>) -> ViewData {
-    let world_from_local = *world_from_item * *own.world_from_local();
-    let near = near_of_gaussians(PUBLISHED_NEAR, &world_from_local);
-    let camera = (shot.camera, shot.settings.size);
-    let view = CloudView::new(
-        &world_from_local,
-        near,
-        camera,
-        LowPass::Added(PUBLISHED_LOW_PASS),
-    );
-    let [to_x, to_y, to_z] = view.camera_from_local;
-    ViewData {
-        eye: view.eye[0],
-        near: view.near,
-        eye_rest: view.eye[1],
-        scale: view.scale,
-        to_x,
-        low_pass: PUBLISHED_LOW_PASS,
-        to_y,
-        is_perspective: u32::from(view.perspective),
-        to_z,
-        degree: own.degree(),
-        direction: view.direction.unwrap_or_default(),
-        is_antialiased: u32::from(own.antialiased()),
-        centre: view.centre,
-        tangent_limit: view.tangent_limit,
-        reference_tiles: view.reference_tiles.map(|n| n as f32),
-        count: 0,
-        before: 0,
-    }
-}
-
-/// What splats are composited over: display colour, straight, and opacity.
-struct Background {
-    color: [f64; 3],
-    alpha: f64,
-}
-
-impl Background {
-    fn new(linear: [f32; 4]) -> Self {
-        let [r, g, b, alpha] = linear.map(|value| splatvol_core::cloud_view::sane(f64::from(value)));
-        Self {
-            color: [r, g, b].map(srgb_from_linear),
-            alpha: alpha.min(1.0),
-        }
-    }
-
-    /// Premultiplied display colours with transmittances, and sums of depths, to linear light, as
-    /// `splatvol_cpu::splats::blend::Published`.
-    fn resolve(&self, frame: &mut Frame, (colors, depth_sums): (&[[f32; 4]], &[f32])) {
-        let targets = frame
-            .image
-            .pixels
-            .par_iter_mut()
-            .zip(frame.depth.par_iter_mut().zip(&mut frame.optical_depth));
-        let found = colors.par_iter().zip(depth_sums);
-        targets.zip(found).for_each(
-            |((pixel, (depth, optical_depth)), (&[r, g, b, through], &depth_sum))| {
-                let covered = 1.0 - f64::from(through);
-                let behind = f64::from(through) * self.alpha;
-                let alpha = covered + behind;
-                let channel = |own: f32, under: f64| {
-                    let encoded = (f64::from(own) + behind * under) / alpha;
-                    (linear_from_srgb(encoded) * alpha) as f32
-                };
-                let [under_r, under_g, under_b] = self.color;
-                *pixel = match alpha > 0.0 {
-                    true => [
-                        channel(r, under_r),
-                        channel(g, under_g),
-                        channel(b, under_b),
-                        alpha as f32,
-                    ],
-                    false => [0.0; 4],
-                };
-                (*depth, *optical_depth) = match covered > 0.0 {
-                    true => (
-                        (f64::from(depth_sum) / covered) as f32,
-                        -libm::log(f64::from(through)) as f32,
-                    ),
-                    false => (f32::INFINITY, 0.0),
-                };
-            },
-        );
-    }
 }

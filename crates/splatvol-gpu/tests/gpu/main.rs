@@ -1,0 +1,8 @@
+//! The GPU engine against the CPU engine, and requests that it refuses.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod clouds;
+mod common;
+mod effects;
+mod gaussians;
+mod pictures;
