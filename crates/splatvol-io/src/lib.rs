@@ -46,7 +46,7 @@ pub use data::{Data, DataKind, DataOptions, LoadedData, data_kind, read_data};
 pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
-pub use image::part::{Assembly, Part, PictureBlock};
+pub use image::part::{Assembly, Part, PartKey, PictureBlock};
 pub use image::{
     ImageFormat, LoadedImage, decode_image, encode_image, read_image, read_image_metadata, write_frame,
     write_image,

@@ -39,7 +39,7 @@ impl Animation {
         work::run(py, (None, None), |_| {
             let reading = Reading {
                 rules: ReadRules {
-                    chunks: Some(chunks::chunk_rules()),
+                    chunks: Some(chunks::chunk_rules(None)),
                     ..ReadRules::default()
                 },
                 folder: None,

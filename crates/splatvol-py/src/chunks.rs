@@ -5,10 +5,10 @@ use splatvol_document::{ChunkRules, Picture};
 
 use crate::error::Raise;
 
-/// How volumes are read in chunks; within half of the machine's memory.
-pub(crate) fn chunk_rules() -> ChunkRules {
+/// How volumes are read in chunks; within so many bytes, or half of the machine's memory.
+pub(crate) fn chunk_rules(memory: Option<u64>) -> ChunkRules {
     ChunkRules {
-        memory: splatvol_io::memory::granted() / 2,
+        memory: memory.unwrap_or_else(|| splatvol_io::memory::granted() / 2),
         holes: false,
     }
 }

@@ -11,6 +11,7 @@
 //! | [`picture`] | a document with its data, resolved, and how it is rendered |
 //! | [`chunks`] | volumes that are read in chunks |
 //! | [`frame`] | the picture: codes, floats, files |
+//! | [`part`] | parts of pictures, by many processes |
 //! | [`animation`] | frames of animations, and files of many frames |
 //! | [`work`] | work without the interpreter's lock, that can be interrupted |
 //! | [`engines`] | threads and renderers of the process |
@@ -23,6 +24,7 @@ mod data;
 mod engines;
 mod error;
 mod frame;
+mod part;
 mod picture;
 mod work;
 
@@ -44,6 +46,8 @@ mod _core {
     use super::engines::{set_threads, threads};
     #[pymodule_export]
     use super::frame::{Frame, read_picture};
+    #[pymodule_export]
+    use super::part::{assembled, blocks_of, part_of, recipe_of};
     #[pymodule_export]
     use super::picture::{
         Picture, document_over, document_text, read_document, read_like, read_record, read_transfer_function,

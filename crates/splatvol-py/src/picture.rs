@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use splatvol::SceneError;
+use splatvol::{Control, RenderStatistics, SceneError, TileRect};
 use splatvol_document::format::{is_scene, path_outside, read_scene};
 use splatvol_document::keys::ItemKeys;
 use splatvol_document::{CameraMotion, Document, Edit, Held, ReadRules, Reading, Record, Resolving};
@@ -14,21 +14,22 @@ use crate::data::{Data, Notes};
 use crate::engines;
 use crate::error::Raise;
 use crate::frame::Frame;
-use crate::work::{self, Stop};
+use crate::work::{self, Stop, Watch};
 
 /// A picture that can be rendered.
 #[pyclass(frozen)]
 #[derive(Debug)]
 pub(crate) struct Picture {
-    picture: splatvol_document::Picture,
+    pub(crate) picture: splatvol_document::Picture,
     notes: Vec<(bool, String)>,
 }
 
 #[pymethods]
 impl Picture {
-    /// Resolves a document, JSON. `held` has the data of each item, or `None` for those that are to be read.
+    /// Resolves a document, JSON. `held` has the data of each item, or `None` for those that are to be read; `memory` is the
+    /// budget for volumes that are read in chunks, bytes.
     #[new]
-    #[pyo3(signature = (document, held, strict = false, folder = None, keeps_alpha = false, stop = None, progress = None))]
+    #[pyo3(signature = (document, held, strict = false, folder = None, keeps_alpha = false, memory = None, stop = None, progress = None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
         py: Python<'_>,
@@ -37,6 +38,7 @@ impl Picture {
         strict: bool,
         folder: Option<PathBuf>,
         keeps_alpha: bool,
+        memory: Option<u64>,
         stop: Option<&Stop>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
@@ -51,7 +53,7 @@ impl Picture {
                 reading: Reading {
                     rules: ReadRules {
                         strict,
-                        chunks: Some(chunks::chunk_rules()),
+                        chunks: Some(chunks::chunk_rules(memory)),
                         ..ReadRules::default()
                     },
                     folder: folder.as_deref(),
@@ -90,29 +92,39 @@ impl Picture {
     #[pyo3(signature = (stop = None, progress = None))]
     fn render(&self, py: Python<'_>, stop: Option<&Stop>, progress: Option<Py<PyAny>>) -> PyResult<Frame> {
         let picture = &self.picture;
-        let (frame, statistics) = work::run(py, (stop, progress.as_ref()), |watch| {
-            let rendered = engines::render(&picture.scene, |renderer| {
-                let mut frame = splatvol::Frame::empty(picture.settings.size);
-                watch.controls(|control| match &picture.sub_frames[..] {
-                    [] => renderer.render_with(
-                        &picture.scene,
-                        &picture.camera,
-                        &picture.settings,
-                        &mut frame,
-                        control,
-                    ),
-                    cameras => {
-                        renderer.expose(&picture.scene, cameras, &picture.settings, &mut frame, control)
-                    }
-                })?;
-                Ok::<_, SceneError>((frame, renderer.statistics().clone()))
-            });
-            rendered?.map_err(Raise::raised)
-        })?;
+        let (frame, statistics) =
+            work::run(py, (stop, progress.as_ref()), |watch| draw(picture, None, watch))?;
         let [.., alpha] = picture.scene.background;
         let is_blended = alpha > 0.0 && picture.scene.is_published(&picture.settings);
         Ok(Frame::new(frame, picture.background()).of_render(is_blended, statistics))
     }
+}
+
+/// The pixels of a picture, or of a block of it.
+pub(crate) fn draw(
+    picture: &splatvol_document::Picture,
+    part: Option<TileRect>,
+    watch: &Watch,
+) -> PyResult<(splatvol::Frame, RenderStatistics)> {
+    let splatvol_document::Picture {
+        scene,
+        camera,
+        settings,
+        sub_frames,
+        ..
+    } = picture;
+    let rendered = engines::render(scene, |renderer| {
+        let mut frame = splatvol::Frame::empty(settings.size);
+        watch.controls(|control| {
+            let control = &Control { part, ..*control };
+            match &sub_frames[..] {
+                [] => renderer.render_with(scene, camera, settings, &mut frame, control),
+                cameras => renderer.expose(scene, cameras, settings, &mut frame, control),
+            }
+        })?;
+        Ok::<_, SceneError>((frame, renderer.statistics().clone()))
+    });
+    rendered?.map_err(Raise::raised)
 }
 
 /// A document over another, both JSON.

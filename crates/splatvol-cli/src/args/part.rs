@@ -1,49 +1,12 @@
 //! `splatvol part` and `splatvol assemble`.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::Args;
-use splatvol::ImageSize;
-use splatvol_io::PictureBlock;
+use splatvol_io::PartKey;
 
 use super::help::{GENERAL, INPUT, OUTPUT};
 use super::{ChunkArgs, WriteArgs};
-
-/// A block of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PartKey {
-    /// Pixels.
-    Block(PictureBlock),
-    /// One of so many blocks.
-    Share { index: u32, count: u32 },
-}
-
-impl FromStr for PartKey {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let Some((index, count)) = text.split_once('/') else {
-            return text.parse().map(Self::Block);
-        };
-        match (index.parse(), count.parse()) {
-            (Ok(index), Ok(count)) if index < count => Ok(Self::Share { index, count }),
-            _ => Err(format!(
-                "{text:?}: expected I/N with I from 0 to N - 1, or X,Y,WIDTHxHEIGHT"
-            )),
-        }
-    }
-}
-
-impl PartKey {
-    /// The pixels that it stands for.
-    pub(crate) fn block(self, size: ImageSize) -> Option<PictureBlock> {
-        match self {
-            Self::Block(block) => Some(block),
-            Self::Share { index, count } => PictureBlock::of(size, index, count),
-        }
-    }
-}
 
 #[derive(Debug, Args)]
 #[command(
@@ -90,20 +53,4 @@ pub(crate) struct AssembleArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn keys_are_blocks_or_shares() {
-        let size = ImageSize::new(64, 32).unwrap();
-        let block = |text: &str| text.parse::<PartKey>().unwrap().block(size).unwrap().to_string();
-        assert_eq!(block("4,2,8x6"), "4,2,8x6");
-        assert_eq!([block("0/2"), block("1/2")], ["0,0,32x32", "32,0,32x32"]);
-        for wrong in ["2/2", "a/2", "1/", "-1/3", "1,2,3"] {
-            assert!(wrong.parse::<PartKey>().is_err(), "{wrong}");
-        }
-    }
 }

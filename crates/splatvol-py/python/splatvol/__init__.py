@@ -27,6 +27,7 @@ from ._errors import (
 from ._foreign import from_dask, from_dicom, from_itk, from_napari, from_nibabel, from_vtk, from_xarray, from_zarr
 from ._frame import Frame
 from ._look import Clip, Light, TransferFunction
+from ._parts import assemble, part, recipe
 from ._render_options import ReadOptions, RenderOptions
 from ._scene import Item, Scene
 from ._series import Series
@@ -61,6 +62,7 @@ __all__ = [
     "Volume",
     "__version__",
     "animate",
+    "assemble",
     "colormaps",
     "compare",
     "from_dask",
@@ -74,7 +76,9 @@ __all__ = [
     "info",
     "like",
     "load",
+    "part",
     "read",
+    "recipe",
     "render",
     "samples",
     "set_threads",

@@ -40,10 +40,18 @@ def animate(
     **overrides: Any,
 ) -> Path:
     """Writes an animation of a scene: see :meth:`splatvol.Scene.animate`."""
-    output = Path(output)
-    table = _table(turntable=turntable, keys=keys, frames=frames, fps=fps, ease=ease, shutter=shutter)
-    document = {**scene.to_dict(**overrides), "animation": table}
-    film = Film(scene, document)
+    asked = {"turntable": turntable, "keys": keys, "frames": frames, "fps": fps, "ease": ease, "shutter": shutter}
+    film = Film(scene, animation_document(scene, asked, overrides))
+    return write(film, Path(output), resume=resume, progress=progress)
+
+
+def animation_document(scene: Scene, asked: dict[str, Any], overrides: dict[str, Any]) -> Keys:
+    """The document of a scene with the table of an animation."""
+    return {**scene.to_dict(**overrides), "animation": _table(**asked)}
+
+
+def write(film: Film, output: Path, *, resume: bool, progress: Progress | bool | None) -> Path:
+    """Writes frames to one file, or a file each."""
     if "#" in output.name:
         return film.write_frames(output, resume=resume, progress=progress)
     if resume:
@@ -79,21 +87,17 @@ class Film:
     def __len__(self) -> int:
         return self._animation.frames
 
-    def render(self, index: int) -> Frame:
-        """One of the frames."""
+    def picture(self, index: int) -> tuple[_core.Picture, str]:
+        """The picture of a frame, and its document."""
         text = self._animation.document(index)
         held = [item._held(index, len(self)) for item in self._scene.items]
-        picture = _core.Picture(text, held)
-        return Frame(picture.render(), text, int(json.loads(text).get("bits") or 8))
+        return _core.Picture(text, held), text
 
-    def _all(self, progress: Progress | bool | None) -> Iterator[tuple[int, Frame]]:
-        from ._scene import _progress
-
-        report = _progress(progress)
-        for index in range(len(self)):
-            yield index, self.render(index)
-            if report is not None and report((index + 1) / len(self)) is False:
-                raise Cancelled("stopped before the animation was finished")
+    def frames(self, indices: Sequence[int]) -> Iterator[tuple[int, Frame]]:
+        """Some of the frames, in order."""
+        for index in indices:
+            picture, text = self.picture(index)
+            yield index, Frame(picture.render(), text, int(json.loads(text).get("bits") or 8))
 
     def write_frames(self, output: Path, *, resume: bool, progress: Progress | bool | None) -> Path:
         """A picture of each frame: ``name-####.png``."""
@@ -104,18 +108,19 @@ class Film:
             raise InvalidValue(f"{output}: all # of a name must be together", field="path")
         if len(str(len(self) - 1)) > digits:
             raise InvalidValue(f"{output}: {len(self)} frames need more # in the name", field="path")
-        for index in range(len(self)):
-            path = output.with_name(f"{before}{index:0{digits}d}{after}")
-            if not (resume and self._is_made(path, index)):
-                self.render(index).save(path)
-            self._report(progress, index)
+        paths = [output.with_name(f"{before}{index:0{digits}d}{after}") for index in range(len(self))]
+        missing = [index for index, path in enumerate(paths) if not (resume and self._is_made(path, index))]
+        self._report(progress, len(self) - len(missing))
+        for count, (index, frame) in enumerate(self.frames(missing), len(self) - len(missing) + 1):
+            frame.save(paths[index])
+            self._report(progress, count)
         return output
 
-    def _report(self, progress: Progress | bool | None, index: int) -> None:
+    def _report(self, progress: Progress | bool | None, count: int) -> None:
         from ._scene import _progress
 
         report = _progress(progress)
-        if report is not None and report((index + 1) / len(self)) is False:
+        if report is not None and report(count / len(self)) is False:
             raise Cancelled("stopped before the animation was finished")
 
     def _is_made(self, path: Path, index: int) -> bool:
@@ -137,11 +142,12 @@ class Film:
         os.close(handle)
         movie: _core.Movie | None = None
         try:
-            for _, frame in self._all(progress):
+            for index, frame in self.frames(range(len(self))):
                 if movie is None:
                     record = (frame.document, "splatvol for Python")
                     movie = _core.Movie(scratch, output, frame._core, (len(self), self._animation.rate), record)
                 movie.write(frame._core)
+                self._report(progress, index + 1)
             if movie is not None:
                 movie.finish()
             os.chmod(scratch, 0o644)

@@ -11,16 +11,20 @@ __all__ = [
     "Picture",
     "Stop",
     "__version__",
+    "assembled",
+    "blocks_of",
     "colormap",
     "colormaps",
     "document_over",
     "document_text",
     "main",
+    "part_of",
     "read_document",
     "read_like",
     "read_picture",
     "read_record",
     "read_transfer_function",
+    "recipe_of",
     "refusal",
     "samples",
     "schema",
@@ -109,6 +113,7 @@ class Picture:
         strict: bool = False,
         folder: _Path | None = None,
         keeps_alpha: bool = False,
+        memory: int | None = None,
         stop: Stop | None = None,
         progress: _Progress | None = None,
     ) -> Picture: ...
@@ -154,3 +159,8 @@ def read_document(path: _Path) -> str | None: ...
 def read_record(path: _Path) -> tuple[str, str]: ...
 def read_like(path: _Path, has_data: bool) -> tuple[str, str | None]: ...
 def read_picture(path: _Path) -> tuple[int, int, bytearray]: ...
+
+def recipe_of(picture: Picture) -> str: ...
+def blocks_of(size: tuple[int, int], edge: int) -> list[str]: ...
+def part_of(picture: Picture, key: str, stop: Stop | None = None, progress: _Progress | None = None) -> bytes: ...
+def assembled(parts: Sequence[bytes]) -> tuple[Frame, str, int]: ...

@@ -6,7 +6,7 @@ import json
 import os
 import warnings
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -263,7 +263,12 @@ class Scene:
         return self
 
     def render(
-        self, *, progress: Progress | bool | None = None, cancel: _core.Stop | None = None, **overrides: Any
+        self,
+        *,
+        progress: Progress | bool | None = None,
+        cancel: _core.Stop | None = None,
+        executor: Executor | None = None,
+        **overrides: Any,
     ) -> Frame:
         """Renders the scene; keywords hold for this picture only.
 
@@ -274,12 +279,19 @@ class Scene:
             ``True`` prints the share.
         cancel : CancelToken, optional
             Stops the render from another thread: its method ``set``.
+        executor : concurrent.futures.Executor, optional
+            Workers that render blocks of the picture, the same bytes: processes of this machine, or those of mpi4py.
+            The scene's things are files that they read. For Dask see :mod:`splatvol.dask`.
 
         Raises
         ------
         Cancelled
             The render was stopped.
         """
+        if executor is not None:
+            from . import _parts
+
+            return _parts.render_on(executor, _parts.recipe(self, **overrides), progress=progress, cancel=cancel)
         document = self.to_dict(**overrides)
         listener = _progress(progress)
         picture = self._picture(document, cancel, listener)

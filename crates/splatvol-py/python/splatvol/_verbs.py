@@ -18,6 +18,8 @@ from ._scene import Scene, scene_of
 from ._vocabulary import check, tables
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from ._render_options import ReadOptions, RenderOptions
     from ._widget import Widget
 
@@ -74,6 +76,7 @@ def render(
     *,
     progress: Progress | bool | None = None,
     cancel: _core.Stop | None = None,
+    executor: Executor | None = None,
     **options: Unpack[RenderOptions],
 ) -> Frame:
     """Renders data, as the command ``splatvol render`` does: the same bytes.
@@ -82,7 +85,7 @@ def render(
     ----------
     data
         Anything that :func:`read` takes, a :class:`Scene`, or napari's viewer: what it shows.
-    progress, cancel
+    progress, cancel, executor
         See :meth:`Scene.render`.
     **options
         Keywords of :class:`splatvol.RenderOptions`: the command's flags with ``_`` for ``-``.
@@ -95,12 +98,12 @@ def render(
     (16, 16, 4)
     """
     if isinstance(data, Scene):
-        return data.render(progress=progress, cancel=cancel, **options)
+        return data.render(progress=progress, cancel=cancel, executor=executor, **options)
     if type(data).__module__.startswith("napari.") and hasattr(data, "dims"):
         from ._napari.viewer import render_viewer
 
         return render_viewer(data, progress=progress, cancel=cancel, **options)
-    return Scene(data, **options).render(progress=progress, cancel=cancel)
+    return Scene(data, **options).render(progress=progress, cancel=cancel, executor=executor)
 
 
 def animate(data: Any, path: str | os.PathLike[str], **options: Any) -> Path:

@@ -5,14 +5,15 @@
 //! SHA-256, the picture's size, the block, the instruction set that made it, and the SHA-256 of the pixels. Bytes follow
 //! from recipe and block; parts of different recipes, programs or instruction sets are never put together.
 
-use std::fmt::{self, Display, Formatter};
+mod block;
+
 use std::path::Path;
-use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use splatvol_scene::{Frame, Image, ImageSize};
 
+pub use self::block::{PartKey, PictureBlock};
 use crate::IoError;
 use crate::error::Context;
 
@@ -22,105 +23,6 @@ const MAGIC: &[u8] = b"splatvol part 1\n";
 const PIXEL: usize = 24;
 /// Most bytes of the line of JSON.
 const MOST_HEADER: usize = 16 << 20;
-
-/// A block of pixels: a rectangle of a picture, written `X,Y,WIDTHxHEIGHT`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct PictureBlock {
-    /// First column.
-    pub x: u32,
-    /// First row.
-    pub y: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-}
-
-impl PictureBlock {
-    /// A picture's blocks of `edge` pixels, those at its right and lower ends smaller, row by row.
-    pub fn all(size: ImageSize, edge: u32) -> Vec<Self> {
-        let edge = edge.max(1);
-        let starts = |length: u32| (0..length).step_by(edge as usize);
-        let block = |x, y| Self {
-            x,
-            y,
-            width: edge.min(size.width() - x),
-            height: edge.min(size.height() - y),
-        };
-        starts(size.height())
-            .flat_map(|y| starts(size.width()).map(move |x| block(x, y)))
-            .collect()
-    }
-
-    /// Block `index` of `count` blocks of about the same size, as square as the number allows; `None` where the picture
-    /// has no so many.
-    pub fn of(size: ImageSize, index: u32, count: u32) -> Option<Self> {
-        let columns = (1..=count)
-            .rev()
-            .find(|n| u64::from(*n).pow(2) <= u64::from(count) && count.is_multiple_of(*n))?;
-        let rows = count / columns;
-        let (columns, rows) = match size.width() > size.height() {
-            true => (columns.max(rows), columns.min(rows)),
-            false => (columns.min(rows), columns.max(rows)),
-        };
-        if index >= count || columns > size.width() || rows > size.height() {
-            return None;
-        }
-        let ends = |length: u32, count: u32, at: u32| {
-            let end = |at: u32| (u64::from(length) * u64::from(at) / u64::from(count)) as u32;
-            [end(at), end(at + 1)]
-        };
-        let [x, x1] = ends(size.width(), columns, index % columns);
-        let [y, y1] = ends(size.height(), rows, index / columns);
-        Some(Self {
-            x,
-            y,
-            width: x1 - x,
-            height: y1 - y,
-        })
-    }
-
-    fn fits(&self, size: ImageSize) -> bool {
-        let within = |first: u32, count: u32, all: u32| {
-            count > 0 && first.checked_add(count).is_some_and(|end| end <= all)
-        };
-        within(self.x, self.width, size.width()) && within(self.y, self.height, size.height())
-    }
-
-    /// Indices of its pixels in a picture, row by row.
-    fn pixels(self, size: ImageSize) -> impl Iterator<Item = usize> {
-        let width = size.width() as usize;
-        let (x, y) = (self.x as usize, self.y as usize);
-        (y..y + self.height as usize)
-            .flat_map(move |row| row * width + x..row * width + x + self.width as usize)
-    }
-}
-
-impl Display for PictureBlock {
-    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
-        let Self { x, y, width, height } = self;
-        write!(formatter, "{x},{y},{width}x{height}")
-    }
-}
-
-impl FromStr for PictureBlock {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<Vec<u32>> = text.split([',', 'x']).map(|number| number.parse().ok()).collect();
-        match (numbers.as_deref(), text.matches(',').count()) {
-            (Some([x, y, width, height]), 2) if *width > 0 && *height > 0 => Ok(Self {
-                x: *x,
-                y: *y,
-                width: *width,
-                height: *height,
-            }),
-            _ => Err(format!(
-                "{text:?}: expected X,Y,WIDTHxHEIGHT in pixels, such as 512,0,512x512"
-            )),
-        }
-    }
-}
 
 /// All that a part says of itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -452,23 +354,5 @@ mod tests {
         let error = assembly.add(&foreign, path).unwrap_err().to_string();
         assert!(error.contains("instruction set, avx2"), "{error}");
         assert!(Part::new(&frame, "5,0,4x8".parse().unwrap(), (String::new(), "", 0)).is_err());
-    }
-
-    #[test]
-    fn blocks_cover_pictures() {
-        let size = ImageSize::new(100, 70).unwrap();
-        for count in [1, 2, 6, 7, 12] {
-            let blocks: Vec<_> = (0..count)
-                .map(|i| PictureBlock::of(size, i, count).unwrap())
-                .collect();
-            let pixels: u32 = blocks.iter().map(|block| block.width * block.height).sum();
-            assert_eq!(pixels, 7000);
-            let text: PictureBlock = blocks[0].to_string().parse().unwrap();
-            assert_eq!(text, blocks[0]);
-        }
-        assert_eq!(PictureBlock::of(size, 3, 3), None);
-        for wrong in ["", "1,2,3,4", "1,2,0x3", "1,2,3", "-1,0,1x1", "1x2x3x4"] {
-            assert!(wrong.parse::<PictureBlock>().is_err(), "{wrong}");
-        }
     }
 }

@@ -1,0 +1,173 @@
+"""Pictures and animations on a Dask cluster: the bits of one machine, whatever the number of workers, and if some die.
+
+Workers get a recipe and the key of a block, read what they need from the files, and return the block's pixels. So the
+files lie where all workers can read them at the same path. Nothing here schedules: Dask does.
+
+>>> import splatvol.dask, splatvol as sv
+>>> from dask.distributed import Client
+>>> with Client(processes=False, n_workers=1, dashboard_address=None) as client:
+...     frame = splatvol.dask.render("sample:head:16", client, size=32)
+>>> frame.size
+(32, 32)
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _core, _parts
+from ._animation import Film, animation_document, write
+from ._camera import Camera
+from ._data import Progress
+from ._errors import Cancelled
+from ._frame import Frame
+from ._scene import Scene, _progress
+
+try:
+    from distributed import as_completed, default_client, get_worker
+except ImportError as error:
+    raise ImportError('splatvol.dask needs Dask: pip install "splatvol[dask]"') from error
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+#: Frames that are under way for each thread of the cluster, so that none waits for the one that writes them.
+AHEAD = 2
+
+
+def render(
+    data: Any,
+    client: Client | None = None,
+    *,
+    block: int = _parts.BLOCK,
+    memory: int | None = None,
+    retries: int = 0,
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> Frame:
+    """Renders data or a scene of files on a cluster: the pixels of :func:`splatvol.render`.
+
+    Parameters
+    ----------
+    data
+        A :class:`splatvol.Scene` of files, or what :func:`splatvol.render` takes.
+    client : distributed.Client, optional
+        The cluster; the current one by default.
+    block : int
+        Pixels along the edges of blocks, each a task. The pixels do not depend on it.
+    memory : int, optional
+        Budget of a task for volumes that are read in chunks, bytes; by default half of the worker's memory, divided by
+        its threads.
+    retries : int
+        How often a task is run again that has failed, where stores fail now and then. Tasks of workers that died run
+        again without it.
+    progress : callable or bool, optional
+        As for :meth:`splatvol.Scene.render`, by blocks.
+    **options
+        Keywords of :class:`splatvol.RenderOptions`.
+
+    Raises
+    ------
+    InvalidValue
+        Where a thing is an array: workers read files.
+    FormatError
+        A file that is damaged, or not there for a worker.
+    """
+    client = default_client() if client is None else client
+    recipe = _parts.recipe(data, **options)
+    futures = _submit(client, recipe, block, memory, retries, priority=0)
+    try:
+        return _parts.assemble(_finished(futures, _progress(progress)))
+    finally:
+        client.cancel(futures)
+
+
+def animate(
+    data: Any,
+    path: str | os.PathLike[str],
+    client: Client | None = None,
+    *,
+    turntable: float | None = None,
+    keys: Sequence[tuple[float, Camera]] | str | os.PathLike[str] | None = None,
+    frames: int | None = None,
+    fps: float | None = None,
+    ease: bool | None = None,
+    shutter: float | None = None,
+    resume: bool = False,
+    block: int = _parts.BLOCK,
+    memory: int | None = None,
+    retries: int = 0,
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> Path:
+    """Writes an animation whose frames a cluster renders: the bytes of :func:`splatvol.animate`, which has the keywords.
+
+    Frames are rendered ahead of the one that is written, two for each thread of the cluster.
+    """
+    client = default_client() if client is None else client
+    scene = data if isinstance(data, Scene) else Scene(data)
+    asked = {"turntable": turntable, "keys": keys, "frames": frames, "fps": fps, "ease": ease, "shutter": shutter}
+    film = _ClusterFilm(scene, animation_document(scene, asked, options), (client, block, memory, retries))
+    return write(film, Path(path), resume=resume, progress=progress)
+
+
+class _ClusterFilm(Film):
+    """Frames that a cluster renders."""
+
+    def __init__(self, scene: Scene, document: dict[str, Any], means: tuple[Client, int, int | None, int]) -> None:
+        super().__init__(scene, document)
+        self._means = means
+
+    def frames(self, indices: Sequence[int]) -> Iterator[tuple[int, Frame]]:
+        client, *how = self._means
+        ahead = AHEAD * max(1, sum(client.nthreads().values()))
+        under_way: dict[int, list[Future]] = {}
+        try:
+            for place, index in enumerate(indices):
+                for coming in indices[place : place + ahead]:
+                    if coming not in under_way:
+                        recipe = _core.recipe_of(self.picture(coming)[0])
+                        under_way[coming] = _submit(client, recipe, *how, priority=-coming)
+                yield index, _parts.assemble(_finished(under_way[index], None))
+                del under_way[index]
+        finally:
+            client.cancel([future for futures in under_way.values() for future in futures])
+
+
+def _submit(
+    client: Client, recipe: str, block: int, memory: int | None, retries: int, *, priority: int
+) -> list[Future]:
+    """A future per block. Dask knows tasks by their keys: the same recipe and program is the same result."""
+    name = hashlib.sha256(json.dumps([_core.__version__, recipe, memory]).encode()).hexdigest()[:20]
+    shared = client.scatter(recipe, broadcast=False)
+    return [
+        client.submit(_part, shared, key, memory, key=f"splatvol-{name}-{key}", retries=retries, priority=priority)
+        for key in _parts.blocks(recipe, block)
+    ]
+
+
+def _part(recipe: str, key: str, memory: int | None) -> bytes:
+    """A part, by as many threads and within as much memory as the worker has."""
+    worker = get_worker()
+    threads = worker.state.nthreads
+    if _core.threads() != threads:
+        _core.set_threads(threads)
+    limit = worker.memory_manager.memory_limit
+    if memory is None and limit:
+        memory = int(limit) // (2 * threads)
+    return _parts.part(recipe, key, memory=memory)
+
+
+def _finished(futures: list[Future], report: Progress | None) -> Iterable[bytes]:
+    for count, (_, part) in enumerate(as_completed(futures, with_results=True), 1):
+        yield part
+        if report is not None and report(count / len(futures)) is False:
+            raise Cancelled("the render was stopped")
+
+
+__all__ = ["animate", "render"]
