@@ -25,6 +25,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `session` | the instance |
+//! | `shown` | a document with its data: changes, cameras, and the tiles of pictures |
 //! | [`message`] | what may be asked, and what is answered |
 //! | `data` | samples as bytes, packed so that they compress well |
 //! | `look` | changes of a transfer function: range, strength, colour map, curve |
@@ -39,8 +40,10 @@ mod interface;
 mod look;
 pub mod message;
 mod session;
+mod shown;
 
 pub use data::VolumeData;
 pub use error::WebError;
 pub use look::LookEdit;
 pub use session::{Answer, BLOCK, Session};
+pub use shown::{Shown, Tiles};

@@ -1,0 +1,289 @@
+//! A document with its data, shown: it answers everything but the tiles of pictures, and says how these are drawn.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+
+use serde::Serialize;
+use splatvol::transfer_function::{ColorMap, OpacityCurve};
+use splatvol::{
+    Camera, Content, Control, Frame, Image, ImageSize, RenderSettings, Renderer, Scene, Share,
+    TransferFunction,
+};
+use splatvol_document::camera::Surroundings;
+use splatvol_document::keys::CameraKeys;
+use splatvol_document::resolve::laid_over;
+use splatvol_document::{
+    CameraMotion, CameraPose, Document, Edit, Held, Listener, Picture, ReadRules, Reading, Resolving, outline,
+};
+
+use crate::message::{Edited, ItemFacts, Opened, Rendered, Request};
+use crate::session::{Answer, BLOCK};
+use crate::{LookEdit, WebError, look};
+
+/// Bins of an item's histogram.
+const BINS: usize = 128;
+
+/// A document with its data in memory. Clones share the data, and change on their own.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    held: Vec<Option<Held>>,
+    picture: Picture,
+    /// Transfer functions as they were opened, and the spacing of their volumes, world.
+    looks: Vec<(TransferFunction, f64)>,
+    /// What was chosen, and warnings.
+    notes: Vec<String>,
+}
+
+/// Tiles to be drawn.
+#[derive(Debug, Clone)]
+pub struct Tiles {
+    scene: Scene,
+    camera: Camera,
+    settings: RenderSettings,
+    background: Option<[f64; 4]>,
+    share: Share,
+}
+
+/// Collects what is said while a document is resolved.
+#[derive(Debug, Default)]
+struct Notes(Mutex<Vec<String>>);
+
+impl Notes {
+    fn add(&self, message: &str) {
+        let mut notes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        notes.push(message.to_owned());
+    }
+}
+
+impl Listener for Notes {
+    fn warn(&self, message: &str) {
+        self.add(message);
+    }
+
+    fn detail(&self, message: &str) {
+        self.add(message);
+    }
+}
+
+impl Shown {
+    /// Shows a document whose items' data are in memory.
+    ///
+    /// # Errors
+    /// A document that cannot become a picture, or that shows something else than volumes.
+    pub fn new(document: &Document, held: Vec<Option<Held>>) -> Result<Self, WebError> {
+        let notes = Notes::default();
+        let picture = resolve(document, &held, &notes)?;
+        Ok(Self {
+            looks: looks(&picture)?,
+            held,
+            picture,
+            notes: notes.0.into_inner().unwrap_or_default(),
+        })
+    }
+
+    /// Answers a change, or a question about a camera. What cannot be answered changes nothing.
+    ///
+    /// # Errors
+    /// Keys and values that are refused; requests that open documents or render.
+    pub fn answer(&mut self, request: Request) -> Result<Answer, WebError> {
+        match request {
+            Request::Edit { edits } => {
+                let edits = edits.into_iter();
+                self.edit(edits.map(|edit| Edit::Set {
+                    path: edit.path,
+                    value: Some(edit.value),
+                }))
+            }
+            Request::Look { item, look } => self.look(item, &look),
+            Request::Camera { camera, size } => {
+                let size = ImageSize::new(size[0], size[1])?;
+                said(&CameraPose::from(&self.camera(Some(camera), size)?))
+            }
+            Request::Open { .. } | Request::Render { .. } => Err(WebError::Closed),
+        }
+    }
+
+    /// Makes edits, all or none.
+    fn edit(&mut self, edits: impl Iterator<Item = Edit>) -> Result<Answer, WebError> {
+        let mut document = self.picture.document.clone();
+        for edit in edits {
+            document.apply(edit)?;
+        }
+        self.picture = resolve(&document, &self.held, &Notes::default())?;
+        said(&Edited {
+            document: serde_json::to_value(&self.picture.document)?,
+        })
+    }
+
+    fn look(&mut self, item: usize, look: &LookEdit) -> Result<Answer, WebError> {
+        let (base, spacing) = self.looks.get(item).ok_or(WebError::Item(item))?;
+        let function = look.apply(base, *spacing)?;
+        let path = format!("item[{item}].transfer-function");
+        let edit = Edit::set(path, serde_json::to_value(function)?);
+        self.edit(std::iter::once(edit))
+    }
+
+    /// The tiles of a share of a picture: `[0, 1]` of `share` is all of it.
+    ///
+    /// # Errors
+    /// Sizes, cameras and shares that do not exist.
+    pub fn tiles(
+        &self,
+        size: Option<[u32; 2]>,
+        camera: Option<CameraKeys>,
+        share: Option<[usize; 2]>,
+    ) -> Result<Tiles, WebError> {
+        let picture = &self.picture;
+        let size = match size {
+            Some([width, height]) => ImageSize::new(width, height)?,
+            None => picture.settings.size,
+        };
+        let [index, count] = share.unwrap_or([0, 1]);
+        Ok(Tiles {
+            scene: picture.scene.clone(),
+            camera: self.camera(camera, size)?,
+            settings: RenderSettings {
+                size,
+                ..picture.settings
+            },
+            background: picture.background(),
+            share: Share::new(index, count, BLOCK)?,
+        })
+    }
+
+    /// The document's camera with other keys over it, for a picture of a size.
+    fn camera(&self, keys: Option<CameraKeys>, size: ImageSize) -> Result<Camera, WebError> {
+        let Some(keys) = keys else {
+            return Ok(self.picture.camera);
+        };
+        let keys = keys.over(&self.picture.document.camera);
+        let items = &self.picture.scene.items;
+        let fit = keys.fit.unwrap_or_default();
+        let outlines = || items.iter().flat_map(|item| outline(item, fit)).collect();
+        Ok(keys.resolve(&Surroundings::of_outline(outlines, size.aspect()))?)
+    }
+
+    /// What was opened: its items, bounds, and what they may be shown by.
+    ///
+    /// # Errors
+    /// A scene without bounds.
+    pub fn facts(&self) -> Result<Opened, WebError> {
+        let shown = self.picture.document.items.iter().zip(&self.picture.scene.items);
+        let items = shown.zip(&self.looks).filter_map(|((keys, item), (look, _))| {
+            let Content::Volume { volume, .. } = &item.content else {
+                return None;
+            };
+            Some(ItemFacts {
+                name: keys.file.clone(),
+                dims: volume.grid().dims(),
+                unit: volume.unit().symbol(),
+                values: volume.value_range(),
+                histogram: volume.histogram(BINS),
+                range: look::range(look),
+                transfer_function: look.clone(),
+            })
+        });
+        Ok(Opened {
+            version: env!("CARGO_PKG_VERSION"),
+            document: serde_json::to_value(&self.picture.document)?,
+            items: items.collect(),
+            bounds: self.picture.scene.bounds()?,
+            color_maps: ColorMap::names().collect(),
+            opacity_curves: OpacityCurve::names().collect(),
+            notes: self.notes.clone(),
+        })
+    }
+}
+
+impl Tiles {
+    /// Pixels that are drawn.
+    pub fn pixel_count(&self) -> usize {
+        self.share
+            .blocks(self.settings.size)
+            .map(|block| (block.x1 - block.x0) * (block.y1 - block.y0))
+            .sum()
+    }
+
+    /// Draws them.
+    ///
+    /// # Errors
+    /// Scenes and settings that the engine refuses; a stopped picture.
+    pub fn draw(
+        &self,
+        (renderer, frame): (&mut Renderer, &mut Frame),
+        stop: Option<&AtomicBool>,
+    ) -> Result<Answer, WebError> {
+        let size = self.settings.size;
+        let control = Control {
+            share: Some(self.share),
+            stop,
+            ..Control::default()
+        };
+        renderer.render_with(&self.scene, &self.camera, &self.settings, frame, &control)?;
+        let mut bytes = Vec::new();
+        let mut tiles = Vec::new();
+        for block in self.share.blocks(size) {
+            let width = size.width() as usize;
+            let rows = (block.y0..block.y1).map(|y| y * width + block.x0..y * width + block.x1);
+            let pixels = rows
+                .flat_map(|row| frame.image.pixels[row].iter().copied())
+                .collect();
+            let [columns, rows] = [block.x1 - block.x0, block.y1 - block.y0].map(|side| side as u32);
+            let tile = Image::from_pixels(ImageSize::new(columns, rows)?, pixels)?;
+            let tile = match self.background {
+                Some(color) => laid_over(&tile, color),
+                None => tile,
+            };
+            bytes.extend_from_slice(splatvol_io::image::png::srgb8(&tile).as_flattened());
+            tiles.push([block.x0, block.y0, block.x1, block.y1]);
+        }
+        let answer = said(&Rendered {
+            size: size.into(),
+            camera: CameraPose::from(&self.camera),
+            tiles,
+        })?;
+        Ok(Answer { bytes, ..answer })
+    }
+}
+
+/// A header without bytes.
+pub(crate) fn said(header: &impl Serialize) -> Result<Answer, WebError> {
+    Ok(Answer {
+        header: serde_json::to_string(header)?,
+        bytes: Vec::new(),
+    })
+}
+
+fn resolve(document: &Document, held: &[Option<Held>], notes: &Notes) -> Result<Picture, WebError> {
+    let picture = document.resolve(Resolving {
+        reading: Reading {
+            rules: ReadRules::default(),
+            folder: None,
+            listener: notes,
+        },
+        held,
+        moves: CameraMotion::default(),
+        keeps_alpha: false,
+    })?;
+    splatvol::check(&picture.scene, &picture.camera, &picture.settings)?;
+    Ok(picture)
+}
+
+/// The transfer functions of a scene of volumes, and their spacings. All items have to be visible: those that are not have
+/// no look.
+fn looks(picture: &Picture) -> Result<Vec<(TransferFunction, f64)>, WebError> {
+    let items = &picture.scene.items;
+    if items.len() != picture.document.items.len() {
+        return Err(WebError::Item(items.len()));
+    }
+    let looks = items.iter().enumerate().map(|(index, item)| match &item.content {
+        Content::Volume {
+            volume,
+            transfer_function,
+            ..
+        } => Ok((transfer_function.clone(), volume.grid().mean_spacing())),
+        _ => Err(WebError::Item(index)),
+    });
+    looks.collect()
+}
