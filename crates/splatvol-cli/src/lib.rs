@@ -43,6 +43,7 @@ fn carry_out(cli: &Cli) -> u8 {
         Command::Info(args) => commands::info::run(args, &terminal),
         Command::Sample(args) => commands::sample::run(args, &terminal),
         Command::Convert(args) => commands::convert::run(args, &terminal),
+        Command::Serve(args) => commands::serve::run(args, &terminal),
         Command::Export(args) => commands::export::run(args, &terminal),
         Command::Part(args) => commands::part::run(args, &terminal),
         Command::Assemble(args) => commands::part::assemble(args, &terminal),

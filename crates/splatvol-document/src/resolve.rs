@@ -30,7 +30,7 @@ use crate::{Document, DocumentError, Listener};
 const BITS: u8 = 8;
 
 /// Everything that rendering needs, and the document that describes all of it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Picture {
     /// The document, with nothing left open.
     pub document: Document,

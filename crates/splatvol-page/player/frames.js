@@ -1,4 +1,5 @@
-// Frames: drafts while something changes, then finer passes, then the final picture, tile by tile.
+// Frames: drafts while something changes, then finer passes, then the final picture, tile by tile. A server, where the page comes
+// from one, makes the final picture, and all of them where the page has no instances of its own.
 //
 // A picture is divided among the members of the pool by shares. Nothing can stop an instance, so the final picture is asked for
 // in more shares than there are members, each of which takes about PIECE, and no more of them once something changes.
@@ -16,15 +17,20 @@ const REST = 80;
 
 /** One picture, in shares. `done` gets each tile, `ended` is told when all are there. */
 class Job {
-  constructor(size, step, count) {
-    Object.assign(this, { size, step, count, next: 0, open: 0, given: 0, started: performance.now() });
+  constructor(size, step, crew, pieces) {
+    Object.assign(this, { size, step, crew, count: crew.length * pieces, next: 0, open: 0, given: 0, started: performance.now() });
   }
 }
 
 class Frames {
   /** `view` tells the size of the picture, the camera's keys for it, and the edits to be made before the next one. */
   constructor(canvas, pool, view) {
-    Object.assign(this, { canvas, view, members: pool.members, idle: [...pool.members] });
+    const { members, server } = pool;
+    Object.assign(this, { canvas, view, server });
+    this.drafters = members.length > 0 ? members : [server];
+    this.finishers = server ? [server] : this.drafters;
+    this.members = [...new Set([...this.drafters, ...this.finishers])];
+    this.idle = [...this.members];
     this.context = canvas.getContext("2d", { alpha: true });
     this.draft = document.createElement("canvas");
     this.step = 3;
@@ -42,11 +48,14 @@ class Frames {
   changed() {
     this.changes += 1;
     clearTimeout(this.timer);
+    // A picture on the server is stopped; it is none of the drafts that have to be seen.
+    if (this.server && this.job && this.job.step < 2) this.server.stop();
     this.pump();
   }
 
   /** Another member is ready. */
   joined(member) {
+    this.drafters.push(member);
     this.members.push(member);
     this.idle.push(member);
   }
@@ -76,9 +85,10 @@ class Frames {
   begin(step) {
     const full = this.view.size();
     const size = full.map((side) => Math.max(1, Math.round(side / STEPS[step])));
-    const predicted = (this.cost * size[0] * size[1]) / this.members.length;
+    const crew = step === 0 ? this.finishers : this.drafters;
+    const predicted = (this.cost * size[0] * size[1]) / crew.length;
     const pieces = step > 1 ? 1 : Math.min(MOST_PIECES, Math.max(2, Math.ceil(predicted / PIECE)));
-    const job = new Job(size, step, this.members.length * pieces);
+    const job = new Job(size, step, crew, pieces);
     job.changes = this.changes;
     job.camera = this.view.camera(size);
     if (step === 0) this.fit(full, true);
@@ -88,7 +98,7 @@ class Frames {
     this.job = job;
     const edits = this.view.takeEdits();
     for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
-    [...this.idle].forEach((member) => this.give(member));
+    crew.forEach((member) => this.give(member));
   }
 
   /** The canvas in its size; what it shows is kept, enlarged. */
@@ -129,7 +139,7 @@ class Frames {
       // What is finished although something has changed is no part of the next picture.
       if (job === this.job) this.draw(job, header.tiles, bytes);
     } catch (error) {
-      this.view.trouble(error.message || String(error));
+      if (error.name !== "AbortError") this.view.trouble(error.message || String(error));
     }
     job.open -= 1;
     this.idle.push(member);
@@ -194,8 +204,8 @@ class Frames {
       for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
       const pixels = new Uint8ClampedArray(4 * size[0] * size[1]);
       const camera = this.view.camera(size);
-      const count = this.members.length;
-      await Promise.all(this.members.map(async (member, index) => {
+      const count = this.finishers.length;
+      await Promise.all(this.finishers.map(async (member, index) => {
         const { header, bytes } = await member.ask({ do: "render", size, camera, share: [index, count] });
         if (header.error) throw new Error(header.error);
         let start = 0;

@@ -261,8 +261,8 @@ function memberCount(bytes) {
   return Math.max(1, Math.min(navigator.hardwareConcurrency || 2, 8, fit));
 }
 
-async function main() {
-  const page = JSON.parse($("facts").textContent);
+/** Instances with the data of the page, and what they say of these. */
+async function startInstances(page) {
   $("status").textContent = "Unpacking the data.";
   const [module, samples] = await Promise.all([
     unpacked(bytesOf("engine")).then((bytes) => WebAssembly.compile(bytes)),
@@ -274,6 +274,21 @@ async function main() {
   const answers = await Promise.all(pool.members.map((member) => member.ask(open, samples)));
   const facts = answers[0].header;
   if (facts.error) throw new Error(facts.error);
+  return { pool, facts };
+}
+
+/** The same of a page from a server; without instances where the page or the browser has none. */
+async function startServed(page) {
+  const server = onServer();
+  const facts = await server.facts();
+  const none = { members: [], workers: 0 };
+  const pool = $("engine").textContent === "" ? none : await startInstances(page).then((own) => own.pool, () => none);
+  return { pool: { ...pool, server }, facts };
+}
+
+async function main() {
+  const page = JSON.parse($("facts").textContent);
+  const { pool, facts } = await (page.served ? startServed(page) : startInstances(page));
   const canvas = $("view");
   const view = new View(facts, page);
   const frames = new Frames(canvas, pool, view);

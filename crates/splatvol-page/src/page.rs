@@ -39,6 +39,8 @@ pub struct Page<'a> {
     pub poster: &'a [u8],
     /// Sentences about the data: what was left out, and how far the picture is from that of all data.
     pub notes: &'a [String],
+    /// Whether it comes from a server that makes the final pictures; all of them where there is no engine in the page.
+    pub is_served: bool,
 }
 
 impl Page<'_> {
@@ -47,7 +49,11 @@ impl Page<'_> {
     /// # Errors
     /// Programs without the engine for browsers.
     pub fn html(&self) -> Result<String, PageError> {
-        self.with_engine(engine()?)
+        match engine() {
+            Ok(engine) => self.with_engine(engine),
+            Err(_) if self.is_served => self.with_engine(&[]),
+            Err(absent) => Err(absent.into()),
+        }
     }
 
     fn with_engine(&self, engine: &[u8]) -> Result<String, PageError> {
@@ -55,8 +61,9 @@ impl Page<'_> {
             "document": self.document,
             "data": self.data,
             "notes": self.notes,
+            "served": self.is_served,
         });
-        let policy = policy();
+        let policy = policy(self.is_served);
         fill(
             TEMPLATE,
             &[
@@ -89,13 +96,14 @@ impl Page<'_> {
     }
 }
 
-/// The content policy: no connection to anything; the page's own script and style by their hashes, workers and pictures of
-/// its own making, WebAssembly.
-fn policy() -> String {
+/// The content policy: no connection to anything but the server that it may come from; the page's own script and style by
+/// their hashes, workers and pictures of its own making, WebAssembly.
+fn policy(is_served: bool) -> String {
+    let connections = if is_served { "connect-src 'self'; " } else { "" };
     let hash = |code: &str| STANDARD.encode(Sha256::digest(code.as_bytes()));
     format!(
         "default-src 'none'; script-src 'sha256-{}' 'wasm-unsafe-eval'; worker-src blob:; style-src 'sha256-{}'; \
-         img-src data:; base-uri 'none'; form-action 'none'",
+         img-src data:; {connections}base-uri 'none'; form-action 'none'",
         hash(SCRIPT),
         hash(STYLE)
     )
@@ -115,6 +123,7 @@ mod tests {
             bytes: b"samples",
             poster: b"poster",
             notes: &["8 bits & less".to_owned()],
+            is_served: false,
         };
         page.with_engine(b"engine").unwrap()
     }
@@ -131,7 +140,7 @@ mod tests {
     #[test]
     fn the_policy_forbids_connections_and_knows_the_code_by_its_hash() {
         let page = page("head");
-        let policy = policy().replace('\'', "&#39;");
+        let policy = policy(false).replace('\'', "&#39;");
         assert!(page.contains(&format!("content=\"{policy}\"")), "{policy}");
         assert!(policy.starts_with("default-src &#39;none&#39;;"));
         for forbidden in [

@@ -56,7 +56,10 @@ impl State {
             let is_large = own.pixels > DRAFT && now.duration_since(own.since) < LONG;
             (is_large, self.served.get(&own.client).copied(), own.ticket)
         };
-        self.waiting.iter().min_by_key(|own| rank(own)).map(|own| own.ticket)
+        self.waiting
+            .iter()
+            .min_by_key(|own| rank(own))
+            .map(|own| own.ticket)
     }
 
     fn leave(&mut self, ticket: u64) {

@@ -59,7 +59,10 @@ impl Guard {
 
     /// The cookie that stands for the token.
     pub(crate) fn cookie(&self) -> String {
-        format!("{}={}; Path=/; HttpOnly; SameSite=Strict", self.cookie, self.token)
+        format!(
+            "{}={}; Path=/; HttpOnly; SameSite=Strict",
+            self.cookie, self.token
+        )
     }
 
     /// Whether a query has the token.
@@ -84,7 +87,11 @@ impl Guard {
             let of = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
             of == host && request.count("origin") == 1
         });
-        if is_own { None } else { Some("the request comes from another page") }
+        if is_own {
+            None
+        } else {
+            Some("the request comes from another page")
+        }
     }
 
     /// Whether a request has the cookie.
@@ -108,6 +115,9 @@ mod tests {
         for wrong in ["", "token=", "token", &format!("token={}", &a.token()[1..])] {
             assert!(!a.is_invited(wrong), "{wrong}");
         }
-        assert_eq!([name("localhost:80"), name("[::1]:80"), name("[::1]")], ["localhost", "[::1]", "[::1]"]);
+        assert_eq!(
+            [name("localhost:80"), name("[::1]:80"), name("[::1]")],
+            ["localhost", "[::1]", "[::1]"]
+        );
     }
 }

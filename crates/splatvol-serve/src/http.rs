@@ -130,7 +130,10 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Request, usize, usize)>, NoRequest> {
         body: Vec::new(),
     };
     if request.header("transfer-encoding").is_some() || request.count("content-length") > 1 {
-        return Err(NoRequest::Refused(411, "the length of the body has to be said, once"));
+        return Err(NoRequest::Refused(
+            411,
+            "the length of the body has to be said, once",
+        ));
     }
     let length = match request.header("content-length") {
         None => 0,
@@ -197,19 +200,28 @@ mod tests {
     fn requests_are_parsed_and_bounded() {
         let text = "POST /ask HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n\r\n{}";
         let (request, head, length) = parsed(text.as_bytes()).unwrap().unwrap();
-        assert_eq!((request.method.as_str(), request.target.as_str()), ("POST", "/ask"));
+        assert_eq!(
+            (request.method.as_str(), request.target.as_str()),
+            ("POST", "/ask")
+        );
         assert_eq!((&text[head..], length), ("{}", 2));
         assert_eq!(request.header("host"), Some("localhost"));
         assert!(parsed(&text.as_bytes()[..30]).unwrap().is_none());
         for (wrong, status) in [
             ("\0\0\0\r\n\r\n", 400),
             ("POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n", 400),
-            ("POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n", 411),
+            (
+                "POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
+                411,
+            ),
             ("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n", 411),
             ("POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n", 413),
         ] {
             let found = parsed(wrong.as_bytes()).unwrap_err();
-            assert!(matches!(found, NoRequest::Refused(own, _) if own == status), "{wrong:?}");
+            assert!(
+                matches!(found, NoRequest::Refused(own, _) if own == status),
+                "{wrong:?}"
+            );
         }
         let many = format!("GET / HTTP/1.1\r\n{}\r\n", "a: b\r\n".repeat(MOST_LINES + 1));
         assert!(matches!(parsed(many.as_bytes()), Err(NoRequest::Refused(431, _))));

@@ -1,6 +1,5 @@
 //! A document with its data, shown: it answers everything but the tiles of pictures, and says how these are drawn.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 

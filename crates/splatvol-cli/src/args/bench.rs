@@ -119,7 +119,7 @@ pub(crate) struct BenchArgs {
 impl BenchArgs {
     /// Whether flags neither name other volumes than the fixed scenes or another engine nor change their pictures.
     pub(crate) fn keeps_fixed_pictures(&self) -> bool {
-        let asked = self.document(None);
+        let asked = self.picture.document(self.size, None);
         let settings = SettingKeys {
             // Selects among the fixed cases.
             classification: None,

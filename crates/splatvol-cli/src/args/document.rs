@@ -5,51 +5,29 @@ use std::path::{Path, PathBuf};
 use splatvol_document::Document;
 use splatvol_document::keys::names::GaussianModeName;
 use splatvol_document::keys::{
-    AnimationKeys, CameraKeys, EffectKeys, ItemKeys, MotionKeys, Opacity, Parallel, SettingKeys,
+    AnimationKeys, CameraKeys, EffectKeys, ItemKeys, MotionKeys, Opacity, Parallel, PictureSize, SettingKeys,
 };
 use splatvol_io::Endian;
 
 use super::{
-    AnimateArgs, BenchArgs, CameraArgs, EffectArgs, ExportArgs, FastSplatsArgs, FootprintArgs, InputArgs,
-    KernelArgs, LookArgs, MethodArgs, MotionArgs, PictureArgs, RenderArgs,
+    AnimateArgs, CameraArgs, EffectArgs, FastSplatsArgs, FootprintArgs, InputArgs, KernelArgs, LookArgs,
+    MethodArgs, MotionArgs, PictureArgs, RenderArgs,
 };
 
 impl RenderArgs {
     /// The flags as a document. A scene file has items of its own, so it leaves none here.
     pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
-        Document {
-            size: self.size,
-            ..self.picture.document(item_file)
-        }
-    }
-}
-
-impl BenchArgs {
-    /// The flags as a document, as those of `render`.
-    pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
-        Document {
-            size: self.size,
-            ..self.picture.document(item_file)
-        }
-    }
-}
-
-impl ExportArgs {
-    /// The flags as a document, as those of `render`.
-    pub(crate) fn document(&self, item_file: Option<&str>) -> Document {
-        Document {
-            size: self.size,
-            ..self.picture.document(item_file)
-        }
+        self.picture.document(self.size, item_file)
     }
 }
 
 impl PictureArgs {
-    /// The flags as a document without a size.
-    fn document(&self, item_file: Option<&str>) -> Document {
+    /// The flags as a document of a size. A scene file has items of its own, so it leaves none here.
+    pub(crate) fn document(&self, size: Option<PictureSize>, item_file: Option<&str>) -> Document {
         let item = self.item_keys(item_file.unwrap_or_default());
         let given = item != ItemKeys::default();
         Document {
+            size,
             background: self.background,
             bits: self.bits,
             items: given.then_some(item).into_iter().collect(),

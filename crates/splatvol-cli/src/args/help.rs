@@ -25,11 +25,12 @@ pub(super) const KERNEL: &str = "Kernel";
 pub(super) const EFFECTS: &str = "Effects";
 pub(super) const BLUR: &str = "Motion blur";
 pub(super) const OUTPUT: &str = "Output";
+pub(super) const SERVER: &str = "Server";
 pub(super) const PAPERS: &str = "Methods of the papers";
 pub(super) const GENERAL: &str = "General";
 
 /// All groups, as the help orders them.
-const GROUPS: [&str; 17] = [
+const GROUPS: [&str; 18] = [
     CASES,
     MEASUREMENT,
     INPUT,
@@ -45,6 +46,7 @@ const GROUPS: [&str; 17] = [
     EFFECTS,
     BLUR,
     OUTPUT,
+    SERVER,
     PAPERS,
     GENERAL,
 ];
@@ -110,6 +112,9 @@ fn short_flags(command: &str) -> Option<&'static str> {
         "export" => Some(
             "input view azimuth elevation zoom cmap opacity clim iso preset output max_size quantize title size overwrite \
              threads",
+        ),
+        "serve" => Some(
+            "input view azimuth elevation zoom cmap opacity clim iso preset port bind host idle title size threads",
         ),
         "info" => Some("input kernel kind time channel series json bins"),
         "convert" => Some("input output clim unit_distance time channel series overwrite"),

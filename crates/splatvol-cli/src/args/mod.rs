@@ -30,6 +30,7 @@ mod part;
 mod picture;
 mod pyramid;
 mod render;
+mod serve;
 pub(crate) mod values;
 #[cfg(feature = "view")]
 mod view;
@@ -60,6 +61,7 @@ pub(crate) use part::{AssembleArgs, PartArgs};
 pub(crate) use picture::PictureArgs;
 pub(crate) use pyramid::PyramidArgs;
 pub(crate) use render::{EngineName, RenderArgs};
+pub(crate) use serve::ServeArgs;
 #[cfg(feature = "view")]
 pub(crate) use view::ViewArgs;
 
@@ -112,6 +114,8 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     /// Write one HTML file that turns, zooms, changes look and cut, without a network
     Export(Box<ExportArgs>),
+    /// Show a volume in browsers, with pictures from this machine
+    Serve(Box<ServeArgs>),
     /// Make a part of a picture, for whoever puts all of them together: one process of many
     Part(PartArgs),
     /// Put the parts of a picture together

@@ -18,7 +18,7 @@ use super::asked::{self, Asked};
 use super::metrics::PictureDifference;
 use super::outputs::{encode_with_bits, short_name};
 use super::studio::{Means, Studio};
-use crate::args::ExportArgs;
+use crate::args::{ExportArgs, PictureArgs};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, check_distinct};
 use crate::terminal::Terminal;
@@ -30,7 +30,7 @@ const NOTES: u64 = 2048;
 
 pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure> {
     splatvol_page::engine().map_err(|absent| Failure::usage(absent).hint(Absent::REMEDY))?;
-    let asked = Asked::of_export(args)?;
+    let asked = Asked::of_page(args.input.as_deref(), args.size, &args.picture)?;
     let name = short_name(asked.document.reference());
     let output = args
         .output
@@ -46,9 +46,11 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
         .iter()
         .try_for_each(|(_, target)| target.check(overwrite))?;
 
-    let exported = Exported::new(&asked, args, terminal)?;
+    let threads = asked::threads(args.threads, terminal);
+    let exported = Exported::new(&asked, &args.picture, threads, terminal)?;
     let title = args.title.as_deref().unwrap_or(&name);
-    let (html, said) = exported.page(title, args)?;
+    let asked_for = (args.max_size, args.quantize.map(Bits::from));
+    let (html, said) = exported.page(title, asked_for, false)?;
     page.write(html.as_bytes(), overwrite)?;
     if let Some(target) = &report {
         let json = serde_json::to_string_pretty(&said).during(Step::Output)? + "\n";
@@ -64,7 +66,7 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
 }
 
 /// A picture that a page can show, and how it is rendered.
-struct Exported {
+pub(super) struct Exported {
     picture: Picture,
     means: Means,
     /// The picture of all data.
@@ -121,15 +123,20 @@ impl Report {
 }
 
 impl Exported {
-    fn new(asked: &Asked, args: &ExportArgs, terminal: &Terminal) -> Result<Self, Failure> {
-        let threads = asked::threads(args.threads, terminal);
+    /// Resolves and renders what is asked for.
+    pub(super) fn new(
+        asked: &Asked,
+        args: &PictureArgs,
+        threads: Option<usize>,
+        terminal: &Terminal,
+    ) -> Result<Self, Failure> {
         let resolving = Resolving {
-            reading: asked.reading(&args.picture, terminal),
+            reading: asked.reading(args, terminal),
             held: &[],
             moves: CameraMotion::default(),
             keeps_alpha: false,
         };
-        let picture = asked.picture(&asked.document, &args.picture, resolving)?;
+        let picture = asked.picture(&asked.document, args, resolving)?;
         refuse(&picture)?;
         let means = Means {
             engine: splatvol::EngineChoice::Cpu,
@@ -143,17 +150,58 @@ impl Exported {
         })
     }
 
+    /// The page of a server that has all data, and sentences about it: with smaller data for drafts, where this program has
+    /// the engine for browsers.
+    pub(super) fn served_page(
+        &self,
+        title: &str,
+        most: Option<u64>,
+    ) -> Result<(String, Vec<String>), Failure> {
+        let drafts = match splatvol_page::engine() {
+            Ok(_) => {
+                let (html, report) = self.page(title, (most, None), true)?;
+                let data = report.sentences().swap_remove(0);
+                return Ok((html, vec![format!("while the view turns, browsers draw: {data}")]));
+            }
+            Err(absent) => format!("drafts come from the server, too: {absent} ({})", Absent::REMEDY),
+        };
+        let document = serde_json::to_value(self.document(None)).during(Step::Output)?;
+        let page = Page {
+            title,
+            description: &described(title),
+            document: &document,
+            data: &[],
+            bytes: &[],
+            poster: &self.poster()?,
+            notes: &[served_by(), made_by()],
+            is_served: true,
+        };
+        Ok((page.html().map_err(refused)?, vec![drafts]))
+    }
+
+    /// The document and the data of its items, all of them.
+    pub(super) fn document_and_data(&self) -> (Document, Vec<Option<Held>>) {
+        let volumes: Vec<_> = self.volumes().0.into_iter().map(|(volume, _)| volume).collect();
+        (self.document(None), held(&volumes))
+    }
+
+    /// The picture as a PNG.
+    fn poster(&self) -> Result<Vec<u8>, Failure> {
+        let look = (ImageFormat::Png8, 8);
+        encode_with_bits(&self.frame, look, self.picture.background(), &[])
+    }
+
     /// The page, and what it cost.
-    fn page(&self, title: &str, args: &ExportArgs) -> Result<(String, Report), Failure> {
-        let most = args.max_size.unwrap_or(MOST_BYTES);
+    fn page(
+        &self,
+        title: &str,
+        (most, quantize): (Option<u64>, Option<Bits>),
+        is_served: bool,
+    ) -> Result<(String, Report), Failure> {
+        let most = most.unwrap_or(MOST_BYTES);
         let (volumes, distances) = self.volumes();
-        let poster = encode_with_bits(
-            &self.frame,
-            (ImageFormat::Png8, 8),
-            self.picture.background(),
-            &[],
-        )?;
-        let description = format!("Picture of {title}, rendered by splatvol");
+        let poster = self.poster()?;
+        let description = described(title);
         let json = |document: &Document| serde_json::to_value(document).during(Step::Output);
         let document = json(&self.document(None))?;
         let empty = Page {
@@ -164,13 +212,10 @@ impl Exported {
             bytes: &[],
             poster: &poster,
             notes: &[],
+            is_served,
         };
         let overhead = empty.overhead().map_err(refused)? + NOTES;
-        let fitted = splatvol_page::fit(
-            &volumes,
-            args.quantize.map(Bits::from),
-            Page::room(most, overhead),
-        );
+        let fitted = splatvol_page::fit(&volumes, quantize, Page::room(most, overhead));
         let fitted = fitted.map_err(|error| match error {
             // The limit is the page's; the data have what the rest leaves.
             PageError::TooLarge { why, .. } => Failure::usage(format!("--max-size {most}: {why}"))
@@ -189,14 +234,13 @@ impl Exported {
             exact: fitted.exact,
             psnr,
         };
-        let notes = [
-            report.sentences(),
-            vec![
-                "Everything is in this file: it makes no connection, and sends nothing anywhere.".to_owned(),
-                format!("Made by splatvol {}.", env!("CARGO_PKG_VERSION")),
-            ],
-        ]
-        .concat();
+        let notes = match is_served {
+            true => vec![served_by(), made_by()],
+            false => {
+                let alone = "Everything is in this file: it makes no connection, and sends nothing anywhere.";
+                [report.sentences(), vec![alone.to_owned(), made_by()]].concat()
+            }
+        };
         let page = Page {
             document: &json(&kept)?,
             data: &fitted.data,
@@ -307,16 +351,33 @@ fn has_analytic_gradients(picture: &Picture) -> bool {
     sheets.is_some_and(|sheets| sheets.gradient == Gradient::Analytic)
 }
 
-/// The picture of a page's data.
-fn resolved(document: &Document, fitted: &Fitted) -> Result<Picture, Failure> {
-    let held = fitted.volumes.iter().map(|volume| {
+fn described(title: &str) -> String {
+    format!("Picture of {title}, rendered by splatvol")
+}
+
+fn served_by() -> String {
+    "Pictures at rest come from the server, and are made of all data.".to_owned()
+}
+
+fn made_by() -> String {
+    format!("Made by splatvol {}.", env!("CARGO_PKG_VERSION"))
+}
+
+/// Volumes in memory, where they lie, as the data of items.
+fn held(volumes: &[Arc<Volume>]) -> Vec<Option<Held>> {
+    let held = volumes.iter().map(|volume| {
         let description = Description {
             oriented: true,
             ..Description::default()
         };
         Some(Held::new(Data::Volume(Volume::clone(volume)), description))
     });
-    let held: Vec<Option<Held>> = held.collect();
+    held.collect()
+}
+
+/// The picture of a page's data.
+fn resolved(document: &Document, fitted: &Fitted) -> Result<Picture, Failure> {
+    let held = held(&fitted.volumes);
     let resolving = Resolving {
         reading: splatvol_document::Reading {
             rules: splatvol_document::ReadRules::default(),

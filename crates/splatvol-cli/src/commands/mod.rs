@@ -16,6 +16,7 @@ pub(crate) mod part;
 pub(crate) mod render;
 pub(crate) mod sample;
 pub(crate) mod schema;
+pub(crate) mod serve;
 mod ssim;
 mod studio;
 #[cfg(feature = "view")]

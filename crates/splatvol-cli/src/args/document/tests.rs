@@ -51,7 +51,7 @@ fn document(line: &str) -> Document {
     match command {
         Command::Animate(args) => args.document(file),
         Command::Render(args) => args.document(file),
-        Command::Bench(args) => args.document(file),
+        Command::Bench(args) => args.picture.document(args.size, file),
         _ => panic!("{line}"),
     }
 }
