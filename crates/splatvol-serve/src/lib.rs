@@ -101,7 +101,8 @@ impl Server {
     /// # Errors
     /// Addresses and threads that the system refuses.
     pub fn new(served: Served, place: &Place) -> Result<Self, WebError> {
-        let listener = TcpListener::bind(place.address)?;
+        let listener = TcpListener::bind(place.address)
+            .map_err(|error| std::io::Error::new(error.kind(), format!("{}: {error}", place.address)))?;
         listener.set_nonblocking(true)?;
         let config = EngineConfig {
             threads: served.threads,

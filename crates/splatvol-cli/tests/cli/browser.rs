@@ -41,12 +41,15 @@ impl Browser {
     /// Starts Chromium; `None` where it or its driver is not installed.
     pub(crate) fn start([width, height]: [u32; 2]) -> Option<Self> {
         let chromium = program(&["chromium", "chromium-browser", "google-chrome"])?;
-        let mut driver = Command::new(program(&["chromedriver"])?)
+        let mut driver = Command::new(program(&["chromedriver"])?);
+        driver
             .arg("--port=0")
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("chromedriver starts");
+            .stderr(Stdio::null());
+        // A group of its own, so that all of it can be ended.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut driver, 0);
+        let mut driver = driver.spawn().expect("chromedriver starts");
         let port = port_of(&mut driver);
         let profile = tempfile::tempdir().expect("the system has a temporary folder");
         let mut arguments: Vec<String> = QUIET.map(str::to_owned).to_vec();
@@ -75,7 +78,12 @@ impl Browser {
 
     /// Opens a file.
     pub(crate) fn open(&self, page: &Path) {
-        self.command("url", &json!({ "url": format!("file://{}", page.display()) }));
+        self.visit(&format!("file://{}", page.display()));
+    }
+
+    /// Opens an address.
+    pub(crate) fn visit(&self, url: &str) {
+        self.command("url", &json!({ "url": url }));
     }
 
     /// What a promise of the page becomes.
@@ -213,10 +221,9 @@ fn port_of(driver: &mut Child) -> u16 {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // Ends the browser, then the driver; either may have ended already.
-        if !self.session.is_empty() && !std::thread::panicking() {
-            self.request("DELETE", &format!("/session/{}", self.session), "");
-        }
+        // Ends the driver and its browser, whose group is the driver's; either may have ended already.
+        let group = format!("-{}", self.driver.id());
+        let _ = Command::new("kill").args(["-KILL", "--", &group]).status();
         let _ = self.driver.kill();
         let _ = self.driver.wait();
     }

@@ -21,4 +21,5 @@ mod outputs;
 mod render;
 mod sandbox;
 mod scenes;
+mod serve;
 mod shared;
