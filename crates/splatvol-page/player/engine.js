@@ -102,38 +102,6 @@ async function inPage(module) {
   };
 }
 
-/** A server that answers as an instance does. What is asked later may be answered first. */
-function onServer() {
-  const name = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
-  const headers = { "X-Splatvol-Client": name };
-  const answered = async (response) => {
-    if (!response.ok) throw new Error((await response.text()).trim() || response.statusText);
-    return response;
-  };
-  let controller = new AbortController();
-  return {
-    facts: async () => (await answered(await fetch("facts", { headers }))).json(),
-    async ask(header) {
-      const start = performance.now();
-      const { signal } = header.do === "render" ? controller : {};
-      const asked = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(header), signal };
-      const buffer = await (await answered(await fetch("ask", asked))).arrayBuffer();
-      const view = new DataView(buffer);
-      const [said, pixels] = [view.getUint32(0, true), view.getUint32(4, true)];
-      return {
-        header: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, said))),
-        bytes: new Uint8Array(buffer, 8 + said, pixels),
-        milliseconds: performance.now() - start,
-      };
-    },
-    /** Leaves the picture that is being made: the server stops it. */
-    stop() {
-      controller.abort();
-      controller = new AbortController();
-    },
-  };
-}
-
 /** Starts so many instances in workers, or one in the page if workers are blocked. */
 async function startPool(module, count) {
   const source = `"use strict";\n${instance}\n(${work})(instance);\n`;

@@ -277,15 +277,6 @@ async function startInstances(page) {
   return { pool, facts };
 }
 
-/** The same of a page from a server; without instances where the page or the browser has none. */
-async function startServed(page) {
-  const server = onServer();
-  const facts = await server.facts();
-  const none = { members: [], workers: 0 };
-  const pool = $("engine").textContent === "" ? none : await startInstances(page).then((own) => own.pool, () => none);
-  return { pool: { ...pool, server }, facts };
-}
-
 async function main() {
   const page = JSON.parse($("facts").textContent);
   const { pool, facts } = await (page.served ? startServed(page) : startInstances(page));

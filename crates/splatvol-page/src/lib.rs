@@ -12,7 +12,8 @@
 //! | `page` | the page of a document |
 //!
 //! The player is in the folder `player`: `page.html` has the slots, `engine.js` runs in workers, `camera.js` moves the
-//! camera, `frames.js` decides what is rendered when, `controls.js` makes the panel, `player.js` begins.
+//! camera, `frames.js` decides what is rendered when, `controls.js` makes the panel, `player.js` begins; `server.js` is
+//! in pages from a server only.
 #![forbid(unsafe_code)]
 
 mod engine;

@@ -12,15 +12,31 @@ use crate::template::{Slot, fill};
 
 const TEMPLATE: &str = include_str!("../player/page.html");
 const STYLE: &str = include_str!("../player/style.css");
-const SCRIPT: &str = concat!(
-    "\"use strict\";\n(() => {\n",
-    include_str!("../player/engine.js"),
-    include_str!("../player/camera.js"),
-    include_str!("../player/frames.js"),
-    include_str!("../player/controls.js"),
-    include_str!("../player/player.js"),
-    "})();\n"
-);
+
+/// The player's script, with a part of its own.
+macro_rules! script {
+    ($own:expr) => {
+        concat!(
+            "\"use strict\";\n(() => {\n",
+            include_str!("../player/engine.js"),
+            $own,
+            include_str!("../player/camera.js"),
+            include_str!("../player/frames.js"),
+            include_str!("../player/controls.js"),
+            include_str!("../player/player.js"),
+            "})();\n"
+        )
+    };
+}
+
+/// The script of a page alone, which connects to nothing.
+const SCRIPT: &str = script!("");
+/// The script of a page from a server.
+const SERVED: &str = script!(include_str!("../player/server.js"));
+
+fn script(is_served: bool) -> &'static str {
+    if is_served { SERVED } else { SCRIPT }
+}
 
 /// What a page shows.
 #[derive(Debug)]
@@ -72,7 +88,7 @@ impl Page<'_> {
                 ("description", Slot::Text(self.description)),
                 ("version", Slot::Text(env!("CARGO_PKG_VERSION"))),
                 ("style", Slot::Code(STYLE)),
-                ("script", Slot::Code(SCRIPT)),
+                ("script", Slot::Code(script(self.is_served))),
                 ("poster", Slot::Bytes(self.poster)),
                 ("facts", Slot::Json(&facts)),
                 ("engine", Slot::Bytes(engine)),
@@ -104,7 +120,7 @@ fn policy(is_served: bool) -> String {
     format!(
         "default-src 'none'; script-src 'sha256-{}' 'wasm-unsafe-eval'; worker-src blob:; style-src 'sha256-{}'; \
          img-src data:; {connections}base-uri 'none'; form-action 'none'",
-        hash(SCRIPT),
+        hash(script(is_served)),
         hash(STYLE)
     )
 }

@@ -19,7 +19,7 @@ const NAME: &str = "part";
 /// The recipe of a picture's parts, JSON: nothing is left open, and paths lead to files from any folder.
 #[pyfunction]
 pub(crate) fn recipe_of(picture: &Picture) -> PyResult<String> {
-    let document = picture.picture.document.absolute();
+    let document = picture.picture.document.clone().absolute();
     document.to_json(false).map_err(Raise::raised)
 }
 

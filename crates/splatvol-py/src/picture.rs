@@ -231,7 +231,7 @@ pub(crate) fn write_transfer_function(path: PathBuf, function: &str) -> PyResult
 /// Statistics as a dictionary.
 pub(crate) fn statistics<'py>(
     py: Python<'py>,
-    statistics: &splatvol::RenderStatistics,
+    statistics: &RenderStatistics,
 ) -> PyResult<Bound<'py, PyDict>> {
     let text = serde_json::to_string(statistics).map_err(Raise::raised)?;
     let read = py.import("json")?.call_method1("loads", (text,))?;

@@ -55,7 +55,7 @@ def test_parts_are_the_picture_in_any_order_and_twice(scenes: dict[str, sv.Scene
         whole = scene.render()
         recipe = sv.recipe(scene)
         keys = ["0,0,32x60", "32,0,38x30", "32,30,38x30"]
-        parts = [sv.part(recipe, key, memory=4 << 20) for key in keys]
+        parts = [sv.part(recipe, key, memory=24 << 20) for key in keys]
         assert parts[1] == sv.part(recipe, keys[1])
         again = sv.assemble([parts[2], parts[0], parts[1], parts[2]])
         assert linear(again) == linear(whole), name
@@ -94,7 +94,7 @@ def cluster() -> Iterator[Callable[[int], Any]]:
     def of(workers: int) -> Any:
         if workers not in open_ones:
             local = distributed.LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None
+                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0"
             )
             open_ones[workers] = distributed.Client(local)
         return open_ones[workers]
@@ -120,7 +120,7 @@ def test_workers_that_die_change_nothing(head: Path, cluster: Callable[[int], An
     import splatvol.dask
 
     client = cluster(2)
-    scene = sv.Scene(head, size=96, quality="best")
+    scene = sv.Scene(head, size=96, preset="best")
     whole = linear(scene.render())
     killed: list[int] = []
 
@@ -152,9 +152,7 @@ def test_animations_of_a_cluster_are_those_of_one_machine(
     assert (tmp_path / "f-00.png").stat().st_mtime_ns == before
 
 
-def test_damaged_chunks_are_named_whoever_reads_them(
-    head: Path, cluster: Callable[[int], Any], tmp_path: Path
-) -> None:
+def test_damaged_chunks_are_named_whoever_reads_them(head: Path, cluster: Callable[[int], Any], tmp_path: Path) -> None:
     import shutil
 
     import splatvol.dask
@@ -184,7 +182,7 @@ def test_what_cannot_be_made_is_refused_by_name(ball: np.ndarray) -> None:
     one = sv.part(recipe, "0/2")
     with pytest.raises(sv.FormatError, match="have no part"):
         sv.assemble([one])
-    with pytest.raises(sv.FormatError, match="checksum|SHA|damaged|differ"):
+    with pytest.raises(sv.FormatError, match="not those that were written"):
         sv.assemble([one[:-1] + b"x", sv.part(recipe, "1/2")])
     with pytest.raises(sv.FormatError, match="recipe"):
         sv.assemble([one, sv.part(sv.recipe("sample:head:16", size=32, view="left"), "1/2")])

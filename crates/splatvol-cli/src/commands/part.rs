@@ -19,7 +19,11 @@ use crate::terminal::Terminal;
 
 /// Makes a part.
 pub(crate) fn run(args: &PartArgs, terminal: &Terminal) -> Result<(), Failure> {
-    let document = read_scene(&args.recipe)?;
+    let document = Document {
+        // The file may have any name.
+        name: None,
+        ..read_scene(&args.recipe)?
+    };
     let target = Target::new(&args.output);
     let there = matches!(target, Target::File(_)) && args.output.exists() && !args.write.overwrite;
     if !there {

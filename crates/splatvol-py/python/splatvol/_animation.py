@@ -131,8 +131,7 @@ class Film:
             text, _ = _core.read_record(path)
         except (ValueError, OSError):
             return False
-        made: bool = json.loads(text) == json.loads(self._animation.document(index))
-        return made
+        return _named(text) == _named(self._animation.document(index))
 
     def write_movie(self, output: Path, *, progress: Progress | bool | None) -> Path:
         """One file of all frames, complete or not there at all."""
@@ -156,6 +155,14 @@ class Film:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(scratch)
         return output
+
+
+def _named(text: str) -> Keys:
+    """A document whose files have no folders: pictures carry their names alone."""
+    document: Keys = json.loads(text)
+    for item in document.get("item", []):
+        item["file"] = Path(item["file"]).name
+    return document
 
 
 def volume_at(series: Series, frame: int, frames: int) -> Volume:

@@ -128,9 +128,7 @@ def render_on(
             future.cancel()
 
 
-def _finished(
-    futures: list[Future[bytes]], report: Progress | None, cancel: _core.Stop | None
-) -> Iterator[bytes]:
+def _finished(futures: list[Future[bytes]], report: Progress | None, cancel: _core.Stop | None) -> Iterator[bytes]:
     """What futures return, as they end; the first that fails raises."""
     pending = set(futures)
     while pending:

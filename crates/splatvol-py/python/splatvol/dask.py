@@ -5,7 +5,7 @@ files lie where all workers can read them at the same path. Nothing here schedul
 
 >>> import splatvol.dask, splatvol as sv
 >>> from dask.distributed import Client
->>> with Client(processes=False, n_workers=1, dashboard_address=None) as client:
+>>> with Client(processes=False, n_workers=1, dashboard_address=":0") as client:
 ...     frame = splatvol.dask.render("sample:head:16", client, size=32)
 >>> frame.size
 (32, 32)
@@ -105,7 +105,7 @@ def animate(
     progress: Progress | bool | None = None,
     **options: Any,
 ) -> Path:
-    """Writes an animation whose frames a cluster renders: the bytes of :func:`splatvol.animate`, which has the keywords.
+    """Writes an animation whose frames a cluster renders: the bytes of :func:`splatvol.animate`, its keywords.
 
     Frames are rendered ahead of the one that is written, two for each thread of the cluster.
     """
@@ -124,19 +124,21 @@ class _ClusterFilm(Film):
         self._means = means
 
     def frames(self, indices: Sequence[int]) -> Iterator[tuple[int, Frame]]:
-        client, *how = self._means
+        client, block, memory, retries = self._means
         ahead = AHEAD * max(1, sum(client.nthreads().values()))
-        under_way: dict[int, list[Future]] = {}
+        under_way: dict[int, tuple[str, list[Future]]] = {}
         try:
             for place, index in enumerate(indices):
                 for coming in indices[place : place + ahead]:
                     if coming not in under_way:
-                        recipe = _core.recipe_of(self.picture(coming)[0])
-                        under_way[coming] = _submit(client, recipe, *how, priority=-coming)
-                yield index, _parts.assemble(_finished(under_way[index], None))
-                del under_way[index]
+                        picture, text = self.picture(coming)
+                        recipe = _core.recipe_of(picture)
+                        under_way[coming] = text, _submit(client, recipe, block, memory, retries, priority=-coming)
+                text, futures = under_way.pop(index)
+                frame = _parts.assemble(_finished(futures, None))
+                yield index, Frame(frame._core, text, frame._bits)
         finally:
-            client.cancel([future for futures in under_way.values() for future in futures])
+            client.cancel([future for _, futures in under_way.values() for future in futures])
 
 
 def _submit(
@@ -144,9 +146,9 @@ def _submit(
 ) -> list[Future]:
     """A future per block. Dask knows tasks by their keys: the same recipe and program is the same result."""
     name = hashlib.sha256(json.dumps([_core.__version__, recipe, memory]).encode()).hexdigest()[:20]
-    shared = client.scatter(recipe, broadcast=False)
+    # The recipe goes with each task: what is scattered is lost with the worker that has it.
     return [
-        client.submit(_part, shared, key, memory, key=f"splatvol-{name}-{key}", retries=retries, priority=priority)
+        client.submit(_part, recipe, key, memory, key=f"splatvol-{name}-{key}", retries=retries, priority=priority)
         for key in _parts.blocks(recipe, block)
     ]
 
@@ -164,8 +166,9 @@ def _part(recipe: str, key: str, memory: int | None) -> bytes:
 
 
 def _finished(futures: list[Future], report: Progress | None) -> Iterable[bytes]:
-    for count, (_, part) in enumerate(as_completed(futures, with_results=True), 1):
-        yield part
+    for count, future in enumerate(as_completed(futures), 1):
+        # What was lost with its worker meanwhile is waited for again.
+        yield future.result()
         if report is not None and report(count / len(futures)) is False:
             raise Cancelled("the render was stopped")
 
