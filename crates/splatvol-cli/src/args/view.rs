@@ -39,6 +39,8 @@ impl ViewArgs {
             strict: self.strict,
             allow_outside: self.allow_outside,
             max_bytes: self.max_memory,
+            // The view turns at once only if all samples are at hand.
+            chunks: None,
         }
     }
 }

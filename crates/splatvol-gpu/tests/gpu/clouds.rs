@@ -324,7 +324,7 @@ fn pictures_are_repeated_to_the_bit() {
     let names = ["cull", "open", "make_planes", "march", "mixture"];
     let is_timed = |name: &&str| passes.iter().any(|own| own.pass == *name && own.seconds > 0.0);
     assert!(
-        passes.is_empty() || names.iter().all(|name| is_timed(name)),
+        passes.is_empty() || names.iter().all(is_timed),
         "{passes:?}"
     );
     assert!(bytes.device > 0 && bytes.clouds > 0, "{bytes:?}");
