@@ -323,10 +323,7 @@ fn pictures_are_repeated_to_the_bit() {
     let passes = &gpu.statistics().passes;
     let names = ["cull", "open", "make_planes", "march", "mixture"];
     let is_timed = |name: &&str| passes.iter().any(|own| own.pass == *name && own.seconds > 0.0);
-    assert!(
-        passes.is_empty() || names.iter().all(is_timed),
-        "{passes:?}"
-    );
+    assert!(passes.is_empty() || names.iter().all(is_timed), "{passes:?}");
     assert!(bytes.device > 0 && bytes.clouds > 0, "{bytes:?}");
     // Colours of Gaussians, look of the mesh, and what there is.
     let mut edited = everything.clone();
