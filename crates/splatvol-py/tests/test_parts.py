@@ -62,6 +62,13 @@ def test_parts_are_the_picture_in_any_order_and_twice(scenes: dict[str, sv.Scene
         assert np.array_equal(np.asarray(again), np.asarray(whole)), name
 
 
+def test_files_are_read_by_whoever_makes_the_parts(head: Path) -> None:
+    look: dict[str, Any] = {"size": (70, 60), "view": "left"}
+    recipe = sv.recipe(head, **look)
+    assert recipe == sv.recipe(sv.Scene(head), **look)
+    assert linear(sv.assemble([sv.part(recipe, "0/1")])) == linear(sv.render(head, **look))
+
+
 def test_parts_are_those_of_the_command(scenes: dict[str, sv.Scene], tmp_path: Path) -> None:
     recipe = sv.recipe(scenes["opaque"])
     path = tmp_path / "recipe.json"

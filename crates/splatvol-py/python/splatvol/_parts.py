@@ -7,6 +7,7 @@ one twice is harmless, and the parts together are the picture that :func:`splatv
 from __future__ import annotations
 
 import json
+import os
 import warnings
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
@@ -17,8 +18,10 @@ from . import _core
 from ._data import Progress
 from ._errors import Cancelled, DataWarning, InvalidValue
 from ._frame import Frame
+from ._options import READING
 from ._render_options import RenderOptions
-from ._scene import Scene, _progress
+from ._scene import Item, Scene, _progress
+from ._vocabulary import tables
 
 #: Pixels along the edges of blocks, if nobody says otherwise: two or three for each process keep all busy.
 BLOCK = 512
@@ -32,7 +35,7 @@ def recipe(data: Any, **options: Unpack[RenderOptions]) -> str:
     Parameters
     ----------
     data
-        A :class:`Scene` of files, or what :func:`splatvol.render` takes.
+        A file, which is not read here; or a :class:`Scene` of files.
     **options
         Keywords of :class:`splatvol.RenderOptions`.
 
@@ -48,13 +51,26 @@ def recipe(data: Any, **options: Unpack[RenderOptions]) -> str:
     >>> sv.assemble(sv.part(made, f"{i}/4") for i in range(4)).size
     (32, 32)
     """
-    scene = data if isinstance(data, Scene) else Scene(data)
+    scene, options = of_files(data, options)
     arrays = [item.name for item in scene.items if str(item.keys["file"]).startswith("array:")]
     if arrays:
         raise InvalidValue(
             f"{arrays[0]} is an array, and other processes read files: write it to one first", field="data"
         )
     return _core.recipe_of(scene._picture(scene.to_dict(**options)))
+
+
+def of_files(data: Any, options: Any) -> tuple[Scene, Any]:
+    """A scene, and the rest of the keywords. A file is not read here: whoever makes parts reads what these need."""
+    if isinstance(data, Scene):
+        return data, options
+    reading = {name: value for name, value in options.items() if name in READING}
+    rest = {name: value for name, value in options.items() if name not in READING}
+    if not isinstance(data, (str, os.PathLike)):
+        return Scene(data, **reading), rest
+    scene = Scene()
+    scene.items.append(Item(None, {"file": os.fspath(data), **tables(reading).get("item", {})}))
+    return scene, rest
 
 
 @lru_cache(maxsize=2)

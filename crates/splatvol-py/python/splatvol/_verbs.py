@@ -97,13 +97,17 @@ def render(
     >>> np.asarray(frame).shape
     (16, 16, 4)
     """
+    if executor is not None:
+        from . import _parts
+
+        return _parts.render_on(executor, _parts.recipe(data, **options), progress=progress, cancel=cancel)
     if isinstance(data, Scene):
-        return data.render(progress=progress, cancel=cancel, executor=executor, **options)
+        return data.render(progress=progress, cancel=cancel, **options)
     if type(data).__module__.startswith("napari.") and hasattr(data, "dims"):
         from ._napari.viewer import render_viewer
 
         return render_viewer(data, progress=progress, cancel=cancel, **options)
-    return Scene(data, **options).render(progress=progress, cancel=cancel, executor=executor)
+    return Scene(data, **options).render(progress=progress, cancel=cancel)
 
 
 def animate(data: Any, path: str | os.PathLike[str], **options: Any) -> Path:

@@ -55,7 +55,7 @@ def render(
     Parameters
     ----------
     data
-        A :class:`splatvol.Scene` of files, or what :func:`splatvol.render` takes.
+        A file, which workers read, in chunks where it has any; or a :class:`splatvol.Scene` of files.
     client : distributed.Client, optional
         The cluster; the current one by default.
     block : int
@@ -110,7 +110,7 @@ def animate(
     Frames are rendered ahead of the one that is written, two for each thread of the cluster.
     """
     client = default_client() if client is None else client
-    scene = data if isinstance(data, Scene) else Scene(data)
+    scene, options = _parts.of_files(data, options)
     asked = {"turntable": turntable, "keys": keys, "frames": frames, "fps": fps, "ease": ease, "shutter": shutter}
     film = _ClusterFilm(scene, animation_document(scene, asked, options), (client, block, memory, retries))
     return write(film, Path(path), resume=resume, progress=progress)
