@@ -1,9 +1,9 @@
 """What many workers would take, computed from `measured.json`: the tables of docs/scale.md.
 
-    seconds = max(bytes / store, (decode and solve + draw) / cores, tasks * overhead / schedulers)
+    seconds = max(bytes / store, (decode and solve + draw) / cores, tasks * overhead)
 
-`decode and solve` is what a picture takes longer whose chunks have to be read, per sample; `draw` the rest, per pixel. A
-scheduler gives tasks away one after the other, so it bounds, and does not add to, what workers do side by side.
+`decode and solve` is what a picture takes longer whose chunks have to be read, per sample; `draw` the rest, per pixel.
+A scheduler gives tasks away one after the other, so it bounds, and does not add to, what workers do side by side.
 """
 
 from __future__ import annotations

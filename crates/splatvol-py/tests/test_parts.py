@@ -69,6 +69,22 @@ def test_files_are_read_by_whoever_makes_the_parts(head: Path) -> None:
     assert linear(sv.assemble([sv.part(recipe, "0/1")])) == linear(sv.render(head, **look))
 
 
+def test_a_file_that_has_changed_is_read_again(tmp_path: Path) -> None:
+    path = tmp_path / "a.npy"
+    z, y, x = np.mgrid[-1:1:12j, -1:1:12j, -1:1:12j]
+    ball = (1 - np.sqrt(x**2 + y**2 + z**2)).astype(np.float32)
+    np.save(path, ball)
+    recipe = sv.recipe(path, size=24)
+    first = sv.part(recipe, "0/1")
+    np.save(path, 0.8 * ball)
+    os.utime(path, ns=(1, 1))
+    changed = sv.part(recipe, "0/1")
+    assert changed != first
+    np.save(path, ball)
+    os.utime(path, ns=(2, 2))
+    assert sv.part(recipe, "0/1") == first
+
+
 def test_parts_are_those_of_the_command(scenes: dict[str, sv.Scene], tmp_path: Path) -> None:
     recipe = sv.recipe(scenes["opaque"])
     path = tmp_path / "recipe.json"

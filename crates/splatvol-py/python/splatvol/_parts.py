@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, Unpack
 
 from . import _core
@@ -73,17 +74,33 @@ def of_files(data: Any, options: Any) -> tuple[Scene, Any]:
     return scene, rest
 
 
-@lru_cache(maxsize=2)
 def _picture_of(recipe: str, memory: int | None) -> _core.Picture:
+    """The picture of a recipe, whose files are as they are now."""
+    return _kept_picture(recipe, memory, _state_of(recipe))
+
+
+@lru_cache(maxsize=2)
+def _kept_picture(recipe: str, memory: int | None, _state: tuple[object, ...]) -> _core.Picture:
     """The picture of a recipe; the last ones are kept, with what was read and prepared for them."""
     items = json.loads(recipe).get("item", [])
     return _core.Picture(recipe, [None] * len(items), memory=memory)
 
 
+def _state_of(recipe: str) -> tuple[object, ...]:
+    """Sizes and times of the files that a recipe names; of Zarr those of the metadata, not of the chunks."""
+    files: list[Path] = []
+    for item in json.loads(recipe).get("item", []):
+        path = Path(item["file"])
+        files += [path, *(sorted(path.iterdir()) if path.is_dir() else [])]
+    states = [(str(path), path.stat()) for path in files if path.exists()]
+    return tuple((name, state.st_size, state.st_mtime_ns) for name, state in states)
+
+
 def part(recipe: str, key: str, *, memory: int | None = None, progress: Progress | bool | None = None) -> bytes:
     """Makes a part of a picture, as ``splatvol part`` does.
 
-    The process keeps what it read for the last recipes, so that its next parts of them cost less.
+    The process keeps what it read for the last recipes, so that its next parts of them cost less, unless the files have
+    changed. Files must not change while a picture is made: parts do not know what other parts have read.
 
     Parameters
     ----------
