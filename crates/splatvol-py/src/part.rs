@@ -46,16 +46,13 @@ pub(crate) fn part_of<'py>(
     let parsed: PartKey = key
         .parse()
         .map_err(|error| refused("key", format!("key: {error}")))?;
-    let block = parsed
-        .block(size)
-        .filter(|block| block.fits(size))
-        .ok_or_else(|| {
-            let [width, height] = <[u32; 2]>::from(size);
-            refused(
-                "key",
-                format!("key: a picture of {width}x{height} has no block {key}"),
-            )
-        })?;
+    let block = parsed.block(size).ok_or_else(|| {
+        let [width, height] = <[u32; 2]>::from(size);
+        refused(
+            "key",
+            format!("key: a picture of {width}x{height} has no block {key}"),
+        )
+    })?;
     let recipe = picture.document.to_json(false).map_err(Raise::raised)?;
     let bytes = work::run(py, (stop, progress.as_ref()), |watch| {
         let [x0, y0] = [block.x, block.y].map(|first| first as usize);
@@ -80,12 +77,7 @@ pub(crate) fn assembled(py: Python<'_>, parts: Vec<Vec<u8>>) -> PyResult<(Frame,
         let path = Path::new(NAME);
         let mut assembly: Option<Assembly> = None;
         for bytes in &parts {
-            let part = Part::from_bytes(bytes, path).map_err(Raise::raised)?;
-            let known = match &mut assembly {
-                Some(known) => known,
-                None => assembly.insert(Assembly::new(&part, path).map_err(Raise::raised)?),
-            };
-            known.add(&part, path).map_err(Raise::raised)?;
+            assembly = Some(Assembly::joined(assembly, bytes, path).map_err(Raise::raised)?);
         }
         let assembly = assembly.ok_or_else(|| refused("parts", "parts: at least one is needed"))?;
         let recipe = assembly.recipe().to_owned();

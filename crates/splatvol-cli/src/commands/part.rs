@@ -127,12 +127,7 @@ pub(crate) fn assemble(args: &AssembleArgs, terminal: &Terminal) -> Result<(), F
     let mut assembly: Option<Assembly> = None;
     for path in files(&args.parts)? {
         let bytes = std::fs::read(&path).during(Step::Input)?;
-        let part = Part::from_bytes(&bytes, &path).during(Step::Input)?;
-        let known = match &mut assembly {
-            Some(known) => known,
-            None => assembly.insert(Assembly::new(&part, &path).during(Step::Input)?),
-        };
-        known.add(&part, &path).during(Step::Input)?;
+        assembly = Some(Assembly::joined(assembly, &bytes, &path).during(Step::Input)?);
     }
     let assembly = assembly.ok_or_else(|| Failure::usage("no parts (files that end in .part)"))?;
     if assembly.holes() > 0 {

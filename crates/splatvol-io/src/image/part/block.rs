@@ -137,10 +137,10 @@ impl FromStr for PartKey {
 }
 
 impl PartKey {
-    /// The pixels that it stands for.
+    /// The pixels that it stands for; `None` where the picture has no such block.
     pub fn block(self, size: ImageSize) -> Option<PictureBlock> {
         match self {
-            Self::Block(block) => Some(block),
+            Self::Block(block) => Some(block).filter(|block| block.fits(size)),
             Self::Share { index, count } => PictureBlock::of(size, index, count),
         }
     }
@@ -174,6 +174,9 @@ mod tests {
         let block = |text: &str| text.parse::<PartKey>().unwrap().block(size).unwrap().to_string();
         assert_eq!(block("4,2,8x6"), "4,2,8x6");
         assert_eq!([block("0/2"), block("1/2")], ["0,0,32x32", "32,0,32x32"]);
+        for outside in ["60,0,5x1", "0,0,65x32", "4294967295,0,1x1"] {
+            assert_eq!(outside.parse::<PartKey>().unwrap().block(size), None, "{outside}");
+        }
         for wrong in ["2/2", "a/2", "1/", "-1/3", "1,2,3"] {
             assert!(wrong.parse::<PartKey>().is_err(), "{wrong}");
         }

@@ -189,6 +189,20 @@ impl Assembly {
         })
     }
 
+    /// What is known, with one part more, or the picture of the first; `path` is named in errors.
+    ///
+    /// # Errors
+    /// As [`Part::from_bytes`], [`Assembly::new`] and [`Assembly::add`].
+    pub fn joined(known: Option<Self>, bytes: &[u8], path: &Path) -> Result<Self, IoError> {
+        let part = Part::from_bytes(bytes, path)?;
+        let mut assembly = match known {
+            Some(known) => known,
+            None => Self::new(&part, path)?,
+        };
+        assembly.add(&part, path)?;
+        Ok(assembly)
+    }
+
     /// Adds a part; `path` is named in errors.
     ///
     /// # Errors
