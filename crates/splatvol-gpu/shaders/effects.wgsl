@@ -20,16 +20,6 @@ struct Seen {
     ray: vec3<f32>,
 }
 
-// Appearance of material; see `splatvol_scene::Appearance`.
-struct Appearance {
-    color: vec3<f32>,
-    extinction: f32,
-    normal: vec3<f32>,
-    surfaceness: f32,
-    reflection: vec3<f32>,
-    reflectance: f32,
-}
-
 // A pixel between two planes.
 struct Between {
     // Sums over shares, with the background, on four planes; `v + u (b + u (c + u d))` between the middle ones.

@@ -4,15 +4,6 @@
 // Behind the isosurfaces `effects` has three rows from camera to world; the value at 0 and the difference from there to 1; the
 // place of each operator's numbers; and these.
 
-// Material that a pixel's ray meets between two planes; see `splatvol_scene::SheetSample`.
-struct SheetSample {
-    value: f32,
-    gradient: vec3<f32>,
-    position: vec3<f32>,
-    view: vec3<f32>,
-    depth: f32,
-}
-
 // A number of an operator.
 fn operand(at: u32) -> vec4<f32> {
     return effects[at];

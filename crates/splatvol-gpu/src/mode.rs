@@ -32,6 +32,7 @@ const EYE: &str = include_str!("../shaders/eye.wgsl");
 const ACROSS: &str = include_str!("../shaders/across.wgsl");
 const PLANES: &str = include_str!("../shaders/planes.wgsl");
 const CLIPS: &str = include_str!("../shaders/clips.wgsl");
+const SAMPLE: &str = include_str!("../shaders/sample.wgsl");
 const EFFECTS: &str = include_str!("../shaders/effects.wgsl");
 const MATERIAL: &str = include_str!("../shaders/material.wgsl");
 const ENDS: &str = include_str!("../shaders/ends.wgsl");
@@ -150,6 +151,7 @@ impl Mode {
                 PLANES,
                 SUMS,
                 CLIPS,
+                SAMPLE,
                 EFFECTS,
             ],
             Self::Analytic => &[COEFFICIENTS, NODES, ENDS, ANALYTIC],
@@ -215,7 +217,7 @@ impl CloudMode {
         let own: Vec<&str> = match self {
             Self::Colors => vec![RING, CLOUD_COLORS, READ, SLAB, EMISSION],
             Self::Field => [field, &[MATERIAL]].concat(),
-            Self::FieldEffects => [field, &[CLIPS, EFFECTS, operators]].concat(),
+            Self::FieldEffects => [field, &[CLIPS, SAMPLE, EFFECTS, operators]].concat(),
         };
         [&[FRAME, LIGHT, CLOUD_SPLAT], &own[..], &[MARCH, GATHER]]
             .concat()

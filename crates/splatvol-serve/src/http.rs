@@ -25,7 +25,7 @@ pub(crate) struct Request {
     /// Path and query, as they were sent.
     pub target: String,
     /// Names in lower case.
-    headers: Vec<(String, String)>,
+    pub headers: Vec<(String, String)>,
     pub body: Vec<u8>,
 }
 

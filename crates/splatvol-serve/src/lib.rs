@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 mod clients;
+mod error;
 mod gate;
 mod guard;
 mod http;
@@ -36,9 +37,10 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use splatvol::{EngineConfig, Frame, ImageSize, Renderer};
 use splatvol_web::message::Request as Message;
-use splatvol_web::{Answer, BLOCK, Shown, Tiles, WebError};
+use splatvol_web::{Answer, BLOCK, Shown, Tiles};
 
 use clients::{Client, Clients};
+pub use error::ServeError;
 use gate::Gate;
 use guard::Guard;
 use http::{NoRequest, Request, Response};
@@ -100,9 +102,10 @@ impl Server {
     ///
     /// # Errors
     /// Addresses and threads that the system refuses.
-    pub fn new(served: Served, place: &Place) -> Result<Self, WebError> {
+    pub fn new(served: Served, place: &Place) -> Result<Self, ServeError> {
         let listener = TcpListener::bind(place.address)
             .map_err(|error| std::io::Error::new(error.kind(), format!("{}: {error}", place.address)))?;
+        let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
         let config = EngineConfig {
             threads: served.threads,
@@ -111,7 +114,7 @@ impl Server {
         };
         let shared = Shared {
             page: served.page,
-            guard: Guard::new(listener.local_addr()?.port(), place.names.clone())?,
+            guard: Guard::new(address, place.names.clone())?,
             clients: Clients::new(served.shown),
             gate: Gate::default(),
             engine: Mutex::new((Renderer::new(config)?, Frame::empty(ImageSize::new(1, 1)?))),
@@ -131,8 +134,13 @@ impl Server {
     /// # Errors
     /// A listener that the system has closed.
     pub fn url(&self) -> std::io::Result<String> {
-        let address = self.listener.local_addr()?;
-        Ok(format!("http://{address}/?token={}", self.shared.guard.token()))
+        let port = self.listener.local_addr()?.port();
+        let guard = &self.shared.guard;
+        Ok(format!(
+            "http://{}:{port}/?token={}",
+            guard.first_name(),
+            guard.token()
+        ))
     }
 
     /// Answers until `stop` is set, or nobody has asked for long.
@@ -278,7 +286,12 @@ impl Shared {
     }
 
     /// What a client is answered; nothing if it has left.
-    fn answered(&self, client: &Client, body: &[u8], stream: &TcpStream) -> Result<Option<Answer>, WebError> {
+    fn answered(
+        &self,
+        client: &Client,
+        body: &[u8],
+        stream: &TcpStream,
+    ) -> Result<Option<Answer>, ServeError> {
         let message: Message = serde_json::from_slice(body)?;
         let tiles = {
             let mut shown = client.shown.lock().unwrap_or_else(PoisonError::into_inner);
@@ -286,21 +299,21 @@ impl Shared {
                 Message::Render { size, camera, share } => {
                     let is_large = size.is_some_and(|[w, h]| u64::from(w) * u64::from(h) > MOST_PIXELS);
                     if is_large {
-                        return Err(WebError::TooLarge(MOST_PIXELS));
+                        return Err(ServeError::TooLarge(MOST_PIXELS));
                     }
                     shown.tiles(size, camera, share)?
                 }
                 Message::Edit { edits } if !edits.iter().all(|edit| KEYS.contains(&edit.path.as_str())) => {
-                    return Err(WebError::Fixed(KEYS[0]));
+                    return Err(ServeError::Fixed(KEYS[0]));
                 }
-                change => return shown.answer(change).map(Some),
+                change => return Ok(Some(shown.answer(change)?)),
             }
         };
         self.draw(client, &tiles, stream)
     }
 
     /// Draws tiles when it is their turn, unless whoever asked leaves before.
-    fn draw(&self, client: &Client, tiles: &Tiles, stream: &TcpStream) -> Result<Option<Answer>, WebError> {
+    fn draw(&self, client: &Client, tiles: &Tiles, stream: &TcpStream) -> Result<Option<Answer>, ServeError> {
         let watch = Watch::new(stream.try_clone()?)?;
         let turn = self
             .gate
@@ -311,7 +324,7 @@ impl Shared {
             tiles.draw((renderer, frame), Some(&watch.has_left))
         });
         match drawn {
-            Some(drawn) if !watch.has_left.load(Ordering::Relaxed) => drawn.map(Some),
+            Some(drawn) if !watch.has_left.load(Ordering::Relaxed) => Ok(Some(drawn?)),
             _ => Ok(None),
         }
     }

@@ -24,15 +24,9 @@ pub enum WebError {
     /// An item that is not there, or has no transfer function.
     #[error("item {0} is no volume of the document")]
     Item(usize),
-    /// More pixels than are drawn for a page.
-    #[error("a picture for a page has at most {0} pixels")]
-    TooLarge(u64),
-    /// A key that a page may not change.
-    #[error("a page changes no key but {0}")]
-    Fixed(&'static str),
-    /// A connection that cannot be made, or fails.
-    #[error(transparent)]
-    Connection(#[from] std::io::Error),
+    /// A request that opens or renders, where only changes and questions are answered.
+    #[error("the request is no change, and no question about a camera")]
+    NoChange,
     /// A document that cannot become a picture.
     #[error(transparent)]
     Document(#[from] DocumentError),

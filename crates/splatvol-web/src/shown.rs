@@ -99,7 +99,7 @@ impl Shown {
                 let size = ImageSize::new(size[0], size[1])?;
                 said(&CameraPose::from(&self.camera(Some(camera), size)?))
             }
-            Request::Open { .. } | Request::Render { .. } => Err(WebError::Closed),
+            Request::Open { .. } | Request::Render { .. } => Err(WebError::NoChange),
         }
     }
 

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use splatvol_document::keys::PictureSize;
 use splatvol_page::Bits;
 
-use super::help::{GENERAL, OUTPUT};
-use super::{PictureArgs, WriteArgs, values};
+use super::help::OUTPUT;
+use super::{PageArgs, WriteArgs};
 
 /// Raw arguments of `export`.
 #[derive(Debug, Clone, Args)]
@@ -29,38 +28,21 @@ Examples:
   splatvol export --like head.png -o head.html"
 )]
 pub(crate) struct ExportArgs {
-    /// File or folder (volume, scene.toml), or sample:NAME[:SIZE]
-    #[arg(required_unless_present = "like")]
-    pub(crate) input: Option<String>,
+    #[command(flatten)]
+    pub(crate) page: PageArgs,
     /// HTML file to write, - for stdout [default: INPUT's name with .html]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
-    /// Size of the picture that is saved from the page, and of its first one: WxH, or N [default: 1024x1024]
-    ///
-    /// On the page the picture has the size of the window.
-    #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
-    pub(crate) size: Option<PictureSize>,
-    #[command(flatten)]
-    pub(crate) picture: PictureArgs,
-    /// Largest size of the page: bytes, or 4M, 1G [default: 15M]
-    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = OUTPUT)]
-    pub(crate) max_size: Option<u64>,
     /// Bits per sample: 8, 12 or 16 [default: the most that fit]
     ///
     /// Integers that have no more stay as they are.
     #[arg(long, value_name = "BITS", help_heading = OUTPUT)]
     pub(crate) quantize: Option<BitsArg>,
-    /// Title of the page [default: INPUT's name]
-    #[arg(long, value_name = "TEXT", help_heading = OUTPUT)]
-    pub(crate) title: Option<String>,
     /// Write sizes, bits, level and error as JSON to this file, or to stdout (-)
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) report: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
-    /// Number of threads; 0 is one per processor [default: 0]
-    #[arg(long, value_name = "N", help_heading = GENERAL)]
-    pub(crate) threads: Option<usize>,
 }
 
 /// Bits per sample by their number.

@@ -4,10 +4,9 @@ use std::net::IpAddr;
 use std::path::PathBuf;
 
 use clap::Args;
-use splatvol_document::keys::PictureSize;
 
-use super::help::{GENERAL, OUTPUT, SERVER};
-use super::{PictureArgs, values};
+use super::PageArgs;
+use super::help::SERVER;
 
 /// Raw arguments of `serve`.
 #[derive(Debug, Clone, Args)]
@@ -28,22 +27,8 @@ Examples:
   splatvol serve ct.nrrd --iso 300 --bind 0.0.0.0 --host lab.example.org"
 )]
 pub(crate) struct ServeArgs {
-    /// File or folder (volume, scene.toml), or sample:NAME[:SIZE]
-    #[arg(required_unless_present = "like")]
-    pub(crate) input: Option<String>,
-    /// Size of the picture that is saved from the page: WxH, or N [default: 1024x1024]
-    ///
-    /// On the page the picture has the size of the window.
-    #[arg(long, value_name = "WxH", value_parser = values::picture_size, help_heading = OUTPUT)]
-    pub(crate) size: Option<PictureSize>,
     #[command(flatten)]
-    pub(crate) picture: PictureArgs,
-    /// Largest size of the page, with the data by which browsers draw drafts: bytes, or 4M, 1G [default: 15M]
-    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = OUTPUT)]
-    pub(crate) max_size: Option<u64>,
-    /// Title of the page [default: INPUT's name]
-    #[arg(long, value_name = "TEXT", help_heading = OUTPUT)]
-    pub(crate) title: Option<String>,
+    pub(crate) page: PageArgs,
     /// Port; 0 takes a free one
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SERVER)]
     pub(crate) port: u16,
@@ -59,7 +44,4 @@ pub(crate) struct ServeArgs {
     /// Write the address to this file, too, for scripts
     #[arg(long, value_name = "FILE", help_heading = SERVER)]
     pub(crate) url_file: Option<PathBuf>,
-    /// Number of threads; 0 is one per processor [default: 0]
-    #[arg(long, value_name = "N", help_heading = GENERAL)]
-    pub(crate) threads: Option<usize>,
 }

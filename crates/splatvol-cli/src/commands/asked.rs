@@ -5,14 +5,13 @@ mod refuse;
 use std::path::{Path, PathBuf};
 
 use splatvol_document::format::{is_scene, read_scene};
-use splatvol_document::keys::PictureSize;
 use splatvol_document::motion::CameraMotion;
 use splatvol_document::{Document, DocumentError, Picture, Reading, Record, Resolving};
 use splatvol_io::is_plot3d_pair;
 
 use super::render::describe;
 use super::studio::{Means, threads_within};
-use crate::args::{AnimateArgs, BenchArgs, EngineName, PictureArgs, RenderArgs};
+use crate::args::{AnimateArgs, BenchArgs, EngineName, PageArgs, PictureArgs, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::record;
 use crate::terminal::Terminal;
@@ -60,12 +59,10 @@ impl Asked {
     }
 
     /// The document that a page of a size asks for.
-    pub(super) fn of_page(
-        input: Option<&str>,
-        size: Option<PictureSize>,
-        args: &PictureArgs,
-    ) -> Result<Self, Failure> {
-        Self::over((input, args), |file| args.document(size, file))
+    pub(super) fn of_page(args: &PageArgs) -> Result<Self, Failure> {
+        Self::over((args.input.as_deref(), &args.picture), |file| {
+            args.picture.document(args.size, file)
+        })
     }
 
     /// Flags over what the input or the earlier picture says.

@@ -18,7 +18,7 @@ use super::asked::{self, Asked};
 use super::metrics::PictureDifference;
 use super::outputs::{encode_with_bits, short_name};
 use super::studio::{Means, Studio};
-use crate::args::{ExportArgs, PictureArgs};
+use crate::args::{ExportArgs, PageArgs};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, check_distinct};
 use crate::terminal::Terminal;
@@ -30,7 +30,7 @@ const NOTES: u64 = 2048;
 
 pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure> {
     splatvol_page::engine().map_err(|absent| Failure::usage(absent).hint(Absent::REMEDY))?;
-    let asked = Asked::of_page(args.input.as_deref(), args.size, &args.picture)?;
+    let asked = Asked::of_page(&args.page)?;
     let name = short_name(asked.document.reference());
     let output = args
         .output
@@ -46,19 +46,17 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
         .iter()
         .try_for_each(|(_, target)| target.check(overwrite))?;
 
-    let threads = asked::threads(args.threads, terminal);
-    let exported = Exported::new(&asked, &args.picture, threads, terminal)?;
-    let title = args.title.as_deref().unwrap_or(&name);
-    let asked_for = (args.max_size, args.quantize.map(Bits::from));
+    let exported = Exported::new(&asked, &args.page, terminal)?;
+    let title = args.page.title.as_deref().unwrap_or(&name);
+    let asked_for = (args.page.max_size, args.quantize.map(Bits::from));
     let (html, said) = exported.page(title, asked_for, false)?;
     page.write(html.as_bytes(), overwrite)?;
     if let Some(target) = &report {
         let json = serde_json::to_string_pretty(&said).during(Step::Output)? + "\n";
         target.write(json.as_bytes(), overwrite)?;
     }
-    for sentence in said.sentences() {
-        terminal.note(sentence);
-    }
+    terminal.note(said.data());
+    terminal.note(said.error());
     if let Target::File(path) = &page {
         terminal.note(format!("wrote {} ({})", path.display(), megabytes(said.bytes)));
     }
@@ -94,13 +92,14 @@ struct Report {
 }
 
 impl Report {
-    fn sentences(&self) -> Vec<String> {
+    /// What the samples are.
+    fn data(&self) -> String {
         let dims: Vec<String> = self
             .dims
             .iter()
             .map(|[x, y, z]| format!("{x} × {y} × {z}"))
             .collect();
-        let data = match (self.exact, self.level) {
+        match (self.exact, self.level) {
             (true, _) => format!("The samples ({}) are those of the data.", dims.join(", ")),
             (false, 0) => format!(
                 "The samples ({}) have {} bits.",
@@ -113,34 +112,32 @@ impl Report {
                 u8::from(self.bits),
                 1 << level
             ),
-        };
-        let error = match self.psnr {
+        }
+    }
+
+    /// How far the picture is from that of all data.
+    fn error(&self) -> String {
+        match self.psnr {
             None => "The first picture is that of all data, in 8 bits.".to_owned(),
             Some(psnr) => format!("The first picture is {psnr:.1} dB (PSNR) from that of all data."),
-        };
-        vec![data, error]
+        }
     }
 }
 
 impl Exported {
     /// Resolves and renders what is asked for.
-    pub(super) fn new(
-        asked: &Asked,
-        args: &PictureArgs,
-        threads: Option<usize>,
-        terminal: &Terminal,
-    ) -> Result<Self, Failure> {
+    pub(super) fn new(asked: &Asked, args: &PageArgs, terminal: &Terminal) -> Result<Self, Failure> {
         let resolving = Resolving {
-            reading: asked.reading(args, terminal),
+            reading: asked.reading(&args.picture, terminal),
             held: &[],
             moves: CameraMotion::default(),
             keeps_alpha: false,
         };
-        let picture = asked.picture(&asked.document, args, resolving)?;
+        let picture = asked.picture(&asked.document, &args.picture, resolving)?;
         refuse(&picture)?;
         let means = Means {
             engine: splatvol::EngineChoice::Cpu,
-            threads,
+            threads: asked::threads(args.threads, terminal),
         };
         let frame = rendered(&picture, means)?;
         Ok(Self {
@@ -150,18 +147,21 @@ impl Exported {
         })
     }
 
-    /// The page of a server that has all data, and sentences about it: with smaller data for drafts, where this program has
+    /// The number of threads that is asked for.
+    pub(super) fn threads(&self) -> Option<usize> {
+        self.means.threads
+    }
+
+    /// The page of a server that has all data, and a sentence about it: with smaller data for drafts, where this program has
     /// the engine for browsers.
-    pub(super) fn served_page(
-        &self,
-        title: &str,
-        most: Option<u64>,
-    ) -> Result<(String, Vec<String>), Failure> {
+    pub(super) fn served_page(&self, title: &str, most: Option<u64>) -> Result<(String, String), Failure> {
         let drafts = match splatvol_page::engine() {
             Ok(_) => {
                 let (html, report) = self.page(title, (most, None), true)?;
-                let data = report.sentences().swap_remove(0);
-                return Ok((html, vec![format!("while the view turns, browsers draw: {data}")]));
+                return Ok((
+                    html,
+                    format!("while the view turns, browsers draw: {}", report.data()),
+                ));
             }
             Err(absent) => format!("drafts come from the server, too: {absent} ({})", Absent::REMEDY),
         };
@@ -176,7 +176,7 @@ impl Exported {
             notes: &[served_by(), made_by()],
             is_served: true,
         };
-        Ok((page.html().map_err(refused)?, vec![drafts]))
+        Ok((page.html().map_err(refused)?, drafts))
     }
 
     /// The document and the data of its items, all of them.
@@ -238,7 +238,7 @@ impl Exported {
             true => vec![served_by(), made_by()],
             false => {
                 let alone = "Everything is in this file: it makes no connection, and sends nothing anywhere.";
-                [report.sentences(), vec![alone.to_owned(), made_by()]].concat()
+                vec![report.data(), report.error(), alone.to_owned(), made_by()]
             }
         };
         let page = Page {

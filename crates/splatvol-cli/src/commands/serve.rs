@@ -7,43 +7,36 @@ use std::time::Duration;
 use splatvol_serve::{Place, Served, Server};
 use splatvol_web::Shown;
 
-use super::asked::{self, Asked};
+use super::asked::Asked;
 use super::export::Exported;
 use super::outputs::short_name;
 use crate::args::ServeArgs;
-use crate::failure::{Failure, Step};
+use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> {
-    let asked = Asked::of_page(args.input.as_deref(), args.size, &args.picture)?;
+    let asked = Asked::of_page(&args.page)?;
     let name = short_name(asked.document.reference());
-    let title = args.title.as_deref().unwrap_or(&name);
-    let threads = asked::threads(args.threads, terminal);
-    let exported = Exported::new(&asked, &args.picture, threads, terminal)?;
-    let (page, sentences) = exported.served_page(title, args.max_size)?;
+    let title = args.page.title.as_deref().unwrap_or(&name);
+    let exported = Exported::new(&asked, &args.page, terminal)?;
+    let (page, sentence) = exported.served_page(title, args.page.max_size)?;
     let (document, held) = exported.document_and_data();
     let served = Served {
         page,
-        shown: Shown::new(&document, held).map_err(refused)?,
-        threads,
+        shown: Shown::new(&document, held).during(Step::Usage)?,
+        threads: exported.threads(),
     };
     let place = Place {
         address: SocketAddr::new(args.bind, args.port),
         names: args.host.clone(),
         idle: (args.idle > 0).then(|| Duration::from_secs(60 * u64::from(args.idle))),
     };
-    let server = Server::new(served, &place).map_err(refused)?;
-    let url = server
-        .url()
-        .map_err(|error| Failure::of(Step::Output, error.into()))?;
-    for sentence in sentences {
-        terminal.note(sentence);
-    }
+    let server = Server::new(served, &place).during(Step::Usage)?;
+    let url = server.url().during(Step::Output)?;
+    terminal.note(sentence);
     say(&url, args, terminal)?;
-    server
-        .run(&AtomicBool::new(false))
-        .map_err(|error| Failure::of(Step::Output, error.into()))?;
+    server.run(&AtomicBool::new(false)).during(Step::Output)?;
     terminal.note(format!(
         "nobody has asked for {} minutes: the server ends",
         args.idle
@@ -54,7 +47,7 @@ pub(crate) fn run(args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> 
 /// Says where it is, to people and to scripts.
 fn say(url: &str, args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> {
     if let Some(path) = &args.url_file {
-        std::fs::write(path, format!("{url}\n")).map_err(|error| Failure::of(Step::Output, error.into()))?;
+        Target::new(path).write(format!("{url}\n").as_bytes(), true)?;
     }
     let port = url.rsplit(':').next().and_then(|rest| rest.split('/').next());
     let port = port.unwrap_or_default();
@@ -68,8 +61,4 @@ fn say(url: &str, args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> 
     }
     terminal.note("Ctrl-C ends it");
     Ok(())
-}
-
-fn refused(error: splatvol_web::WebError) -> Failure {
-    Failure::of(Step::Usage, error.into())
 }

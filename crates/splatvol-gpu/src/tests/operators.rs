@@ -30,17 +30,10 @@ struct Row {
     unused: f32,
 }
 
-/// What an operator's author may rely on, and an entry point that applies an operator to each row.
+/// What an operator's author may rely on.
+const SAMPLE: &str = include_str!("../../shaders/sample.wgsl");
+/// An entry point that applies an operator to each row.
 const HARNESS: &str = "
-struct SheetSample { value: f32, gradient: vec3<f32>, position: vec3<f32>, view: vec3<f32>, depth: f32 }
-struct Appearance {
-    color: vec3<f32>,
-    extinction: f32,
-    normal: vec3<f32>,
-    surfaceness: f32,
-    reflection: vec3<f32>,
-    reflectance: f32,
-}
 struct Row {
     gradient: vec3<f32>,
     value: f32,
@@ -122,9 +115,12 @@ fn applied(operator: &dyn PixelOperator, row: &Row) -> Appearance {
 fn on_device(gpu: &GpuDevice, operator: &dyn PixelOperator, rows: &[Row]) -> Vec<Row> {
     use wgpu::BufferUsages as Usage;
     let own = operator.wgsl().unwrap();
-    let text = [&own.texts.join("\n"), &HARNESS.replace("OPERATOR", own.name)]
-        .map(String::as_str)
-        .join("\n");
+    let text = [
+        SAMPLE,
+        &own.texts.join("\n"),
+        &HARNESS.replace("OPERATOR", own.name),
+    ]
+    .join("\n");
     let pass = gpu.scoped(|gpu| Pass::new(gpu, ("probe", &text), &[])).unwrap();
     let operands = gpu.buffer_of("operands", &own.operands);
     let bytes: &[u8] = bytemuck::cast_slice(rows);
