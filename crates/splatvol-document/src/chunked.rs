@@ -1,6 +1,6 @@
 //! Volumes that are read in chunks when they are drawn: an overview in memory, and the rest within a budget.
 //!
-//! These are Zarr images with levels of detail, and single arrays that are larger than an overview may be. Which they are
+//! These are Zarr images with levels of detail, and single Zarr arrays that are larger than an overview may be. Which they are
 //! depends on the file alone, never on memory. Looks, cameras and ranges of values are chosen from the overview: the finest
 //! level of at most [`OVERVIEW`] samples, or else the coarsest. So small images look as they do in memory.
 
@@ -38,6 +38,10 @@ pub(crate) fn open(
         unit,
         description,
     } = opened;
+    // Files without chunks have no levels and no bounds: what is visible is known only when all has been read.
+    if source.reads_regions() {
+        return Ok(None);
+    }
     let samples: Vec<usize> = source
         .levels()
         .iter()

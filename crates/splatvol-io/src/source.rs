@@ -42,7 +42,8 @@ pub(crate) enum Rest {
 pub(crate) struct Source<'a> {
     reader: Box<dyn BufRead + 'a>,
     at_most: u64,
-    exact: bool,
+    /// Length of what is read, where nothing is compressed: then the bound is exact.
+    length: Option<u64>,
 }
 
 impl Source<'static> {
@@ -62,7 +63,7 @@ impl Source<'static> {
         Ok(Self {
             reader: Box::new(BufReader::with_capacity(1 << 16, file.take(at_most))),
             at_most,
-            exact: true,
+            length: Some(at_most),
         })
     }
 }
@@ -73,7 +74,7 @@ impl<'a> Source<'a> {
         Self {
             reader: Box::new(bytes),
             at_most: bytes.len() as u64,
-            exact: true,
+            length: Some(bytes.len() as u64),
         }
     }
 
@@ -91,7 +92,7 @@ impl<'a> Source<'a> {
         Self {
             reader: Box::new(BufReader::new(reader)),
             at_most,
-            exact: false,
+            length: None,
         }
     }
 
@@ -106,13 +107,18 @@ impl<'a> Source<'a> {
             at_most: at_most
                 .saturating_mul(DEFLATE_RATIO)
                 .saturating_add(DEFLATE_SLACK),
-            exact: false,
+            length: None,
         }
     }
 
     /// The most bytes that can still come; exact where nothing is compressed.
     pub(crate) fn at_most(&self) -> u64 {
         self.at_most
+    }
+
+    /// Bytes that were read before; `None` where they are not the file's own, but decompressed.
+    pub(crate) fn position(&self) -> Option<u64> {
+        self.length.map(|length| length - self.at_most)
     }
 
     /// The next bytes (as many as are buffered, none at the end), left in place.
@@ -127,7 +133,7 @@ impl<'a> Source<'a> {
         declared: u64,
         context: &Context<'_>,
     ) -> Result<(), IoError> {
-        match (declared > self.at_most, self.exact) {
+        match (declared > self.at_most, self.length.is_some()) {
             (false, _) => Ok(()),
             (true, true) => Err(context.truncated(what, declared, self.at_most)),
             (true, false) => Err(context.too_small(what, declared, self.at_most)),
@@ -182,7 +188,7 @@ impl<'a> Source<'a> {
 
     /// All remaining bytes: only for uncompressed sources, whose bound is their length.
     pub(crate) fn all_bytes(&mut self, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
-        debug_assert!(self.exact, "a compressed stream has no known length");
+        debug_assert!(self.length.is_some(), "a compressed stream has no known length");
         self.read_bytes("contents", self.at_most, context)
     }
 

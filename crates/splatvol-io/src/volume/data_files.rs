@@ -80,7 +80,8 @@ impl<'a> DataFiles<'a> {
         Ok(Self { field, kind })
     }
 
-    fn count(&self) -> usize {
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
         match &self.kind {
             Kind::Attached | Kind::One(_) => 1,
             Kind::List(lines) => lines.len(),

@@ -13,8 +13,8 @@ use super::data_files::DataFiles;
 use super::fields::{Field, Fields, HeaderLines, Line, normalised};
 use super::stored::{Encoding, Layout, Selection, Stored};
 use super::{
-    Description, Draft, Loaded, ReadOptions, checked_dims, choose_component, choose_time, complete_axes,
-    length_unit, ras_from_lps,
+    Description, Draft, Loaded, Opened, ReadOptions, checked_dims, choose_component, choose_time,
+    complete_axes, length_unit, ras_from_lps,
 };
 use crate::IoError;
 use crate::error::{Context, excerpt};
@@ -41,6 +41,24 @@ struct Header {
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.load(source, draft, (options, context))
+    })
+}
+
+/// Opens a file whose samples are not compressed.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.open(source, draft, context)
+    })
+}
+
+/// Reads a header, and passes on what it says of the samples.
+fn with<T>(
+    path: &Path,
+    options: &ReadOptions,
+    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
+) -> Result<T, IoError> {
     let context = Context::new("MetaImage header", path).following(options);
     let mut source = Source::open(path)?;
     let mut header = Header::read(&mut source, &context)?;
@@ -72,9 +90,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         files: header.files(&context)?,
     };
     let context = Context::new("MetaImage data", path).following(options);
-    let samples = stored.read(source, options, &mut draft.description, &context)?;
     header.check_compressed_size(&mut draft);
-    draft.finish(samples, &context)
+    then(&stored, source, draft, &context)
 }
 
 impl Header {

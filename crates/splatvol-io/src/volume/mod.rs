@@ -9,6 +9,7 @@ mod data_files;
 mod detect;
 pub mod dicom;
 mod fields;
+mod flat;
 pub mod legacy_vtk;
 pub mod metaimage;
 pub mod mgh;
@@ -202,8 +203,8 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
     Ok(loaded)
 }
 
-/// Opens a volume whose samples can be read box by box: OME-Zarr and Zarr. Only metadata are read, whatever their size.
-/// `None` for all other formats.
+/// Opens a volume whose samples can be read box by box: OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
+/// MetaImage, NIfTI, NPY). Only metadata are read, whatever their size. `None` for all others.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -215,8 +216,16 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
     };
     choices::check(format, options, &Context::new("volume", path))?;
     let opened = match format {
-        Format::Zarr => zarr::open(path, options)?,
-        _ => return Ok(None),
+        Format::Zarr => Some(zarr::open(path, options)?),
+        Format::Nrrd => nrrd::open(path, options)?,
+        Format::MetaImage => metaimage::open(path, options)?,
+        Format::Nifti => nifti::open(path, options)?,
+        Format::Npy => npy::open(path)?,
+        Format::Raw => raw::open(path, options)?,
+        _ => None,
+    };
+    let Some(opened) = opened else {
+        return Ok(None);
     };
     refuse_warnings(&opened.description, path, options)?;
     Ok(Some(opened))

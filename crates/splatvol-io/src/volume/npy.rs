@@ -14,8 +14,10 @@ use std::path::Path;
 use half::f16;
 use splatvol_scene::{Rescale, Samples, Volume};
 
+use super::flat::Flat;
 use super::nrrd::real_values;
-use super::{Description, Draft, Loaded, ReadOptions, checked_dims, sample_count};
+use super::stored::EXCESS;
+use super::{Description, Draft, Loaded, Opened, ReadOptions, checked_dims, sample_count};
 use crate::error::Context;
 use crate::samples::{SampleBuffer, for_each_little_endian_chunk};
 use crate::source::{Rest, Source};
@@ -33,8 +35,34 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("NPY", path);
     let mut source = Source::open(path)?;
     let header = Header::read(&mut source, context)?;
-    let format = format!("NPY {}.{}", header.version[0], header.version[1]);
-    samples(&mut source, &header, format, options, context)
+    samples(&mut source, &header, npy_format(&header), options, context)
+}
+
+/// Opens a .npy file.
+pub(super) fn open(path: &Path) -> Result<Option<Opened>, IoError> {
+    let context = &Context::new("NPY", path);
+    let mut source = Source::open(path)?;
+    let header = Header::read(&mut source, context)?;
+    let mut draft = draft(&header, npy_format(&header), context)?;
+    let Some(position) = source.position() else {
+        return Ok(None);
+    };
+    let flat = Flat {
+        path: path.to_owned(),
+        position,
+        sample_type: header.element.stored(),
+        half: header.element == ElementType::Half,
+        endian: header.endian,
+    };
+    let samples = draft.dims.iter().product();
+    if source.at_most() > flat.sample_type.byte_count(samples) {
+        draft.warn(EXCESS);
+    }
+    flat.open(draft, context)
+}
+
+fn npy_format(header: &Header) -> String {
+    format!("NPY {}.{}", header.version[0], header.version[1])
 }
 
 /// The volume after a header.
@@ -53,7 +81,7 @@ fn samples(
     let (mut samples, warning) = buffer.finish();
     draft.description.warnings.extend(warning);
     if source.rest(context)? == Rest::Excess {
-        draft.warn("there are more data than the header declares");
+        draft.warn(EXCESS);
     }
     if let (ElementType::Half, Samples::U16(bits)) = (header.element, &samples) {
         samples = Samples::F32(bits.iter().map(|&bits| f16::from_bits(bits).to_f32()).collect());

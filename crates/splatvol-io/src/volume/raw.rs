@@ -8,7 +8,8 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::Grid;
 
-use super::{Description, Draft, Loaded, RawLayout, ReadOptions, checked_dims, detect, sample_count};
+use super::flat::Flat;
+use super::{Description, Draft, Loaded, Opened, RawLayout, ReadOptions, checked_dims, detect, sample_count};
 use crate::error::Context;
 use crate::samples::SampleBuffer;
 use crate::source::{Codec, Rest, Source};
@@ -21,6 +22,51 @@ use crate::{Endian, IoError, SampleType};
 /// layout; the message then says which layouts would fit.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("raw", path);
+    let (layout, mut draft) = layout(path, options, context)?;
+    let count = sample_count(draft.dims, 1, layout.sample_type, options, context)?;
+    let mut source = Source::open(path)?;
+    if is_gzip(path) {
+        source = source.inflate(Codec::Gzip);
+        draft.description.stored_type.push_str(", gzip");
+    } else {
+        check_size(source.at_most(), &layout, context)?;
+    }
+    source.skip(layout.offset, context)?;
+    let mut buffer = SampleBuffer::new(layout.sample_type, layout.endian);
+    buffer.read(&mut source, count, context)?;
+    if source.rest(context)? == Rest::Excess {
+        let expected = format!("{} bytes, for {}", wanted_size(&layout), describe(&layout));
+        return Err(context.field("decompressed size", "more", None, expected));
+    }
+    let (samples, warning) = buffer.finish();
+    draft.description.warnings.extend(warning);
+    draft.finish(samples, context)
+}
+
+/// Opens a file that is not compressed.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    let context = &Context::new("raw", path);
+    if is_gzip(path) {
+        return Ok(None);
+    }
+    let (layout, draft) = layout(path, options, context)?;
+    check_size(Source::open(path)?.at_most(), &layout, context)?;
+    let flat = Flat {
+        path: path.to_owned(),
+        position: layout.offset,
+        sample_type: layout.sample_type,
+        half: false,
+        endian: layout.endian,
+    };
+    flat.open(draft, context)
+}
+
+fn is_gzip(path: &Path) -> bool {
+    detect::extension(path).ends_with("gz")
+}
+
+/// The layout that is given, or in the file's name, and the volume that it describes.
+fn layout(path: &Path, options: &ReadOptions, context: &Context<'_>) -> Result<(RawLayout, Draft), IoError> {
     let given = options.raw.clone().map(|layout| (layout, None));
     let (layout, warning) = match given {
         Some(given) => given,
@@ -38,25 +84,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     };
     let mut draft = draft(&layout, context)?;
     draft.description.warnings.extend(warning);
-    let count = sample_count(draft.dims, 1, layout.sample_type, options, context)?;
-    let mut source = Source::open(path)?;
-    let gzip = detect::extension(path).ends_with("gz");
-    if gzip {
-        source = source.inflate(Codec::Gzip);
-        draft.description.stored_type.push_str(", gzip");
-    } else {
-        check_size(source.at_most(), &layout, context)?;
-    }
-    source.skip(layout.offset, context)?;
-    let mut buffer = SampleBuffer::new(layout.sample_type, layout.endian);
-    buffer.read(&mut source, count, context)?;
-    if source.rest(context)? == Rest::Excess {
-        let expected = format!("{} bytes, for {}", wanted_size(&layout), describe(&layout));
-        return Err(context.field("decompressed size", "more", None, expected));
-    }
-    let (samples, warning) = buffer.finish();
-    draft.description.warnings.extend(warning);
-    draft.finish(samples, context)
+    Ok((layout, draft))
 }
 
 fn draft(layout: &RawLayout, context: &Context<'_>) -> Result<Draft, IoError> {

@@ -5,13 +5,17 @@ use std::io::BufRead;
 use splatvol_scene::Samples;
 
 use super::data_files::{DataFiles, Piece};
-use super::{Description, ReadOptions, sample_count};
+use super::flat::Flat;
+use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{
     Endian, SampleBuffer, SampleType, TextNumbers, decode_hex, pick_component, remaining_text,
 };
 use crate::source::{Codec, Rest, Source};
+
+/// Warning where a file is longer than it should be.
+pub(super) const EXCESS: &str = "there are more data than the header declares";
 
 /// Encoding of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,7 +95,7 @@ pub(super) struct Stored<'a> {
 impl Stored<'_> {
     /// Reads the selected samples; `attached` is the header's file, past the header. Files and warnings are added to
     /// `description`.
-    pub(super) fn read(
+    fn read(
         &self,
         attached: Source<'_>,
         options: &ReadOptions,
@@ -124,8 +128,7 @@ impl Stored<'_> {
                 None => attached.take().ok_or_else(|| context.truncated("data", 1, 0))?,
             };
             if read_piece(source, layout, &piece, &mut buffer, context)? == Rest::Excess {
-                let warning = "there are more data than the header declares".to_owned();
-                description.warnings.push(warning);
+                description.warnings.push(EXCESS.to_owned());
             }
         }
         let (samples, warning) = buffer.finish();
@@ -135,6 +138,68 @@ impl Stored<'_> {
             1 => samples,
             components => pick_component(&samples, components, selection.component),
         })
+    }
+}
+
+impl Stored<'_> {
+    /// The selected samples where they are; `None` where they have to be decoded, or lie in several files. `attached` is
+    /// the header's file, past the header.
+    pub(super) fn open(
+        &self,
+        attached: Source<'_>,
+        mut draft: Draft,
+        context: &Context<'_>,
+    ) -> Result<Option<Opened>, IoError> {
+        let Self {
+            layout,
+            selection,
+            files,
+        } = self;
+        let is_plain = layout.encoding == Encoding::Raw && layout.skip_lines == 0;
+        if !is_plain || selection.components > 1 || files.count() > 1 {
+            return Ok(None);
+        }
+        let own = files.open(0, &mut draft.description, context)?;
+        let (path, source) = match (own, draft.description.files.last()) {
+            (Some(own), Some(path)) => (path.clone(), own),
+            _ => (context.path.to_owned(), attached),
+        };
+        let Some(position) = source.position() else {
+            return Ok(None);
+        };
+        let sizes = selection.dims.map(|size| size as u64);
+        let one = sizes
+            .iter()
+            .fold(layout.sample_type.size() as u64, |bytes, size| {
+                bytes.saturating_mul(*size)
+            });
+        let all = one.saturating_mul(selection.volumes as u64);
+        let skipped = layout
+            .skip_bytes
+            .unwrap_or_else(|| source.at_most().saturating_sub(all));
+        source.check_declared("samples", all.saturating_add(skipped), context)?;
+        if source.at_most() - skipped > all && selection.volume + 1 == selection.volumes {
+            draft.warn(EXCESS);
+        }
+        let flat = Flat {
+            path,
+            position: position + skipped + one * selection.volume as u64,
+            sample_type: layout.sample_type,
+            half: false,
+            endian: layout.endian,
+        };
+        flat.open(draft, context)
+    }
+
+    /// The volume in memory; see [`Stored::read`].
+    pub(super) fn load(
+        &self,
+        attached: Source<'_>,
+        mut draft: Draft,
+        (options, context): (&ReadOptions, &Context<'_>),
+    ) -> Result<Loaded, IoError> {
+        let samples = self.read(attached, options, &mut draft.description, context)?;
+        draft.finish(samples, context)
     }
 }
 

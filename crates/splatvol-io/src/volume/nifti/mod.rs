@@ -16,7 +16,7 @@ use super::data_files::DataFiles;
 use super::fields::Field;
 use super::stored::{Encoding, Layout, Selection, Stored};
 use super::{
-    Description, Draft, Loaded, ReadOptions, axis_codes, checked_dims, choose_component, choose_time,
+    Description, Draft, Loaded, Opened, ReadOptions, axis_codes, checked_dims, choose_component, choose_time,
 };
 use crate::IoError;
 use crate::error::Context;
@@ -29,6 +29,24 @@ use header::Header;
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.load(source, draft, (options, context))
+    })
+}
+
+/// Opens a file that is not compressed.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.open(source, draft, context)
+    })
+}
+
+/// Reads a header, and passes on what it says of the samples.
+fn with<T>(
+    path: &Path,
+    options: &ReadOptions,
+    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
+) -> Result<T, IoError> {
     let path = &header_path(path);
     let context = Context::new("NIfTI header", path);
     let mut source = Source::open(path)?;
@@ -82,8 +100,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         },
     };
     let context = Context::new("NIfTI data", path);
-    let samples = stored.read(source, options, &mut draft.description, &context)?;
-    draft.finish(samples, &context)
+    then(&stored, source, draft, &context)
 }
 
 /// The header of a pair, given either name.

@@ -12,7 +12,7 @@ mod write;
 use std::path::Path;
 
 use super::stored::Stored;
-use super::{Description, Draft, Loaded, ReadOptions};
+use super::{Description, Draft, Loaded, Opened, ReadOptions};
 use crate::IoError;
 use crate::error::Context;
 use crate::source::Source;
@@ -27,6 +27,24 @@ pub use write::write;
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.load(source, draft, (options, context))
+    })
+}
+
+/// Opens a file whose samples are raw.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.open(source, draft, context)
+    })
+}
+
+/// Reads a header, and passes on what it says of the samples.
+fn with<T>(
+    path: &Path,
+    options: &ReadOptions,
+    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
+) -> Result<T, IoError> {
     let context = Context::new("NRRD header", path).following(options);
     let mut source = Source::open(path)?;
     let header = Header::read(&mut source, &context)?;
@@ -57,6 +75,5 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         files: header.files(&context)?,
     };
     let context = Context::new("NRRD data", path).following(options);
-    let samples = stored.read(source, options, &mut draft.description, &context)?;
-    draft.finish(samples, &context)
+    then(&stored, source, draft, &context)
 }

@@ -1,0 +1,192 @@
+//! Flat files: samples as they are, x fastest, in one file. Regions are read at their positions, row by row or, where they
+//! are as wide as the volume, slice by slice, so that no file is too large.
+
+use std::fs::File;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::UNIX_EPOCH;
+
+use splatvol_scene::{
+    ChunkBuffer, ChunkContent, ChunkFault, ChunkSource, ElementType, LevelLayout, Samples, SourceError,
+    SourceIdentity, VoxelBox,
+};
+
+use super::{Draft, Opened};
+use crate::error::Context;
+use crate::positioned::read_at;
+use crate::samples::{sample_bytes_mut, swap_bytes_of, widen_samples};
+use crate::{Endian, IoError, SampleType};
+
+/// Edge of a chunk, samples; regions of any other size are read as well.
+const EDGE: usize = 64;
+
+/// Place and type of a volume's samples.
+#[derive(Debug)]
+pub(super) struct Flat {
+    pub(super) path: PathBuf,
+    /// Byte of the first sample.
+    pub(super) position: u64,
+    pub(super) sample_type: SampleType,
+    /// Whether 16 bits are a float.
+    pub(super) half: bool,
+    pub(super) endian: Endian,
+}
+
+/// A file whose regions are read when they are asked for.
+#[derive(Debug)]
+struct FlatSource {
+    flat: Flat,
+    file: File,
+    levels: [LevelLayout; 1],
+    identity: SourceIdentity,
+}
+
+impl Flat {
+    /// The type in memory; `None` where conversion loses digits, of which only a whole volume gives notice.
+    fn element(&self) -> Option<ElementType> {
+        match self.sample_type {
+            SampleType::U64 | SampleType::I64 => None,
+            _ if self.half => Some(ElementType::F32),
+            sample_type => Some(sample_type.element()),
+        }
+    }
+
+    /// The volume of a header; `None` where it has to be read as a whole.
+    ///
+    /// # Errors
+    /// Files that cannot be opened, or are too short.
+    pub(super) fn open(self, draft: Draft, context: &Context<'_>) -> Result<Option<Opened>, IoError> {
+        let Some(element) = self.element() else {
+            return Ok(None);
+        };
+        let failed = |source| IoError::Open {
+            source,
+            path: self.path.clone(),
+        };
+        let file = File::open(&self.path).map_err(failed)?;
+        let metadata = file.metadata().map_err(failed)?;
+        let layout = LevelLayout {
+            grid: draft.grid(context)?,
+            chunk: draft.dims.map(|dim| dim.min(EDGE)),
+            element,
+            rescale: draft.rescale,
+            fill: 0.0,
+        };
+        let wanted = self.sample_type.byte_count(layout.grid.sample_count());
+        let there = metadata.len().saturating_sub(self.position);
+        if there < wanted {
+            return Err(context.truncated("samples", wanted, there));
+        }
+        let changed = metadata
+            .modified()
+            .ok()
+            .and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let identity = SourceIdentity {
+            name: self.path.display().to_string(),
+            state: format!("{} bytes, changed at {changed:?}, {self:?}", metadata.len()),
+        };
+        Ok(Some(Opened {
+            unit: draft.unit,
+            description: draft.description,
+            source: Arc::new(FlatSource {
+                flat: self,
+                file,
+                levels: [layout],
+                identity,
+            }),
+        }))
+    }
+}
+
+impl FlatSource {
+    /// Fills the bytes of a region.
+    fn fill(&self, region: VoxelBox, bytes: &mut [u8]) -> Result<(), SourceError> {
+        let [nx, ny, _] = self.levels[0].grid.dims();
+        let [size_x, size_y, size_z] = region.size;
+        // Samples that lie one behind the other.
+        let run = match (size_x == nx, size_y == ny) {
+            (true, true) => size_x * size_y * size_z,
+            (true, false) => size_x * size_y,
+            (false, _) => size_x,
+        };
+        let width = self.flat.sample_type.size();
+        for (number, bytes) in bytes.chunks_exact_mut(run * width).enumerate() {
+            let row = number * run / size_x;
+            let [x, y, z] = region.first;
+            let (y, z) = (y + row % size_y, z + row / size_y);
+            let sample = (z as u64 * ny as u64 + y as u64) * nx as u64 + x as u64;
+            let position = self.flat.position + sample * width as u64;
+            read_at(&self.file, bytes, position).map_err(|error| self.fault(region, position, &error))?;
+        }
+        Ok(())
+    }
+
+    fn fault(&self, region: VoxelBox, offset: u64, error: &std::io::Error) -> SourceError {
+        let chunk = self.levels[0].chunk;
+        let fault = Box::new(ChunkFault {
+            level: 0,
+            chunk: std::array::from_fn(|axis| region.first[axis] / chunk[axis]),
+            key: self.identity.name.clone(),
+            codec: None,
+            offset,
+            reason: error.to_string(),
+        });
+        match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => SourceError::Missing(fault),
+            _ => SourceError::Transient(fault),
+        }
+    }
+}
+
+impl ChunkSource for FlatSource {
+    fn levels(&self) -> &[LevelLayout] {
+        &self.levels
+    }
+
+    fn read(
+        &self,
+        level: usize,
+        chunk: [usize; 3],
+        into: &mut ChunkBuffer,
+    ) -> Result<ChunkContent, SourceError> {
+        let region = self.levels[level].region(chunk);
+        let mut samples = std::mem::replace(&mut into.samples, Samples::U8(Vec::new().into()));
+        let read = self.read_region(level, region, &mut samples, into);
+        into.samples = samples;
+        read.map(|()| ChunkContent::Samples)
+    }
+
+    fn read_region(
+        &self,
+        level: usize,
+        region: VoxelBox,
+        into: &mut Samples,
+        buffer: &mut ChunkBuffer,
+    ) -> Result<(), SourceError> {
+        let Flat {
+            sample_type, endian, ..
+        } = self.flat;
+        into.refill(self.levels[level].element, region.len(), 0.0);
+        if self.flat.half {
+            buffer.coded.clear();
+            buffer.coded.resize(region.len() * sample_type.size(), 0);
+            self.fill(region, &mut buffer.coded)?;
+            widen_samples(&buffer.coded, sample_type, endian, into);
+            return Ok(());
+        }
+        let bytes = sample_bytes_mut(into);
+        self.fill(region, bytes)?;
+        if endian != Endian::NATIVE {
+            swap_bytes_of(bytes, sample_type.size());
+        }
+        Ok(())
+    }
+
+    fn reads_regions(&self) -> bool {
+        true
+    }
+
+    fn identity(&self) -> SourceIdentity {
+        self.identity.clone()
+    }
+}
