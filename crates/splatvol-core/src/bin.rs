@@ -51,6 +51,11 @@ impl TileGrid {
         self.len() == 0
     }
 
+    /// Columns and rows of the picture's pixels.
+    pub fn size(&self) -> [usize; 2] {
+        [self.size.width(), self.size.height()].map(|side| side as usize)
+    }
+
     /// Pixels of a tile.
     pub fn rect(&self, tile: usize) -> TileRect {
         let (x0, y0) = (tile % self.columns * self.edge, tile / self.columns * self.edge);

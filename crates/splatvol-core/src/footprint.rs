@@ -28,6 +28,18 @@ pub struct FootprintShape {
 }
 
 impl FootprintShape {
+    /// Standard deviation in depth along a ray that moves by so much across per depth, world length: what decides how fine a
+    /// field can be along it. Of a long ellipsoid that is tilted it is less than [`Self::depth_sigma`].
+    pub fn ray_sigma(&self, ray: DVec2) -> f64 {
+        let [xx, xy, yy] = self.lateral_covariance;
+        let DVec2 { x, y } = ray - self.lateral_slope;
+        let determinant = xx * yy - xy * xy;
+        let of_slope = (x * x * yy - 2.0 * x * y * xy + y * y * xx) / determinant;
+        (1.0 / (self.depth_sigma * self.depth_sigma) + of_slope)
+            .sqrt()
+            .recip()
+    }
+
     /// Factorises a camera-space covariance.
     pub fn new(covariance: DMat3) -> Self {
         let depth_variance = covariance.z_axis.z;
@@ -54,6 +66,25 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+
+    #[test]
+    fn rays_are_as_long_as_the_inverse_covariance_says() {
+        let m = DMat3::from_cols(
+            DVec3::new(1.0, 0.2, -0.4),
+            DVec3::new(0.1, 0.7, 0.3),
+            DVec3::new(2.0, -1.0, 3.0),
+        );
+        let covariance = m * m.transpose();
+        let expected = covariance.inverse().z_axis.z.powf(-0.5);
+        let shape = FootprintShape::new(covariance);
+        assert!((shape.ray_sigma(DVec2::ZERO) / expected - 1.0).abs() < 1e-12);
+        let ray = DVec2::new(0.3, -0.2);
+        let along = ray.extend(1.0);
+        let expected = along.dot(covariance.inverse() * along).powf(-0.5);
+        assert!((shape.ray_sigma(ray) / expected - 1.0).abs() < 1e-12);
+        let steepest = shape.ray_sigma(shape.lateral_slope);
+        assert!((steepest / shape.depth_sigma - 1.0).abs() < 1e-12);
+    }
 
     #[test]
     fn a_shape_has_the_covariance_that_it_is_made_of() {

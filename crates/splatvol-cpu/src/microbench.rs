@@ -3,6 +3,7 @@
 use fearless_simd::{Level, Simd, dispatch};
 use splatvol_core::plan::{SplatConstants, blocks_of};
 
+use crate::sheets::needed::Footprints;
 use crate::sheets::ring::{Block, PITCH, Row};
 use crate::sheets::sheet::{GroupShape, Lanes16};
 use crate::sheets::splat::{self, Coefficient, Powers, Records, Stencil};
@@ -105,7 +106,15 @@ impl FourSheets {
             ellipses,
         } = self;
         let footprint = (*blocks, *ellipses);
-        stencil.prepare(simd, shape, *blocks, *ellipses);
+        let square = Footprints {
+            anchor: 0.0,
+            scale: 1.0,
+            slope: constants.slope,
+            farthest: [0.0; 2],
+            cut: f32::INFINITY,
+            size: *blocks,
+        };
+        stencil.prepare(simd, shape, &square, *ellipses);
         let records = (&**records, Coefficient);
         let rings = &mut [rows.as_mut_slice()];
         splat::splat_sized(

@@ -16,11 +16,28 @@ const DRAWN: f32 = 1.88;
 /// as blocks begin at even points, and a quarter for rounding.
 const OFF_CENTRE: f32 = 0.75;
 
+/// Room for the footprints of a voxel's sheets, around that of its middle sheet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Room {
+    /// Along x and y, world length.
+    pub around: [f32; 2],
+    /// Relative to all this.
+    pub factor: f32,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            around: [0.0; 2],
+            factor: 1.0,
+        }
+    }
+}
+
 /// Reach of a voxel's footprints around that of its middle sheet, raster points.
-pub fn room_of(shape: &SheetShape, cut: f32, [spread, factor]: [f32; 2]) -> [f32; 2] {
-    shape
-        .half_extent(cut)
-        .map(|half| (half + spread * shape.scale) * factor)
+pub fn room_of(shape: &SheetShape, cut: f32, room: &Room) -> [f32; 2] {
+    let half = shape.half_extent(cut);
+    std::array::from_fn(|axis| (half[axis] + room.around[axis] * shape.scale) * room.factor)
 }
 
 /// Blocks along the edge of footprints with the given reach, raster points.

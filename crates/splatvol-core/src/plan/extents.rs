@@ -8,6 +8,7 @@
 use glam::DVec2;
 use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
+use super::blocks::Room;
 use super::raster::{Raster, SheetShape};
 
 /// Limits of the standard deviation of footprints, raster points, and their cut.
@@ -78,6 +79,8 @@ pub(super) const STEEP: f64 = 0.75;
 const TOO_STEEP: f64 = 1.25;
 /// Reaches of a voxel within which its sheets differ much in scale.
 pub(super) const NEAR: f64 = 4.0;
+/// Standard deviations of a footprint by which those of a voxel's farthest sheets, which weigh little, may lie beside the others.
+const SPARED: f64 = 2.5;
 /// Width below which footprints without a low-pass fall between raster points.
 const LEAST_UNFILTERED: f64 = 0.4;
 
@@ -98,6 +101,11 @@ pub(super) struct Extents {
     pub along_rays: bool,
     /// Reach of a voxel in depth, world length.
     pub reach: f64,
+    /// Displacement of a voxel's footprints on its nearest and farthest sheets from the middle of all, by the kernel's slope,
+    /// world length along x and y.
+    pub shear: [f64; 2],
+    /// Distance in depth of these sheets from the middle of all, world length.
+    pub between: f64,
 }
 
 /// Low-pass of a filter: variance, pixels squared, and whether footprints are only widened to it.
@@ -146,15 +154,51 @@ impl Extents {
         !self.along_rays && self.steepest > TOO_STEEP
     }
 
-    /// Room for the footprints of a voxel's sheets: half the distance between footprints on neighbouring sheets,
-    /// world length, for rays that are not steep, and a factor.
-    pub(super) fn room_of_footprints(&self, spacing: f64) -> [f32; 2] {
-        let steepest = if self.along_rays {
-            self.steepest
-        } else {
-            self.steepest.min(STEEP)
+    /// Room for the footprints of a voxel's sheets: half the distance between footprints on neighbouring sheets for rays
+    /// that are not steep, the kernel's slope, and a factor.
+    pub(super) fn room_of_footprints(&self, spacing: f64) -> Room {
+        let of_rays = match self.room_of_deep_voxels() {
+            Some(room) => room,
+            None if self.along_rays => 0.5 * self.steepest * spacing,
+            None => 0.5 * self.steepest.min(STEEP) * spacing,
         };
-        [(0.5 * steepest * spacing) as f32, self.room() as f32]
+        Room {
+            around: self.shear.map(|shear| (of_rays + shear) as f32),
+            factor: self.room() as f32,
+        }
+    }
+
+    /// Room for the distance of footprints on a voxel's sheets along rays, world length, where that is more than footprints
+    /// can spare: where voxels are much deeper than wide.
+    fn room_of_deep_voxels(&self) -> Option<f64> {
+        let apart = self.steepest.min(STEEP) * self.between;
+        let spared = SPARED * self.variances[0].sqrt();
+        (apart > spared).then_some(apart)
+    }
+
+    /// Room for long voxels alone.
+    pub(super) fn room_of_long_voxels(&self) -> Room {
+        let of_rays = self.room_of_deep_voxels().unwrap_or(0.0);
+        Room {
+            around: self.shear.map(|shear| (of_rays + shear) as f32),
+            factor: 1.0,
+        }
+    }
+
+    /// Whether footprints are so long that a raster for their length is too coarse for their width.
+    pub(super) fn are_elongated(&self) -> bool {
+        let [least, most] = self.variances;
+        let Widths {
+            comfortable,
+            narrowest_in_zones,
+            ..
+        } = self.widths;
+        !self.along_rays && (most / least).sqrt() > comfortable / narrowest_in_zones
+    }
+
+    /// Whether footprints of a voxel's sheets lie beside each other, so that blocks must hold them whole.
+    pub(super) fn are_long(&self) -> bool {
+        self.shear.iter().any(|&shear| shear > 0.0) || self.room_of_deep_voxels().is_some()
     }
 
     /// Displacement of footprints' centres within a voxel's sheets along a ray of a slope, world length.
@@ -267,15 +311,25 @@ pub(super) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> b
 
 /// Whether the powers of ellipses, counted from the middle block, fit f32; those of long and thin ones on a fine
 /// raster may not.
-pub(super) fn powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> bool {
+pub(super) fn powers_fit(shape: &SheetShape, blocks: f32, (drift, shear): (f32, [f64; 2])) -> bool {
     let offset = largest_offset(shape.scale, drift);
-    2.0 * steepest_exponent(shape) * offset * offset.max(blocks) < LARGEST_EXPONENT
+    let farthest = offset.max(blocks) + length(shear) * shape.scale;
+    2.0 * steepest_exponent(shape) * offset * farthest < LARGEST_EXPONENT
 }
 
 /// Whether the powers fit for all ellipses between the nearest, of so many blocks, and the narrowest of a frame.
-pub(super) fn powers_fit_between([near, narrowest]: [&SheetShape; 2], drift: f32, blocks: f32) -> bool {
+pub(super) fn powers_fit_between(
+    [near, narrowest]: [&SheetShape; 2],
+    blocks: f32,
+    (drift, shear): (f32, [f64; 2]),
+) -> bool {
     let offset = largest_offset(near.scale, drift);
-    2.0 * steepest_exponent(narrowest) * offset * blocks < LARGEST_EXPONENT
+    let farthest = blocks + length(shear) * near.scale;
+    2.0 * steepest_exponent(narrowest) * offset * farthest < LARGEST_EXPONENT
+}
+
+fn length([x, y]: [f64; 2]) -> f32 {
+    libm::hypot(x, y) as f32
 }
 
 fn steepest_exponent(shape: &SheetShape) -> f32 {

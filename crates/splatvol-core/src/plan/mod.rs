@@ -2,7 +2,7 @@
 //!
 //! | module | from | to |
 //! |---|---|---|
-//! | `view` | kernel, grid and camera | planes, and the kernel as the camera sees it |
+//! | `view`, `distance` | kernel, grid and camera | planes, and the kernel as the camera sees it |
 //! | `extents`, `zones` | planes | runs of sheets with one raster each |
 //! | `raster`, `blocks` | a sheet | its footprint, and how far it reaches |
 //! | `ray_shapes` | a ray | the footprint of a voxel that is integrated along it |
@@ -16,6 +16,7 @@
 //! tiles or memory.
 
 mod blocks;
+mod distance;
 mod extents;
 mod order;
 mod project;
@@ -32,7 +33,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use splatvol_scene::{ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
-pub use blocks::{MAX_BLOCKS, SIZES, blocks_of, room_of};
+pub use blocks::{MAX_BLOCKS, Room, SIZES, blocks_of, room_of};
 pub use extents::low_pass;
 pub use order::DepthOrder;
 pub use raster::{Raster, SheetShape, half_extent};
@@ -126,8 +127,8 @@ pub struct FramePlan {
     pub groups: usize,
     /// Reach of a voxel in depth, world length.
     pub reach: f32,
-    /// Room for footprints of neighbouring sheets: a world length, and a factor.
-    pub room: [f32; 2],
+    /// Room for footprints of neighbouring sheets.
+    pub room: Room,
     /// The voxels of a brick by depth.
     pub order: DepthOrder,
     /// First voxel of each brick, camera space, world length.
@@ -147,7 +148,7 @@ impl Default for FramePlan {
             termination: 0.0,
             groups: 1,
             reach: 0.0,
-            room: [0.0, 1.0],
+            room: Room::default(),
             order: DepthOrder::default(),
             corners: Vec::new(),
             longest_first: Vec::new(),

@@ -3,11 +3,12 @@
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Camera, Gradient, Grid, RenderSettings, SheetSettings};
 
+use super::distance::{finer_rays, finer_sheets, thinner_where_steep, whole_groups};
 use super::extents::{Extents, STEEP, Widths, low_pass, steepest, variances};
 use super::raster::SheetShape;
 use super::ray_shapes::{NEARLY_ROUND, RayShapes};
 use super::zones::{Cutting, GridKernel, Sheets};
-use super::{GROUP, Rays};
+use super::{GROUP, Rays, Room};
 use crate::footprint::FootprintShape;
 use crate::kernel::GaussianKernel;
 use crate::normal::mass_within;
@@ -16,9 +17,6 @@ use crate::sheets::Planes;
 /// Cut of kernels in depth for analytic gradients, standard deviations: there, voxels that appear and vanish by
 /// rounding matter.
 const DEPTH_CUT_EXACT: f64 = 4.7;
-
-/// Share of a group of sheets by which a kernel may meet more than a whole number of groups: rounding, not a sheet.
-const WHOLE: f64 = 1e-9;
 
 /// Sampling of voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,13 +84,24 @@ impl GridView {
                 Some(spacing) => spacing / per_voxel,
                 None => settings.method.thickness * thinner_where_steep(steepest),
             };
-            let groups = (2.0 * kernel.radius / thickness / GROUP as f64 - WHOLE).ceil();
-            (spacing.unwrap_or(thickness * per_voxel), groups as usize)
+            let groups = 2.0 * kernel.radius / thickness / GROUP as f64;
+            match spacing {
+                Some(spacing) => (spacing, whole_groups(groups)),
+                None => {
+                    let (finer, groups) = finer_sheets(groups, finer_rays(&shape, &screen, settings.size));
+                    (thickness * per_voxel / finer, groups)
+                }
+            }
         };
         let ray_shapes = RayShapes {
             shape,
             screen,
             cell_volume: grid.cell_volume(),
+        };
+        let between = if along_rays {
+            0.0
+        } else {
+            0.5 * (groups * GROUP - 1) as f64 * spacing
         };
         let (shape, covariances, round) = if along_rays {
             let (bounding, covariances) = ray_shapes.over(settings.size);
@@ -114,6 +123,8 @@ impl GridView {
                 steepest,
                 along_rays,
                 reach,
+                shear: (shape.lateral_slope.abs() * between).to_array(),
+                between,
             },
             reach,
             groups,
@@ -158,17 +169,6 @@ fn slabs_per_voxel(settings: &RenderSettings<SheetSettings>) -> f64 {
 /// Depth at which X-rays in perspective begin, voxels.
 const XRAY_FROM: f64 = 0.5;
 
-/// Thickness of sheets relative to the settings: rays of slope t meet planes `sqrt(1 + t^2)` times as far apart,
-/// which is compensated beyond a slope of [`THINNER_FROM`].
-fn thinner_where_steep(steepest: f64) -> f64 {
-    let along = |slope: f64| (1.0 + slope * slope).sqrt();
-    (along(THINNER_FROM) / along(steepest)).min(1.0)
-}
-
-/// Tangent of the angle between ray and axis, 45 degrees, up to which sheets have the settings' thickness along the
-/// axis.
-const THINNER_FROM: f64 = 1.0;
-
 /// Whether footprints are circles, and each sheet's lie behind each other.
 fn is_round(shape: &FootprintShape) -> bool {
     let [xx, xy, yy] = shape.lateral_covariance;
@@ -187,8 +187,8 @@ impl GridView {
         self.groups
     }
 
-    /// Room for footprints of neighbouring sheets: a world length, and a factor.
-    pub fn room(&self) -> [f32; 2] {
+    /// Room for footprints of neighbouring sheets.
+    pub fn room(&self) -> Room {
         self.extents.room_of_footprints(self.sheets.planes.spacing)
     }
 

@@ -70,7 +70,7 @@ impl ZonePlan {
             planes, raster, cut, ..
         } = *zone;
         let room = view.room();
-        let half_extent = room_of(&self.sheets[zone.first_made], cut as f32, room);
+        let half_extent = room_of(&self.sheets[zone.first_made], cut as f32, &room);
         BrickProjection {
             camera_from_lattice: view.camera_from_lattice(),
             screen,

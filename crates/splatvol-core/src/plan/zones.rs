@@ -175,7 +175,7 @@ impl Cutting<'_> {
             // The raster that reproduces the narrowest footprints of two intervals.
             let [_, last] = sheets.made(extents, &(from..(from + 2).min(end)));
             let coarsest = extents.coarsest(sheets.depth(extents, last));
-            let (finest, comfortable) = if extents.widths.is_exact {
+            let (finest, comfortable) = if extents.widths.is_exact || extents.are_elongated() {
                 // Footprints of any size, rather than widened ones.
                 (finest.min(coarsest), comfortable.min(coarsest))
             } else if near || extents.is_too_steep() {
@@ -306,14 +306,23 @@ impl Cutting<'_> {
         let shape = |own, depth| SheetShape::new(own, &extents.screen, raster, depth);
         let near = shape(&kernels.shape, ends[0]);
         let far = shape(&self.narrowest(), ends[1]);
-        let blocks = blocks_of(near.half_extent(self.footprint_cut(raster) as f32)) as f32;
+        let reach = room_of(
+            &near,
+            self.footprint_cut(raster) as f32,
+            &extents.room_of_long_voxels(),
+        );
+        if extents.are_long() && !fit_blocks(reach) {
+            return None;
+        }
+        let blocks = blocks_of(reach) as f32;
         let drift = extents.drift(extents.steepest);
         if kernels.round {
             // Footprints that are cut later have larger powers.
-            let fit = !extents.widths.is_exact || round_powers_fit(&far, blocks, drift);
+            let may_fail = extents.widths.is_exact || extents.are_long();
+            let fit = !may_fail || round_powers_fit(&far, blocks, drift);
             return fit.then_some(Evaluation::Round);
         }
-        powers_fit_between([&near, &far], drift, blocks).then_some(Evaluation::Ellipses)
+        powers_fit_between([&near, &far], blocks, (drift, extents.shear)).then_some(Evaluation::Ellipses)
     }
 
     /// The footprints with the steepest powers.
@@ -360,16 +369,17 @@ impl Cutting<'_> {
                     depths[0] + share * share * (depths[1] - depths[0])
                 });
                 let widest = shape(&kernels.shape, (near - before_last).max(depths[0]));
-                let reach = room_of(&widest, zone.cut as f32, room);
+                let reach = room_of(&widest, zone.cut as f32, &room);
                 let blocks = blocks_of(reach) as f32;
                 let own = shape(&narrowest, far);
-                (!extents.widths.is_exact || fit_blocks(reach))
+                let is_whole = extents.widths.is_exact || extents.are_long() || extents.are_elongated();
+                (!is_whole || fit_blocks(reach))
                     && fits(&own, blocks, extents.drift_of_footprints(&own, blocks))
             })
         };
         let footprints = if kernels.round && all(&round_powers_fit) {
             Evaluation::Round
-        } else if all(&powers_fit) {
+        } else if all(&|own, blocks, drift| powers_fit(own, blocks, (drift, extents.shear))) {
             Evaluation::Ellipses
         } else {
             Evaluation::Direct

@@ -4,8 +4,8 @@ use glam::{DAffine3, DVec3};
 use splatvol_core::bin::TileLists;
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{
-    Bricks, DepthOrder, Evaluation, FramePlan, GridView, Rays, SheetShape, SplatConstants, Zone, ZonePlan,
-    room_of,
+    Bricks, DepthOrder, Evaluation, FramePlan, GridView, Rays, Room, SheetShape, SplatConstants, Zone,
+    ZonePlan, room_of,
 };
 use splatvol_core::sheets::Planes;
 use splatvol_scene::{RenderSettings, SheetSettings};
@@ -13,6 +13,7 @@ use splatvol_scene::{RenderSettings, SheetSettings};
 use super::analytic::{AnalyticField, Sums};
 use super::eye::Eye;
 use super::lattice_weights::LatticeWeights;
+use super::ring::BLOCK_EDGE;
 use super::shade::PlaneShader;
 use crate::phong::Phong;
 use splatvol_core::border::Border;
@@ -78,6 +79,7 @@ impl<'a> ZonedFrame<'a> {
             room: plan.room,
             ellipses: zone.footprints != Evaluation::Round,
             groups: plan.groups,
+            size: plan.tiles.size(),
         })
     }
 }
@@ -103,22 +105,42 @@ pub(crate) struct SheetFrame<'a> {
     pub depth_reach: f32,
     /// Standard deviations at which footprints are cut.
     pub cut: f32,
-    /// Room for footprints of neighbouring sheets: a world length, and a factor.
-    pub room: [f32; 2],
+    /// Room for footprints of neighbouring sheets.
+    pub room: Room,
     /// Whether powers count from the middle block.
     pub ellipses: bool,
     pub groups: usize,
+    /// The picture's pixels along x and y.
+    pub size: [usize; 2],
 }
 
 impl SheetFrame<'_> {
+    /// Largest distance of footprints of so many blocks from the principal point, raster points.
+    pub(crate) fn farthest(&self, blocks: usize) -> [f32; 2] {
+        [0, 1].map(|axis| {
+            let principal = self.constants.principal[axis];
+            let points = self.size[axis] as f32 / self.step as f32;
+            principal.max(points - principal) + (BLOCK_EDGE * (blocks + 1)) as f32
+        })
+    }
+
     /// Image coordinates of the principal point, from the middle of the picture's first pixel.
     pub(crate) fn principal(&self) -> [f32; 2] {
         self.rays.principal.map(|at| at - 0.5)
     }
 
+    /// Depth at which the square of blocks of a voxel's footprints lies around its centre, given the sheet behind the middle of
+    /// those that it meets. Round footprints lie behind each other.
+    pub(crate) fn anchor(&self, shape: &SheetShape) -> f32 {
+        match self.ellipses {
+            true => shape.depth - 0.5 * self.stack.spacing as f32,
+            false => shape.depth,
+        }
+    }
+
     /// Half extent of footprints on a sheet, raster points.
     pub(crate) fn half_extent(&self, shape: &SheetShape) -> [f32; 2] {
-        room_of(shape, self.cut, self.room)
+        room_of(shape, self.cut, &self.room)
     }
 }
 

@@ -116,6 +116,9 @@ impl Payload<4> for Moments {
             let along_y = &mut along_y[r].0[columns.clone()];
             let along_z = &mut along_z[r].0[columns.clone()];
             for c in 0..SIZE {
+                if voxel.stencil.needed.lacks::<SIZE, ELLIPSES>(r, c) {
+                    continue;
+                }
                 let [value, moment, in_depth] = if ELLIPSES {
                     let stencil = load(simd, &voxel.stencil.blocks[r][c]);
                     [

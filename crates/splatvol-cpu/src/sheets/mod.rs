@@ -5,7 +5,7 @@
 //! | level | [`splatvol_core::level`] | the volume, or a half of it that suits the picture's scale, with the data that a transfer function needs |
 //! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
 //! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
-//! | splat | `splat`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
+//! | splat | `splat`, `needed`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
 //! | | `cloud` | or kernels of their own shapes: points, Gaussians, samples of meshes |
 //! | take | `plane`, `upsample` | a finished sheet out of the ring, to pixels |
 //! | | `eye` | the planes at the eye, which have no scale, where it is within the volume |
@@ -53,6 +53,7 @@ pub(crate) mod layer;
 pub(crate) mod layers;
 pub(crate) mod mask;
 pub(crate) mod mode;
+pub(crate) mod needed;
 pub(crate) mod operated;
 pub(crate) mod pixel;
 pub(crate) mod place;

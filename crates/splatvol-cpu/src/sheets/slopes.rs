@@ -137,6 +137,9 @@ impl Payload<2> for Slopes {
             let values = &mut values[r].0[columns.clone()];
             let along = &mut along[r].0[columns.clone()];
             for c in 0..SIZE {
+                if voxel.stencil.needed.lacks::<SIZE, ELLIPSES>(r, c) {
+                    continue;
+                }
                 let mut value = across[c] * down[r];
                 let mut rise = rising[c] * down[r] + across[c] * falling[r];
                 if ELLIPSES {

@@ -17,6 +17,7 @@
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
 
+use super::needed::{Footprints, Needed};
 use super::ring::{Area, Block, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
 use crate::simd::math::{exp2, exp2_quick};
@@ -115,6 +116,10 @@ pub(crate) struct Stencil {
     pub blocks: [[Lanes16; MAX_BLOCKS]; MAX_BLOCKS],
     columns: [Lanes16; MAX_BLOCKS],
     rows: [Lanes16; MAX_BLOCKS],
+    /// The blocks that are added.
+    pub needed: Needed,
+    /// Depth at which the square of blocks lies around the voxel's centre.
+    anchor: f32,
 }
 
 impl Default for Stencil {
@@ -124,6 +129,8 @@ impl Default for Stencil {
             blocks: [row; MAX_BLOCKS],
             columns: row,
             rows: row,
+            needed: Needed::default(),
+            anchor: 0.0,
         }
     }
 }
@@ -147,32 +154,59 @@ const LEAST: f32 = -126.0;
 impl Stencil {
     /// Stencil of a slab's footprints of `size` blocks.
     #[inline(always)]
-    pub(crate) fn prepare<S: Simd>(&mut self, simd: S, shape: &GroupShape, size: usize, ellipses: bool) {
+    pub(crate) fn prepare<S: Simd>(
+        &mut self,
+        simd: S,
+        shape: &GroupShape,
+        footprints: &Footprints,
+        ellipses: bool,
+    ) {
+        let size = footprints.size;
+        self.anchor = footprints.anchor;
+        self.needed = match ellipses {
+            true => Needed::new(shape, footprints),
+            false => Needed::all(size),
+        };
         let (xx, xy, yy) = (
             load(simd, &shape.xx),
             load(simd, &shape.xy),
             load(simd, &shape.yy),
         );
+        if !ellipses {
+            for n in 0..size {
+                let j = f32x16::from_slice(simd, &ROW) + (2 * n) as f32;
+                exp2(simd, yy * j * j).store_slice(&mut self.rows[n].0);
+                let i = f32x16::from_slice(simd, &COLUMN) + (2 * n) as f32;
+                exp2(simd, xx * i * i).store_slice(&mut self.columns[n].0);
+            }
+            return;
+        }
         let middle = origin_block(size, ellipses) as f32 * 2.0;
+        let [shift_x, shift_y] = shifts(simd, shape, (footprints.anchor, footprints.slope));
         for row in 0..size {
-            let j = f32x16::from_slice(simd, &ROW) + (2 * row) as f32 - middle;
-            exp2(simd, yy * j * j).store_slice(&mut self.rows[row].0);
-            let i = f32x16::from_slice(simd, &COLUMN) + (2 * row) as f32 - middle;
-            exp2(simd, xx * i * i).store_slice(&mut self.columns[row].0);
-            if ellipses {
-                for column in 0..size {
-                    let i = f32x16::from_slice(simd, &COLUMN) + (2 * column) as f32 - middle;
-                    let exponent = xx * i * i + xy * i * j + yy * j * j;
-                    // Zero, not the least number, where it is less: powers of elongated footprints would show the
-                    // difference.
-                    exponent
-                        .simd_gt(f32x16::splat(simd, LEAST))
-                        .select(exp2(simd, exponent), f32x16::splat(simd, 0.0))
-                        .store_slice(&mut self.blocks[row][column].0);
+            let j = f32x16::from_slice(simd, &ROW) + (2 * row) as f32 - middle - shift_y;
+            for column in 0..size {
+                if !self.needed.has(row, column) {
+                    continue;
                 }
+                let i = f32x16::from_slice(simd, &COLUMN) + (2 * column) as f32 - middle - shift_x;
+                let exponent = xx * i * i + xy * i * j + yy * j * j;
+                // Zero, not the least number, where it is less: powers of elongated footprints would show the
+                // difference.
+                exponent
+                    .simd_gt(f32x16::splat(simd, LEAST))
+                    .select(exp2(simd, exponent), f32x16::splat(simd, 0.0))
+                    .store_slice(&mut self.blocks[row][column].0);
             }
         }
     }
+}
+
+/// Raster points by which a group's footprints lie beside the one at a depth, along the kernel's slope.
+#[inline(always)]
+fn shifts<S: Simd>(simd: S, shape: &GroupShape, (anchor, slope): (f32, [f32; 2])) -> [f32x16<S>; 2] {
+    let apart = (load(simd, &shape.depth) - anchor) * load(simd, &shape.scale);
+    slope.map(|slope| apart * slope)
 }
 
 /// The block of a footprint with the raster point from which i and j count.
@@ -303,7 +337,12 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
     let mut first = 0;
     while first < total {
         let count = (total - first).min(BATCH);
-        exponents::<S, ELLIPSES>(simd, constants, shape, (records, first, count), powers);
+        exponents::<S, ELLIPSES>(
+            simd,
+            (constants, shape, stencil.anchor),
+            (records, first, count),
+            powers,
+        );
         for lanes in &mut powers.0[..count] {
             exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
         }
@@ -358,8 +397,7 @@ pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
 #[inline(always)]
 fn exponents<S: Simd, const ELLIPSES: bool>(
     simd: S,
-    constants: &SplatConstants,
-    shape: &GroupShape,
+    (constants, shape, anchor): (&SplatConstants, &GroupShape, f32),
     (records, first, count): (&Records, usize, usize),
     powers: &mut Powers,
 ) {
@@ -378,22 +416,29 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
     let cross = last.select(zero, upper.select(xy, -xy));
     let vertical = (upper & !odd).select(yy, zero);
     let one = f32x16::splat(simd, 1.0);
+    let [shift_x, shift_y] = shifts(simd, shape, (anchor, constants.slope));
+    let of_third = |slope: f32x16<S>| (upper & !odd).select(slope, zero);
+    let slope_x = of_third(xx * shift_x * 2.0 + xy * shift_y);
+    let slope_y = of_third(yy * shift_y * 2.0 + xy * shift_x);
     for n in 0..count {
         let record = first + n;
         let dz = depth - records.z[record];
         let (mut x, mut y) = (scale * records.x[record], scale * records.y[record]);
         if ELLIPSES {
-            x = (dz * constants.slope[0] + records.x[record]) * scale;
-            y = (dz * constants.slope[1] + records.y[record]) * scale;
+            let dz = anchor - records.z[record];
+            x = scale * (dz * constants.slope[0] + records.x[record]);
+            y = scale * (dz * constants.slope[1] + records.y[record]);
         }
         let (u, v) = (x + records.origin_x[record], y + records.origin_y[record]);
         let own = last.select(dz, second.select(v, u));
         let again = upper.select(own, one);
         let mut linear = own * factor;
+        let mut rest = v * v * vertical;
         if ELLIPSES {
-            linear += second.select(u, v) * cross;
+            linear += second.select(u, v) * cross + slope_x;
+            rest += v * slope_y;
         }
-        (linear * again + v * v * vertical).store_slice(&mut powers.0[n].0);
+        (linear * again + rest).store_slice(&mut powers.0[n].0);
     }
 }
 
@@ -520,6 +565,9 @@ fn add_product<S: Simd, const SIZE: usize, const ELLIPSES: bool>(
     for r in 0..SIZE {
         let line = &mut blocks[r].0[first..first + SIZE];
         for c in 0..SIZE {
+            if stencil.needed.lacks::<SIZE, ELLIPSES>(r, c) {
+                continue;
+            }
             let weights = if ELLIPSES {
                 across[c] * load(simd, &stencil.blocks[r][c])
             } else {

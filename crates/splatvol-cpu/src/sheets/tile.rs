@@ -16,6 +16,7 @@ use super::frame::SheetFrame;
 use super::holes::Holes;
 use super::mask::OpenMask;
 use super::mode::Mode;
+use super::needed::Footprints;
 use super::operated::Faces;
 use super::place::Place;
 use super::plane::{HALO, Plane};
@@ -213,7 +214,7 @@ pub(crate) fn lattice_window(
         blocks,
         origin: (BLOCK_EDGE * origin_block(blocks, frame.ellipses)) as f32,
         depths,
-        depth: shape.depth,
+        depth: frame.anchor(shape),
         scale: shape.scale,
         low: first.map(|first| first - needed),
         high: [
@@ -308,10 +309,19 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     let start = Instant::now();
     mode.prepare(simd, (frame, sheet, !*prepared), scratch);
     if !std::mem::replace(prepared, true) {
+        let middle = mode.shape(frame, place, sheet);
+        let footprints = Footprints {
+            anchor: frame.anchor(&middle),
+            scale: middle.scale,
+            slope: frame.constants.slope,
+            farthest: frame.farthest(size),
+            cut: frame.cut,
+            size,
+        };
         for (group, (shape, stencil)) in scratch.groups.iter_mut().zip(&mut scratch.stencils).enumerate() {
             *shape = mode.group(frame, place, sheet, group);
             if frame.zone.footprints != Evaluation::Direct {
-                stencil.prepare(simd, shape, size, frame.ellipses);
+                stencil.prepare(simd, shape, &footprints, frame.ellipses);
             }
         }
     }
@@ -328,7 +338,10 @@ fn flush<S: Simd, M: Mode<N>, const N: usize>(
     } = scratch;
     work.voxels += records.len as u64;
     if frame.zone.footprints != Evaluation::Direct {
-        work.splatted_vectors += (records.len * size * size * frame.groups * N) as u64;
+        let needed = stencils[..frame.groups]
+            .iter()
+            .map(|stencil| stencil.needed.count());
+        work.splatted_vectors += (records.len * N * needed.sum::<usize>()) as u64;
     }
     let any_missing = mode.has_holes() && records.part(&mut holes.records);
     let sheets = OpenSheets {

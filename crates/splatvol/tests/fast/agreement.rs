@@ -4,8 +4,8 @@
 //! Pictures have 256 x 256 pixels; the reference integrates every fourth along both axes.
 
 use splatvol::{
-    ColorPoint, Filter, FlatSettings, Image, ImageSize, OpacityPoint, Projection, RenderSettings, Scene,
-    TransferFunction,
+    Camera, ColorPoint, Filter, FlatSettings, Image, ImageSize, OpacityPoint, Projection, RenderSettings,
+    Scene, TransferFunction,
 };
 use splatvol_reference::{ReferenceSettings, render_pixels};
 use splatvol_samples::{Sample, SampleSize};
@@ -75,16 +75,20 @@ fn scenes() -> Vec<(&'static str, Scene, Demands)> {
 
 /// Engine and reference on the same lattice of pixels.
 pub(crate) fn pictures(scene: &Scene, projection: Projection, settings: &RenderSettings) -> (Image, Image) {
-    let camera = framing(scene, projection, 1.0, 1.0);
+    pictures_from(scene, &framing(scene, projection, 1.0, 1.0), settings)
+}
+
+/// The same from a camera.
+pub(crate) fn pictures_from(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> (Image, Image) {
     let side = (PIXELS - STRIDE / 2).div_ceil(STRIDE);
     let along = || (0..side).map(|i| STRIDE / 2 + i * STRIDE);
     let pixels: Vec<(u32, u32)> = along().flat_map(|y| along().map(move |x| (x, y))).collect();
-    let frame = render(scene, &camera, settings);
+    let frame = render(scene, camera, settings);
     let options = ReferenceSettings {
         tolerance: 1e-4,
         ..ReferenceSettings::default()
     };
-    let exact = render_pixels(scene, &camera, settings, &options, &pixels).unwrap();
+    let exact = render_pixels(scene, camera, settings, &options, &pixels).unwrap();
     let size = ImageSize::new(side, side).unwrap();
     let found = pixels
         .iter()

@@ -4,6 +4,7 @@ use splatvol::{Camera, EngineConfig, Frame, Projection, RenderSettings, Renderer
 use splatvol_samples::Sample;
 
 use crate::common::PROJECTIONS;
+use crate::slices::{slices, tilted};
 use crate::support::{bits, fast, framing, generated, name_of, noise, opaque, rendered};
 
 struct View {
@@ -34,6 +35,14 @@ fn views() -> Vec<View> {
                 }
             }
         }
+    }
+    for (angle, is_perspective) in [(30.0, true), (55.0, false)] {
+        let scene = slices(7.0);
+        views.push(View {
+            name: format!("slices-{angle}"),
+            camera: tilted(&scene, angle, is_perspective),
+            scene,
+        });
     }
     views
 }

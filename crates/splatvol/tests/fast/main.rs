@@ -16,6 +16,7 @@ mod fly;
 mod holes;
 mod laws;
 mod modes;
+mod slices;
 mod standing;
 mod state;
 mod support;
