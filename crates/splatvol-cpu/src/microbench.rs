@@ -63,11 +63,11 @@ impl FourSheets {
         records.len = x.len().min(y.len()).min(splat::CAPACITY);
         for (n, (x, y)) in x.iter().zip(y).take(records.len).enumerate() {
             let first = |centre: f32| (centre.floor() as usize + apron) / 2 - blocks / 2;
-            let origin = |centre: f32| 2 * (first(centre) + splat::origin_block(blocks, ellipses));
+            let origin = |centre: f32| (2 * first(centre)) as f32 + splat::origin_point(blocks, ellipses);
             records.column[n] = first(*x) as u32;
             records.row[n] = first(*y) as u32;
-            records.origin_x[n] = x + apron as f32 - origin(*x) as f32;
-            records.origin_y[n] = y + apron as f32 - origin(*y) as f32;
+            records.origin_x[n] = x + apron as f32 - origin(*x);
+            records.origin_y[n] = y + apron as f32 - origin(*y);
             records.value[n] = 1.0;
         }
         Self {

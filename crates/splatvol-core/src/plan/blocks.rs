@@ -8,6 +8,13 @@ pub const MAX_BLOCKS: usize = 16;
 /// Compiled sizes of footprints: blocks along the edge.
 pub const SIZES: [usize; 10] = [2, 3, 4, 5, 6, 7, 8, 10, 12, MAX_BLOCKS];
 
+/// Least size of ellipses whose blocks are not all added, but those alone in which they weigh more than nothing.
+pub const TRIMMED: usize = 6;
+
+/// Octaves below the kernel's cut at which footprints are nothing. The mass of a Gaussian outside the ellipse of exponent t, to
+/// base 2, is `2^t`: of footprints cut at 3.3 standard deviations 1/2000, less than a step of 8 bits.
+pub const BELOW_CUT: f32 = 3.0;
+
 /// Edge of the drawn square, in reaches of the footprint. Two would hold all of it; the outermost twentieth, less
 /// than a hundredth of the peak, may be left out at an unfavourable position.
 const DRAWN: f32 = 1.88;

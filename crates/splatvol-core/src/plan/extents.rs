@@ -8,7 +8,7 @@
 use glam::DVec2;
 use splatvol_scene::{Filter, Gradient, ImageSize, RenderSettings, ScreenFromCamera, SheetSettings};
 
-use super::blocks::Room;
+use super::blocks::{BELOW_CUT, Room, TRIMMED};
 use super::raster::{Raster, SheetShape};
 
 /// Limits of the standard deviation of footprints, raster points, and their cut.
@@ -81,6 +81,8 @@ const TOO_STEEP: f64 = 1.25;
 pub(super) const NEAR: f64 = 4.0;
 /// Standard deviations of a footprint by which those of a voxel's farthest sheets, which weigh little, may lie beside the others.
 const SPARED: f64 = 2.5;
+/// The same for displacements by the kernel's slope, which all voxels have alike.
+const SPARED_BY_SLOPE: f64 = 0.8;
 /// Width below which footprints without a low-pass fall between raster points.
 const LEAST_UNFILTERED: f64 = 0.4;
 
@@ -104,6 +106,8 @@ pub(super) struct Extents {
     /// Displacement of a voxel's footprints on its nearest and farthest sheets from the middle of all, by the kernel's slope,
     /// world length along x and y.
     pub shear: [f64; 2],
+    /// Whether footprints are circles that lie behind each other.
+    pub is_round: bool,
     /// Distance in depth of these sheets from the middle of all, world length.
     pub between: f64,
 }
@@ -163,7 +167,7 @@ impl Extents {
             None => 0.5 * self.steepest.min(STEEP) * spacing,
         };
         Room {
-            around: self.shear.map(|shear| (of_rays + shear) as f32),
+            around: self.shear_to_hold().map(|shear| (of_rays + shear) as f32),
             factor: self.room() as f32,
         }
     }
@@ -176,11 +180,17 @@ impl Extents {
         (apart > spared).then_some(apart)
     }
 
+    /// The displacement by the kernel's slope for which blocks need room.
+    fn shear_to_hold(&self) -> [f64; 2] {
+        let spared = SPARED_BY_SLOPE * self.variances[0].sqrt();
+        self.shear.map(|shear| (shear - spared).max(0.0))
+    }
+
     /// Room for long voxels alone.
     pub(super) fn room_of_long_voxels(&self) -> Room {
         let of_rays = self.room_of_deep_voxels().unwrap_or(0.0);
         Room {
-            around: self.shear.map(|shear| (of_rays + shear) as f32),
+            around: self.shear_to_hold().map(|shear| (of_rays + shear) as f32),
             factor: 1.0,
         }
     }
@@ -198,7 +208,7 @@ impl Extents {
 
     /// Whether footprints of a voxel's sheets lie beside each other, so that blocks must hold them whole.
     pub(super) fn are_long(&self) -> bool {
-        self.shear.iter().any(|&shear| shear > 0.0) || self.room_of_deep_voxels().is_some()
+        self.shear_to_hold().iter().any(|&shear| shear > 0.0) || self.room_of_deep_voxels().is_some()
     }
 
     /// Displacement of footprints' centres within a voxel's sheets along a ray of a slope, world length.
@@ -206,7 +216,9 @@ impl Extents {
         if self.along_rays {
             0.0
         } else {
-            (slope * self.reach) as f32
+            // Ellipses count from the middle of the sheets.
+            let reach = if self.is_round { self.reach } else { self.between };
+            (slope * reach) as f32
         }
     }
 
@@ -309,35 +321,40 @@ pub(super) fn round_powers_fit(shape: &SheetShape, blocks: f32, drift: f32) -> b
     2.0 * steepest * offset * offset.max(2.0 * blocks - 1.0) < LARGEST_EXPONENT
 }
 
-/// Whether the powers of ellipses, counted from the middle block, fit f32; those of long and thin ones on a fine
-/// raster may not.
-pub(super) fn powers_fit(shape: &SheetShape, blocks: f32, (drift, shear): (f32, [f64; 2])) -> bool {
-    let offset = largest_offset(shape.scale, drift);
-    let farthest = offset.max(blocks) + length(shear) * shape.scale;
-    2.0 * steepest_exponent(shape) * offset * farthest < LARGEST_EXPONENT
+/// What the powers of ellipses depend on beside their shape.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ellipses {
+    /// Displacement of centres within a voxel's sheets by rays, and by the kernel's slope along x and y, world length.
+    pub drift: f32,
+    pub shear: [f64; 2],
+    /// Cut of footprints, standard deviations.
+    pub cut: f32,
+    /// Whether they are turned by the ray, each tile's by its own.
+    pub along_rays: bool,
 }
 
-/// Whether the powers fit for all ellipses between the nearest, of so many blocks, and the narrowest of a frame.
-pub(super) fn powers_fit_between(
-    [near, narrowest]: [&SheetShape; 2],
-    blocks: f32,
-    (drift, shear): (f32, [f64; 2]),
-) -> bool {
-    let offset = largest_offset(near.scale, drift);
-    let farthest = blocks + length(shear) * near.scale;
-    2.0 * steepest_exponent(narrowest) * offset * farthest < LARGEST_EXPONENT
-}
-
-fn length([x, y]: [f64; 2]) -> f32 {
-    libm::hypot(x, y) as f32
-}
-
-fn steepest_exponent(shape: &SheetShape) -> f32 {
-    let [xx, xy, yy] = shape.exponent;
-    0.5 * (xx + yy + libm::hypotf(xx - yy, xy))
-}
-
-/// Centres lie up to a point and a half off the middle of their blocks along both axes.
-fn largest_offset(scale: f32, drift: f32) -> f32 {
-    1.5 * std::f32::consts::SQRT_2 + drift * scale
+impl Ellipses {
+    /// Whether the powers, counted from the middle block, fit f32 for all ellipses between the nearest, of so many blocks, and the
+    /// narrowest of a frame; those of long and thin ones on a fine raster may not.
+    pub(super) fn powers_fit(&self, [near, narrowest]: [&SheetShape; 2], blocks: f32) -> bool {
+        let offset = 1.0 + self.drift * near.scale;
+        let [xx, xy, yy] = narrowest.exponent.map(f32::abs);
+        if self.along_rays {
+            let steepest = 0.5 * (xx + yy + libm::hypotf(xx - yy, xy));
+            let offset = std::f32::consts::SQRT_2 * offset;
+            return 2.0 * steepest * offset * blocks < LARGEST_EXPONENT;
+        }
+        let reach = (self.cut * self.cut + 2.0 * BELOW_CUT * std::f32::consts::LN_2).sqrt();
+        let half = near.half_extent(reach);
+        let shifts = self.shear.map(|shear| shear as f32 * near.scale);
+        // Raster points from the origin to the blocks that are needed.
+        let [columns, rows]: [f32; 2] = std::array::from_fn(|axis| match blocks < TRIMMED as f32 {
+            true => blocks + 1.0,
+            false => (half[axis] + shifts[axis] + offset + 3.0).min(blocks + 1.0),
+        });
+        let [across, down] = [xx, yy].map(|own| (2.0 * own + xy) * offset);
+        let apart = across * (shifts[0] + 0.5) + down * (shifts[1] + 0.5);
+        let fits = |exponent: f32| exponent < LARGEST_EXPONENT;
+        fits(across * columns) && fits(down * rows + apart) && fits(apart + (xx + xy + yy) * offset * offset)
+    }
 }

@@ -125,6 +125,7 @@ impl GridView {
                 reach,
                 shear: (shape.lateral_slope.abs() * between).to_array(),
                 between,
+                is_round: round,
             },
             reach,
             groups,

@@ -16,7 +16,7 @@ use glam::DVec3;
 use splatvol_scene::ScreenFromCamera;
 
 use super::blocks::{blocks_of, fit_blocks, room_of};
-use super::extents::{Extents, NEAR, STEEP, powers_fit, powers_fit_between, round_powers_fit};
+use super::extents::{Ellipses, Extents, NEAR, STEEP, round_powers_fit};
 use super::raster::{Raster, SheetShape};
 use crate::footprint::FootprintShape;
 use crate::sheets::Planes;
@@ -322,7 +322,19 @@ impl Cutting<'_> {
             let fit = !may_fail || round_powers_fit(&far, blocks, drift);
             return fit.then_some(Evaluation::Round);
         }
-        powers_fit_between([&near, &far], blocks, (drift, extents.shear)).then_some(Evaluation::Ellipses)
+        let ellipses = self.ellipses(self.footprint_cut(raster), drift);
+        ellipses
+            .powers_fit([&near, &far], blocks)
+            .then_some(Evaluation::Ellipses)
+    }
+
+    fn ellipses(&self, cut: f64, drift: f32) -> Ellipses {
+        Ellipses {
+            drift,
+            shear: self.extents.shear,
+            cut: cut as f32,
+            along_rays: self.extents.along_rays,
+        }
     }
 
     /// The footprints with the steepest powers.
@@ -360,7 +372,7 @@ impl Cutting<'_> {
         } else {
             0.5 * kernels.sheets as f64 * zone.planes.spacing
         };
-        let all = |fits: &dyn Fn(&SheetShape, f32, f32) -> bool| {
+        let all = |fits: &dyn Fn([&SheetShape; 2], f32, f32) -> bool| {
             let probes = if extents.screen.perspective { PROBES } else { 1 };
             (0..probes).all(|i| {
                 let shape = |own, depth| SheetShape::new(own, &extents.screen, &zone.raster, depth);
@@ -374,12 +386,14 @@ impl Cutting<'_> {
                 let own = shape(&narrowest, far);
                 let is_whole = extents.widths.is_exact || extents.are_long() || extents.are_elongated();
                 (!is_whole || fit_blocks(reach))
-                    && fits(&own, blocks, extents.drift_of_footprints(&own, blocks))
+                    && fits([&widest, &own], blocks, extents.drift_of_footprints(&own, blocks))
             })
         };
-        let footprints = if kernels.round && all(&round_powers_fit) {
+        let footprints = if kernels.round
+            && all(&|[_, own], blocks, drift| round_powers_fit(own, blocks, drift))
+        {
             Evaluation::Round
-        } else if all(&|own, blocks, drift| powers_fit(own, blocks, (drift, extents.shear))) {
+        } else if all(&|shapes, blocks, drift| self.ellipses(zone.cut, drift).powers_fit(shapes, blocks)) {
             Evaluation::Ellipses
         } else {
             Evaluation::Direct

@@ -9,7 +9,7 @@
 use fearless_simd::{f32x16, prelude::*};
 
 use super::ring::Row;
-use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_block};
+use super::splat::{COLUMN, Offset, Payload, ROW, Voxel, accumulate, load, origin_point};
 
 /// A voxel's footprints on four sheets about their own centres, for the sums of its derivatives.
 pub(crate) struct Centred<S: Simd> {
@@ -37,7 +37,7 @@ impl<S: Simd, const SIZE: usize> Voxel<'_, S, SIZE> {
         let zero = f32x16::splat(simd, 0.0);
         let profile = self.depth.combine(self.depth);
         let windowed = (profile - self.constants.depth_edge).max(zero);
-        let first = origin_block(SIZE, ELLIPSES) as f32 * 2.0;
+        let first = origin_point(SIZE, ELLIPSES);
         Centred {
             centre: [x, y],
             value: value * windowed,

@@ -3,8 +3,8 @@
 //! A footprint is an ellipse, its blocks are a square: of voxels four times as long as wide more than half of them may
 //! hold nothing. Let `d` be a point's offset from the footprint's centre and `q(d) = xx x^2 + xy x y + yy y^2` its
 //! exponent, negative, to base 2. A block is left out where `q` is below that of the kernel's cut by [`BELOW_CUT`],
-//! at each of its points and wherever the centre lies. The mass of a Gaussian outside the ellipse `q = t` is `2^t`: of
-//! footprints cut at 3.3 standard deviations 1/2000, less than a step of 8 bits.
+//! at each of its points and wherever the centre lies. Of round footprints only corners could be left out, and loops over small
+//! ones have no branches: both are added whole.
 //!
 //! Of all voxels of a slab the same blocks are needed, whatever the tile, so that pixels depend on neither. Where the
 //! centre lies: the square is put around that at the middle of a voxel's sheets, to a block; those on the group's sheets
@@ -12,18 +12,13 @@
 
 use std::f32::consts::LOG2_E;
 
-use splatvol_core::plan::MAX_BLOCKS;
+use splatvol_core::plan::{BELOW_CUT, MAX_BLOCKS, TRIMMED};
 
 use super::ring::LANES;
 use super::sheet::GroupShape;
 
-/// Octaves below the kernel's cut at which footprints are nothing.
-const BELOW_CUT: f32 = 3.0;
 /// Rounding of places, raster points.
 const ROUNDING: f32 = 0.01;
-/// Least size of ellipses whose blocks are not all added: the loop over smaller ones has no branches. Of round footprints
-/// only corners would be left out.
-const LEAST_SIZE: usize = 6;
 
 /// Blocks of a square that are needed: for each row the columns, as bits.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -93,7 +88,7 @@ impl Needed {
     /// The blocks that any of a group's sheets needs.
     pub(crate) fn new(shape: &GroupShape, footprints: &Footprints) -> Self {
         let size = footprints.size;
-        if size < LEAST_SIZE {
+        if size < TRIMMED {
             return Self::all(size);
         }
         let mut needed = Self::default();
@@ -126,7 +121,7 @@ impl Needed {
     /// those of all voxels of a slab have the same results.
     #[inline(always)]
     pub(crate) fn lacks<const SIZE: usize, const ELLIPSES: bool>(&self, row: usize, column: usize) -> bool {
-        ELLIPSES && SIZE >= LEAST_SIZE && !self.has(row, column)
+        ELLIPSES && SIZE >= TRIMMED && !self.has(row, column)
     }
 
     /// Whether a block is one of them.

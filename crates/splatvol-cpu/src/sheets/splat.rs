@@ -12,7 +12,10 @@
 //! one multiply-add, otherwise one more multiplication.
 //!
 //! Round footprints count i and j from their first block. For an elongated footprint the powers would overflow
-//! there; it counts from the middle block, and also needs the inverses of `p^2` and `q^2`.
+//! there; it counts from the middle block, and also needs the inverses of `p^2` and `q^2`. On the sheets of a group its
+//! centres lie beside each other, along the kernel's slope, by the same s for all voxels: C is taken at `(i, j) - s`, `(u, v)`
+//! is what remains of the centre's offset, and the last factor becomes `2^(q(u, v) + B((u, v), s))`, q the exponent as above and
+//! B twice its bilinear form. So powers stay as small as u and v.
 
 use fearless_simd::{f32x4, f32x8, f32x16, mask32x16, prelude::*};
 use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
@@ -120,6 +123,8 @@ pub(crate) struct Stencil {
     pub needed: Needed,
     /// Depth at which the square of blocks lies around the voxel's centre.
     anchor: f32,
+    /// From the raster point that powers count from to the one around which centres lie at that depth.
+    beside: f32,
 }
 
 impl Default for Stencil {
@@ -131,6 +136,7 @@ impl Default for Stencil {
             rows: row,
             needed: Needed::default(),
             anchor: 0.0,
+            beside: 0.0,
         }
     }
 }
@@ -181,7 +187,8 @@ impl Stencil {
             }
             return;
         }
-        let middle = origin_block(size, ellipses) as f32 * 2.0;
+        let middle = origin_point(size, ellipses);
+        self.beside = middle - 2.0 * origin_block(size, ellipses) as f32;
         let [shift_x, shift_y] = shifts(simd, shape, (footprints.anchor, footprints.slope));
         for row in 0..size {
             let j = f32x16::from_slice(simd, &ROW) + (2 * row) as f32 - middle - shift_y;
@@ -209,8 +216,13 @@ fn shifts<S: Simd>(simd: S, shape: &GroupShape, (anchor, slope): (f32, [f32; 2])
     slope.map(|slope| apart * slope)
 }
 
+/// The raster point, from a footprint's first one, from which its centre is counted. Those of ellipses lie around it.
+pub(crate) const fn origin_point(size: usize, ellipses: bool) -> f32 {
+    if ellipses { size as f32 - 0.5 } else { 0.0 }
+}
+
 /// The block of a footprint with the raster point from which i and j count.
-pub(crate) const fn origin_block(size: usize, ellipses: bool) -> usize {
+const fn origin_block(size: usize, ellipses: bool) -> usize {
     if ellipses { size / 2 } else { 0 }
 }
 
@@ -337,12 +349,7 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
     let mut first = 0;
     while first < total {
         let count = (total - first).min(BATCH);
-        exponents::<S, ELLIPSES>(
-            simd,
-            (constants, shape, stencil.anchor),
-            (records, first, count),
-            powers,
-        );
+        exponents::<S, ELLIPSES>(simd, (constants, shape, stencil), (records, first, count), powers);
         for lanes in &mut powers.0[..count] {
             exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
         }
@@ -397,7 +404,7 @@ pub(crate) fn splat_sized<S: Simd, P: Payload<N>, const N: usize>(
 #[inline(always)]
 fn exponents<S: Simd, const ELLIPSES: bool>(
     simd: S,
-    (constants, shape, anchor): (&SplatConstants, &GroupShape, f32),
+    (constants, shape, stencil): (&SplatConstants, &GroupShape, &Stencil),
     (records, first, count): (&Records, usize, usize),
     powers: &mut Powers,
 ) {
@@ -416,7 +423,8 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
     let cross = last.select(zero, upper.select(xy, -xy));
     let vertical = (upper & !odd).select(yy, zero);
     let one = f32x16::splat(simd, 1.0);
-    let [shift_x, shift_y] = shifts(simd, shape, (anchor, constants.slope));
+    let shifts = shifts(simd, shape, (stencil.anchor, constants.slope));
+    let [shift_x, shift_y] = shifts.map(|shift| shift + stencil.beside);
     let of_third = |slope: f32x16<S>| (upper & !odd).select(slope, zero);
     let slope_x = of_third(xx * shift_x * 2.0 + xy * shift_y);
     let slope_y = of_third(yy * shift_y * 2.0 + xy * shift_x);
@@ -425,7 +433,7 @@ fn exponents<S: Simd, const ELLIPSES: bool>(
         let dz = depth - records.z[record];
         let (mut x, mut y) = (scale * records.x[record], scale * records.y[record]);
         if ELLIPSES {
-            let dz = anchor - records.z[record];
+            let dz = stencil.anchor - records.z[record];
             x = scale * (dz * constants.slope[0] + records.x[record]);
             y = scale * (dz * constants.slope[1] + records.y[record]);
         }

@@ -23,7 +23,7 @@ use super::plane::{HALO, Plane};
 use super::ring::{Area, BLOCK_EDGE, LANES, Row, SheetRing};
 use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
-use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_block, splat_sized};
+use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_point, splat_sized};
 use super::upsample::Upsampler;
 use crate::clock::Instant;
 
@@ -212,7 +212,7 @@ pub(crate) fn lattice_window(
     Window {
         anywhere,
         blocks,
-        origin: (BLOCK_EDGE * origin_block(blocks, frame.ellipses)) as f32,
+        origin: origin_point(blocks, frame.ellipses),
         depths,
         depth: frame.anchor(shape),
         scale: shape.scale,

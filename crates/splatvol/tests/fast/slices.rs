@@ -47,7 +47,13 @@ fn settings() -> RenderSettings {
 
 /// Angles from the slices' normal, degrees, and PSNR in dB, one below the least that is measured of both thicknesses and
 /// projections.
-const DEMANDS: [(f64, f64); 5] = [(0.0, 28.2), (10.0, 29.7), (30.0, 32.3), (55.0, 33.3), (80.0, 31.2)];
+const DEMANDS: [(f64, f64); 5] = [
+    (0.0, 28.2),
+    (10.0, 29.7),
+    (30.0, 32.3),
+    (55.0, 33.3),
+    (80.0, 31.2),
+];
 
 #[test]
 fn pictures_of_thick_slices_agree_with_the_reference() {
