@@ -123,17 +123,21 @@ impl FlatSource {
 
     fn fault(&self, region: VoxelBox, offset: u64, error: &std::io::Error) -> SourceError {
         let chunk = self.levels[0].chunk;
+        let is_short = error.kind() == std::io::ErrorKind::UnexpectedEof;
         let fault = Box::new(ChunkFault {
             level: 0,
             chunk: std::array::from_fn(|axis| region.first[axis] / chunk[axis]),
             key: self.identity.name.clone(),
             codec: None,
             offset,
-            reason: error.to_string(),
+            reason: match is_short {
+                true => "the file ends before; it was longer when it was opened".to_owned(),
+                false => error.to_string(),
+            },
         });
-        match error.kind() {
-            std::io::ErrorKind::UnexpectedEof => SourceError::Missing(fault),
-            _ => SourceError::Transient(fault),
+        match is_short {
+            true => SourceError::Corrupt(fault),
+            false => SourceError::Transient(fault),
         }
     }
 }

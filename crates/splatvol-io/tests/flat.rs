@@ -1,0 +1,297 @@
+//! Samples that lie uncompressed in one file, read box by box: those of the same file in memory.
+#![allow(clippy::unwrap_used, reason = "panics are how tests fail")]
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec3;
+use splatvol_io::{
+    Endian, Opened, PyramidOptions, RawLayout, ReadOptions, SampleType, open_volume, read_volume,
+    write_pyramid,
+};
+use splatvol_scene::{ChunkBuffer, ChunkSource, Samples, SourceError, VoxelBox};
+
+const DIMS: [usize; 3] = [301, 37, 35];
+
+/// Bytes from a seed; as floats, none is missing.
+fn bytes(count: usize, size: usize, float: bool) -> Vec<u8> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut next = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as u32
+    };
+    (0..count)
+        .flat_map(|_| {
+            let value = next();
+            match (float, size) {
+                (true, 4) => (value as f32 / 1e9).to_le_bytes().to_vec(),
+                (true, _) => (f64::from(value) / 1e9).to_le_bytes().to_vec(),
+                (false, _) => value.to_le_bytes()[..size].to_vec(),
+            }
+        })
+        .collect()
+}
+
+fn swapped(data: &[u8], size: usize) -> Vec<u8> {
+    data.chunks(size)
+        .flat_map(|word| word.iter().rev().copied())
+        .collect()
+}
+
+struct Case {
+    path: PathBuf,
+    options: ReadOptions,
+}
+
+fn write(folder: &Path, name: &str, parts: &[&[u8]]) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, parts.concat()).unwrap();
+    path
+}
+
+/// A file of each format and layout.
+fn cases(folder: &Path) -> Vec<Case> {
+    let [nx, ny, nz] = DIMS;
+    let count = nx * ny * nz;
+    let (shorts, floats, doubles) = (
+        bytes(count, 2, false),
+        bytes(count, 4, true),
+        bytes(count, 8, true),
+    );
+    let (small, volumes) = (bytes(count, 1, false), bytes(2 * count, 2, false));
+    let space = "space: left-posterior-superior\nspace directions: (0.5,0,0) (0,0.7,0.1) (0,0,2)\nspace origin: (1,2,3)";
+    let nrrd = |kind: &str, more: &str| {
+        format!("NRRD0005\ntype: {kind}\ndimension: 3\nsizes: {nx} {ny} {nz}\nencoding: raw\n{space}\n{more}")
+    };
+    let meta = |kind: &str, more: &str| {
+        format!(
+            "ObjectType = Image\nNDims = 3\nDimSize = {nx} {ny} {nz}\nElementType = {kind}\nElementSpacing = 1 2 3\n{more}\n"
+        )
+    };
+    let npy = |kind: &str, order: &str, shape: [usize; 3]| {
+        let [a, b, c] = shape;
+        let text = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': ({a}, {b}, {c}), }}");
+        let text = format!("{text:<117}\n");
+        [
+            b"\x93NUMPY\x01\x00".as_slice(),
+            &118u16.to_le_bytes(),
+            text.as_bytes(),
+        ]
+        .concat()
+    };
+    let mut nifti = vec![0u8; 352];
+    nifti[..4].copy_from_slice(&348i32.to_le_bytes());
+    for (index, value) in [4, nx as i16, ny as i16, nz as i16, 2].into_iter().enumerate() {
+        nifti[40 + 2 * index..42 + 2 * index].copy_from_slice(&value.to_le_bytes());
+    }
+    nifti[70..72].copy_from_slice(&512i16.to_le_bytes());
+    nifti[72..74].copy_from_slice(&16i16.to_le_bytes());
+    for (index, value) in [1.0f32, 0.5, 0.6, 0.7].into_iter().enumerate() {
+        nifti[76 + 4 * index..80 + 4 * index].copy_from_slice(&value.to_le_bytes());
+    }
+    for (at, value) in [(108, 352.0f32), (112, 0.5), (116, -3.0)] {
+        nifti[at..at + 4].copy_from_slice(&value.to_le_bytes());
+    }
+    nifti[344..348].copy_from_slice(b"n+1\0");
+    write(folder, "detached.raw", &[b"headbytes", &floats]);
+    write(folder, "detached.zraw", &[&swapped(&shorts, 2)]);
+    let raw = RawLayout {
+        dims: DIMS,
+        sample_type: SampleType::I16,
+        spacing: DVec3::new(1.0, 2.0, 3.0),
+        endian: Endian::Big,
+        offset: 7,
+    };
+    let plain = |path| Case {
+        path,
+        options: ReadOptions::default(),
+    };
+    vec![
+        Case {
+            path: write(folder, "a.bin", &[b"skipped", &shorts]),
+            options: ReadOptions {
+                raw: Some(raw),
+                ..ReadOptions::default()
+            },
+        },
+        plain(write(folder, &format!("b_{nx}x{ny}x{nz}_uint8.raw"), &[&small])),
+        plain(write(
+            folder,
+            "c.nrrd",
+            &[nrrd("uint16", "endian: big\n\n").as_bytes(), &shorts],
+        )),
+        plain(write(
+            folder,
+            "d.nhdr",
+            &[nrrd("float", "endian: little\nbyte skip: 9\ndata file: detached.raw\n").as_bytes()],
+        )),
+        plain(write(
+            folder,
+            "e.nhdr",
+            &[nrrd(
+                "float",
+                "endian: little\nbyte skip: -1\ndata file: detached.raw\n",
+            )
+            .as_bytes()],
+        )),
+        plain(write(
+            folder,
+            "f.mha",
+            &[
+                meta(
+                    "MET_DOUBLE",
+                    "ElementByteOrderMSB = False\nElementDataFile = LOCAL",
+                )
+                .as_bytes(),
+                &doubles,
+            ],
+        )),
+        plain(write(
+            folder,
+            "g.mhd",
+            &[meta(
+                "MET_SHORT",
+                "ElementByteOrderMSB = True\nElementDataFile = detached.zraw",
+            )
+            .as_bytes()],
+        )),
+        Case {
+            path: write(folder, "h.nii", &[&nifti, &volumes]),
+            options: ReadOptions {
+                time: Some(1),
+                ..ReadOptions::default()
+            },
+        },
+        plain(write(
+            folder,
+            "i.npy",
+            &[&npy(">i2", "False", [nz, ny, nx]), &shorts],
+        )),
+        plain(write(
+            folder,
+            "j.npy",
+            &[&npy("<f4", "True", [nx, ny, nz]), &floats],
+        )),
+    ]
+}
+
+#[test]
+fn boxes_hold_what_the_file_holds_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    for Case { path, options } in cases(folder.path()) {
+        let name = path.display();
+        let memory = read_volume(&path, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let opened = open_volume(&path, &options)
+            .unwrap()
+            .unwrap_or_else(|| panic!("{name} is not opened"));
+        assert_eq!(opened.description, memory.description, "{name}");
+        assert_eq!(opened.unit, memory.volume.unit(), "{name}");
+        let layout = opened.source.levels()[0].clone();
+        assert_eq!(layout.grid, *memory.volume.grid(), "{name}");
+        assert_eq!(layout.rescale, memory.volume.rescale(), "{name}");
+        let (mut buffer, mut found) = (ChunkBuffer::default(), Samples::U8(Vec::new().into()));
+        let whole = VoxelBox::whole(&layout.grid);
+        splatvol_scene::chunks::read_by_chunks(&*opened.source, 0, whole, &mut found, &mut buffer).unwrap();
+        assert!(found == *memory.volume.samples(), "{name}: chunks");
+        opened
+            .source
+            .read_region(0, whole, &mut found, &mut buffer)
+            .unwrap();
+        assert!(found == *memory.volume.samples(), "{name}: whole");
+        let part = VoxelBox {
+            first: [3, 5, 30],
+            size: [290, 7, 5],
+        };
+        opened
+            .source
+            .read_region(0, part, &mut found, &mut buffer)
+            .unwrap();
+        let mut expected = layout.element.filled(part.len(), 0.0);
+        splatvol_scene::chunks::copy_box(memory.volume.samples(), whole, &mut expected, part);
+        assert!(found == expected, "{name}: part");
+    }
+}
+
+/// The files of a folder and of those in it, with their bytes.
+fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut all = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            match path.is_dir() {
+                true => folders.push(path),
+                false => all.push((
+                    path.strip_prefix(folder).unwrap().to_owned(),
+                    std::fs::read(&path).unwrap(),
+                )),
+            }
+        }
+    }
+    all.sort();
+    all
+}
+
+#[test]
+fn pyramids_of_flat_files_are_those_of_volumes_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    for (n, Case { path, options }) in cases(folder.path()).into_iter().enumerate() {
+        let opened = open_volume(&path, &options).unwrap().unwrap();
+        let loaded = read_volume(&path, &options).unwrap();
+        let in_memory = Opened {
+            unit: loaded.volume.unit(),
+            description: loaded.description,
+            source: Box::<dyn ChunkSource>::from(Arc::new(loaded.volume)).into(),
+        };
+        let write = |volume: &Opened, name: &str, memory: u64| {
+            let output = folder.path().join(format!("{n}-{name}.ome.zarr"));
+            let pyramid = PyramidOptions {
+                chunk: 16,
+                memory,
+                ..PyramidOptions::default()
+            };
+            write_pyramid(volume, &output, &pyramid, &|_| ()).unwrap();
+            files(&output)
+        };
+        let expected = write(&in_memory, "memory", 1 << 30);
+        assert!(write(&opened, "flat", 16 << 20) == expected, "{}", path.display());
+    }
+}
+
+#[test]
+fn short_files_are_refused_and_those_that_shrink_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for Case { path, options } in cases(folder.path()) {
+        let file = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("nhdr") => folder.path().join("detached.raw"),
+            Some("mhd") => folder.path().join("detached.zraw"),
+            _ => path.clone(),
+        };
+        let whole = std::fs::read(&file).unwrap();
+        let opened = open_volume(&path, &options).unwrap().unwrap();
+        std::fs::write(&file, &whole[..whole.len() - 1000]).unwrap();
+        let layout = opened.source.levels()[0].clone();
+        let last = layout.counts().map(|count| count - 1);
+        let error = opened
+            .source
+            .read(0, last, &mut ChunkBuffer::default())
+            .unwrap_err();
+        assert!(matches!(error, SourceError::Corrupt(_)), "{error}");
+        let text = error.to_string();
+        let name = file.file_name().unwrap().to_str().unwrap();
+        assert!(text.contains(name) && text.contains("from byte"), "{text}");
+        let error = open_volume(&path, &options).unwrap_err().to_string();
+        assert!(error.contains(&*path.display().to_string()), "{error}");
+        std::fs::write(&file, whole).unwrap();
+    }
+}
+
+#[test]
+fn compressed_files_are_read_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\n";
+    let path = write(folder.path(), "a.nrrd", &[header.as_bytes(), b"none"]);
+    assert!(open_volume(&path, &ReadOptions::default()).unwrap().is_none());
+}
