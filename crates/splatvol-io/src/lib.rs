@@ -35,6 +35,7 @@ pub mod points;
 mod positioned;
 mod samples;
 mod source;
+mod state;
 mod tiff_pages;
 pub mod transfer_function;
 pub mod volume;
@@ -46,7 +47,7 @@ pub use data::{Data, DataKind, DataOptions, LoadedData, data_kind, read_data};
 pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
-pub use image::part::{Assembly, Part, PartKey, PictureBlock};
+pub use image::part::{Assembly, Part, PartKey, PartOrigin, PictureBlock};
 pub use image::{
     ImageFormat, LoadedImage, decode_image, encode_image, read_image, read_image_metadata, write_frame,
     write_image,
@@ -60,6 +61,7 @@ pub use points::triangles::surfels_of_triangles;
 pub use points::{LoadedPoints, read_points};
 pub use samples::{Endian, SampleType};
 pub use source::read_text;
+pub use state::state_of_files;
 pub use transfer_function::{
     read_gradient_opacity, read_transfer_function, read_transfer_function_2d, write_transfer_function,
 };

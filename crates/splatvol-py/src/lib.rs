@@ -47,7 +47,7 @@ mod _core {
     #[pymodule_export]
     use super::frame::{Frame, read_picture};
     #[pymodule_export]
-    use super::part::{assembled, blocks_of, part_of, recipe_of};
+    use super::part::{assembled, blocks_of, part_of, paths_of, recipe_of};
     #[pymodule_export]
     use super::picture::{
         Picture, document_over, document_text, read_document, read_like, read_record, read_transfer_function,

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use splatvol::{ImageSize, TileRect};
 use splatvol_document::Document;
-use splatvol_io::{Assembly, Part, PartKey, PictureBlock};
+use splatvol_io::{Assembly, Part, PartKey, PartOrigin, PictureBlock, state_of_files};
 
 use crate::error::{Raise, refused};
 use crate::frame::Frame;
@@ -21,6 +21,13 @@ const NAME: &str = "part";
 pub(crate) fn recipe_of(picture: &Picture) -> PyResult<String> {
     let document = picture.picture.document.clone().absolute();
     document.to_json(false).map_err(Raise::raised)
+}
+
+/// The files that a recipe names; samples have none.
+#[pyfunction]
+pub(crate) fn paths_of(recipe: &str) -> PyResult<Vec<String>> {
+    let document = Document::from_json(recipe, "recipe".as_ref()).map_err(Raise::raised)?;
+    Ok(document.paths().into_iter().map(str::to_owned).collect())
 }
 
 /// The keys of the blocks of so many pixels along an edge that make up a picture.
@@ -54,6 +61,7 @@ pub(crate) fn part_of<'py>(
         )
     })?;
     let recipe = picture.document.to_json(false).map_err(Raise::raised)?;
+    let files = state_of_files(&picture.files).map_err(Raise::raised)?;
     let bytes = work::run(py, (stop, progress.as_ref()), |watch| {
         let [x0, y0] = [block.x, block.y].map(|first| first as usize);
         let rectangle = TileRect {
@@ -63,8 +71,13 @@ pub(crate) fn part_of<'py>(
             y1: y0 + block.height as usize,
         };
         let (frame, statistics) = draw(picture, Some(rectangle), watch)?;
-        let made_by = (recipe, statistics.simd, statistics.chunks.holes);
-        let part = Part::new(&frame, block, made_by).map_err(Raise::raised)?;
+        let origin = PartOrigin {
+            recipe,
+            files,
+            simd: statistics.simd,
+            holes: statistics.chunks.holes,
+        };
+        let part = Part::new(&frame, block, origin).map_err(Raise::raised)?;
         part.to_bytes().map_err(Raise::raised)
     })?;
     Ok(PyBytes::new(py, &bytes))

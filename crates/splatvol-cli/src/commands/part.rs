@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use splatvol::{Control, Frame, RenderStatistics, TileRect};
 use splatvol_document::format::read_scene;
 use splatvol_document::{CameraMotion, Document, Picture, ReadRules, Reading, Record, Resolving};
-use splatvol_io::{Assembly, ImageFormat, Part, PictureBlock};
+use splatvol_io::{Assembly, ImageFormat, Part, PartOrigin, PictureBlock, state_of_files};
 
 use super::asked::whole_where_needed;
 use super::outputs::encode_with_bits;
@@ -48,13 +48,14 @@ pub(crate) fn run(args: &PartArgs, terminal: &Terminal) -> Result<(), Failure> {
         .map_err(Failure::of_scene)?;
     let picture = whole_where_needed(picture, EngineName::Cpu, terminal)?;
     let recipe = picture.document.to_json(false)?;
+    let files = state_of_files(&picture.files).during(Step::Input)?;
     let size = picture.settings.size;
     let block = args.key.block(size).ok_or_else(|| {
         let [width, height] = <[u32; 2]>::from(size);
         Failure::usage(format!("a picture of {width}x{height} has no such block"))
     })?;
     if there {
-        return match is_there(&args.output, &recipe, block) {
+        return match is_there(&args.output, (&recipe, &files), block) {
             true => {
                 terminal.note(format!("{} is there and complete", args.output.display()));
                 Ok(())
@@ -64,17 +65,24 @@ pub(crate) fn run(args: &PartArgs, terminal: &Terminal) -> Result<(), Failure> {
     }
     let (frame, statistics) = draw(&picture, block, args, terminal)?;
     say_holes(&statistics, terminal);
-    let made_by = (recipe, statistics.simd, statistics.chunks.holes);
-    let part = Part::new(&frame, block, made_by).during(Step::Usage)?;
+    let origin = PartOrigin {
+        recipe,
+        files,
+        simd: statistics.simd,
+        holes: statistics.chunks.holes,
+    };
+    let part = Part::new(&frame, block, origin).during(Step::Usage)?;
     target.write(&part.to_bytes().during(Step::Output)?, args.write.overwrite)
 }
 
 /// Whether a file holds a part already.
-fn is_there(path: &Path, recipe: &str, block: PictureBlock) -> bool {
+fn is_there(path: &Path, (recipe, files): (&str, &str), block: PictureBlock) -> bool {
     let read = std::fs::read(path)
         .ok()
         .and_then(|bytes| Part::from_bytes(&bytes, path).ok());
-    read.is_some_and(|part| part.header.recipe == recipe && part.header.block == block)
+    read.is_some_and(|Part { header, .. }| {
+        header.recipe == recipe && header.files == files && header.block == block
+    })
 }
 
 fn draw(

@@ -89,8 +89,7 @@ def _kept_picture(recipe: str, memory: int | None, _state: tuple[object, ...]) -
 def _state_of(recipe: str) -> tuple[object, ...]:
     """Sizes and times of the files that a recipe names; of Zarr those of the metadata, not of the chunks."""
     files: list[Path] = []
-    for item in json.loads(recipe).get("item", []):
-        path = Path(item["file"])
+    for path in map(Path, _core.paths_of(recipe)):
         files += [path, *(sorted(path.iterdir()) if path.is_dir() else [])]
     states = [(str(path), path.stat()) for path in files if path.exists()]
     return tuple((name, state.st_size, state.st_mtime_ns) for name, state in states)
@@ -100,7 +99,8 @@ def part(recipe: str, key: str, *, memory: int | None = None, progress: Progress
     """Makes a part of a picture, as ``splatvol part`` does.
 
     The process keeps what it read for the last recipes, so that its next parts of them cost less, unless the files have
-    changed. Files must not change while a picture is made: parts do not know what other parts have read.
+    changed. Parts of files that changed meanwhile are not put together: each holds the lengths of its files and a hash of pieces of
+    them (of Zarr those of the metadata, not of the chunks).
 
     Parameters
     ----------

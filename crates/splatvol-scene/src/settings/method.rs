@@ -16,7 +16,8 @@ pub enum Method {
 pub struct SheetSettings {
     /// Quantity that a pixel shows of the sheets along its ray.
     pub shows: Shows,
-    /// Thickness of a sheet, mean voxel spacings.
+    /// Thickness of a sheet, relative to the depth of a voxel as the camera sees it; sheets are thinner where voxels are long and
+    /// tilted, and at wide angles.
     pub thickness: f64,
     /// Reconstruction kernel: the samples of sheets are sums of Gaussians.
     pub kernel: SheetKernel,

@@ -2,8 +2,8 @@
 //!
 //! A file is a line that names it, a line of JSON, and the block's pixels row by row, six little-endian floats each: red,
 //! green, blue and alpha, linear and premultiplied, mean depth, optical depth. The JSON holds the whole recipe, its
-//! SHA-256, the picture's size, the block, the instruction set that made it, and the SHA-256 of the pixels. Bytes follow
-//! from recipe and block; parts of different recipes, programs or instruction sets are never put together.
+//! SHA-256, the state of the files that were read, the picture's size, the block, the instruction set that made it, and the SHA-256 of the pixels. Bytes follow
+//! from recipe, files and block; parts of different recipes, files, programs or instruction sets are never put together.
 
 mod block;
 
@@ -34,6 +34,8 @@ pub struct PartHeader {
     pub recipe: String,
     /// SHA-256 of the recipe.
     pub recipe_sha256: String,
+    /// State of the files that were read, see [`crate::state_of_files`].
+    pub files: String,
     /// Width and height of the picture.
     pub size: ImageSize,
     /// The block.
@@ -44,6 +46,19 @@ pub struct PartHeader {
     pub holes: u64,
     /// SHA-256 of the pixels.
     pub pixels_sha256: String,
+}
+
+/// What a part is made of, and by.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartOrigin<'a> {
+    /// The document with nothing left open, JSON.
+    pub recipe: String,
+    /// State of the files that were read, see [`crate::state_of_files`].
+    pub files: String,
+    /// Vector instructions that made the pixels.
+    pub simd: &'a str,
+    /// Lost chunks that are holes.
+    pub holes: u64,
 }
 
 /// A part: what it says, and its pixels' bytes.
@@ -66,11 +81,7 @@ impl Part {
     ///
     /// # Errors
     /// A block outside the frame.
-    pub fn new(
-        frame: &Frame,
-        block: PictureBlock,
-        (recipe, simd, holes): (String, &str, u64),
-    ) -> Result<Self, IoError> {
+    pub fn new(frame: &Frame, block: PictureBlock, origin: PartOrigin<'_>) -> Result<Self, IoError> {
         let size = frame.image.size();
         let context = Context::new("part", Path::new("part"));
         if !block.fits(size) {
@@ -84,11 +95,18 @@ impl Part {
                 pixels.extend(number.to_le_bytes());
             }
         }
+        let PartOrigin {
+            recipe,
+            files,
+            simd,
+            holes,
+        } = origin;
         Ok(Self {
             header: PartHeader {
                 program: concat!("splatvol ", env!("CARGO_PKG_VERSION")).to_owned(),
                 recipe_sha256: sha256(recipe.as_bytes()),
                 recipe,
+                files,
                 size,
                 block,
                 simd: simd.to_owned(),
@@ -213,6 +231,7 @@ impl Assembly {
         let (own, first) = (&part.header, &self.first);
         let same = [
             (&own.recipe_sha256, &first.recipe_sha256, "recipe"),
+            (&own.files, &first.files, "state of files"),
             (&own.program, &first.program, "program"),
             (&own.simd, &first.simd, "instruction set"),
         ];
@@ -307,7 +326,16 @@ mod tests {
     }
 
     fn part(frame: &Frame, block: PictureBlock) -> Part {
-        Part::new(frame, block, ("{}".to_owned(), "scalar", 1)).unwrap()
+        Part::new(frame, block, origin("scalar", 1)).unwrap()
+    }
+
+    fn origin(simd: &str, holes: u64) -> PartOrigin<'_> {
+        PartOrigin {
+            recipe: "{}".to_owned(),
+            files: "state".to_owned(),
+            simd,
+            holes,
+        }
     }
 
     #[test]
@@ -364,9 +392,16 @@ mod tests {
         other.image.pixels[2][0] += 1.0;
         let error = assembly.add(&part(&other, block), path).unwrap_err().to_string();
         assert!(error.contains("differ"), "{error}");
-        let foreign = Part::new(&frame, block, ("{}".to_owned(), "avx2", 0)).unwrap();
+        let foreign = Part::new(&frame, block, origin("avx2", 0)).unwrap();
         let error = assembly.add(&foreign, path).unwrap_err().to_string();
         assert!(error.contains("instruction set, avx2"), "{error}");
-        assert!(Part::new(&frame, "5,0,4x8".parse().unwrap(), (String::new(), "", 0)).is_err());
+        let changed = PartOrigin {
+            files: "another".to_owned(),
+            ..origin("scalar", 1)
+        };
+        let changed = Part::new(&frame, block, changed).unwrap();
+        let error = assembly.add(&changed, path).unwrap_err().to_string();
+        assert!(error.contains("state of files, another"), "{error}");
+        assert!(Part::new(&frame, "5,0,4x8".parse().unwrap(), origin("", 0)).is_err());
     }
 }
