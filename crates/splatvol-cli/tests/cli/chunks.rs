@@ -156,16 +156,16 @@ fn parts_make_the_picture() {
 #[test]
 fn parts_of_files_that_have_changed_are_not_put_together() {
     let sandbox = Sandbox::new();
-    sandbox.run("sample head --size 16 -o a.nrrd").succeeds();
+    sandbox.run("sample head --size 16 -o a.npy").succeeds();
     sandbox
-        .run("render a.nrrd --size 32x32 --recipe recipe.json")
+        .run("render a.npy --size 32x32 --recipe recipe.json")
         .succeeds();
     sandbox.run("part recipe.json 0/2 -o 0.part").succeeds();
-    let first = sandbox.bytes("a.nrrd");
+    let first = sandbox.bytes("a.npy");
     let mut changed = first.clone();
     let last = changed.len() - 1;
     changed[last] ^= 1;
-    sandbox.write("a.nrrd", &changed);
+    sandbox.write("a.npy", &changed);
     sandbox.run("part recipe.json 1/2 -o 1.part").succeeds();
     sandbox
         .run("assemble 0.part 1.part -o a.png")
@@ -174,7 +174,7 @@ fn parts_of_files_that_have_changed_are_not_put_together() {
     sandbox
         .run("part recipe.json 0/2 -o 0.part")
         .fails(5, &["already exists"]);
-    sandbox.write("a.nrrd", &first);
+    sandbox.write("a.npy", &first);
     sandbox.run("part recipe.json 1/2 -w -o 1.part").succeeds();
     sandbox.run("assemble 0.part 1.part -o a.png").succeeds();
 }
