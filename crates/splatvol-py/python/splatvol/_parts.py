@@ -99,8 +99,8 @@ def part(recipe: str, key: str, *, memory: int | None = None, progress: Progress
     """Makes a part of a picture, as ``splatvol part`` does.
 
     The process keeps what it read for the last recipes, so that its next parts of them cost less, unless the files have
-    changed. Parts of files that changed meanwhile are not put together: each holds the lengths of its files and a hash of pieces of
-    them (of Zarr those of the metadata, not of the chunks).
+    changed. Parts of files that changed meanwhile are not put together: each holds the lengths of its files and a hash
+    of pieces of them (of Zarr those of the metadata, not of the chunks).
 
     Parameters
     ----------
