@@ -1,6 +1,8 @@
 //! Tiles of a picture, and lists of the bricks (or chunks of a cloud) that each may show, front to back.
 
-use splatvol_scene::ImageSize;
+use std::ops::Range;
+
+use splatvol_scene::{ImageSize, SceneError};
 
 use crate::brick::ActiveBrick;
 
@@ -29,6 +31,44 @@ pub struct TileRect {
     pub y1: usize,
 }
 
+impl TileRect {
+    /// All pixels of a picture.
+    pub fn of(size: ImageSize) -> Self {
+        let [x1, y1] = <[u32; 2]>::from(size).map(|side| side as usize);
+        Self { x0: 0, y0: 0, x1, y1 }
+    }
+
+    /// Columns and rows.
+    pub fn sides(&self) -> [usize; 2] {
+        [self.x1.saturating_sub(self.x0), self.y1.saturating_sub(self.y0)]
+    }
+
+    /// Its size as a picture of its own.
+    ///
+    /// # Errors
+    /// A rectangle without pixels, or too large for a picture.
+    pub fn size(&self) -> Result<ImageSize, SceneError> {
+        let [width, height] = self.sides().map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+        ImageSize::new(width, height)
+    }
+
+    /// Whether two rectangles have a pixel in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
+    }
+
+    /// The pixels that both have; none if they do not meet.
+    #[must_use]
+    pub fn overlap(&self, other: &Self) -> Self {
+        Self {
+            x0: self.x0.max(other.x0),
+            y0: self.y0.max(other.y0),
+            x1: self.x1.min(other.x1),
+            y1: self.y1.min(other.y1),
+        }
+    }
+}
+
 impl TileGrid {
     /// Divides a picture.
     pub fn new(size: ImageSize, edge: usize) -> Self {
@@ -51,9 +91,23 @@ impl TileGrid {
         self.len() == 0
     }
 
+    /// Size of the picture.
+    pub fn picture(&self) -> ImageSize {
+        self.size
+    }
+
     /// Columns and rows of the picture's pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.size.width(), self.size.height()].map(|side| side as usize)
+    }
+
+    /// Columns and rows of tiles that have pixels of a rectangle.
+    pub fn tiles_of(&self, rect: &TileRect) -> [Range<usize>; 2] {
+        let of = |from: usize, to: usize, count: usize| from / self.edge..to.div_ceil(self.edge).min(count);
+        [
+            of(rect.x0, rect.x1, self.columns),
+            of(rect.y0, rect.y1, self.rows),
+        ]
     }
 
     /// Pixels of a tile.

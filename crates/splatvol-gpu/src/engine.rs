@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use splatvol_core::bin::TileRect;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
 use splatvol_core::level::blend;
 use splatvol_scene::{Frame, ImageSize, SceneError};
@@ -146,6 +147,22 @@ impl GpuEngine {
     }
 }
 
+impl GpuEngine {
+    /// Cuts a window out of the whole picture: the device holds all of it.
+    fn window(
+        &mut self,
+        shot: &Shot<'_>,
+        (frame, window): (&mut Frame, TileRect),
+        task: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        let mut whole = Frame::empty(shot.settings.size);
+        let task = Task { window: None, ..task };
+        let statistics = self.render(*shot, &mut whole, task)?;
+        *frame = whole.cut(window.x0..window.x1, window.y0..window.y1)?;
+        Ok(statistics)
+    }
+}
+
 /// The canvas of pictures of this size.
 fn canvas_of<'a>(
     kept: &'a mut Option<Canvas>,
@@ -174,6 +191,9 @@ impl Engine for GpuEngine {
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError> {
+        if let Some(window) = task.window {
+            return self.window(&shot, (frame, window), task);
+        }
         self.gpu.forget_passes();
         let mut statistics = match published(&shot)? {
             Some(clouds) => self.gaussians((&clouds, &shot), frame, task)?,

@@ -163,6 +163,32 @@ impl Frame {
             ] == [count; 3]
     }
 
+    /// The pixels of some columns and rows, as a frame of their own.
+    ///
+    /// # Errors
+    /// No pixels, or some that the frame does not have.
+    pub fn cut(&self, columns: Range<usize>, rows: Range<usize>) -> Result<Self, SceneError> {
+        let [width, height] = <[u32; 2]>::from(self.image.size()).map(|side| side as usize);
+        if columns.end > width || rows.end > height {
+            let found = [columns.end, rows.end];
+            return Err(SceneError::invalid(
+                "columns and rows",
+                found,
+                "those of the frame",
+            ));
+        }
+        let [own_width, own_height] = [columns.len(), rows.len()].map(|side| side as u32);
+        let mut part = Self::empty(ImageSize::new(own_width, own_height)?);
+        for (to, y) in rows.enumerate() {
+            let to = to * columns.len()..(to + 1) * columns.len();
+            let from = y * width + columns.start..y * width + columns.end;
+            part.image.pixels[to.clone()].copy_from_slice(&self.image.pixels[from.clone()]);
+            part.depth[to.clone()].copy_from_slice(&self.depth[from.clone()]);
+            part.optical_depth[to].copy_from_slice(&self.optical_depth[from]);
+        }
+        Ok(part)
+    }
+
     /// Copies the pixels of some columns and rows from another frame of the same size, such as a part that another
     /// worker rendered.
     ///

@@ -1,7 +1,8 @@
 //! Parts of a picture: several workers can render one frame, each some of its pixels.
 
 use splatvol_core::bin::TileRect;
-use splatvol_scene::Frame;
+use splatvol_core::engine::WINDOW_STEP;
+use splatvol_scene::{Coverage, Frame, RenderSettings, SceneError};
 
 /// A part and the pixels next to it.
 pub(crate) fn with_neighbors(part: TileRect) -> TileRect {
@@ -13,11 +14,39 @@ pub(crate) fn with_neighbors(part: TileRect) -> TileRect {
     }
 }
 
+/// The window in which engines make the pixels of a window: with the neighbours from which edges differ, and from a
+/// whole step on.
+///
+/// # Errors
+/// A window that is not within the picture.
+pub(crate) fn around(window: TileRect, settings: &RenderSettings) -> Result<TileRect, SceneError> {
+    let whole = TileRect::of(settings.size);
+    let [width, height] = window.sides();
+    if width == 0 || height == 0 || window.overlap(&whole) != window {
+        let found = [window.x0, window.y0, window.x1, window.y1];
+        return Err(SceneError::invalid(
+            "window",
+            found,
+            "a rectangle within the picture",
+        ));
+    }
+    let wide = match settings.coverage {
+        Coverage::Off => window,
+        Coverage::Adaptive { .. } => with_neighbors(window).overlap(&whole),
+    };
+    let step = |first: usize| first / WINDOW_STEP * WINDOW_STEP;
+    Ok(TileRect {
+        x0: step(wide.x0),
+        y0: step(wide.y0),
+        ..wide
+    })
+}
+
 /// Clears a frame except for a part.
-pub(crate) fn keep(frame: &mut Frame, part: &TileRect) {
+pub(crate) fn keep(frame: &mut Frame, (held, part): (&TileRect, &TileRect)) {
     let width = frame.image.size().width() as usize;
     let is_outside = |i: usize| {
-        let (x, y) = (i % width, i / width);
+        let (x, y) = (held.x0 + i % width, held.y0 + i / width);
         !(part.x0..part.x1).contains(&x) || !(part.y0..part.y1).contains(&y)
     };
     for i in (0..frame.depth.len()).filter(|&i| is_outside(i)) {

@@ -1,5 +1,6 @@
 //! The renderer: motion blur, anti-aliasing of edges, parts and progress, on top of an engine's pictures.
 
+use splatvol_core::bin::TileRect;
 use splatvol_core::engine::{
     Control, Edges, Engine, Progress, RenderStatistics, Share, Shot, StageSeconds, Task,
 };
@@ -98,10 +99,12 @@ impl Renderer {
         self.render_with(scene, camera, settings, frame, &Control::default())
     }
 
-    /// Renders one frame, or a part of it, into an existing frame, and can be stopped.
+    /// Renders one frame, a part of it, or a window, into an existing frame, and can be stopped. The frame gets the size
+    /// of the picture, or of the window ([`Control::window`]).
     ///
     /// # Errors
-    /// Same as [`Renderer::render`]; and [`SceneError::Stopped`], which leaves the frame in an undefined state.
+    /// Same as [`Renderer::render`]; a window that is not within the picture; and [`SceneError::Stopped`], which leaves
+    /// the frame in an undefined state.
     pub fn render_with(
         &mut self,
         scene: &Scene,
@@ -119,12 +122,16 @@ impl Renderer {
             camera,
             settings,
         };
-        self.render_moving(shot, frame, task)?;
+        match control.window {
+            Some(window) => self.render_window(shot, (frame, window), task)?,
+            None => self.render_moving(shot, frame, task)?,
+        }
+        let held = task.held(settings.size);
         if let Some(part) = &control.part {
-            part::keep(frame, part);
+            part::keep(frame, (&held, part));
         }
         if let Some(share) = control.share {
-            share.keep(frame);
+            share.keep(frame, [held.x0, held.y0]);
         }
         self.statistics.memory = self.engine.memory();
         task.show_all(frame);
@@ -144,7 +151,8 @@ impl Renderer {
         frame: &mut Frame,
         control: &Control<'_>,
     ) -> Result<(), SceneError> {
-        let mut exposure = Exposure::new(settings.size);
+        let size = control.window.map_or(Ok(settings.size), |window| window.size())?;
+        let mut exposure = Exposure::new(size);
         for (index, camera) in cameras.iter().enumerate() {
             let report = |done: f64| {
                 if let Some(progress) = control.progress {
@@ -168,6 +176,33 @@ impl Renderer {
         &self.statistics
     }
 
+    /// Renders the pixels of a window, and as many more as engines and edges need.
+    fn render_window(
+        &mut self,
+        shot: Shot<'_>,
+        (frame, window): (&mut Frame, TileRect),
+        task: Task<'_>,
+    ) -> Result<(), SceneError> {
+        let around = part::around(window, shot.settings)?;
+        let task = Task {
+            window: Some(around),
+            part: Some(task.part.map_or(window, |part| part.overlap(&window))),
+            tile: None,
+            ..task
+        };
+        if around == window {
+            return self.render_moving(shot, frame, task);
+        }
+        let mut larger = Frame::empty(around.size()?);
+        self.render_moving(shot, &mut larger, task)?;
+        let own = |from: usize, to: usize, first: usize| from - first..to - first;
+        *frame = larger.cut(
+            own(window.x0, window.x1, around.x0),
+            own(window.y0, window.y1, around.y0),
+        )?;
+        Ok(())
+    }
+
     /// Renders the picture that a shutter sees, or a scene at rest.
     fn render_moving(&mut self, shot: Shot<'_>, frame: &mut Frame, task: Task<'_>) -> Result<(), SceneError> {
         check_by(shot, |shot| self.engine.check(shot))?;
@@ -185,7 +220,7 @@ impl Renderer {
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<(), SceneError> {
-        let mut exposure = Exposure::new(settings.size);
+        let mut exposure = Exposure::new(task.held(settings.size).size()?);
         let mut total = StageSeconds::default();
         let settings = shutter::still(settings);
         for (index, Exposed { scene, camera }) in exposed.iter().enumerate() {
@@ -224,7 +259,8 @@ impl Renderer {
             ..task
         };
         self.render_once(shot, frame, around)?;
-        match Edges::of(frame, coverage) {
+        let held = task.held(shot.settings.size);
+        match Edges::of(frame, [held.x0, held.y0], coverage) {
             Some(edges) => self.refine(shot, frame, (task.unseen(&second), &edges)),
             None => Ok(()),
         }
@@ -239,8 +275,12 @@ impl Renderer {
     ) -> Result<(), SceneError> {
         let first = self.statistics.clone();
         let settings = &edges.settings(shot.settings)?;
-        let mut fine = self.fine.take().unwrap_or_else(|| Frame::empty(settings.size));
-        self.render_once(Shot { settings, ..shot }, &mut fine, edges.task(task))?;
+        let task = edges.task(task);
+        let mut fine = match self.fine.take() {
+            Some(fine) => fine,
+            None => Frame::empty(task.held(settings.size).size()?),
+        };
+        self.render_once(Shot { settings, ..shot }, &mut fine, task)?;
         edges.refine(frame, &fine);
         self.fine = Some(fine);
         let seconds = first.seconds.plus(&self.statistics.seconds);
@@ -254,8 +294,9 @@ impl Renderer {
 
     /// Renders one picture by the engine.
     fn render_once(&mut self, shot: Shot<'_>, frame: &mut Frame, task: Task<'_>) -> Result<(), SceneError> {
-        if !frame.fits(shot.settings.size) {
-            *frame = Frame::empty(shot.settings.size);
+        let size = task.held(shot.settings.size).size()?;
+        if !frame.fits(size) {
+            *frame = Frame::empty(size);
         }
         self.statistics = self.engine.render(shot, frame, task)?;
         Ok(())

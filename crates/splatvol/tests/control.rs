@@ -304,7 +304,7 @@ fn shares_that_are_put_together_are_the_whole_to_the_bit() {
             }
             // Nothing else is there: the rest of the pixels is empty.
             let mut kept = part.clone();
-            share.keep(&mut kept);
+            share.keep(&mut kept, [0; 2]);
             assert!(kept == part, "{}: share {index} has pixels of others", case.name);
         }
         assert!(
@@ -344,4 +344,81 @@ fn parts_that_are_put_together_are_the_whole_to_the_bit() {
         }
         assert!(together == whole, "{}", case.name);
     }
+}
+
+#[test]
+fn windows_have_the_whole_pictures_values_and_their_own_size() {
+    let windows = [
+        (0, 0, 184, 40),
+        (0, 40, 184, 41),
+        (37, 61, 131, 136),
+        (183, 135, 184, 136),
+    ];
+    for case in &cases() {
+        let mut renderer = renderer();
+        let mut whole = Frame::empty(case.settings.size);
+        let mut render = |frame: &mut Frame, control: Control<'_>| {
+            renderer.render_with(&case.scene, &case.camera, &case.settings, frame, &control)
+        };
+        render(&mut whole, Control::default()).unwrap();
+        for (x0, y0, x1, y1) in windows {
+            let window = Some(TileRect { x0, y0, x1, y1 });
+            let mut frame = Frame::empty(ImageSize::new(1, 1).unwrap());
+            render(
+                &mut frame,
+                Control {
+                    window,
+                    ..Control::default()
+                },
+            )
+            .unwrap();
+            let expected = whole.cut(x0..x1, y0..y1).unwrap();
+            assert_eq!(frame, expected, "{}, {window:?}", case.name);
+        }
+        let window = Some(TileRect {
+            x0: 3,
+            y0: 0,
+            x1: 185,
+            y1: 9,
+        });
+        let error = render(
+            &mut whole,
+            Control {
+                window,
+                ..Control::default()
+            },
+        )
+        .unwrap_err();
+        assert!(error.to_string().contains("[3, 0, 185, 9]"), "{error}");
+    }
+}
+
+#[test]
+fn the_memory_of_a_window_is_its_own() {
+    let case = &cases()[0];
+    let size = ImageSize::new(4 * WIDTH, 4 * HEIGHT).unwrap();
+    let settings = &RenderSettings {
+        size,
+        ..case.settings
+    };
+    let held = |window| {
+        let mut renderer = renderer();
+        let mut frame = Frame::empty(size);
+        let control = Control {
+            window,
+            ..Control::default()
+        };
+        renderer
+            .render_with(&case.scene, &case.camera, settings, &mut frame, &control)
+            .unwrap();
+        renderer.statistics().memory.tiles
+    };
+    let row = TileRect {
+        x0: 0,
+        y0: 256,
+        x1: 4 * WIDTH as usize,
+        y1: 288,
+    };
+    let (all, own) = (held(None), held(Some(row)));
+    assert!(own * 3 < all, "{own} of {all}");
 }

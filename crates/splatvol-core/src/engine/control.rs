@@ -4,7 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use splatvol_scene::{Frame, SceneError};
+use splatvol_scene::{Frame, ImageSize, SceneError};
 
 use super::{Edges, Share};
 use crate::bin::TileRect;
@@ -16,6 +16,9 @@ pub type OnTile<'a> = &'a (dyn Fn(&TileRect, &[[f32; 4]]) + Sync);
 
 /// Asked between the steps of a preparation: whether it goes on.
 pub type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Columns and rows at whose multiples the windows begin that engines are given: no engine has to cut its tiles there.
+pub const WINDOW_STEP: usize = 32;
 
 /// Control of a picture: cancellation, progress callbacks and the wanted part.
 #[derive(Clone, Copy, Default)]
@@ -34,6 +37,9 @@ pub struct Control<'a> {
     pub part: Option<TileRect>,
     /// The wanted share of the picture, `None` for all; the others stay empty, as outside a part.
     pub share: Option<Share>,
+    /// The pixels that the frame holds, `None` for all: the frame has their size, and of the picture only they are
+    /// made and take memory. They have the whole picture's values, to the bit.
+    pub window: Option<TileRect>,
 }
 
 impl Debug for Control<'_> {
@@ -44,6 +50,7 @@ impl Debug for Control<'_> {
             tile,
             part,
             share,
+            window,
         } = self;
         formatter
             .debug_struct("Control")
@@ -52,6 +59,7 @@ impl Debug for Control<'_> {
             .field("tile", &tile.is_some())
             .field("part", part)
             .field("share", share)
+            .field("window", window)
             .finish()
     }
 }
@@ -97,6 +105,8 @@ pub struct Task<'a> {
     pub part: Option<TileRect>,
     /// The wanted share of the picture, `None` for all.
     pub share: Option<Share>,
+    /// The pixels that the frame holds, `None` for all; their first column and row are multiples of [`WINDOW_STEP`].
+    pub window: Option<TileRect>,
     /// Tiles without any of these are left out.
     pub edges: Option<&'a Edges>,
 }
@@ -110,6 +120,7 @@ impl<'a> Task<'a> {
             tile: control.tile,
             part: control.part,
             share: control.share,
+            window: control.window,
             edges: None,
         }
     }
@@ -148,18 +159,21 @@ impl<'a> Task<'a> {
 
     /// Whether pixels of a rectangle are wanted.
     pub fn wants(&self, rect: &TileRect) -> bool {
-        let meets =
-            |part: TileRect| rect.x0 < part.x1 && part.x0 < rect.x1 && rect.y0 < part.y1 && part.y0 < rect.y1;
-        self.part.is_none_or(meets)
+        self.part.is_none_or(|part| part.meets(rect))
+            && self.window.is_none_or(|window| window.meets(rect))
             && self.share.is_none_or(|share| share.meets(rect))
             && self.edges.is_none_or(|edges| edges.meets(rect))
+    }
+
+    /// The pixels of a picture that the frame holds.
+    pub fn held(&self, size: ImageSize) -> TileRect {
+        self.window.unwrap_or_else(|| TileRect::of(size))
     }
 
     /// Reports all pixels of a frame.
     pub fn show_all(&self, frame: &Frame) {
         if let Some(tile) = self.tile {
-            let [x1, y1] = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
-            tile(&TileRect { x0: 0, y0: 0, x1, y1 }, &frame.image.pixels);
+            tile(&self.held(frame.image.size()), &frame.image.pixels);
         }
     }
 

@@ -19,6 +19,8 @@ use crate::bin::TileRect;
 /// The edges of a picture.
 #[derive(Debug)]
 pub struct Edges {
+    /// The first pixel, in the picture.
+    first: [usize; 2],
     size: [usize; 2],
     /// Samples per pixel and axis.
     samples: usize,
@@ -29,13 +31,14 @@ pub struct Edges {
 
 impl Edges {
     /// The pixels of a frame that differ from a neighbour; `None` where none does, or without supersampling of
-    /// edges.
-    pub fn of(frame: &Frame, coverage: Coverage) -> Option<Self> {
+    /// edges. `first` is the frame's first pixel in the picture.
+    pub fn of(frame: &Frame, first: [usize; 2], coverage: Coverage) -> Option<Self> {
         let Coverage::Adaptive { samples, contrast } = coverage else {
             return None;
         };
         let size = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
         let mut edges = Self {
+            first,
             size,
             samples: samples as usize,
             edge: vec![false; size[0] * size[1]],
@@ -72,7 +75,8 @@ impl Edges {
     /// # Errors
     /// A picture that would be too large.
     pub fn settings(&self, settings: &RenderSettings) -> Result<RenderSettings, SceneError> {
-        let [width, height] = self.size.map(|side| (side * self.samples) as u32);
+        let samples = self.samples as u32;
+        let [width, height] = <[u32; 2]>::from(settings.size).map(|side| side.saturating_mul(samples));
         let size = ImageSize::new(width, height).map_err(|_| SceneError::Combination {
             what: "coverage",
             why: "the picture times its samples per axis is too large, ask for fewer samples",
@@ -84,7 +88,7 @@ impl Edges {
         })
     }
 
-    /// Task for the larger picture: the same part and share, without the tiles that have no edges.
+    /// Task for the larger picture: the same part, share and window, without the tiles that have no edges.
     pub fn task<'a>(&'a self, task: Task<'a>) -> Task<'a> {
         let larger = |TileRect { x0, y0, x1, y1 }| TileRect {
             x0: x0 * self.samples,
@@ -94,6 +98,7 @@ impl Edges {
         };
         Task {
             part: task.part.map(larger),
+            window: task.window.map(larger),
             share: task.share.map(|share| share.enlarged(self.samples)),
             edges: Some(self),
             ..task
@@ -102,9 +107,12 @@ impl Edges {
 
     /// Whether a rectangle of the larger picture has samples of an edge.
     pub fn meets(&self, rect: &TileRect) -> bool {
-        let [width, _] = self.size;
-        let columns = rect.x0 / self.samples..rect.x1.div_ceil(self.samples);
-        (rect.y0 / self.samples..rect.y1.div_ceil(self.samples))
+        let own = |from: usize, to: usize, axis: usize| {
+            let place = |at: usize| at.saturating_sub(self.first[axis]).min(self.size[axis]);
+            place(from / self.samples)..place(to.div_ceil(self.samples))
+        };
+        let (columns, width) = (own(rect.x0, rect.x1, 0), self.size[0]);
+        own(rect.y0, rect.y1, 1)
             .any(|y| self.edge[y * width + columns.start..y * width + columns.end].contains(&true))
     }
 

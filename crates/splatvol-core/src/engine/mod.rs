@@ -20,7 +20,7 @@ use std::fmt::Debug;
 
 use splatvol_scene::{Camera, Frame, RenderSettings, Scene, SceneError};
 
-pub use control::{Control, GoOn, OnProgress, OnTile, Progress, Task};
+pub use control::{Control, GoOn, OnProgress, OnTile, Progress, Task, WINDOW_STEP};
 pub use edges::Edges;
 pub use share::Share;
 pub use statistics::{ChunkStatistics, MemoryUse, PassSeconds, RenderStatistics, StageSeconds};
@@ -45,8 +45,8 @@ pub trait Engine: Debug + Send {
     /// combined with.
     fn check(&self, shot: Shot<'_>) -> Result<(), SceneError>;
 
-    /// Renders a picture that passes [`Engine::check`]. `frame` is of the settings' size; the contents of tiles
-    /// that the task does not want are undefined afterwards.
+    /// Renders a picture that passes [`Engine::check`]. `frame` is of the settings' size, or of that of
+    /// the task's window; the contents of tiles that the task does not want are undefined afterwards.
     ///
     /// # Errors
     /// [`SceneError::Stopped`], after which the frame's contents are undefined; transformations that cannot be

@@ -90,11 +90,11 @@ impl Share {
         }
     }
 
-    /// Clears a frame except for the share.
-    pub fn keep(self, frame: &mut Frame) {
+    /// Clears a frame, whose first pixel is that one of the picture, except for the share.
+    pub fn keep(self, frame: &mut Frame, [x0, y0]: [usize; 2]) {
         let width = frame.image.size().width() as usize;
         for i in 0..frame.depth.len() {
-            if !self.owns([i % width, i / width].map(|at| at / self.edge)) {
+            if !self.owns([x0 + i % width, y0 + i / width].map(|at| at / self.edge)) {
                 frame.image.pixels[i] = [0.0; 4];
                 frame.depth[i] = f32::INFINITY;
                 frame.optical_depth[i] = 0.0;

@@ -142,8 +142,9 @@ fn render_tiles<P: Profile>(
             })
             .collect()
     });
+    let held = run.task.held(plan.tiles.picture());
     for (tile, (pixels, _)) in tiles.iter().filter(|_| !run.task.is_stopped()) {
-        store(frame, &plan.tiles.rect(*tile), pixels);
+        store((frame, &held), &plan.tiles.rect(*tile), pixels);
     }
     let sum = |pick: fn(&TileWork) -> u64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<u64>();
     let time = |pick: fn(&TileWork) -> f64| tiles.iter().map(|(_, (_, work))| pick(work)).sum::<f64>();

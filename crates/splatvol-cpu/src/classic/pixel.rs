@@ -129,14 +129,17 @@ fn integrated(pixel: &Pixel) -> Pixel {
     shown
 }
 
-/// Copies a tile's pixels (row by row) into the frame.
-pub(crate) fn store(frame: &mut Frame, rect: &TileRect, pixels: &[Resolved]) {
+/// Copies a tile's pixels (row by row) into the frame, as far as it holds them.
+pub(crate) fn store((frame, held): (&mut Frame, &TileRect), rect: &TileRect, pixels: &[Resolved]) {
     let width = frame.image.size().width() as usize;
-    for (y, row) in (rect.y0..rect.y1).zip(pixels.chunks(rect.x1 - rect.x0)) {
-        for (x, pixel) in (rect.x0..rect.x1).zip(row) {
-            frame.image.pixels[y * width + x] = pixel.color;
-            frame.depth[y * width + x] = pixel.depth;
-            frame.optical_depth[y * width + x] = pixel.optical_depth;
+    let own = rect.overlap(held);
+    for y in own.y0..own.y1 {
+        let row = &pixels[(y - rect.y0) * (rect.x1 - rect.x0)..];
+        for x in own.x0..own.x1 {
+            let (pixel, target) = (&row[x - rect.x0], (y - held.y0) * width + x - held.x0);
+            frame.image.pixels[target] = pixel.color;
+            frame.depth[target] = pixel.depth;
+            frame.optical_depth[target] = pixel.optical_depth;
         }
     }
 }

@@ -65,7 +65,8 @@ impl Block {
 /// The picture, as far as memory depends on it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Needs {
-    pub size: ImageSize,
+    /// The pixels that the frame holds.
+    pub held: TileRect,
     pub threads: usize,
     pub tile_edge: usize,
     /// Volumes that share the picture.
@@ -76,7 +77,8 @@ impl Needs {
     fn picture(&self, element: u64) -> u64 {
         let edge = self.tile_edge as u64 + TILE.1;
         let thread = edge * edge * TILE.0 + SOLVE.0 + SOLVE.1 * element;
-        let all = self.size.pixel_count() as u64 * PIXEL + self.threads as u64 * thread;
+        let [width, height] = self.held.sides().map(|side| side as u64);
+        let all = width * height * PIXEL + self.threads as u64 * thread;
         all / self.volumes.max(1) as u64
     }
 }
@@ -210,13 +212,8 @@ pub(crate) fn of_picture(
         // Nothing is allocated here: viewers render frame after frame.
         return Ok(Cow::Borrowed(&[None]));
     };
-    let whole = TileRect {
-        x0: 0,
-        y0: 0,
-        x1: size.width() as usize,
-        y1: size.height() as usize,
-    };
-    let part = run.task.part.unwrap_or(whole);
+    let (whole, held) = (TileRect::of(size), run.task.held(size));
+    let part = run.task.part.map_or(held, |part| part.overlap(&held));
     let ends = |count: usize, i: usize| i * count.div_ceil(divisions) * tile_edge;
     let mut blocks = Vec::new();
     for row in 0..divisions {

@@ -1,6 +1,7 @@
 //! Sheet engine: renders frames from cached state. A new camera costs only a frame, a new transfer function only
 //! the parts that it changes, a new volume everything.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -8,7 +9,7 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use splatvol_core::engine::{RenderStatistics, StageSeconds, Task};
 use splatvol_core::field::FieldStore;
-use splatvol_core::plan::{Bricks, GridView, Sampling};
+use splatvol_core::plan::{Bricks, FramePlan, GridView, Sampling};
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::analytic::{Analytic, Sums};
@@ -27,7 +28,7 @@ use super::intensity::{Extreme, Intensity, Mean, Reduction, ValueColors};
 use super::layer::{ModeLayer, TileLayer, render};
 use super::mode::Mode;
 use super::operated::Operated;
-use super::resolve::resolve;
+use super::resolve::{Slots, resolve};
 use super::scene::LayerStore;
 use super::shade::PlaneShader;
 use super::shaded::Shaded;
@@ -88,27 +89,20 @@ impl TileMemory {
     ) {
         let start = Instant::now();
         let plan = picture.frame().plan;
-        let count = plan.tiles.len();
+        let grid = &plan.tiles;
+        let slots = Slots::new(run.task.held(grid.picture()), grid);
         self.scratch
             .resize_with(run.pool.current_num_threads(), Mutex::default);
-        if self.tiles.len() < count {
-            self.tiles.resize_with(count, Mutex::default);
+        if self.tiles.len() < slots.len() {
+            self.tiles.resize_with(slots.len(), Mutex::default);
         }
-        let tiles = &self.tiles[..count];
-        let order = match &run.block {
-            Some(block) => block.tiles(&plan.tiles),
-            None => Vec::new(),
-        };
-        let order = if run.block.is_some() {
-            &order
-        } else {
-            &plan.longest_first
-        };
-        render_tiles(run, picture, &self.scratch, (tiles, order));
+        let tiles = &self.tiles[..slots.len()];
+        let order = order_of(&run, &slots, plan);
+        render_tiles(run, picture, &self.scratch, (tiles, &slots, &order));
         if run.task.is_stopped() {
             return;
         }
-        resolve(&plan.tiles, tiles, frame, run.block.map(|block| block.rect));
+        resolve((grid, &slots), tiles, frame, run.block.map(|block| block.rect));
         statistics.seconds.tiles += start.elapsed().as_secs_f64();
         statistics.active_bricks += picture.bricks();
         if run.block.is_none_or(|block| block.is_first) {
@@ -116,10 +110,21 @@ impl TileMemory {
             statistics.zones += picture.zones();
         }
         statistics.tiles += order.len();
-        for &tile in order {
-            let (_, work) = &*lock(&tiles[tile as usize]);
+        for &tile in &*order {
+            let (_, work) = &*lock(&tiles[slots.of(tile as usize, grid)]);
             count_work(work, sheets_per_voxel, statistics);
         }
+    }
+}
+
+/// The tiles to render, in this order. Only pictures in blocks or windows allocate.
+fn order_of<'a>(run: &Run<'_>, slots: &Slots, plan: &'a FramePlan) -> Cow<'a, [u32]> {
+    let grid = &plan.tiles;
+    let held = |tile: &u32| slots.holds(*tile as usize, grid);
+    match &run.block {
+        Some(block) => block.tiles(grid).into_iter().filter(held).collect(),
+        None if slots.len() < grid.len() => plan.longest_first.iter().copied().filter(held).collect(),
+        None => Cow::Borrowed(&plan.longest_first),
     }
 }
 
@@ -227,7 +232,7 @@ impl SheetEngine {
         let wanted = Wanted::of(settings);
         pyramid.keep_only(number..number + 1);
         let needs = Needs {
-            size: settings.size,
+            held: run.task.held(settings.size),
             threads: run.pool.current_num_threads(),
             tile_edge: edge,
             volumes: 1,
@@ -499,7 +504,7 @@ fn render_tiles(
     run: Run<'_>,
     picture: &impl Tiles,
     scratch: &[Mutex<Vec<SheetScratch>>],
-    (tiles, order): (&[Tile], &[u32]),
+    (tiles, slots, order): (&[Tile], &Slots, &[u32]),
 ) {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let frame = picture.frame().plan;
@@ -507,7 +512,7 @@ fn render_tiles(
         let scratch = &mut *lock(scratch);
         while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
             let index = index as usize;
-            let (canvas, work) = &mut *lock(&tiles[index]);
+            let (canvas, work) = &mut *lock(&tiles[slots.of(index, &frame.tiles)]);
             let rect = frame.tiles.rect(index);
             if run.task.is_stopped() {
                 break;

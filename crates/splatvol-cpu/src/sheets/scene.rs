@@ -296,7 +296,7 @@ impl SheetEngine {
         let pyramids = kept.of_scene(scene.volumes.iter().map(|own| &own.volume), settings);
         let mut rooms: Vec<Option<Room>> = Vec::new();
         let needs = Needs {
-            size: settings.size,
+            held: run.task.held(settings.size),
             threads: run.pool.current_num_threads(),
             tile_edge: edge,
             volumes: scene.volumes.len(),

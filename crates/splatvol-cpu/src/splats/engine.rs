@@ -10,7 +10,7 @@ use splatvol_core::bin::TileGrid;
 use splatvol_core::cloud_view::near_of_gaussians;
 use splatvol_core::engine::StageSeconds;
 use splatvol_core::splats::SplatCloud;
-use splatvol_scene::{Camera, Frame, Gaussians};
+use splatvol_scene::{Camera, Frame, Gaussians, ImageSize};
 
 use super::bin::{Bins, Counted};
 use super::blend::{Blend, CutGaussian, Integral, Light, Published};
@@ -137,30 +137,35 @@ impl SplatEngine {
         (camera, settings): (&Camera, &CloudSettings),
         frame: &mut Frame,
     ) -> StageSeconds {
-        if !frame.fits(settings.size) {
-            *frame = Frame::empty(settings.size);
-        }
         let pool = run.pool;
         let drawn = |profile| Clouds {
             seen: seen(clouds, (camera, settings), profile),
             clouds,
         };
         pool.install(|| match settings.blend_mode {
-            BlendMode::Published { background } => {
-                self.draw(run, Published::new(background), &drawn(None), frame)
-            }
+            BlendMode::Published { background } => self.draw(
+                run,
+                Published::new(background),
+                &drawn(None),
+                (frame, settings.size),
+            ),
             BlendMode::Light { cut, termination } => {
                 let profile = CutGaussian::new(cut);
                 self.draw(
                     run,
                     Light::new(profile, termination),
                     &drawn(Some(profile)),
-                    frame,
+                    (frame, settings.size),
                 )
             }
             BlendMode::Integral { cut } => {
                 let profile = CutGaussian::new(cut);
-                self.draw(run, Integral::new(profile), &drawn(Some(profile)), frame)
+                self.draw(
+                    run,
+                    Integral::new(profile),
+                    &drawn(Some(profile)),
+                    (frame, settings.size),
+                )
             }
         })
         .unwrap_or_default()
@@ -172,7 +177,7 @@ impl SplatEngine {
         run: Run<'_>,
         blend: B,
         drawn: &Clouds<'_>,
-        frame: &mut Frame,
+        (frame, size): (&mut Frame, ImageSize),
     ) -> Option<StageSeconds> {
         let start = Instant::now();
         let Self {
@@ -199,7 +204,7 @@ impl SplatEngine {
         let mut chunks = chunks(drawn.clouds, splats, rects, keys);
         let ranges: Vec<Range<usize>> = chunks.par_iter_mut().with_max_len(1).map(project).collect();
         let order = keys.sort(&ranges, parts, stop)?;
-        let grid = TileGrid::new(frame.image.size(), TILE);
+        let grid = TileGrid::new(size, TILE);
         let counted = Counted::new(grid, (order, rects), parts, stop)?;
         let tiling = Tiling {
             run,
@@ -209,7 +214,7 @@ impl SplatEngine {
             done: AtomicUsize::new(0),
         };
         let bin = start.elapsed().as_secs_f64();
-        let mut tiles = tile_rows(frame, grid.columns, grid.rows);
+        let mut tiles = tile_rows(frame, &run.task.held(size), &grid);
         bins.for_each(counted, |lists| {
             tiles[lists.tiles.clone()]
                 .par_iter_mut()

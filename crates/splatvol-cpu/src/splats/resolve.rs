@@ -2,6 +2,9 @@
 
 use fearless_simd::prelude::*;
 
+use splatvol_core::bin::{TileGrid, TileRect};
+use splatvol_scene::Frame;
+
 use super::blend::Blend;
 use super::composite::{Block, LANES};
 use super::cover::{BLOCK, BLOCKS, TILE};
@@ -79,16 +82,18 @@ pub(crate) fn fill(pixel: [f32; 4], rows: &mut TileRows<'_>) {
     }
 }
 
-/// The frame's rows, tile by tile.
-pub(crate) fn tile_rows(frame: &mut splatvol_scene::Frame, columns: usize, rows: usize) -> Vec<TileRows<'_>> {
+/// The frame's rows, tile by tile; none of tiles outside the pixels that it holds, which begin with a tile.
+pub(crate) fn tile_rows<'a>(frame: &'a mut Frame, held: &TileRect, grid: &TileGrid) -> Vec<TileRows<'a>> {
     let width = frame.image.size().width() as usize;
-    let mut tiles: Vec<TileRows<'_>> = (0..columns * rows)
-        .map(|_| TileRows {
-            pixels: Vec::with_capacity(TILE),
-            depth: Vec::with_capacity(TILE),
-            optical_depth: Vec::with_capacity(TILE),
-        })
-        .collect();
+    let [columns, rows] = grid.tiles_of(held);
+    let mut tiles: Vec<TileRows<'_>> = (0..grid.len()).map(|_| TileRows::default()).collect();
+    for row in rows.clone() {
+        for tile in &mut tiles[row * grid.columns..][columns.clone()] {
+            tile.pixels.reserve_exact(TILE);
+            tile.depth.reserve_exact(TILE);
+            tile.optical_depth.reserve_exact(TILE);
+        }
+    }
     let lines = frame
         .image
         .pixels
@@ -96,7 +101,7 @@ pub(crate) fn tile_rows(frame: &mut splatvol_scene::Frame, columns: usize, rows:
         .zip(frame.depth.chunks_mut(width));
     for (y, ((pixels, depth), optical_depth)) in lines.zip(frame.optical_depth.chunks_mut(width)).enumerate()
     {
-        let band = &mut tiles[y / TILE * columns..][..columns];
+        let band = &mut tiles[(rows.start + y / TILE) * grid.columns..][columns.clone()];
         let pieces = pixels.chunks_mut(TILE).zip(depth.chunks_mut(TILE));
         for (tile, ((pixels, depth), optical_depth)) in
             band.iter_mut().zip(pieces.zip(optical_depth.chunks_mut(TILE)))
