@@ -11,7 +11,7 @@
 //! let text = "[[item]]\nfile = \"sample:head:16\"\n[camera]\nview = \"front\"\n";
 //! let asked = Document::from_toml(text, "scene.toml".as_ref())?;
 //! let reading = Reading { rules: ReadRules::default(), folder: None, listener: &Silent };
-//! let resolving = Resolving { reading, held: &[], moves: Default::default(), keeps_alpha: false };
+//! let resolving = Resolving { reading, held: &[], moves: Default::default(), keeps_alpha: false, in_windows: false };
 //! let picture = asked.resolve(resolving)?;
 //! assert!(picture.document.camera.position.is_some() && picture.scene.items.len() == 1);
 //! # Ok::<(), splatvol_document::DocumentError>(())

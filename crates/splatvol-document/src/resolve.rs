@@ -57,6 +57,8 @@ pub struct Resolving<'a> {
     pub moves: CameraMotion,
     /// Whether the output keeps its alpha, whatever the background.
     pub keeps_alpha: bool,
+    /// Whether it is made window by window, so that it may be larger than memory.
+    pub in_windows: bool,
 }
 
 /// A picture over a background (sRGB, straight alpha), as a PNG has it.
@@ -74,6 +76,14 @@ impl Picture {
     /// Bits per channel.
     pub fn bits(&self) -> u8 {
         self.document.bits.unwrap_or(BITS)
+    }
+
+    /// Refuses a picture that does not fit into the memory that there is.
+    ///
+    /// # Errors
+    /// A picture that is too large, and its size.
+    pub fn check_size(&self) -> Result<(), DocumentError> {
+        check_size(self.settings.size)
     }
 }
 
@@ -116,7 +126,9 @@ impl Document {
         let settings = self
             .settings
             .resolve(self.size.map(|size| size.0), loaded.wishes)?;
-        check_size(settings.size)?;
+        if !resolving.in_windows {
+            check_size(settings.size)?;
+        }
         self.keep_names(&mut loaded, &settings);
         let mut effects = self.effects.clone();
         add_gradient_opacity(&mut effects, &mut loaded, &settings, reading.listener);

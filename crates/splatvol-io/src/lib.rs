@@ -47,7 +47,8 @@ pub use data::{Data, DataKind, DataOptions, LoadedData, data_kind, read_data};
 pub use error::{FormatError, IoError};
 pub use gaussians::{GaussiansDescription, LoadedGaussians, is_gaussians, read_gaussians, write_gaussians};
 pub use image::depth::{DepthFormat, encode_depth};
-pub use image::part::{Assembly, Part, PartKey, PartOrigin, PictureBlock};
+pub use image::part::{Assembly, Part, PartHeader, PartKey, PartOrigin, PictureBlock};
+pub use image::png::{Depth as PngDepth, PngRows};
 pub use image::{
     ImageFormat, LoadedImage, decode_image, encode_image, read_image, read_image_metadata, write_frame,
     write_image,

@@ -55,6 +55,7 @@ impl Animation {
                 held: &held,
                 moves,
                 keeps_alpha: false,
+                in_windows: false,
             });
             let picture = picture.map_err(Raise::raised)?;
             let start = (&picture.camera, picture.settings.motion_blur);

@@ -77,7 +77,7 @@ pub(crate) fn part_of<'py>(
             simd: statistics.simd,
             holes: statistics.chunks.holes,
         };
-        let part = Part::new(&frame, block, origin).map_err(Raise::raised)?;
+        let part = Part::new(&frame, (size, block), origin).map_err(Raise::raised)?;
         part.to_bytes().map_err(Raise::raised)
     })?;
     Ok(PyBytes::new(py, &bytes))

@@ -62,6 +62,7 @@ impl Picture {
                 held: &held,
                 moves: CameraMotion::default(),
                 keeps_alpha,
+                in_windows: true,
             });
             let picture = picture.map_err(Raise::raised)?;
             Ok(Self {
@@ -92,6 +93,7 @@ impl Picture {
     #[pyo3(signature = (stop = None, progress = None))]
     fn render(&self, py: Python<'_>, stop: Option<&Stop>, progress: Option<Py<PyAny>>) -> PyResult<Frame> {
         let picture = &self.picture;
+        picture.check_size().map_err(Raise::raised)?;
         let (frame, statistics) =
             work::run(py, (stop, progress.as_ref()), |watch| draw(picture, None, watch))?;
         let [.., alpha] = picture.scene.background;
@@ -103,7 +105,7 @@ impl Picture {
 /// The pixels of a picture, or of a block of it.
 pub(crate) fn draw(
     picture: &splatvol_document::Picture,
-    part: Option<TileRect>,
+    window: Option<TileRect>,
     watch: &Watch,
 ) -> PyResult<(splatvol::Frame, RenderStatistics)> {
     let splatvol_document::Picture {
@@ -114,9 +116,10 @@ pub(crate) fn draw(
         ..
     } = picture;
     let rendered = engines::render(scene, |renderer| {
-        let mut frame = splatvol::Frame::empty(settings.size);
+        // The renderer gives it its size.
+        let mut frame = splatvol::Frame::empty(splatvol::ImageSize::new(1, 1)?);
         watch.controls(|control| {
-            let control = &Control { part, ..*control };
+            let control = &Control { window, ..*control };
             match &sub_frames[..] {
                 [] => renderer.render_with(scene, camera, settings, &mut frame, control),
                 cameras => renderer.expose(scene, cameras, settings, &mut frame, control),

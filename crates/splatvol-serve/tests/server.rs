@@ -57,6 +57,7 @@ fn shown(edge: usize) -> (Shown, Frame) {
             held: &held,
             moves: splatvol_document::CameraMotion::default(),
             keeps_alpha: false,
+            in_windows: false,
         })
         .unwrap();
     assert!(matches!(picture.scene.items[0].content, Content::Volume { .. }));

@@ -264,6 +264,7 @@ fn resolve(document: &Document, held: &[Option<Held>], notes: &Notes) -> Result<
         held,
         moves: CameraMotion::default(),
         keeps_alpha: false,
+        in_windows: false,
     })?;
     splatvol::check(&picture.scene, &picture.camera, &picture.settings)?;
     Ok(picture)

@@ -163,6 +163,7 @@ fn command(document: &Value, volumes: &[Volume]) -> Vec<u8> {
         held: &held,
         moves: CameraMotion::default(),
         keeps_alpha: false,
+        in_windows: false,
     };
     let picture = document.resolve(resolving).unwrap();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();

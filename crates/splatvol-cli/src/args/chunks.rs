@@ -24,7 +24,8 @@ pub(crate) struct ChunkArgs {
     /// Most memory for volumes of any size (OME-Zarr with levels, large Zarr arrays) and their picture: bytes, or
     /// 500M, 1GiB [default: half of the machine's]
     ///
-    /// They are read chunk by chunk, those alone that the picture shows, and a picture that cannot fit fails before it
+    /// A picture whose frame would take more than half of it is made in bands of rows, and written to a PNG as it becomes.
+    /// Volumes are read chunk by chunk, those alone that the picture shows, and a picture that cannot fit fails before it
     /// reads. The picture does not depend on the memory. All other inputs are read whole (--max-memory), and so are these
     /// where a method needs all samples: the papers' methods, maxima of several volumes, missing samples, the GPU.
     #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = GENERAL)]

@@ -6,7 +6,7 @@ use clap::Args;
 use splatvol_io::PartKey;
 
 use super::help::{GENERAL, INPUT, OUTPUT};
-use super::{ChunkArgs, WriteArgs};
+use super::{ChunkArgs, WriteArgs, values};
 
 #[derive(Debug, Args)]
 #[command(
@@ -53,4 +53,8 @@ pub(crate) struct AssembleArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) write: WriteArgs,
+    /// Most memory for the picture: bytes, or 500M, 1GiB; larger ones go to a PNG in bands of rows [default: half of the
+    /// machine's]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = GENERAL)]
+    pub(crate) memory: Option<u64>,
 }

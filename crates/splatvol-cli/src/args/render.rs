@@ -105,6 +105,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, value_name = "ENGINE", default_value_t, help_heading = GENERAL)]
     pub(crate) engine: EngineName,
     /// Write times and counts as JSON to this file, or to stdout (-)
+    ///
+    /// Of a picture in bands of rows (--memory), times and counts of all bands together.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) stats: Option<PathBuf>,
 }

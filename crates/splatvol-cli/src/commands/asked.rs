@@ -27,6 +27,15 @@ pub(super) struct Asked {
     folder: Option<PathBuf>,
 }
 
+/// What becomes of pictures.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Delivery {
+    /// Whether the output keeps its alpha, whatever the background.
+    pub(super) keeps_alpha: bool,
+    /// Whether it may be written window by window.
+    pub(super) in_windows: bool,
+}
+
 /// A picture that can be rendered, and the record for its file.
 pub(super) struct Prepared {
     pub(super) picture: Picture,
@@ -120,12 +129,11 @@ impl Asked {
         }
     }
 
-    /// Reads the items, and decides everything that is left open. `keeps_alpha`: whether the output does, whatever the
-    /// background.
+    /// Reads the items, and decides everything that is left open.
     pub(super) fn prepare(
         &self,
         args: &RenderArgs,
-        (moves, keeps_alpha): (CameraMotion, bool),
+        (moves, delivery): (CameraMotion, Delivery),
         terminal: &Terminal,
     ) -> Result<Prepared, Failure> {
         let threads = threads(args.threads, terminal);
@@ -135,7 +143,8 @@ impl Asked {
             reading,
             held: &[],
             moves,
-            keeps_alpha,
+            keeps_alpha: delivery.keeps_alpha,
+            in_windows: delivery.in_windows,
         };
         let picture = self.picture(&self.document, &args.picture, resolving)?;
         let picture = whole_where_needed(picture, args.engine, terminal)?;

@@ -132,6 +132,7 @@ impl Exported {
             held: &[],
             moves: CameraMotion::default(),
             keeps_alpha: false,
+            in_windows: false,
         };
         let picture = asked.picture(&asked.document, &args.picture, resolving)?;
         refuse(&picture)?;
@@ -387,6 +388,7 @@ fn resolved(document: &Document, fitted: &Fitted) -> Result<Picture, Failure> {
         held: &held,
         moves: CameraMotion::default(),
         keeps_alpha: false,
+        in_windows: false,
     };
     Ok(document.resolve(resolving)?)
 }

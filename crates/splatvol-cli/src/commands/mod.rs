@@ -2,6 +2,7 @@
 
 pub(crate) mod animate;
 mod asked;
+mod bands;
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod convert;

@@ -52,6 +52,14 @@ impl Outputs {
         self.format
     }
 
+    /// The file that can take the picture in bands of rows: a PNG, without depths beside it.
+    pub(super) fn banded(&self) -> Option<&Path> {
+        match &self.picture {
+            Target::File(path) if self.format != ImageFormat::Exr && self.depth.is_none() => Some(path),
+            _ => None,
+        }
+    }
+
     /// Writes picture and depths.
     pub(super) fn write(
         &self,

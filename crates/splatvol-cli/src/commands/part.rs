@@ -1,15 +1,17 @@
 //! `splatvol part` and `splatvol assemble`: a picture by many processes.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use splatvol::{Control, Frame, RenderStatistics, TileRect};
 use splatvol_document::format::read_scene;
 use splatvol_document::{CameraMotion, Document, Picture, ReadRules, Reading, Record, Resolving};
-use splatvol_io::{Assembly, ImageFormat, Part, PartOrigin, PictureBlock, state_of_files};
+use splatvol_io::{Assembly, ImageFormat, Part, PartHeader, PartOrigin, PictureBlock, state_of_files};
 
 use super::asked::whole_where_needed;
+use super::bands::{self, BandedPng, Sheet};
 use super::outputs::encode_with_bits;
-use super::render::say_holes;
+use super::render::{frame_of, say_holes};
 use super::studio::{Means, engine, threads_within};
 use crate::args::{AssembleArgs, EngineName, PartArgs};
 use crate::failure::{During, Failure, Step};
@@ -44,6 +46,7 @@ pub(crate) fn run(args: &PartArgs, terminal: &Terminal) -> Result<(), Failure> {
             held: &[],
             moves: CameraMotion::default(),
             keeps_alpha: false,
+            in_windows: true,
         })
         .map_err(Failure::of_scene)?;
     let picture = whole_where_needed(picture, EngineName::Cpu, terminal)?;
@@ -71,7 +74,7 @@ pub(crate) fn run(args: &PartArgs, terminal: &Terminal) -> Result<(), Failure> {
         simd: statistics.simd,
         holes: statistics.chunks.holes,
     };
-    let part = Part::new(&frame, block, origin).during(Step::Usage)?;
+    let part = Part::new(&frame, (size, block), origin).during(Step::Usage)?;
     target.write(&part.to_bytes().during(Step::Output)?, args.write.overwrite)
 }
 
@@ -100,7 +103,7 @@ fn draw(
     let [x0, y0] = [block.x, block.y].map(|first| first as usize);
     let control = Control {
         progress: Some(&report),
-        part: Some(TileRect {
+        window: Some(TileRect {
             x0,
             y0,
             x1: x0 + block.width as usize,
@@ -108,19 +111,7 @@ fn draw(
         }),
         ..Control::default()
     };
-    let Picture {
-        scene,
-        camera,
-        settings,
-        sub_frames,
-        ..
-    } = picture;
-    let mut frame = Frame::empty(settings.size);
-    match &sub_frames[..] {
-        [] => renderer.render_with(scene, camera, settings, &mut frame, &control),
-        cameras => renderer.expose(scene, cameras, settings, &mut frame, &control),
-    }
-    .during(Step::Render)?;
+    let frame = frame_of(picture, &mut renderer, &control)?;
     Ok((frame, renderer.statistics().clone()))
 }
 
@@ -132,28 +123,74 @@ pub(crate) fn assemble(args: &AssembleArgs, terminal: &Terminal) -> Result<(), F
         Target::File(path) => picture_format(path)?,
     };
     target.check(args.write.overwrite)?;
-    let mut assembly: Option<Assembly> = None;
-    for path in files(&args.parts)? {
-        let bytes = std::fs::read(&path).during(Step::Input)?;
-        assembly = Some(Assembly::joined(assembly, &bytes, &path).during(Step::Input)?);
-    }
-    let assembly = assembly.ok_or_else(|| Failure::usage("no parts (files that end in .part)"))?;
-    if assembly.holes() > 0 {
-        terminal.warn(format!("{} chunks were lost, and are holes", assembly.holes()));
-    }
-    let document = Document::from_json(assembly.recipe(), "recipe".as_ref())?;
-    let frame = assembly.finish().during(Step::Input)?;
+    let parts = headers(&args.parts)?;
+    let Some((_, first)) = parts.first() else {
+        return Err(Failure::usage("no parts (files that end in .part)"));
+    };
+    let size = first.size;
+    let document = Document::from_json(&first.recipe, "recipe".as_ref())?;
     let background = document
         .background
         .and_then(splatvol_document::keys::Background::color);
-    let look = (format, document.bits.unwrap_or(8));
+    let bits = document.bits.unwrap_or(8);
     let folder = args.output.parent().unwrap_or(Path::new(""));
     let record: Record = record::of(document, None, folder);
-    let bytes = encode_with_bits(&frame, look, background, &record.metadata()?)?;
-    target.write(&bytes, args.write.overwrite)?;
-    let [width, height] = <[u32; 2]>::from(frame.image.size());
+    let metadata = record.metadata()?;
+    let memory = args.memory.unwrap_or(splatvol_io::memory::granted() / 2);
+    let file = match &target {
+        Target::File(path) if format != ImageFormat::Exr => Some(path),
+        _ => None,
+    };
+    let holes = if let Some(path) = file.filter(|_| bands::are_needed(size, memory)) {
+        let sheet = Sheet {
+            size,
+            background,
+            bits,
+            metadata: &metadata,
+        };
+        let mut png = BandedPng::new(path, sheet)?;
+        let mut holes = 0;
+        for rows in bands::bands(size, memory) {
+            let (frame, lost) = rows_of(&parts, rows)?;
+            png.write(&frame)?;
+            holes += lost;
+        }
+        png.keep(args.write.overwrite)?;
+        holes
+    } else {
+        let (frame, holes) = rows_of(&parts, 0..size.height())?;
+        let bytes = encode_with_bits(&frame, (format, bits), background, &metadata)?;
+        target.write(&bytes, args.write.overwrite)?;
+        holes
+    };
+    if holes > 0 {
+        terminal.warn(format!("{holes} chunks were lost, and are holes"));
+    }
+    let [width, height] = <[u32; 2]>::from(size);
     terminal.note(format!("wrote {} ({width}x{height})", args.output.display()));
     Ok(())
+}
+
+/// What the parts' files say of themselves.
+fn headers(parts: &[PathBuf]) -> Result<Vec<(PathBuf, PartHeader)>, Failure> {
+    let read = |path: PathBuf| Ok((path.clone(), PartHeader::read(&path).during(Step::Input)?));
+    files(parts)?.into_iter().map(read).collect()
+}
+
+/// Some rows of the picture, and the lost chunks of the parts that begin there.
+fn rows_of(parts: &[(PathBuf, PartHeader)], rows: Range<u32>) -> Result<(Frame, u64), Failure> {
+    let (path, first) = &parts[0];
+    let mut assembly = Assembly::of_rows(first, rows.clone(), path).during(Step::Input)?;
+    for (path, header) in parts {
+        let block = &header.block;
+        if header.size != first.size || block.y < rows.end && rows.start < block.y + block.height {
+            let bytes = std::fs::read(path).during(Step::Input)?;
+            let part = Part::from_bytes(&bytes, path).during(Step::Input)?;
+            assembly.add(&part, path).during(Step::Input)?;
+        }
+    }
+    let holes = assembly.holes();
+    Ok((assembly.finish().during(Step::Input)?, holes))
 }
 
 /// The files, and those of the folders, in the order of their names.

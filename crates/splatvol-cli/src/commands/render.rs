@@ -3,14 +3,15 @@
 use std::path::Path;
 use std::time::Instant;
 
-use splatvol::{Camera, Frame, RenderStatistics};
-use splatvol_document::CameraMotion;
+use splatvol::{Camera, Control, Frame, ImageSize, RenderStatistics, Renderer, TileRect};
+use splatvol_document::{CameraMotion, Picture};
 use splatvol_io::ImageFormat;
 
-use super::asked::{Asked, Prepared};
+use super::asked::{Asked, Delivery, Prepared};
+use super::bands::{self, BandedPng, Sheet};
 use super::outputs::Outputs;
-use super::studio::{Studio, engine};
-use crate::args::RenderArgs;
+use super::studio::engine;
+use crate::args::{EngineName, RenderArgs};
 use crate::failure::{During, Failure, Step};
 use crate::output::Target;
 use crate::terminal::Terminal;
@@ -25,33 +26,117 @@ pub(crate) fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure>
         return recipe(&asked, path, args, terminal);
     }
     let outputs = Outputs::new(args, asked.document.reference())?;
-    let keeps_alpha = outputs.format() == ImageFormat::Exr;
-    let prepared = asked.prepare(args, (CameraMotion::default(), keeps_alpha), terminal)?;
+    let delivery = Delivery {
+        keeps_alpha: outputs.format() == ImageFormat::Exr,
+        in_windows: true,
+    };
+    let prepared = asked.prepare(args, (CameraMotion::default(), delivery), terminal)?;
     terminal.detail(format!("read in {:.2} s", start.elapsed().as_secs_f64()));
-    let (frame, statistics) = render(&prepared, terminal)?;
-    terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
-    say_holes(&statistics, terminal);
-    if !statistics.why.is_empty() {
-        terminal.note(format!("rendered by the CPU: {}", statistics.why));
-    }
-
     let Prepared { picture, record, .. } = &prepared;
-    let overwrite = args.write.overwrite;
-    let look = (picture.background(), picture.bits());
     let metadata = if args.no_metadata {
         Vec::new()
     } else {
         record.metadata()?
     };
-    outputs.write(&frame, look, &metadata, overwrite)?;
-    outputs.finish(&statistics, picture.settings.size, (overwrite, start), terminal)
+    let overwrite = args.write.overwrite;
+    let size = picture.settings.size;
+    let memory = args.chunks.rules().memory;
+    let banded = outputs
+        .banded()
+        .filter(|_| bands::are_needed(size, memory) && args.engine == EngineName::Cpu);
+    let statistics = if let Some(path) = banded {
+        let sheet = Sheet {
+            size,
+            background: picture.background(),
+            bits: picture.bits(),
+            metadata: &metadata,
+        };
+        render_bands(
+            &prepared,
+            (BandedPng::new(path, sheet)?, memory),
+            overwrite,
+            terminal,
+        )?
+    } else {
+        picture
+            .check_size()
+            .map_err(|error| Failure::from(error).hint(bands::HINT))?;
+        let (frame, statistics) = render(&prepared, terminal)?;
+        let look = (picture.background(), picture.bits());
+        outputs.write(&frame, look, &metadata, overwrite)?;
+        statistics
+    };
+    terminal.detail(format!("rendered in {:.3} s", statistics.seconds.total));
+    say_holes(&statistics, terminal);
+    if !statistics.why.is_empty() {
+        terminal.note(format!("rendered by the CPU: {}", statistics.why));
+    }
+    outputs.finish(&statistics, size, (overwrite, start), terminal)
+}
+
+/// Renders and writes a picture band by band.
+fn render_bands(
+    prepared: &Prepared,
+    (mut png, memory): (BandedPng, u64),
+    overwrite: bool,
+    terminal: &Terminal,
+) -> Result<RenderStatistics, Failure> {
+    let Prepared { picture, means, .. } = prepared;
+    let size = picture.settings.size;
+    let mut renderer = engine(*means)?;
+    let bar = terminal.progress("Rendering");
+    let mut all: Option<RenderStatistics> = None;
+    for rows in bands::bands(size, memory) {
+        let report = |share: f64| {
+            let done = f64::from(rows.start) + share * rows.len() as f64;
+            bar.set(done / f64::from(size.height()));
+        };
+        let window = TileRect {
+            y0: rows.start as usize,
+            y1: rows.end as usize,
+            ..TileRect::of(size)
+        };
+        let control = Control {
+            progress: Some(&report),
+            window: Some(window),
+            ..Control::default()
+        };
+        png.write(&frame_of(picture, &mut renderer, &control)?)?;
+        let own = renderer.statistics();
+        all = Some(all.map_or_else(|| own.clone(), |before| before.plus(own)));
+    }
+    png.keep(overwrite)?;
+    Ok(all.unwrap_or_default())
+}
+
+/// The frame of a picture, or of what a control asks for of it.
+pub(super) fn frame_of(
+    picture: &Picture,
+    renderer: &mut Renderer,
+    control: &Control<'_>,
+) -> Result<Frame, Failure> {
+    let Picture {
+        scene,
+        camera,
+        settings,
+        sub_frames,
+        ..
+    } = picture;
+    // The renderer gives it its size.
+    let mut frame = Frame::empty(ImageSize::new(1, 1).during(Step::Render)?);
+    match &sub_frames[..] {
+        [] => renderer.render_with(scene, camera, settings, &mut frame, control),
+        cameras => renderer.expose(scene, cameras, settings, &mut frame, control),
+    }
+    .during(Step::Render)?;
+    Ok(frame)
 }
 
 /// Writes the scene with nothing left open, and with paths that lead to its files from anywhere.
 fn recipe(asked: &Asked, path: &Path, args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
     let target = Target::new(path);
     target.check(args.write.overwrite)?;
-    let prepared = asked.prepare(args, (CameraMotion::default(), false), terminal)?;
+    let prepared = asked.prepare(args, (CameraMotion::default(), Delivery::default()), terminal)?;
     let text = prepared.picture.document.absolute().to_json(true)? + "\n";
     target.write(text.as_bytes(), args.write.overwrite)
 }
@@ -66,18 +151,14 @@ pub(super) fn say_holes(statistics: &RenderStatistics, terminal: &Terminal) {
 
 fn render(prepared: &Prepared, terminal: &Terminal) -> Result<(Frame, RenderStatistics), Failure> {
     let Prepared { picture, means, .. } = prepared;
-    if !picture.sub_frames.is_empty() {
-        let mut studio = Studio::new(&picture.scene, picture.settings, *means)?;
-        let frame = studio.expose(&picture.sub_frames)?.clone();
-        return Ok((frame, studio.renderer().statistics().clone()));
-    }
     let mut renderer = engine(*means)?;
     let bar = terminal.progress("Rendering");
-    let frame = renderer
-        .render_with_progress(&picture.scene, &picture.camera, &picture.settings, &|share| {
-            bar.set(share);
-        })
-        .during(Step::Render)?;
+    let report = |share: f64| bar.set(share);
+    let control = Control {
+        progress: Some(&report),
+        ..Control::default()
+    };
+    let frame = frame_of(picture, &mut renderer, &control)?;
     Ok((frame, renderer.statistics().clone()))
 }
 

@@ -77,8 +77,4 @@ impl Studio {
         .during(Step::Render)?;
         Ok(&self.frame)
     }
-
-    pub(crate) fn renderer(&self) -> &Renderer {
-        &self.renderer
-    }
 }

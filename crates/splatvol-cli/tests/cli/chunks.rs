@@ -127,6 +127,10 @@ fn parts_make_the_picture() {
     sandbox.run("assemble parts -o b.png").succeeds();
     let [whole, assembled] = ["whole.png", "b.png"].map(|name| read_image(sandbox.path(name)).unwrap().image);
     assert_eq!(whole.pixels, assembled.pixels);
+    // In bands of rows, the same.
+    sandbox.run("assemble parts --memory 2M -o rows.png").succeeds();
+    let rows = read_image(sandbox.path("rows.png")).unwrap().image;
+    assert_eq!(whole.pixels, rows.pixels);
     // The record is that of the picture.
     let run = sandbox.run("render --like b.png -w -o c.png").succeeds();
     assert!(run.stderr().contains("c.png"));

@@ -252,3 +252,41 @@ mod unix {
         assert_eq!(status.expect("the command was built").code(), Some(5));
     }
 }
+
+/// Pictures that take more than half of `--memory` are made in bands of rows; these take three.
+#[test]
+fn bands_of_rows_make_the_bytes_of_the_whole_picture() {
+    let sandbox = Sandbox::new();
+    let view = "--size 260x300 --no-metadata -w";
+    for flags in [
+        "sample:head:40",
+        "sample:head:40 --preset fast --background none",
+        "sample:head:40 --compositing xray --background white --bits 16",
+        "sample:head:40 --coverage adaptive --spin 20 --motion-blur subframes --subframes 3",
+        "sample:head:40 --compositing per-splat --classification pre",
+    ] {
+        sandbox
+            .run(&format!("render {flags} {view} -o whole.png"))
+            .succeeds();
+        sandbox
+            .run(&format!(
+                "render {flags} {view} --memory 26M --stats s.json -o bands.png"
+            ))
+            .succeeds();
+        assert!(
+            sandbox.bytes("whole.png") == sandbox.bytes("bands.png"),
+            "{flags}"
+        );
+        let statistics: serde_json::Value = serde_json::from_slice(&sandbox.bytes("s.json")).unwrap();
+        assert!(statistics["seconds"]["total"].as_f64().unwrap() > 0.0);
+    }
+    // What cannot be made in bands is made as a whole, where there is memory.
+    sandbox
+        .run(&format!(
+            "render sample:head:40 {view} --memory 26M --depth d.npy -o whole.exr"
+        ))
+        .succeeds();
+    sandbox
+        .run("render sample:head:40 --preset fast --size 32768x32768 --depth d.npy -w -o a.png")
+        .fails(2, &["32768x32768", "MiB", "in bands of rows"]);
+}

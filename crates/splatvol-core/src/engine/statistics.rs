@@ -43,6 +43,22 @@ impl StageSeconds {
     }
 }
 
+impl ChunkStatistics {
+    /// Of two pictures: sums, and the larger of the levels' chunks, of the reads of one, and of the bytes at a time.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            all: self.all.max(other.all),
+            touched: self.touched + other.touched,
+            reads: self.reads + other.reads,
+            most_reads: self.most_reads.max(other.most_reads),
+            bytes: self.bytes + other.bytes,
+            holes: self.holes + other.holes,
+            planned_bytes: self.planned_bytes.max(other.planned_bytes),
+        }
+    }
+}
+
 /// What a pass took on a device.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct PassSeconds {
@@ -150,4 +166,29 @@ pub struct RenderStatistics {
     pub chunks: ChunkStatistics,
     /// Memory held by the renderer after the frame.
     pub memory: MemoryUse,
+}
+
+impl RenderStatistics {
+    /// Of two windows of a picture: times and what is counted per tile are added, all else is that of the second.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            seconds: self.seconds.plus(&other.seconds),
+            searched_bricks: self.searched_bricks + other.searched_bricks,
+            solved_bricks: self.solved_bricks + other.solved_bricks,
+            tiles: self.tiles + other.tiles,
+            opened_bricks: self.opened_bricks + other.opened_bricks,
+            voxels: self.voxels + other.voxels,
+            slices: self.slices + other.slices,
+            activated_vectors: self.activated_vectors + other.activated_vectors,
+            splatted_vectors: self.splatted_vectors + other.splatted_vectors,
+            shaded_vectors: self.shaded_vectors + other.shaded_vectors,
+            shaded_pixels: self.shaded_pixels + other.shaded_pixels,
+            hidden_bricks: self.hidden_bricks + other.hidden_bricks,
+            hidden_voxels: self.hidden_voxels + other.hidden_voxels,
+            sampled_pixels: self.sampled_pixels + other.sampled_pixels,
+            chunks: self.chunks.plus(&other.chunks),
+            ..other.clone()
+        }
+    }
 }

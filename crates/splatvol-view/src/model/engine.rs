@@ -403,6 +403,7 @@ pub(super) fn resolve(
         held: &held,
         moves: splatvol_document::CameraMotion::default(),
         keeps_alpha: false,
+        in_windows: false,
     })
 }
 

@@ -61,6 +61,7 @@ fn rendered(document: &Document) -> Vec<[u8; 4]> {
         held: &[],
         moves: splatvol_document::CameraMotion::default(),
         keeps_alpha: false,
+        in_windows: false,
     };
     let picture = document.resolve(resolving).unwrap();
     let mut renderer = Renderer::new(EngineConfig::default()).unwrap();

@@ -15,7 +15,7 @@ use splatvol_io::ImageFormat;
 use self::destination::{Destination, FrameNames};
 use self::movie::Movie;
 use crate::args::AnimateArgs;
-use crate::commands::asked::{Asked, Prepared};
+use crate::commands::asked::{Asked, Delivery, Prepared};
 use crate::commands::outputs::encode_with_bits;
 use crate::commands::studio::Studio;
 use crate::failure::{During, Failure, Step};
@@ -47,9 +47,12 @@ pub(crate) fn run(args: &AnimateArgs, terminal: &Terminal) -> Result<(), Failure
         turns: animation.turns(),
         shutter: animation.has_shutter(),
     };
-    let keeps_alpha = matches!(&destination, Destination::Frames(names) if names.format == ImageFormat::Exr);
+    let delivery = Delivery {
+        keeps_alpha: matches!(&destination, Destination::Frames(names) if names.format == ImageFormat::Exr),
+        in_windows: false,
+    };
     asked.leave_motion_of_camera();
-    let prepared = asked.prepare(&args.render, (moves, keeps_alpha), terminal)?;
+    let prepared = asked.prepare(&args.render, (moves, delivery), terminal)?;
     let picture = &prepared.picture;
     let start_of_path = (&picture.camera, picture.settings.motion_blur);
     let plan = Plan::new(&animation, &asked.document.motion, start_of_path)?;

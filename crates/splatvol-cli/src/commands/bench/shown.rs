@@ -73,6 +73,7 @@ impl<'a> Shown<'a> {
             held: &self.held,
             moves: CameraMotion::default(),
             keeps_alpha: first_frame == Some(ImageFormat::Exr),
+            in_windows: false,
         };
         let placed = self.asked.picture(&document, &args.picture, resolving)?;
         let projection = variant.projection.unwrap_or(ProjectionName::Perspective);

@@ -7,11 +7,14 @@
 
 mod block;
 
+use std::fs::File;
+use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::ops::Range;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use splatvol_scene::{Frame, Image, ImageSize};
+use splatvol_scene::{Frame, ImageSize};
 
 pub use self::block::{PartKey, PictureBlock};
 use crate::IoError;
@@ -48,6 +51,38 @@ pub struct PartHeader {
     pub pixels_sha256: String,
 }
 
+impl PartHeader {
+    /// Reads what a file says of itself, and none of its pixels.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is no part.
+    pub fn read(path: &Path) -> Result<Self, IoError> {
+        let context = &Context::new("part", path);
+        let file = File::open(path).map_err(|source| context.read(source))?;
+        let mut start = BufReader::new(file).take((MAGIC.len() + MOST_HEADER) as u64);
+        let mut magic = vec![0; MAGIC.len()];
+        let mut line = Vec::new();
+        let read = start
+            .read_exact(&mut magic)
+            .and_then(|()| start.read_until(b'\n', &mut line));
+        match read {
+            Ok(_) if magic == MAGIC && line.pop() == Some(b'\n') => Self::parse(&line, context),
+            Err(source) if source.kind() != ErrorKind::UnexpectedEof => Err(context.read(source)),
+            _ => Err(context.unsupported("no part of a picture of this version")),
+        }
+    }
+
+    fn parse(line: &[u8], context: &Context<'_>) -> Result<Self, IoError> {
+        let header: Self = serde_json::from_slice(line)
+            .map_err(|error| context.unsupported(format!("its header: {error}")))?;
+        if !header.block.fits(header.size) {
+            let expected = "a block within the picture";
+            return Err(context.field("block", header.block, None, expected));
+        }
+        Ok(header)
+    }
+}
+
 /// What a part is made of, and by.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartOrigin<'a> {
@@ -77,19 +112,23 @@ fn sha256(bytes: &[u8]) -> String {
 }
 
 impl Part {
-    /// A block of a frame.
+    /// A block of a picture of a size, and the frame of the block's pixels.
     ///
     /// # Errors
-    /// A block outside the frame.
-    pub fn new(frame: &Frame, block: PictureBlock, origin: PartOrigin<'_>) -> Result<Self, IoError> {
-        let size = frame.image.size();
+    /// A block outside the picture, or a frame of another size.
+    pub fn new(
+        frame: &Frame,
+        (size, block): (ImageSize, PictureBlock),
+        origin: PartOrigin<'_>,
+    ) -> Result<Self, IoError> {
         let context = Context::new("part", Path::new("part"));
-        if !block.fits(size) {
-            let expected = "a block within the picture";
+        let is_own = <[u32; 2]>::from(frame.image.size()) == [block.width, block.height];
+        if !block.fits(size) || !is_own {
+            let expected = "a block within the picture, and the frame of its pixels";
             return Err(context.field("block", block, None, expected));
         }
         let mut pixels = Vec::with_capacity(block.width as usize * block.height as usize * PIXEL);
-        for index in block.pixels(size) {
+        for index in 0..frame.depth.len() {
             let [r, g, b, a] = frame.image.pixels[index];
             for number in [r, g, b, a, frame.depth[index], frame.optical_depth[index]] {
                 pixels.extend(number.to_le_bytes());
@@ -144,12 +183,7 @@ impl Part {
         let (line, pixels) = end
             .map(|end| (&rest[..end], &rest[end + 1..]))
             .ok_or_else(|| context.unsupported("its second line does not end"))?;
-        let header: PartHeader = serde_json::from_slice(line)
-            .map_err(|error| context.unsupported(format!("its header: {error}")))?;
-        if !header.block.fits(header.size) {
-            let expected = "a block within the picture";
-            return Err(context.field("block", header.block, None, expected));
-        }
+        let header = PartHeader::parse(line, context)?;
         let wanted = u64::from(header.block.width) * u64::from(header.block.height) * PIXEL as u64;
         if pixels.len() as u64 != wanted {
             let found = pixels.len();
@@ -171,10 +205,12 @@ impl Part {
     }
 }
 
-/// A picture that is put together from parts, which may come in any order and more than once.
+/// A picture, or some of its rows, that is put together from parts, which may come in any order and more than once.
 #[derive(Debug)]
 pub struct Assembly {
     first: PartHeader,
+    rows: Range<u32>,
+    /// The pixels of these rows.
     frame: Frame,
     /// Which pixels are there.
     there: Vec<bool>,
@@ -187,21 +223,27 @@ impl Assembly {
     /// # Errors
     /// A picture larger than the memory that the machine grants.
     pub fn new(part: &Part, path: &Path) -> Result<Self, IoError> {
-        let size = part.header.size;
+        Self::of_rows(&part.header, 0..part.header.size.height(), path)
+    }
+
+    /// Of some rows of a part's picture; of parts that are added, only their pixels in these rows count. `path` is named in
+    /// errors.
+    ///
+    /// # Errors
+    /// No rows, or larger ones than the memory that the machine grants.
+    pub fn of_rows(first: &PartHeader, rows: Range<u32>, path: &Path) -> Result<Self, IoError> {
+        let context = Context::new("part", path);
+        let size =
+            ImageSize::new(first.size.width(), rows.len() as u32).map_err(|error| context.scene(error))?;
         let needed = size.pixel_count() as u64 * (PIXEL as u64 + 1);
         let granted = crate::memory::granted();
         if needed > granted {
-            return Err(Context::new("part", path).limit(needed, granted));
+            return Err(context.limit(needed, granted));
         }
-        let image = Image::from_pixels(size, vec![[0.0; 4]; size.pixel_count()])
-            .map_err(|error| Context::new("part", path).scene(error))?;
         Ok(Self {
-            first: part.header.clone(),
-            frame: Frame {
-                image,
-                depth: vec![f32::INFINITY; size.pixel_count()],
-                optical_depth: vec![0.0; size.pixel_count()],
-            },
+            first: first.clone(),
+            rows,
+            frame: Frame::empty(size),
             there: vec![false; size.pixel_count()],
             holes: 0,
         })
@@ -247,7 +289,10 @@ impl Assembly {
         }
         let mut is_new = false;
         let pixels = part.pixels.as_chunks::<PIXEL>().0;
-        for (index, pixel) in own.block.pixels(own.size).zip(pixels) {
+        for (place, pixel) in own.block.pixels(own.size).zip(pixels) {
+            let Some(index) = self.index(place) else {
+                continue;
+            };
             let mut numbers = pixel
                 .as_chunks::<4>()
                 .0
@@ -277,9 +322,19 @@ impl Assembly {
             self.frame.optical_depth[index] = optical_depth;
         }
         if is_new {
-            self.holes += own.holes;
+            // Of a part that lies in several bands of rows, the first counts them.
+            self.holes += match self.rows.contains(&own.block.y) {
+                true => own.holes,
+                false => 0,
+            };
         }
         Ok(())
+    }
+
+    /// Place of a pixel of the picture among those of the rows.
+    fn index(&self, place: usize) -> Option<usize> {
+        let first = self.rows.start as usize * self.first.size.width() as usize;
+        place.checked_sub(first).filter(|&index| index < self.there.len())
     }
 
     /// The picture's recipe.
@@ -292,7 +347,7 @@ impl Assembly {
         self.holes
     }
 
-    /// The picture.
+    /// The picture, or its rows.
     ///
     /// # Errors
     /// Pixels of which there is no part, by the first of them.
@@ -302,7 +357,7 @@ impl Assembly {
         };
         let missing = self.there.iter().filter(|there| !**there).count();
         let width = self.first.size.width() as usize;
-        let (x, y) = (index % width, index / width);
+        let (x, y) = (index % width, self.rows.start as usize + index / width);
         let what = format!("{missing} pixels have no part, the first at column {x}, row {y}");
         Err(Context::new("picture", Path::new("parts")).unsupported(what))
     }
@@ -310,6 +365,8 @@ impl Assembly {
 
 #[cfg(test)]
 mod tests {
+    use splatvol_scene::Image;
+
     use super::*;
 
     fn frame(width: u32, height: u32) -> Frame {
@@ -326,7 +383,14 @@ mod tests {
     }
 
     fn part(frame: &Frame, block: PictureBlock) -> Part {
-        Part::new(frame, block, origin("scalar", 1)).unwrap()
+        block_of(frame, block, origin("scalar", 1))
+    }
+
+    fn block_of(frame: &Frame, block: PictureBlock, origin: PartOrigin<'_>) -> Part {
+        let columns = block.x as usize..(block.x + block.width) as usize;
+        let rows = block.y as usize..(block.y + block.height) as usize;
+        let own = frame.cut(columns, rows).unwrap();
+        Part::new(&own, (frame.image.size(), block), origin).unwrap()
     }
 
     fn origin(simd: &str, holes: u64) -> PartOrigin<'_> {
@@ -352,6 +416,7 @@ mod tests {
             assembly.add(part, path).unwrap();
         }
         let missing = Assembly {
+            rows: 0..33,
             frame: frame.clone(),
             there: assembly.there.clone(),
             first: assembly.first.clone(),
@@ -374,6 +439,30 @@ mod tests {
     }
 
     #[test]
+    fn rows_take_what_parts_have_of_them() {
+        let frame = frame(70, 33);
+        let path = Path::new("a.part");
+        let parts: Vec<Part> = PictureBlock::all(frame.image.size(), 32)
+            .into_iter()
+            .map(|block| part(&frame, block))
+            .collect();
+        for rows in [0..7u32, 7..33, 32..33] {
+            let mut assembly = Assembly::of_rows(&parts[0].header, rows.clone(), path).unwrap();
+            for part in &parts[..5] {
+                assembly.add(part, path).unwrap();
+            }
+            if rows.end == 33 {
+                let error = assembly.finish().unwrap_err().to_string();
+                assert!(error.contains("the first at column 64, row 32"), "{error}");
+                continue;
+            }
+            let expected = frame.cut(0..70, rows.start as usize..rows.end as usize).unwrap();
+            assert_eq!(assembly.finish().unwrap(), expected);
+        }
+        assert!(Assembly::of_rows(&parts[0].header, 3..3, path).is_err());
+    }
+
+    #[test]
     fn damaged_and_foreign_parts_are_refused() {
         let path = Path::new("a.part");
         let frame = frame(8, 8);
@@ -392,16 +481,18 @@ mod tests {
         other.image.pixels[2][0] += 1.0;
         let error = assembly.add(&part(&other, block), path).unwrap_err().to_string();
         assert!(error.contains("differ"), "{error}");
-        let foreign = Part::new(&frame, block, origin("avx2", 0)).unwrap();
+        let foreign = block_of(&frame, block, origin("avx2", 0));
         let error = assembly.add(&foreign, path).unwrap_err().to_string();
         assert!(error.contains("instruction set, avx2"), "{error}");
         let changed = PartOrigin {
             files: "another".to_owned(),
             ..origin("scalar", 1)
         };
-        let changed = Part::new(&frame, block, changed).unwrap();
+        let changed = block_of(&frame, block, changed);
         let error = assembly.add(&changed, path).unwrap_err().to_string();
         assert!(error.contains("state of files, another"), "{error}");
-        assert!(Part::new(&frame, "5,0,4x8".parse().unwrap(), origin("", 0)).is_err());
+        let size = frame.image.size();
+        assert!(Part::new(&frame, (size, "5,0,8x8".parse().unwrap()), origin("", 0)).is_err());
+        assert!(Part::new(&frame, (size, block), origin("", 0)).is_err());
     }
 }

@@ -5,18 +5,22 @@
 //! depth; `gAMA` is followed if there is no `sRGB`, embedded ICC profiles are not. A picture read and written again at
 //! its own depth has the same codes.
 
-use std::io::{Cursor, Write};
+mod write;
+
+use std::io::Cursor;
 use std::path::Path;
 
-use png::text_metadata::{ITXtChunk, TEXtChunk};
-use png::{BitDepth, ColorType, DecodingError, SrgbRenderingIntent, Transformations};
+use png::{BitDepth, ColorType, DecodingError, Transformations};
 use splatvol_scene::transfer_function::linear_from_srgb;
 use splatvol_scene::{Image, ImageSize};
 
 use super::srgb::{self, SrgbCodes};
-use super::{LoadedImage, check_size, metadata};
+use super::{LoadedImage, check_size};
 use crate::IoError;
 use crate::error::Context;
+
+pub use self::write::{PngRows, encode};
+pub(crate) use self::write::{data, encoder, write_texts};
 
 /// Bits per channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +32,7 @@ pub enum Depth {
 }
 
 impl Depth {
-    fn largest(self) -> f64 {
+    pub(super) fn largest(self) -> f64 {
         match self {
             Self::Eight => 255.0,
             Self::Sixteen => 65_535.0,
@@ -43,68 +47,8 @@ impl Depth {
     }
 }
 
-/// Texts longer than this are compressed.
-const LONG_TEXT: usize = 1024;
-
 /// Deflate turns one byte into at most 1032, each of which may hold 8 grey pixels.
 const PIXELS_PER_BYTE: u64 = 8 * 1032;
-
-/// A picture as the bytes of a PNG file.
-///
-/// # Errors
-/// [`IoError::Encode`] for metadata that PNG cannot hold.
-pub fn encode(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Result<Vec<u8>, IoError> {
-    metadata::check("PNG", metadata)?;
-    write(image, depth, metadata).map_err(|error| IoError::Encode {
-        format: "PNG",
-        what: error.to_string(),
-    })
-}
-
-fn write(image: &Image, depth: Depth, metadata: &[(String, String)]) -> Result<Vec<u8>, png::EncodingError> {
-    let codes = codes(image, depth);
-    let opaque = codes.iter().all(|code| f64::from(code[3]) == depth.largest());
-    let mut bytes = Vec::new();
-    let mut writer = encoder(&mut bytes, image.size(), depth, opaque).write_header()?;
-    write_texts(&mut writer, metadata)?;
-    writer.write_image_data(&data(&codes, depth, opaque))?;
-    writer.finish()?;
-    Ok(bytes)
-}
-
-/// An encoder of RGB (opaque) or RGBA in sRGB.
-pub(crate) fn encoder<W: Write>(
-    sink: W,
-    size: ImageSize,
-    depth: Depth,
-    opaque: bool,
-) -> png::Encoder<'static, W> {
-    let mut encoder = png::Encoder::new(sink, size.width(), size.height());
-    encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
-    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    encoder.set_depth(match depth {
-        Depth::Eight => BitDepth::Eight,
-        Depth::Sixteen => BitDepth::Sixteen,
-    });
-    encoder
-}
-
-/// Text chunks, compressed where they are long.
-pub(crate) fn write_texts<W: Write>(
-    writer: &mut png::Writer<W>,
-    metadata: &[(String, String)],
-) -> Result<(), png::EncodingError> {
-    for (keyword, text) in metadata {
-        if text.is_ascii() && text.len() <= LONG_TEXT {
-            writer.write_text_chunk(&TEXtChunk::new(keyword, text))?;
-        } else {
-            let mut chunk = ITXtChunk::new(keyword, text);
-            chunk.compressed = text.len() > LONG_TEXT;
-            writer.write_text_chunk(&chunk)?;
-        }
-    }
-    Ok(())
-}
 
 /// The codes that a PNG of 8 bits holds, for showing a picture without a file: sRGB, straight alpha, row-major.
 pub fn codes_of_8_bits(image: &Image) -> Vec<[u8; 4]> {
@@ -122,16 +66,6 @@ pub(crate) fn codes(image: &Image, depth: Depth) -> Vec<[u16; 4]> {
         .iter()
         .map(|&pixel| code(pixel, depth, srgb))
         .collect()
-}
-
-/// Codes as PNG orders their bytes; without alpha where opaque.
-pub(crate) fn data(codes: &[[u16; 4]], depth: Depth, opaque: bool) -> Vec<u8> {
-    let channels = if opaque { 3 } else { 4 };
-    let kept = codes.iter().flat_map(|code| &code[..channels]);
-    match depth {
-        Depth::Eight => kept.map(|&code| code as u8).collect(),
-        Depth::Sixteen => kept.flat_map(|code| code.to_be_bytes()).collect(),
-    }
 }
 
 /// A picture as 8-bit RGBA: sRGB, straight alpha, row-major; the codes of an 8-bit PNG.
