@@ -24,6 +24,7 @@ use glam::DVec3;
 use splatvol_scene::{Gaussians, Mesh, Points, Volume};
 
 use crate::points::{self, height_field};
+use crate::remote;
 use crate::{
     DepthImageOptions, Description, GaussiansDescription, HeightFieldOptions, IoError, Loaded,
     LoadedGaussians, LoadedMesh, LoadedPoints, ReadOptions, is_gaussians, is_mesh, is_plot3d_pair,
@@ -147,6 +148,9 @@ pub fn data_kind(path: impl AsRef<Path>, options: &DataOptions) -> Result<DataKi
         } else {
             DataKind::Volume
         });
+    }
+    if remote::address(path).is_some() {
+        return Ok(DataKind::Volume);
     }
     if !path.exists() {
         volume::known(path)?;

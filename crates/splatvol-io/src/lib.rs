@@ -28,11 +28,13 @@ pub mod image;
 pub mod item;
 mod jpeg;
 mod json;
+mod key_store;
 pub mod memory;
 pub mod mesh;
 mod ply;
 pub mod points;
 mod positioned;
+pub mod remote;
 mod samples;
 mod source;
 mod state;
@@ -54,6 +56,7 @@ pub use image::{
     write_image,
 };
 pub use item::read_item;
+pub use key_store::{ByteRange, KeyStore, too_many_bytes};
 pub use mesh::plot3d::is_plot3d_pair;
 pub use mesh::{LoadedMesh, is_mesh, read_mesh};
 pub use points::depth_image::{DepthImageOptions, read_depth_images};
@@ -68,6 +71,6 @@ pub use transfer_function::{
 };
 pub use volume::zarr::{Compression, OmeVersion, Pyramid, PyramidOptions, write_pyramid};
 pub use volume::{
-    Description, Loaded, Opened, RawLayout, ReadOptions, WriteOptions, axis_codes, open_volume, read_volume,
-    write_volume,
+    Description, Loaded, Opened, RawLayout, ReadOptions, WriteOptions, axis_codes, open_volume,
+    open_volume_in, read_volume, write_volume,
 };

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use crate::IoError;
+use crate::key_store::{ByteRange, KeyStore};
 use crate::positioned::read_at;
+use crate::{IoError, remote};
 
 /// Bytes of a piece of a file, and how many pieces count.
 const PIECE: u64 = 4096;
@@ -15,8 +16,11 @@ const PIECES: u64 = 16;
 /// Files of a folder of which pieces count; of others only names and lengths do.
 const MOST_IN_FOLDER: usize = 64;
 
+/// Most bytes of metadata in a store.
+const STORED: u64 = 64 << 20;
+
 /// SHA-256 of the lengths of files and of sixteen pieces of each, from its first bytes to its last; of folders, of the names and
-/// lengths of the files in them, and of pieces of the first ones. Neither places nor times count, so that a copy has the state of
+/// lengths of the files in them, and of pieces of the first ones; of stores at addresses, of their metadata. Neither places nor times count, so that a copy has the state of
 /// its original.
 ///
 /// # Errors
@@ -24,9 +28,10 @@ const MOST_IN_FOLDER: usize = 64;
 pub fn state_of_files(files: &[PathBuf]) -> Result<String, IoError> {
     let mut hash = Sha256::new();
     for path in files {
-        let added = match path.is_dir() {
-            true => add_folder(&mut hash, path),
-            false => add_file(&mut hash, path),
+        let added = match remote::address(path) {
+            Some(address) => add_store(&mut hash, &*remote::open(address)?),
+            None if path.is_dir() => add_folder(&mut hash, path),
+            None => add_file(&mut hash, path),
         };
         added.map_err(|source| IoError::Open {
             source,
@@ -47,6 +52,17 @@ fn add_file(hash: &mut Sha256, path: &Path) -> io::Result<()> {
         let position = (length - size) * piece / (pieces - 1).max(1);
         read_at(&file, &mut bytes, position)?;
         hash.update(&bytes);
+    }
+    Ok(())
+}
+
+/// The metadata at the root of a store.
+fn add_store(hash: &mut Sha256, store: &dyn KeyStore) -> io::Result<()> {
+    for name in [".zattrs", ".zarray", "zarr.json"] {
+        if let Some(bytes) = store.read(name, ByteRange::All, STORED)? {
+            hash.update(name);
+            hash.update(&bytes);
+        }
     }
     Ok(())
 }

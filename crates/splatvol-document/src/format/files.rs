@@ -93,7 +93,8 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Document, DocumentError> {
 
 /// The path of a file that a scene names.
 fn beside(name: &str, key: &str, scene: &Path) -> Result<String, DocumentError> {
-    if name.starts_with("sample:") || Path::new(name).is_absolute() {
+    let path = Path::new(name);
+    if name.starts_with("sample:") || path.is_absolute() || splatvol_io::remote::address(path).is_some() {
         return Ok(name.to_owned());
     }
     let inside = |component| matches!(component, Component::Normal(_) | Component::CurDir);

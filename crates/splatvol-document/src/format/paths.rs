@@ -7,7 +7,7 @@ use crate::Document;
 use crate::input::locate;
 
 impl Document {
-    /// Every path of a file that the document names and that is read; samples have none.
+    /// Every path of a file, and every address, that the document names and that is read; samples have none.
     pub fn paths(&self) -> Vec<&str> {
         let items = self.items.iter().flat_map(|item| {
             // A transfer function goes over its file.
@@ -44,7 +44,7 @@ impl Document {
             &mut self.animation.path,
         ];
         let named = items.chain(others.map(Option::as_mut)).flatten();
-        named.filter(|path| !path.starts_with("sample:"))
+        named.filter(|path| !path.starts_with("sample:") && !is_address(path))
     }
 
     /// The document of a picture in a folder, for the current one: paths that lead nowhere from here, but to a file from there, lead
@@ -119,8 +119,13 @@ fn between(folder: &Path, file: &Path) -> Option<PathBuf> {
     Some(up.chain(file.components().skip(common.len())).collect())
 }
 
+/// Whether a path is the address of a store, which is the same everywhere.
+fn is_address(path: &str) -> bool {
+    splatvol_io::remote::address(Path::new(path)).is_some()
+}
+
 /// The first of the paths that a picture's record names and that leads elsewhere than into the current folder or the
-/// picture's, and below. Whoever made the picture chose them. Paths that lead nowhere pass: readers say so.
+/// picture's, and below, or that is an address. Whoever made the picture chose them. Paths that lead nowhere pass: readers say so.
 pub fn path_outside<'a>(paths: impl IntoIterator<Item = &'a str>, picture: Option<&Path>) -> Option<&'a str> {
     let current = std::env::current_dir().ok();
     let beside = picture.map(|picture| picture.parent().unwrap_or(Path::new("")).join(""));
@@ -131,6 +136,9 @@ pub fn path_outside<'a>(paths: impl IntoIterator<Item = &'a str>, picture: Optio
         .filter_map(|folder| folder.canonicalize().ok())
         .collect();
     paths.into_iter().find(|path| {
+        if is_address(path) {
+            return true;
+        }
         let mut found = folders
             .iter()
             .filter_map(|folder| folder.join(path).canonicalize().ok());

@@ -4,9 +4,9 @@ use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
 use super::{dicom, slc, slices, zarr};
-use crate::IoError;
 use crate::error::Context;
 use crate::source::{Codec, Source, check_inside};
+use crate::{IoError, remote};
 
 /// Bytes examined; a NIfTI-1 header ends with its magic number here.
 const PROBE: usize = 348;
@@ -52,6 +52,10 @@ pub(super) fn extension(path: &Path) -> String {
 /// The format of the file at `path`.
 pub(super) fn format(path: &Path) -> Result<Format, IoError> {
     let context = Context::new("volume", path);
+    if remote::address(path).is_some() {
+        // Servers list nothing, and have folders of keys only.
+        return Ok(Format::Zarr);
+    }
     if path.is_dir() {
         return folder_format(path, &context);
     }

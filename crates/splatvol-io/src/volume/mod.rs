@@ -39,6 +39,7 @@ pub(crate) use assemble::{
 };
 
 use crate::error::Context;
+use crate::key_store::KeyStore;
 use crate::{Endian, IoError, SampleType, memory};
 use detect::Format;
 
@@ -229,6 +230,17 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
     };
     refuse_warnings(&opened.description, path, options)?;
     Ok(Some(opened))
+}
+
+/// Opens the OME-Zarr image or Zarr array at the root of a store, as [`open_volume`] does.
+///
+/// # Errors
+/// See [`IoError`].
+pub fn open_volume_in(store: Arc<dyn KeyStore>, options: &ReadOptions) -> Result<Opened, IoError> {
+    let name = PathBuf::from(store.name());
+    let opened = zarr::open_store(store, options)?;
+    refuse_warnings(&opened.description, &name, options)?;
+    Ok(opened)
 }
 
 fn refuse_warnings(description: &Description, path: &Path, options: &ReadOptions) -> Result<(), IoError> {

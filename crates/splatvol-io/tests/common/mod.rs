@@ -6,6 +6,8 @@
     reason = "every test file uses its own part of these; panics are how tests fail"
 )]
 
+pub mod images;
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

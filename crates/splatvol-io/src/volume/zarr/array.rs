@@ -2,18 +2,16 @@
 //! (<https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html>,
 //! <https://zarr-specs.readthedocs.io/en/latest/v3/core/>).
 
-use std::path::{Path, PathBuf};
-
 use serde_json::Value;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{ElementType, Grid, with_samples};
 
 use super::codec::Codec;
 use super::fill::FillValue;
+use super::folder::Folder;
 use super::own;
 use crate::error::Context;
 use crate::samples::{Endian, widen_samples};
-use crate::source::read_file;
 use crate::{IoError, SampleType};
 
 /// Axes that an array may have.
@@ -22,7 +20,7 @@ const MAX_AXES: usize = 8;
 /// An array: its samples, and how its chunks lie in files.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Array {
-    pub(super) folder: PathBuf,
+    pub(super) folder: Folder,
     pub(super) version: u32,
     pub(super) shape: Vec<usize>,
     /// Shape of the chunks; with shards, of those inside.
@@ -53,19 +51,6 @@ pub(super) struct Shard {
     pub(super) index_first: bool,
 }
 
-/// A JSON file, or `None` if it does not exist.
-pub(super) fn json(path: &Path) -> Result<Option<Value>, IoError> {
-    if !path.is_file() {
-        return Ok(None);
-    }
-    let context = &Context::new("Zarr metadata", path);
-    let bytes = read_file(path, context)?;
-    let value = serde_json::from_slice(&bytes);
-    value
-        .map(Some)
-        .map_err(|error| context.field("JSON", error, None, "well-formed JSON"))
-}
-
 impl Shard {
     /// Chunks along each axis of a shard.
     pub(super) fn chunks_along(&self, chunks: &[usize]) -> Vec<usize> {
@@ -76,9 +61,9 @@ impl Shard {
 
 impl Array {
     /// The array in a folder, `None` if there is none.
-    pub(super) fn open(folder: &Path) -> Result<Option<Self>, IoError> {
-        let old = folder.join(".zarray");
-        if let Some(value) = json(&old)? {
+    pub(super) fn open(folder: &Folder) -> Result<Option<Self>, IoError> {
+        let old = folder.path().join(".zarray");
+        if let Some(value) = folder.json(".zarray")? {
             let context = &Context::new("Zarr 2 array", &old);
             return Fields {
                 value: &value,
@@ -87,8 +72,8 @@ impl Array {
             .version_2(folder)
             .map(Some);
         }
-        let new = folder.join("zarr.json");
-        match json(&new)? {
+        let new = folder.path().join("zarr.json");
+        match folder.json("zarr.json")? {
             Some(value) if value.get("node_type").and_then(Value::as_str) == Some("array") => {
                 let context = &Context::new("Zarr 3 array", &new);
                 Fields {
@@ -196,7 +181,7 @@ impl Fields<'_> {
         }
     }
 
-    fn version_2(&self, folder: &Path) -> Result<Array, IoError> {
+    fn version_2(&self, folder: &Folder) -> Result<Array, IoError> {
         let shape = self.sizes("shape", self.value.get("shape"), None)?;
         let chunks = self.chunk("chunks", self.value.get("chunks"), shape.len())?;
         let dtype = self.value.get("dtype");
@@ -245,7 +230,7 @@ impl Fields<'_> {
         };
         let slashes = self.value.get("dimension_separator").and_then(Value::as_str) == Some("/");
         Ok(Array {
-            folder: folder.to_owned(),
+            folder: folder.clone(),
             version: 2,
             shape,
             chunks,
@@ -256,13 +241,13 @@ impl Fields<'_> {
             codecs,
             shard: None,
             fill: FillValue::new(self.value, self.context).bytes(sample_type, half, endian)?,
-            complete: own::is_complete(json(&folder.join(".zattrs"))?.as_ref()),
+            complete: own::is_complete(folder.json(".zattrs")?.as_ref()),
             prefix: "",
             separator: if slashes { '/' } else { '.' },
         })
     }
 
-    fn version_3(&self, folder: &Path) -> Result<Array, IoError> {
+    fn version_3(&self, folder: &Folder) -> Result<Array, IoError> {
         let shape = self.sizes("shape", self.value.get("shape"), None)?;
         let grid = self.value.pointer("/chunk_grid/configuration/chunk_shape");
         let outer = self.chunk("chunk_shape", grid, shape.len())?;
@@ -287,7 +272,7 @@ impl Fields<'_> {
             .and_then(Value::as_str)
             .unwrap_or(if plain { "." } else { "/" });
         let mut array = Array {
-            folder: folder.to_owned(),
+            folder: folder.clone(),
             version: 3,
             shape,
             chunks: outer.clone(),

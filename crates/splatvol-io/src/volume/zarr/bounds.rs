@@ -2,15 +2,14 @@
 //! (2, chunks along z, y, x). It holds the smallest and the largest sample of every chunk and of the samples around it,
 //! one in each direction; NaN where samples are missing.
 
-use std::path::Path;
-
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{ChunkBuffer, ChunkContent, Grid, LevelLayout, Rescale, with_samples};
 
-use super::array::{Array, json};
+use super::array::Array;
+use super::folder::Folder;
 use super::level::{ArrayLevel, Part};
 use super::own;
 use crate::volume::ReadOptions;
@@ -29,13 +28,19 @@ type Read = ([usize; 3], Arc<Vec<f64>>);
 
 impl Bounds {
     /// The index of a level, `None` if there is none that fits.
-    pub(super) fn open(folder: &Path, level: usize, of: &ArrayLevel, options: &ReadOptions) -> Option<Self> {
-        let folder = folder.join(own::BOUNDS).join(level.to_string());
+    pub(super) fn open(
+        folder: &Folder,
+        level: usize,
+        of: &ArrayLevel,
+        options: &ReadOptions,
+    ) -> Option<Self> {
+        let folder = folder.join(own::BOUNDS).join(&level.to_string());
         let array = Array::open(&folder).ok()??;
         let counts = of.layout.counts();
         let attributes = match array.version {
-            2 => json(&folder.join(".zattrs")).ok()?,
-            _ => json(&folder.join("zarr.json"))
+            2 => folder.json(".zattrs").ok()?,
+            _ => folder
+                .json("zarr.json")
                 .ok()?
                 .and_then(|value| value.get("attributes").cloned()),
         };

@@ -10,7 +10,9 @@ use splatvol_scene::{ChunkFault, SourceError};
 
 use super::array::{Array, Shard};
 use super::codec::Codec;
+use super::folder::Folder;
 use crate::IoError;
+use crate::key_store::{ByteRange, too_many_bytes};
 use crate::positioned::read_at;
 
 /// Bytes of a chunk's offset and length in the index of a shard.
@@ -18,6 +20,8 @@ pub(super) const INDEX_ENTRY: u64 = 16;
 /// Shards whose indices are kept: their number (files that are open), and the bytes of all indices.
 const KEPT_SHARDS: usize = 64;
 const KEPT_BYTES: usize = 32 << 20;
+/// Bytes that a stored chunk may have beyond twice those of its samples.
+const OVERHEAD: u64 = 1 << 20;
 /// An entry of an index for a chunk that is not there.
 const ABSENT: (u64, u64) = (u64::MAX, u64::MAX);
 
@@ -51,7 +55,7 @@ impl Place {
     fn of_system(&self, error: &io::Error) -> Failure {
         let kind = match error.kind() {
             io::ErrorKind::PermissionDenied => Kind::Refused,
-            io::ErrorKind::UnexpectedEof => Kind::Corrupt,
+            io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => Kind::Corrupt,
             _ => Kind::Transient,
         };
         self.fault(kind, None, error.to_string())
@@ -110,10 +114,12 @@ impl Failure {
     }
 }
 
-/// The files of an array.
+/// The files of an array, or its objects in a store.
 #[derive(Debug)]
 pub(super) struct Files {
-    folder: PathBuf,
+    folder: Folder,
+    /// Most stored bytes of a chunk.
+    most: u64,
     /// The folder without links; `None` where links may lead anywhere.
     real_folder: Option<PathBuf>,
     shards: Mutex<VecDeque<Known>>,
@@ -122,21 +128,23 @@ pub(super) struct Files {
 /// A shard by its key; without a file, all of it is fill.
 type Known = (String, Option<Arc<OpenShard>>);
 
-/// The open file of a shard.
+/// The open file of a shard, or its key in a store.
 #[derive(Debug)]
 struct OpenShard {
-    file: File,
-    length: u64,
+    /// The file and its length; `None` in a store.
+    file: Option<(File, u64)>,
     /// Offset and length of every chunk, 16 bytes each.
     index: Vec<u8>,
 }
 
 impl Files {
     pub(super) fn new(array: &Array, allow_outside: bool) -> Self {
-        let real_folder = array.folder.canonicalize().ok().filter(|_| !allow_outside);
+        let real_folder = array.folder.path().canonicalize();
+        let bytes = array.samples_of_chunk() as u64 * array.sample_type.size() as u64;
         Self {
             folder: array.folder.clone(),
-            real_folder,
+            most: bytes.saturating_mul(2).saturating_add(OVERHEAD),
+            real_folder: real_folder.ok().filter(|_| !allow_outside),
             shards: Mutex::default(),
         }
     }
@@ -171,19 +179,62 @@ impl Files {
             return Ok((place, false));
         }
         place.offset = offset;
-        if offset.checked_add(length).is_none_or(|end| end > open.length) {
-            let reason = format!("{length} bytes outside the shard of {}", open.length);
+        let Some((file, all)) = &open.file else {
+            let range = ByteRange::From {
+                start: offset,
+                length,
+            };
+            return match self.fetch(&place, range)? {
+                Some(bytes) if bytes.len() as u64 == length => {
+                    *into = bytes;
+                    Ok((place, true))
+                }
+                Some(bytes) => {
+                    let reason = format!("{} bytes of the {length} that the shard lists", bytes.len());
+                    Err(place.fault(Kind::Corrupt, None, reason))
+                }
+                None => Err(place.fault(Kind::Missing, None, "the shard is gone; it was there")),
+            };
+        };
+        if offset.checked_add(length).is_none_or(|end| end > *all) {
+            let reason = format!("{length} bytes outside the shard of {all}");
             return Err(place.fault(Kind::Corrupt, None, reason));
         }
         into.clear();
         into.resize(length as usize, 0);
-        read_at(&open.file, into, offset).map_err(|error| place.of_system(&error))?;
+        read_at(file, into, offset).map_err(|error| place.of_system(&error))?;
         Ok((place, true))
+    }
+
+    /// Bytes of an object in a store; `None` if there is none.
+    fn fetch(&self, place: &Place, range: ByteRange) -> Result<Option<Vec<u8>>, Failure> {
+        let Some((store, key)) = self.folder.stored(&place.key) else {
+            return Ok(None);
+        };
+        let most = match range {
+            ByteRange::Last(length) => length,
+            ByteRange::From { length, .. } if length > self.most => {
+                return Err(place.of_system(&too_many_bytes(length, self.most)));
+            }
+            _ => self.most,
+        };
+        store
+            .read(&key, range, most)
+            .map_err(|error| place.of_system(&error))
     }
 
     /// All bytes of a file.
     fn file(&self, key: String, into: &mut Vec<u8>) -> Result<(Place, bool), Failure> {
         let place = Place { key, offset: 0 };
+        if self.folder.stored("").is_some() {
+            return Ok(match self.fetch(&place, ByteRange::All)? {
+                Some(bytes) => {
+                    *into = bytes;
+                    (place, true)
+                }
+                None => (place, false),
+            });
+        }
         let Some((file, length)) = self.open(&place)? else {
             return Ok((place, false));
         };
@@ -195,7 +246,7 @@ impl Files {
 
     /// A regular file and its length, `None` if there is none.
     fn open(&self, place: &Place) -> Result<Option<(File, u64)>, Failure> {
-        let path = self.folder.join(&place.key);
+        let path = self.folder.path().join(&place.key);
         let metadata = match std::fs::metadata(&path) {
             Err(error) if is_absent(&error) => return Ok(None),
             found => found.map_err(|error| place.of_system(&error))?,
@@ -217,7 +268,7 @@ impl Files {
             Ok(target) if !target.starts_with(folder) => Err(Failure::Outside(Box::new(IoError::Outside {
                 link: path.to_owned(),
                 target,
-                path: self.folder.clone(),
+                path: self.folder.path().to_owned(),
             }))),
             _ => Ok(()),
         }
@@ -240,10 +291,14 @@ impl Files {
                 return Ok(known.1);
             }
         }
-        let open = match self.open(place)? {
-            Some((file, length)) => Some(Arc::new(OpenShard::read(file, length, shard, inner, place)?)),
-            None => None,
-        };
+        let open = match self.folder.stored("") {
+            Some(_) => self.stored_shard(shard, inner, place)?,
+            None => match self.open(place)? {
+                Some((file, length)) => Some(OpenShard::of_file((file, length), shard, inner, place)?),
+                None => None,
+            },
+        }
+        .map(Arc::new);
         let mut shards = lock();
         shards.push_back((place.key.clone(), open.clone()));
         let bytes = |known: &Known| known.1.as_ref().map_or(0, |open| open.index.len());
@@ -256,6 +311,34 @@ impl Files {
     }
 }
 
+impl Files {
+    /// A shard in a store: its index alone is read.
+    fn stored_shard(
+        &self,
+        shard: &Shard,
+        inner: &[usize],
+        place: &Place,
+    ) -> Result<Option<OpenShard>, Failure> {
+        let length = OpenShard::index_length(shard, inner);
+        if length > KEPT_BYTES as u64 {
+            let reason = format!("an index of {length} bytes");
+            return Err(place.fault(Kind::Refused, None, reason));
+        }
+        let range = match shard.index_first {
+            true => ByteRange::From { start: 0, length },
+            false => ByteRange::Last(length),
+        };
+        let Some(index) = self.fetch(place, range)? else {
+            return Ok(None);
+        };
+        if index.len() as u64 != length {
+            let reason = format!("the index needs {length} bytes, the shard has {}", index.len());
+            return Err(place.fault(Kind::Corrupt, None, reason));
+        }
+        OpenShard::new(None, index, shard, place).map(Some)
+    }
+}
+
 fn is_absent(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -264,12 +347,22 @@ fn is_absent(error: &io::Error) -> bool {
 }
 
 impl OpenShard {
-    /// Reads the index.
-    fn read(file: File, length: u64, shard: &Shard, inner: &[usize], place: &Place) -> Result<Self, Failure> {
-        let count = inner
+    /// Bytes of the index.
+    fn index_length(shard: &Shard, inner: &[usize]) -> u64 {
+        let entries = inner
             .iter()
             .fold(INDEX_ENTRY, |bytes, &size| bytes.saturating_mul(size as u64));
-        let bytes = count.saturating_add(if shard.checksum { 4 } else { 0 });
+        entries.saturating_add(if shard.checksum { 4 } else { 0 })
+    }
+
+    /// Reads the index from a file of a length.
+    fn of_file(
+        (file, length): (File, u64),
+        shard: &Shard,
+        inner: &[usize],
+        place: &Place,
+    ) -> Result<Self, Failure> {
+        let bytes = Self::index_length(shard, inner);
         if bytes > length {
             let reason = format!("the index needs {bytes} bytes, the shard has {length}");
             return Err(place.fault(Kind::Corrupt, None, reason));
@@ -280,6 +373,11 @@ impl OpenShard {
         };
         let mut index = vec![0; bytes as usize];
         read_at(&file, &mut index, place.offset).map_err(|error| place.of_system(&error))?;
+        Self::new(Some((file, length)), index, shard, &place)
+    }
+
+    /// With an index, which is checked.
+    fn new(file: Option<(File, u64)>, index: Vec<u8>, shard: &Shard, place: &Place) -> Result<Self, Failure> {
         if shard.checksum
             && let Some((entries, sum)) = index.split_last_chunk::<4>()
             && crc32c::crc32c(entries) != u32::from_le_bytes(*sum)
@@ -287,7 +385,7 @@ impl OpenShard {
             let reason = "a wrong checksum of the shard's index";
             return Err(place.fault(Kind::Corrupt, Some(Codec::Crc32c), reason));
         }
-        Ok(Self { file, length, index })
+        Ok(Self { file, index })
     }
 
     /// Offset and length of a chunk.

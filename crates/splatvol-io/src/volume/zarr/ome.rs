@@ -4,7 +4,7 @@ use std::path::{Component, Path};
 
 use serde_json::Value;
 
-use super::array::json;
+use super::folder::Folder;
 use crate::IoError;
 use crate::error::Context;
 
@@ -41,11 +41,11 @@ pub(super) struct Image {
 }
 
 /// The metadata of a folder, wherever its version keeps them.
-pub(super) fn attributes(folder: &Path) -> Result<Option<Value>, IoError> {
-    if let Some(value) = json(&folder.join(".zattrs"))? {
+pub(super) fn attributes(folder: &Folder) -> Result<Option<Value>, IoError> {
+    if let Some(value) = folder.json(".zattrs")? {
         return Ok(Some(value));
     }
-    let value = json(&folder.join("zarr.json"))?;
+    let value = folder.json("zarr.json")?;
     Ok(value.and_then(|value| {
         let attributes = value.get("attributes")?;
         Some(attributes.get("ome").unwrap_or(attributes).clone())

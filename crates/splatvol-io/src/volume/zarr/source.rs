@@ -1,12 +1,12 @@
 //! An image as a source of chunks: metadata are read when it is opened, and each chunk when it is asked for.
 
-use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
 use splatvol_scene::{ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, SourceError, SourceIdentity};
 
 use super::bounds::Bounds;
+use super::folder::Folder;
 use super::level::ArrayLevel;
 use super::spread;
 use super::store::Store;
@@ -22,7 +22,7 @@ pub(super) struct ZarrSource {
     /// Samples that stand for each level, read when they are asked for.
     spread: Vec<OnceLock<Option<Vec<f64>>>>,
     /// Folder, number of the first level, and how it is read.
-    place: (PathBuf, usize, ReadOptions),
+    place: (Folder, usize, ReadOptions),
     identity: SourceIdentity,
 }
 
@@ -60,7 +60,7 @@ fn identity(store: &Store, levels: &[ArrayLevel]) -> SourceIdentity {
     }
     let state: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     SourceIdentity {
-        name: store.folder.display().to_string(),
+        name: store.folder.path().display().to_string(),
         state,
     }
 }

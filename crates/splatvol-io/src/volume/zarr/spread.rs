@@ -1,14 +1,13 @@
 //! Samples that stand for a level in histograms: an array `splatvol/spread/LEVEL` beside the levels. Row by row it holds
 //! every n-th sample of the level ([`splatvol_scene::chunks::spread_step`]), and zeros behind the last.
 
-use std::path::Path;
-
 use glam::DVec3;
 use splatvol_scene::chunks::spread_step;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{ChunkBuffer, ChunkContent, Grid, LevelLayout, Rescale, VoxelBox, with_samples};
 
 use super::array::Array;
+use super::folder::Folder;
 use super::level::{ArrayLevel, Part};
 use super::own;
 use crate::volume::ReadOptions;
@@ -37,8 +36,13 @@ pub(super) fn within(dims: [usize; 3], region: VoxelBox) -> impl Iterator<Item =
 }
 
 /// Reads those of a level; `None` if they are not there, or not those of this level.
-pub(super) fn read(folder: &Path, level: usize, of: &ArrayLevel, options: &ReadOptions) -> Option<Vec<f64>> {
-    let folder = folder.join(own::SPREAD).join(level.to_string());
+pub(super) fn read(
+    folder: &Folder,
+    level: usize,
+    of: &ArrayLevel,
+    options: &ReadOptions,
+) -> Option<Vec<f64>> {
+    let folder = folder.join(own::SPREAD).join(&level.to_string());
     let array = Array::open(&folder).ok()??;
     let count = count(of.layout.grid.dims());
     let rows = count.div_ceil(ROW);

@@ -1,23 +1,20 @@
 //! The metadata of an image or of an array: levels, axes, channels, and what a volume of it will be.
 
-use std::path::{Path, PathBuf};
-
 use splatvol_scene::LevelLayout;
 
-use super::array::{Array, json};
+use super::IoError;
+use super::array::Array;
+use super::folder::Folder;
 use super::geometry;
 use super::level::{ArrayLevel, Part};
 use super::ome::{self, Image, Level};
 use super::own::Own;
-use super::{IoError, is_zarr};
 use crate::error::Context;
-use crate::source::check_inside;
-use crate::volume::detect::natural_order;
 use crate::volume::{Description, Draft, ReadOptions, checked_dims};
 
 /// An image and its arrays, or one array alone.
 pub(super) struct Store {
-    pub(super) folder: PathBuf,
+    pub(super) folder: Folder,
     pub(super) arrays: Vec<Array>,
     image: Image,
     levels: Vec<Level>,
@@ -27,8 +24,8 @@ pub(super) struct Store {
 
 impl Store {
     /// Reads the metadata below a folder, and nothing else.
-    pub(super) fn open(folder: &Path, options: &ReadOptions) -> Result<Self, IoError> {
-        let context = &Context::new("OME-Zarr", folder).following(options);
+    pub(super) fn open(folder: &Folder, options: &ReadOptions) -> Result<Self, IoError> {
+        let context = &Context::new("OME-Zarr", folder.path()).following(options);
         if let Some(array) = Array::open(folder)? {
             let level = Level {
                 path: String::new(),
@@ -36,7 +33,7 @@ impl Store {
                 translation: Vec::new(),
             };
             return Ok(Self {
-                folder: folder.to_owned(),
+                folder: folder.clone(),
                 arrays: vec![array],
                 image: Image::default(),
                 levels: vec![level],
@@ -64,7 +61,7 @@ impl Store {
             description.warnings.push(warning);
         }
         Ok(Self {
-            folder: folder.to_owned(),
+            folder: folder.clone(),
             own: Own::new(own_attributes(folder)?.as_ref(), context)?,
             levels: image.levels.clone(),
             arrays,
@@ -75,7 +72,7 @@ impl Store {
 
     /// A folder of several images, as bioformats2raw writes them: `0`, `1`, ...
     fn open_series(
-        folder: &Path,
+        folder: &Folder,
         plate: bool,
         options: &ReadOptions,
         context: &Context<'_>,
@@ -83,7 +80,7 @@ impl Store {
         if plate {
             return Err(context.unsupported("a plate; name the folder of one of its images"));
         }
-        let names = series_names(folder, context)?;
+        let names = folder.series(context)?;
         let asked = |name: &&String| options.series.as_ref().is_none_or(|series| series == *name);
         let Some(name) = names.iter().find(asked) else {
             let what = match &options.series {
@@ -96,7 +93,7 @@ impl Store {
             return Err(context.unsupported(what));
         };
         let inner = folder.join(name);
-        check_inside(&inner, folder, context)?;
+        inner.check_inside(folder, context)?;
         if Array::open(&inner)?.is_none()
             && ome::attributes(&inner)?.is_none_or(|value| value.get("multiscales").is_none())
         {
@@ -128,14 +125,14 @@ impl Store {
             options.level,
             list.join(", ")
         );
-        let context = Context::new("OME-Zarr", &self.folder).following(options);
+        let context = Context::new("OME-Zarr", self.folder.path()).following(options);
         Err(context.unsupported(what))
     }
 
     /// All of a level's volume but its samples, and its part of the array.
     pub(super) fn draft(&self, level: usize, options: &ReadOptions) -> Result<(Draft, Part), IoError> {
         let (array, image) = (&self.arrays[level], &self.image);
-        let context = &Context::new("Zarr array", &array.folder).following(options);
+        let context = &Context::new("Zarr array", array.folder.path()).following(options);
         let axes = geometry::axes(array, image);
         let mut description = self.description.clone();
         let (part, times) = geometry::part(array, (&axes, image), &mut description, options, context)?;
@@ -152,7 +149,7 @@ impl Store {
             }
         };
         description.oriented = self.own.oriented;
-        description.files = vec![array.folder.clone()];
+        description.files = vec![array.folder.path().to_owned()];
         let sizes = geometry::spatial_sizes(array, image).map(|size| i64::try_from(size).unwrap_or(i64::MAX));
         let mut draft = Draft::new(checked_dims(&sizes, "shape", None, context)?, description);
         draft.set_times(times, options);
@@ -175,7 +172,7 @@ impl Store {
     ) -> Result<ArrayLevel, IoError> {
         let array = self.arrays[level].clone();
         let layout = LevelLayout {
-            grid: draft.grid(&Context::new("Zarr array", &array.folder))?,
+            grid: draft.grid(&Context::new("Zarr array", array.folder.path()))?,
             chunk: [1; 3],
             element: array.element(),
             rescale: draft.rescale,
@@ -185,34 +182,20 @@ impl Store {
     }
 }
 
-fn open_level(folder: &Path, level: &Level, context: &Context<'_>) -> Result<Array, IoError> {
-    let path = folder.join(&level.path);
-    check_inside(&path, folder, context)?;
-    Array::open(&path)?.ok_or_else(|| IoError::MissingDataFile {
-        data: path,
-        path: folder.to_owned(),
+fn open_level(folder: &Folder, level: &Level, context: &Context<'_>) -> Result<Array, IoError> {
+    let inner = folder.join(&level.path);
+    inner.check_inside(folder, context)?;
+    Array::open(&inner)?.ok_or_else(|| IoError::MissingDataFile {
+        data: inner.path().to_owned(),
+        path: folder.path().to_owned(),
     })
 }
 
 /// The attributes of a group, with those that are not OME's.
-fn own_attributes(folder: &Path) -> Result<Option<serde_json::Value>, IoError> {
-    if let Some(attributes) = json(&folder.join(".zattrs"))? {
+fn own_attributes(folder: &Folder) -> Result<Option<serde_json::Value>, IoError> {
+    if let Some(attributes) = folder.json(".zattrs")? {
         return Ok(Some(attributes));
     }
-    let metadata = json(&folder.join("zarr.json"))?;
+    let metadata = folder.json("zarr.json")?;
     Ok(metadata.and_then(|metadata| metadata.get("attributes").cloned()))
-}
-
-/// Names of the groups and arrays in a folder, in their natural order.
-fn series_names(folder: &Path, context: &Context<'_>) -> Result<Vec<String>, IoError> {
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .map_err(|error| context.read(error))?
-        .flatten()
-        .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()) && is_zarr(&entry.path()))
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort_by(|a, b| natural_order(a, b));
-    // OME's own metadata are not an image.
-    names.retain(|name| name != "OME");
-    Ok(names)
 }

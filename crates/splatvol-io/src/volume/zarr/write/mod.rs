@@ -28,6 +28,7 @@ use splatvol_scene::{Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkSourc
 use splatvol_scene::{Rescale, Reservation, SourceError, SourceIdentity};
 
 use super::array::Array;
+use super::folder::Folder;
 use super::is_zarr;
 use super::level::{ArrayLevel, Part};
 use super::own;
@@ -366,7 +367,7 @@ impl Written {
     fn open(store: &Path, number: usize, finest: &LevelLayout) -> Result<Self, IoError> {
         let folder = store.join(number.to_string());
         let context = &Context::new("Zarr array", &folder);
-        let array = Array::open(&folder)?.ok_or_else(|| context.unsupported("no array"))?;
+        let array = Array::open(&Folder::on_disk(&folder))?.ok_or_else(|| context.unsupported("no array"))?;
         let part = Part {
             place: vec![0; 3],
             spatial: vec![0, 1, 2],

@@ -1,0 +1,184 @@
+//! Stores at addresses by the crate `object_store`: HTTP servers, and S3 with what speaks its protocol.
+
+use std::io::{Error, ErrorKind};
+use std::sync::mpsc::channel;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use object_store::aws::AmazonS3Builder;
+use object_store::http::HttpBuilder;
+use object_store::path::Path;
+use object_store::{
+    BackoffConfig, ClientOptions, GetOptions, GetRange, ObjectStore, ObjectStoreExt as _, RetryConfig,
+};
+use tokio::runtime::{Builder, Runtime};
+
+use crate::key_store::{ByteRange, KeyStore, too_many_bytes};
+
+/// Seconds after which a request is given up, and after which no other is tried.
+const REQUEST: Duration = Duration::from_secs(30);
+const ALL_TRIES: Duration = Duration::from_secs(120);
+/// Further tries of a request.
+const TRIES: usize = 5;
+/// Pause before the first further try of an answer that broke off; each next one is twice as long.
+const PAUSE: Duration = Duration::from_millis(100);
+/// Threads that wait for servers.
+const THREADS: usize = 2;
+
+/// A store at an address.
+#[derive(Debug)]
+struct Objects {
+    name: String,
+    store: Arc<dyn ObjectStore>,
+    /// Before all keys.
+    prefix: Path,
+}
+
+/// Opens the store at an address that has a host.
+pub(super) fn open(address: &str) -> Result<Arc<dyn KeyStore>, String> {
+    runtime().map_err(|error| error.to_string())?;
+    let options = ClientOptions::new().with_timeout(REQUEST).with_allow_http(true);
+    let retry = RetryConfig {
+        backoff: BackoffConfig::default(),
+        max_retries: TRIES,
+        retry_timeout: ALL_TRIES,
+    };
+    let address = address.trim_end_matches('/');
+    let (store, prefix): (Arc<dyn ObjectStore>, &str) = match address.strip_prefix("s3://") {
+        Some(rest) => {
+            let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
+            let is_signed = std::env::var_os("AWS_ACCESS_KEY_ID").is_some();
+            let store = AmazonS3Builder::from_env()
+                .with_bucket_name(bucket)
+                .with_skip_signature(!is_signed)
+                .with_client_options(options)
+                .with_retry(retry)
+                .build()
+                .map_err(|error| error.to_string())?;
+            (Arc::new(store), prefix)
+        }
+        None => {
+            let store = HttpBuilder::new()
+                .with_url(address)
+                .with_client_options(options)
+                .with_retry(retry)
+                .build()
+                .map_err(|error| error.to_string())?;
+            (Arc::new(store), "")
+        }
+    };
+    Ok(Arc::new(Objects {
+        name: address.to_owned(),
+        store,
+        prefix: Path::parse(prefix).map_err(|error| error.to_string())?,
+    }))
+}
+
+/// The threads that wait for servers; they are started once.
+fn runtime() -> std::io::Result<&'static Runtime> {
+    static RUNTIME: OnceLock<Runtime> = OnceLock::new();
+    if let Some(runtime) = RUNTIME.get() {
+        return Ok(runtime);
+    }
+    // An error says that the program has installed a provider of its own.
+    let _ = rustls::crypto::ring::default_provider().install_default();
+    let started = Builder::new_multi_thread()
+        .worker_threads(THREADS)
+        .thread_name("splatvol-remote")
+        .enable_all()
+        .build()?;
+    Ok(RUNTIME.get_or_init(|| started))
+}
+
+impl KeyStore for Objects {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn read(&self, key: &str, bytes: ByteRange, most: u64) -> std::io::Result<Option<Vec<u8>>> {
+        let location = Path::parse(format!("{}/{key}", self.prefix))
+            .map_err(|error| Error::new(ErrorKind::InvalidInput, error.to_string()))?;
+        let store = Arc::clone(&self.store);
+        // Waits on another thread, so that this works within a program's own runtime, too.
+        let (answer, answered) = channel();
+        runtime()?.spawn(async move {
+            // Nobody listens where the caller has gone.
+            let _ = answer.send(fetch(&*store, &location, bytes, most).await);
+        });
+        answered
+            .recv()
+            .map_err(|_| Error::other("the request was dropped"))?
+    }
+}
+
+async fn fetch(
+    store: &dyn ObjectStore,
+    location: &Path,
+    bytes: ByteRange,
+    most: u64,
+) -> std::io::Result<Option<Vec<u8>>> {
+    let options = GetOptions {
+        range: match bytes {
+            ByteRange::All => None,
+            ByteRange::From { length: 0, .. } | ByteRange::Last(0) => {
+                return Ok(store.head(location).await.ok().map(|_| Vec::new()));
+            }
+            ByteRange::From { start, length } => Some(GetRange::Bounded(start..start.saturating_add(length))),
+            ByteRange::Last(length) => Some(GetRange::Suffix(length)),
+        },
+        ..GetOptions::default()
+    };
+    let mut tries = TRIES;
+    loop {
+        match once(store, location, options.clone(), most).await {
+            Err(Failure::BrokenOff(_)) if tries > 0 => {
+                tokio::time::sleep(PAUSE * 2u32.pow((TRIES - tries) as u32)).await;
+                tries -= 1;
+            }
+            Err(Failure::BrokenOff(error) | Failure::Final(error)) => return Err(error),
+            Ok(bytes) => return Ok(bytes),
+        }
+    }
+}
+
+/// Why there are no bytes.
+enum Failure {
+    /// The answer began, and did not end.
+    BrokenOff(Error),
+    Final(Error),
+}
+
+/// One answer; the crate has tried again where there was none.
+async fn once(
+    store: &dyn ObjectStore,
+    location: &Path,
+    options: GetOptions,
+    most: u64,
+) -> Result<Option<Vec<u8>>, Failure> {
+    let answer = match store.get_opts(location, options).await {
+        Ok(answer) => answer,
+        Err(object_store::Error::NotFound { .. }) => return Ok(None),
+        Err(error) => return Err(Failure::Final(failed(&error))),
+    };
+    let length = answer.range.end.saturating_sub(answer.range.start);
+    if length > most {
+        return Err(Failure::Final(too_many_bytes(length, most)));
+    }
+    let body = answer.bytes().await;
+    let body = body.map_err(|error| Failure::BrokenOff(failed(&error)))?;
+    match body.len() as u64 {
+        found if found > most => Err(Failure::Final(too_many_bytes(found, most))),
+        _ => Ok(Some(body.into())),
+    }
+}
+
+fn failed(error: &object_store::Error) -> Error {
+    let kind = match error {
+        object_store::Error::PermissionDenied { .. } | object_store::Error::Unauthenticated { .. } => {
+            ErrorKind::PermissionDenied
+        }
+        object_store::Error::NotSupported { .. } => ErrorKind::Unsupported,
+        _ => ErrorKind::Other,
+    };
+    Error::new(kind, error.to_string())
+}
