@@ -11,7 +11,7 @@ use splatvol_io::{Opened, open_volume};
 use splatvol_scene::{Budget, ChunkedVolume, SceneError};
 
 use crate::DocumentError;
-use crate::input::{self, Input, Reading};
+use crate::input::{self, ChunkRules, Input, Reading};
 use crate::keys::ItemKeys;
 
 /// Most samples of an overview.
@@ -33,42 +33,46 @@ pub(crate) fn open(
     let Ok(Some(opened)) = open_volume(path, &input::options(item, reading.rules)?) else {
         return Ok(None);
     };
+    // Files without chunks have no levels and no bounds: what is visible is known only when all has been read.
+    if opened.source.reads_regions() {
+        return Ok(None);
+    }
+    if let [only] = opened.source.levels()
+        && only.grid.sample_count() <= OVERVIEW
+    {
+        return Ok(None);
+    }
+    let warnings = opened.description.warnings.clone();
+    let input = of_source(opened, rules).map_err(|error| DocumentError::from(error).of_item(&item.file))?;
+    if input.volume.statistics().non_finite > 0 {
+        // Missing samples are drawn from memory alone.
+        return Ok(None);
+    }
+    for warning in warnings {
+        reading.listener.warn(&format!("{}: {warning}", item.file));
+    }
+    Ok(Some(input))
+}
+
+/// A volume whose chunks are read when they are drawn: its overview is read here.
+pub(crate) fn of_source(opened: Opened, rules: ChunkRules) -> Result<Input, SceneError> {
     let Opened {
         source,
         unit,
         description,
     } = opened;
-    // Files without chunks have no levels and no bounds: what is visible is known only when all has been read.
-    if source.reads_regions() {
-        return Ok(None);
-    }
-    let samples: Vec<usize> = source
-        .levels()
-        .iter()
-        .map(|level| level.grid.sample_count())
-        .collect();
-    if samples.len() == 1 && samples[0] <= OVERVIEW {
-        return Ok(None);
-    }
-    let overview = samples.iter().position(|&count| count <= OVERVIEW);
-    let failed = |error: SceneError| DocumentError::from(error).of_item(&item.file);
-    let too_small = |_| failed(SceneError::invalid("memory", rules.memory, "more bytes"));
+    let counts = source.levels().iter().map(|level| level.grid.sample_count());
+    let (overview, last) = (
+        counts.clone().position(|count| count <= OVERVIEW),
+        counts.len() - 1,
+    );
+    let too_small = |_| SceneError::invalid("memory", rules.memory, "more bytes");
     let budget = Budget::new(rules.memory);
     let chunks = ChunkedVolume::new(source, unit, (budget, rules.holes)).map_err(too_small)?;
-    let volume = chunks
-        .over(overview.unwrap_or(samples.len() - 1))
-        .map_err(failed)?;
-    if volume.statistics().non_finite > 0 {
-        // Missing samples are drawn from memory alone.
-        return Ok(None);
-    }
-    for warning in &description.warnings {
-        reading.listener.warn(&format!("{}: {warning}", item.file));
-    }
-    Ok(Some(Input {
-        volume: Arc::new(volume),
+    Ok(Input {
+        volume: Arc::new(chunks.over(overview.unwrap_or(last))?),
         description,
         sample: None,
         mesh: None,
-    }))
+    })
 }

@@ -5,14 +5,14 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use splatvol_io::{Data, DataKind, Description, LoadedData, read_data};
+use splatvol_io::{Data, DataKind, Description, LoadedData, Opened, read_data};
 use splatvol_samples::Sample;
 use splatvol_scene::{Gaussians, Mesh, Points, Volume};
 
-use crate::input::{self, Reading};
+use crate::input::{self, ChunkRules, Reading};
 use crate::keys::ItemKeys;
 use crate::keys::names::UpAxis;
-use crate::{DocumentError, items, meaning, upright};
+use crate::{DocumentError, chunked, items, meaning, upright};
 
 /// Data of an item, and what is known about them. Clones share them.
 #[derive(Debug, Clone)]
@@ -82,6 +82,21 @@ impl Held {
             data, description, ..
         } = loaded;
         Ok(Self::of_kind(data, kind, description))
+    }
+
+    /// A volume whose chunks are read when they are drawn, within some memory; an overview of it is read here.
+    ///
+    /// # Errors
+    /// Chunks that cannot be read, memory that is too small for the overview, missing samples, which are drawn from memory
+    /// alone.
+    pub fn in_chunks(opened: Opened, rules: ChunkRules) -> Result<Self, DocumentError> {
+        let input = chunked::of_source(opened, rules)?;
+        match input.volume.statistics().non_finite {
+            0 => Ok(input.into()),
+            missing => Err(DocumentError::usage(format!(
+                "{missing} samples of the overview are missing (NaN), and such volumes are read whole"
+            ))),
+        }
     }
 
     fn of_kind(data: Data, kind: DataKind, description: Description) -> Self {

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::io;
 
 /// Bytes of an object that are asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ByteRange {
     /// All of them.
     All,
@@ -46,6 +46,9 @@ pub trait KeyStore: Debug + Send + Sync {
     /// # Errors
     /// Objects that cannot be read, or of whose bytes more than `most` were asked for.
     fn read(&self, key: &str, bytes: ByteRange, most: u64) -> io::Result<Option<Vec<u8>>>;
+
+    /// A hint that these bytes are read next, so that a store may fetch them at once: keys, ranges, and how many at most.
+    fn will_read(&self, _requests: &[(String, ByteRange, u64)]) {}
 }
 
 /// The error of bytes that are more than the reader has use for.

@@ -146,6 +146,21 @@ impl Data {
         })
     }
 
+    /// A volume of an OME-Zarr image, or a Zarr array, of whose keys `get` returns bytes when they are needed: `get(key, start, length)`,
+    /// see the module `lazy`. `item` has the keys of an item as JSON, `memory` is the budget of its pictures.
+    #[staticmethod]
+    #[pyo3(signature = (name, get, item, memory = None, stop = None))]
+    fn lazy(
+        py: Python<'_>,
+        name: String,
+        get: Py<PyAny>,
+        item: &str,
+        memory: Option<u64>,
+        stop: Option<&Stop>,
+    ) -> PyResult<Self> {
+        Self::of_getter(py, (name, get), item, memory, stop)
+    }
+
     /// A volume of the samples of an array in C order, x last, whose memory is shared. `affine` maps x, y, z of a sample's index to
     /// the world; `oriented` says that the world's z is up.
     #[staticmethod]

@@ -24,6 +24,7 @@ mod data;
 mod engines;
 mod error;
 mod frame;
+mod lazy;
 mod part;
 mod picture;
 mod work;

@@ -10,6 +10,7 @@
 //! | [`snapshot`] | [`assert_snapshot`]: pictures against 16-bit PNGs kept with the tests |
 //! | [`method`] | settings of any method, varied from one base |
 //! | [`picture`] | pictures as PNG files |
+//! | [`server`] | a server of files, and what servers do wrong |
 //!
 //! A failing comparison leaves `expected | difference | actual` and its figures in `target/test-output`.
 #![forbid(unsafe_code)]
@@ -20,6 +21,7 @@ pub mod fields;
 pub mod method;
 pub mod picture;
 pub mod random;
+pub mod server;
 pub mod snapshot;
 pub mod transfer;
 

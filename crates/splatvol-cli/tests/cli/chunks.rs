@@ -70,6 +70,61 @@ fn pictures_of_chunks_are_those_of_memory() {
     assert!(sandbox.bytes("a.nrrd.png") == sandbox.bytes("a.ome.zarr.png"));
 }
 
+#[cfg(feature = "remote")]
+#[test]
+fn pictures_of_addresses_are_those_of_their_files() {
+    use splatvol_testing::server::{Fault, serve};
+
+    let sandbox = converted();
+    let server = serve(sandbox.path(""), Fault::Nothing);
+    let address = format!("{}/a.ome.zarr", server.address);
+    sandbox
+        .run(&format!("render a.ome.zarr {VIEW} -o local.png"))
+        .succeeds();
+    sandbox
+        .run(&format!("render {address} {VIEW} -o remote.png"))
+        .succeeds();
+    assert!(sandbox.bytes("local.png") == sandbox.bytes("remote.png"));
+    assert!(server.requests() > 20);
+    let info = sandbox.run(&format!("info {address}")).succeeds();
+    assert!(info.stdout().contains("72"), "{}", info.stdout());
+    // Recipes and pictures name the address; a picture does not make others ask for it unless they allow that.
+    sandbox
+        .run(&format!("render {address} --size 40 --recipe recipe.json"))
+        .succeeds();
+    sandbox.run("part recipe.json 0/2 -o 0.part").succeeds();
+    sandbox.run("part recipe.json 1/2 -o 1.part").succeeds();
+    sandbox.run("assemble 0.part 1.part -o a.png").succeeds();
+    sandbox
+        .run("render --like a.png -o b.png")
+        .fails(3, &["--allow-outside", &address]);
+    sandbox
+        .run("render --like a.png --allow-outside -o b.png")
+        .succeeds();
+    // A scene may name one.
+    sandbox.write("scene.toml", format!("[[item]]\nfile = \"{address}\"\n"));
+    sandbox.run("render scene.toml --size 40 -o c.png").succeeds();
+    for (wrong, expected) in [
+        (
+            format!("{}/nothing.zarr", server.address),
+            "neither multiscales nor an array",
+        ),
+        (format!("{address}?token=secret"), "query"),
+    ] {
+        let run = sandbox.run(&format!("render {wrong} -o d.png"));
+        let run = run.fails(3, &[expected]);
+        assert!(!run.stderr().contains("secret"), "{}", run.stderr());
+    }
+}
+
+#[cfg(not(feature = "remote"))]
+#[test]
+fn addresses_need_the_feature() {
+    Sandbox::new()
+        .run("render https://host/a.ome.zarr")
+        .fails(3, &["https://host/a.ome.zarr", "without the feature remote"]);
+}
+
 /// The file of the shard that holds the finest level's first chunks.
 fn shard(sandbox: &Sandbox) -> PathBuf {
     sandbox.path("a.ome.zarr/0/c/0/0/0")

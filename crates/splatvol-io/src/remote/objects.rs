@@ -1,8 +1,9 @@
 //! Stores at addresses by the crate `object_store`: HTTP servers, and S3 with what speaks its protocol.
 
+use std::collections::VecDeque;
 use std::io::{Error, ErrorKind};
-use std::sync::mpsc::channel;
-use std::sync::{Arc, OnceLock};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use object_store::aws::AmazonS3Builder;
@@ -22,6 +23,8 @@ const ALL_TRIES: Duration = Duration::from_secs(120);
 const TRIES: usize = 5;
 /// Pause before the first further try of an answer that broke off; each next one is twice as long.
 const PAUSE: Duration = Duration::from_millis(100);
+/// Answers that are kept until somebody reads them.
+const MOST_AHEAD: usize = 64;
 /// Threads that wait for servers.
 const THREADS: usize = 2;
 
@@ -32,7 +35,14 @@ struct Objects {
     store: Arc<dyn ObjectStore>,
     /// Before all keys.
     prefix: Path,
+    /// Requests that were announced, the oldest first.
+    ahead: Mutex<VecDeque<(Request, Answer)>>,
 }
+
+/// A key and its bytes.
+type Request = (String, ByteRange);
+/// What becomes of a request.
+type Answer = Receiver<std::io::Result<Option<Vec<u8>>>>;
 
 /// Opens the store at an address that has a host.
 pub(super) fn open(address: &str) -> Result<Arc<dyn KeyStore>, String> {
@@ -71,6 +81,7 @@ pub(super) fn open(address: &str) -> Result<Arc<dyn KeyStore>, String> {
         name: address.to_owned(),
         store,
         prefix: Path::parse(prefix).map_err(|error| error.to_string())?,
+        ahead: Mutex::default(),
     }))
 }
 
@@ -90,24 +101,59 @@ fn runtime() -> std::io::Result<&'static Runtime> {
     Ok(RUNTIME.get_or_init(|| started))
 }
 
+impl Objects {
+    /// Asks for bytes. It waits on another thread, so that this works within a program's own runtime, too.
+    fn ask(&self, key: &str, bytes: ByteRange, most: u64) -> std::io::Result<Answer> {
+        let location = Path::parse(format!("{}/{key}", self.prefix))
+            .map_err(|error| Error::new(ErrorKind::InvalidInput, error.to_string()))?;
+        let store = Arc::clone(&self.store);
+        let (answer, answered) = channel();
+        runtime()?.spawn(async move {
+            // Nobody listens where the caller has gone.
+            let _ = answer.send(fetch(&*store, &location, bytes, most).await);
+        });
+        Ok(answered)
+    }
+
+    /// Takes the answer to a request that was announced.
+    fn announced(&self, key: &str, bytes: ByteRange) -> Option<Answer> {
+        let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = ahead
+            .iter()
+            .position(|((of, range), _)| of == key && *range == bytes)?;
+        ahead.remove(at).map(|(_, answer)| answer)
+    }
+}
+
 impl KeyStore for Objects {
     fn name(&self) -> String {
         self.name.clone()
     }
 
     fn read(&self, key: &str, bytes: ByteRange, most: u64) -> std::io::Result<Option<Vec<u8>>> {
-        let location = Path::parse(format!("{}/{key}", self.prefix))
-            .map_err(|error| Error::new(ErrorKind::InvalidInput, error.to_string()))?;
-        let store = Arc::clone(&self.store);
-        // Waits on another thread, so that this works within a program's own runtime, too.
-        let (answer, answered) = channel();
-        runtime()?.spawn(async move {
-            // Nobody listens where the caller has gone.
-            let _ = answer.send(fetch(&*store, &location, bytes, most).await);
-        });
+        let answered = match self.announced(key, bytes) {
+            Some(answered) => answered,
+            None => self.ask(key, bytes, most)?,
+        };
         answered
             .recv()
             .map_err(|_| Error::other("the request was dropped"))?
+    }
+
+    fn will_read(&self, requests: &[(String, ByteRange, u64)]) {
+        let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
+        for (key, bytes, most) in requests {
+            if ahead.iter().any(|((of, range), _)| of == key && range == bytes) {
+                continue;
+            }
+            let Ok(answer) = self.ask(key, *bytes, *most) else {
+                return;
+            };
+            ahead.push_back(((key.clone(), *bytes), answer));
+            if ahead.len() > MOST_AHEAD {
+                ahead.pop_front();
+            }
+        }
     }
 }
 

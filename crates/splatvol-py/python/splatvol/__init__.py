@@ -26,6 +26,7 @@ from ._errors import (
 )
 from ._foreign import from_dask, from_dicom, from_itk, from_napari, from_nibabel, from_vtk, from_xarray, from_zarr
 from ._frame import Frame
+from ._lazy import LazyVolume, lazy
 from ._look import Clip, Light, TransferFunction
 from ._parts import assemble, part, recipe
 from ._render_options import ReadOptions, RenderOptions
@@ -48,6 +49,7 @@ __all__ = [
     "InternalError",
     "InvalidValue",
     "Item",
+    "LazyVolume",
     "Light",
     "LimitError",
     "Mesh",
@@ -74,6 +76,7 @@ __all__ = [
     "from_xarray",
     "from_zarr",
     "info",
+    "lazy",
     "like",
     "load",
     "part",

@@ -79,6 +79,14 @@ class Data:
         progress: _Progress | None = None,
     ) -> tuple[Data, list[tuple[bool, str]]]: ...
     @staticmethod
+    def lazy(
+        name: str,
+        get: Callable[[str, int, int | None], bytes | None],
+        item: str,
+        memory: int | None = None,
+        stop: Stop | None = None,
+    ) -> Data: ...
+    @staticmethod
     def volume(
         array: Any,
         dtype: str,

@@ -13,6 +13,9 @@ use crate::{Samples, VoxelBox};
 /// Level and number of a chunk.
 type Key = (usize, [usize; 3]);
 
+/// Chunks of a region that are announced together.
+const AHEAD: usize = 32;
+
 /// Bytes that a kept chunk takes beside its samples.
 const OVERHEAD: u64 = 256;
 
@@ -141,6 +144,14 @@ impl CachedSource {
         Ok(chunk)
     }
 
+    /// Says which of these chunks will be read, where there are several.
+    fn fetch_ahead(&self, keys: impl Iterator<Item = Key>) {
+        let missing: Vec<Key> = keys.filter(|key| !self.kept.has(key)).collect();
+        if missing.len() > 1 {
+            self.source.will_need(&missing);
+        }
+    }
+
     fn chunk(&self, key: Key, buffer: &mut ChunkBuffer) -> Result<Chunk, SourceError> {
         let chunk = self.kept.get_or_make(key, || {
             let chunk = self.read_chunk(key, buffer)?;
@@ -184,7 +195,11 @@ impl ChunkSource for CachedSource {
     ) -> Result<(), SourceError> {
         let layout = &self.levels()[level];
         into.refill(layout.element, region.len(), layout.fill);
-        for chunk in layout.chunks_of(region) {
+        for (number, chunk) in layout.chunks_of(region).enumerate() {
+            if number % AHEAD == 0 {
+                let next = layout.chunks_of(region).skip(number).take(AHEAD);
+                self.fetch_ahead(next.map(|chunk| (level, chunk)));
+            }
             let samples = match self.chunk((level, chunk), buffer)? {
                 Chunk::Samples(samples) => samples,
                 Chunk::Constant(value) if value.to_bits() != layout.fill.to_bits() => {

@@ -123,6 +123,12 @@ impl<K: Copy + Eq + Hash, V: Clone> Recent<K, V> {
         self.state().bytes
     }
 
+    /// Whether there is a value of a key, or one is being made.
+    pub fn has(&self, key: &K) -> bool {
+        let state = self.state();
+        state.values.contains_key(key) || state.making.contains(key)
+    }
+
     /// The value of a key; if it is not there, it is made, with its bytes.
     ///
     /// # Errors

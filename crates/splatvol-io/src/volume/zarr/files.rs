@@ -128,6 +128,9 @@ pub(super) struct Files {
 /// A shard by its key; without a file, all of it is fill.
 type Known = (String, Option<Arc<OpenShard>>);
 
+/// A chunk's shard, and its bytes there.
+type Found = Option<(Arc<OpenShard>, u64)>;
+
 /// The open file of a shard, or its key in a store.
 #[derive(Debug)]
 struct OpenShard {
@@ -159,26 +162,11 @@ impl Files {
         let Some(shard) = &array.shard else {
             return self.file(array.key(numbers), into);
         };
-        let inner = shard.chunks_along(&array.chunks);
-        let outer: Vec<usize> = numbers
-            .iter()
-            .zip(&inner)
-            .map(|(number, inner)| number / inner)
-            .collect();
-        let within = |place, (number, inner): (&usize, &usize)| place * inner + number % inner;
-        let within = numbers.iter().zip(&inner).fold(0, within);
-        let mut place = Place {
-            key: array.key(&outer),
-            offset: 0,
-        };
-        let Some(open) = self.shard(shard, &inner, &place)? else {
+        let (place, found) = self.locate(array, shard, numbers)?;
+        let Some((open, length)) = found else {
             return Ok((place, false));
         };
-        let (offset, length) = open.entry(within);
-        if (offset, length) == ABSENT {
-            return Ok((place, false));
-        }
-        place.offset = offset;
+        let offset = place.offset;
         let Some((file, all)) = &open.file else {
             let range = ByteRange::From {
                 start: offset,
@@ -204,6 +192,52 @@ impl Files {
         into.resize(length as usize, 0);
         read_at(file, into, offset).map_err(|error| place.of_system(&error))?;
         Ok((place, true))
+    }
+
+    /// Where a chunk lies in its shard, and its bytes there; `None` if it is not there.
+    fn locate(&self, array: &Array, shard: &Shard, numbers: &[usize]) -> Result<(Place, Found), Failure> {
+        let inner = shard.chunks_along(&array.chunks);
+        let outer: Vec<usize> = numbers
+            .iter()
+            .zip(&inner)
+            .map(|(number, inner)| number / inner)
+            .collect();
+        let within = |place, (number, inner): (&usize, &usize)| place * inner + number % inner;
+        let within = numbers.iter().zip(&inner).fold(0, within);
+        let mut place = Place {
+            key: array.key(&outer),
+            offset: 0,
+        };
+        let Some(open) = self.shard(shard, &inner, &place)? else {
+            return Ok((place, None));
+        };
+        let (offset, length) = open.entry(within);
+        if (offset, length) == ABSENT {
+            return Ok((place, None));
+        }
+        place.offset = offset;
+        Ok((place, Some((open, length))))
+    }
+
+    /// Tells a store which chunks are read next. Errors are those of the reads.
+    pub(super) fn will_read(&self, array: &Array, numbers: impl Iterator<Item = Vec<usize>>) {
+        let Some((store, _)) = self.folder.stored("") else {
+            return;
+        };
+        let request = |numbers: Vec<usize>| {
+            let (key, range) = match &array.shard {
+                None => (array.key(&numbers), ByteRange::All),
+                Some(shard) => {
+                    let (place, found) = self.locate(array, shard, &numbers).ok()?;
+                    let (start, length) = (place.offset, found?.1);
+                    (place.key, ByteRange::From { start, length })
+                }
+            };
+            let (_, key) = self.folder.stored(&key)?;
+            Some((key, range, self.most))
+        };
+        let requests: Vec<_> = numbers.filter_map(request).collect();
+        store.will_read(&requests);
     }
 
     /// Bytes of an object in a store; `None` if there is none.

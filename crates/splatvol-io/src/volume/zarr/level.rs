@@ -101,6 +101,12 @@ impl ArrayLevel {
         Ok(ChunkContent::Samples)
     }
 
+    /// Tells a store which chunks are read next.
+    pub(super) fn will_need(&self, chunks: impl Iterator<Item = [usize; 3]>) {
+        let numbers = chunks.map(|chunk| self.numbers(chunk));
+        self.files.will_read(&self.array, numbers);
+    }
+
     fn absent(&self, place: &Place) -> Result<ChunkContent, Failure> {
         match self.array.complete {
             true => Err(place.fault(Kind::Missing, None, "the chunk is gone; it was written")),

@@ -81,6 +81,13 @@ impl ChunkSource for ZarrSource {
             .map_err(|failure| failure.at(level, chunk))
     }
 
+    fn will_need(&self, chunks: &[(usize, [usize; 3])]) {
+        for (number, level) in self.levels.iter().enumerate() {
+            let own = chunks.iter().filter(|(level, _)| *level == number);
+            level.will_need(own.map(|&(_, chunk)| chunk));
+        }
+    }
+
     fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
         self.bounds[level].as_ref()?.of(chunk)
     }

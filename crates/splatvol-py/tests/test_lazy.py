@@ -1,0 +1,97 @@
+"""Volumes in chunks that Python gives: pictures are those of the same samples in a file, and only what they show is read."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import splatvol as sv
+
+LOOK: dict[str, Any] = {"size": (70, 60), "view": "left"}
+
+
+@pytest.fixture(scope="module")
+def head(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("lazy") / "head.ome.zarr"
+    line = [sys.executable, "-m", "splatvol", "convert", "sample:head:48", str(path), "--chunk", "16", "-q"]
+    subprocess.run(line, check=True, capture_output=True)
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+def test_stores_have_the_picture_of_their_files(head: Path) -> None:
+    expected = sv.render(str(head), **LOOK)
+    keys = contents(head)
+    asked: Counter[str] = Counter()
+
+    def get(key: str, start: int, length: int | None) -> bytes | None:
+        asked[key] += 1
+        found = keys.get(key)
+        return None if found is None else found[start:] if length is None else found[start : start + length]
+
+    for source in (keys, get):
+        volume = sv.lazy(source, memory=64 << 20)
+        assert volume.levels[0] == (48, 48, 48) and volume.kind == "volume"
+        assert volume.render(**LOOK).linear.tobytes() == expected.linear.tobytes()
+    assert asked["0/c/0/0/0"] > 2
+    fsspec = pytest.importorskip("fsspec")
+    mapped = sv.lazy(fsspec.get_mapper(str(head)))
+    assert mapped.name == "head.ome.zarr" and "48 x 48 x 48" in repr(mapped)
+    assert mapped.render(**LOOK).linear.tobytes() == expected.linear.tobytes()
+
+
+def test_arrays_are_levels_in_one_box(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    fine = np.zeros((50, 40, 60), ">f4")
+    fine[10:40, 8:32, 12:48] = rng.random((30, 24, 36)) + 2
+    levels = [fine, fine.reshape(25, 2, 20, 2, 30, 2).mean((1, 3, 5)).astype(np.float32)]
+    look: dict[str, Any] = {"size": 80, "view": "iso", "opacity": [(0.5, 0), (3, 0.4)], "fit": "box"}
+    whole = sv.render(sv.Volume(fine.astype(np.float32), spacing=(2, 1, 1)), **look)
+    found = sv.lazy(levels, spacing=(2, 1, 1), name="noise").render(**look)
+    assert np.abs(whole.linear - found.linear).max() < 1e-4
+    dask = pytest.importorskip("dask.array")
+    chunked = [dask.from_array(level, chunks=17) for level in levels]
+    assert sv.lazy(chunked, spacing=(2, 1, 1)).render(**look).linear.tobytes() == found.linear.tobytes()
+    file = np.memmap(tmp_path / "a.raw", np.uint16, "w+", shape=(8, 9, 10))
+    assert sv.lazy(file).levels == [(8, 9, 10)]
+
+
+def test_what_is_no_volume_is_refused() -> None:
+    with pytest.raises(sv.FormatError, match="neither multiscales nor an array"):
+        sv.lazy({})
+    with pytest.raises(sv.InvalidValue, match="level 1 is no array with axes z, y, x, but ndarray of shape"):
+        sv.lazy([np.zeros((2, 2, 2)), np.zeros((2, 2))])
+    with pytest.raises(sv.InvalidValue, match="the coarsest level has 33554432 samples"):
+        sv.lazy(np.zeros((1, 1, 1 << 25), np.uint8))
+    with pytest.raises(sv.InvalidValue, match="says it itself"):
+        sv.lazy({}, spacing=2)
+    with pytest.raises(sv.InvalidValue, match="read files"):
+        sv.recipe(sv.lazy(np.zeros((4, 4, 4), np.uint8)))
+
+
+def test_errors_of_a_store_name_the_chunk(head: Path) -> None:
+    keys = contents(head)
+    broken = False
+
+    def get(key: str, start: int, length: int | None) -> bytes | None:
+        if broken and "/c/" in key:
+            raise TimeoutError("the store sleeps")
+        found = keys.get(key)
+        return None if found is None else found[start:] if length is None else found[start : start + length]
+
+    volume = sv.lazy(get)
+    broken = True
+    with pytest.raises(sv.SplatvolError, match="level 0, chunk .*TimeoutError: the store sleeps"):
+        volume.render(**LOOK)
+    broken = False
+    assert volume.render(**LOOK).linear.tobytes() == sv.render(str(head), **LOOK).linear.tobytes()
