@@ -16,6 +16,7 @@ use splatvol_document::{Held, Listener, ReadRules, Reading};
 use splatvol_io::{Description, WriteOptions, write_gaussians, write_volume};
 
 use crate::array;
+use crate::chunks::chunk_rules;
 use crate::error::{Raise, refused};
 use crate::work::{self, Stop};
 
@@ -116,15 +117,17 @@ impl Data {
 #[pymethods]
 impl Data {
     /// Reads a file, or generates a sample, by the keys of an item as JSON; warnings and choices come with it. `rules` are `strict`,
-    /// `allow_outside` and `max_memory`.
+    /// `allow_outside` and `max_memory`. With `lazy`, volumes that can be are read in chunks when they are drawn, within `memory`.
     #[staticmethod]
-    #[pyo3(signature = (item, rules = (false, false, None), stop = None, progress = None))]
+    #[pyo3(signature = (item, rules = (false, false, None), stop = None, progress = None, lazy = false, memory = None))]
     fn read(
         py: Python<'_>,
         item: &str,
         rules: (bool, bool, Option<u64>),
         stop: Option<&Stop>,
         progress: Option<Py<PyAny>>,
+        lazy: bool,
+        memory: Option<u64>,
     ) -> PyResult<(Self, Vec<(bool, String)>)> {
         let keys: ItemKeys = serde_json::from_str(item).map_err(Raise::raised)?;
         let (strict, allow_outside, max_bytes) = rules;
@@ -132,7 +135,7 @@ impl Data {
             strict,
             allow_outside,
             max_bytes,
-            chunks: None,
+            chunks: lazy.then(|| chunk_rules(memory)),
         };
         work::run(py, (stop, progress.as_ref()), |_| {
             let notes = Notes::default();
@@ -150,7 +153,7 @@ impl Data {
     /// see the module `lazy`. `item` has the keys of an item as JSON, `memory` is the budget of its pictures.
     #[staticmethod]
     #[pyo3(signature = (name, get, item, memory = None, stop = None))]
-    fn lazy(
+    fn of_keys(
         py: Python<'_>,
         name: String,
         get: Py<PyAny>,

@@ -51,7 +51,7 @@ impl KeyStore for Getter {
 }
 
 impl Data {
-    /// See `lazy`.
+    /// See `of_keys`.
     pub(crate) fn of_getter(
         py: Python<'_>,
         (name, get): (String, Py<PyAny>),

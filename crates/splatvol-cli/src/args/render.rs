@@ -56,7 +56,8 @@ Examples:
   splatvol render sample:head:128 --background none -o - > head.png"
 )]
 pub(crate) struct RenderArgs {
-    /// File or folder (volume, points, Gaussians, mesh, scene.toml), or sample:NAME[:SIZE]
+    /// File or folder (volume, points, Gaussians, mesh, scene.toml), sample:NAME[:SIZE], or with the feature remote the
+    /// address of a Zarr image (https://, s3://)
     #[arg(required_unless_present_any = ["like", "list_methods"])]
     pub(crate) input: Option<String>,
     /// Solution, where the input is a PLOT3D grid: the same as --solution

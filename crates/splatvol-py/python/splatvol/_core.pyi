@@ -77,9 +77,11 @@ class Data:
         rules: tuple[bool, bool, int | None] = ...,
         stop: Stop | None = None,
         progress: _Progress | None = None,
+        lazy: bool = False,
+        memory: int | None = None,
     ) -> tuple[Data, list[tuple[bool, str]]]: ...
     @staticmethod
-    def lazy(
+    def of_keys(
         name: str,
         get: Callable[[str, int, int | None], bytes | None],
         item: str,

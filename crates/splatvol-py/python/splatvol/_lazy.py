@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 
 from . import _core
 from ._arrays import Lengths, by_axis
 from ._data import Data
-from ._errors import InvalidValue
-from ._render_options import ReadOptions
+from ._errors import DataWarning, InvalidValue
 from ._vocabulary import check, tables
 
 #: ``get(key, start, length)``: bytes of a key of a Zarr store, or `None` where there is no such key.
@@ -29,10 +29,20 @@ CHUNK = 64
 class LazyVolume(Data):
     """A volume in chunks, which are read when a picture needs them: what :func:`splatvol.lazy` returns."""
 
+    def __init__(self, core: _core.Data, keys: dict[str, Any], memory: int | None) -> None:
+        super().__init__(core, keys)
+        self._memory = memory
+
     @property
     def levels(self) -> list[tuple[int, int, int]]:
         """Samples along z, y, x of every level, the finest first."""
-        return [(z, y, x) for x, y, z in self._describe()["levels"]]
+        known = self._describe()
+        return [(z, y, x) for x, y, z in known["levels"] or [known["dims"]]]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        if self.source is None:
+            raise TypeError("LazyVolume of a store or of arrays is not pickled: send what it was made of")
+        return _read, (self._keys, self._memory)
 
     def __repr__(self) -> str:
         levels = ", ".join(" x ".join(map(str, level)) for level in self.levels)
@@ -45,31 +55,35 @@ def lazy(
     spacing: Lengths = None,
     name: str | None = None,
     memory: int | None = None,
-    **options: Unpack[ReadOptions],
+    level: int | None = None,
+    channel: int | None = None,
+    time: int | None = None,
+    series: str | None = None,
 ) -> LazyVolume:
     """A volume of any size, of which a picture reads the chunks that it shows.
 
     Parameters
     ----------
     source
-        An OME-Zarr image: a mapping of its keys to bytes (fsspec's ``FSMap``, of which byte ranges are asked for; a store of
-        Zarr 2; a dictionary), or a function ``get(key, start, length)`` that returns bytes from `start` on (the last
-        ``-start`` where it is negative, all where `length` is `None`), or `None` where there is no such key.
-        Or its samples: levels of detail, the finest first, each an array with axes z, y, x that gives the samples of slices
-        (dask, h5py, zarr, ``numpy.memmap``); one array, if it is small.
+        An OME-Zarr image: its folder or address (``"https://..."``, ``"s3://..."``); a mapping of its keys to bytes
+        (fsspec's ``FSMap``, of which byte ranges are asked for; a store of Zarr 2; a dictionary); or a function
+        ``get(key, start, length)`` that returns bytes from `start` on (the last ``-start`` where it is negative, all
+        where `length` is `None`), or `None` where there is no such key.
+        Or its samples: levels of detail, the finest first, each an array with axes z, y, x that gives samples of slices
+        (dask, h5py, zarr, ``numpy.memmap``); one array, if it is small. Files that are not Zarr are read whole.
     spacing : float, sequence or dict, optional
         World length between samples of the finest array, along z, y, x; 1 by default. OME-Zarr says it itself.
     name : str, optional
         What it is called.
     memory : int, optional
         Bytes that the volume and its pictures may take; half of the machine's memory by default.
-    **options
-        Keywords of :class:`splatvol.ReadOptions`: `level`, `channel`, `time`, `series`.
+    level, channel, time, series : optional
+        The finest level that is read; which channel, time point and image of a series: as for :func:`splatvol.read`.
 
     Raises
     ------
     FormatError
-        Bytes that are no OME-Zarr image.
+        A file or bytes that are no such image.
     InvalidValue
         Arrays that are no levels of a volume.
 
@@ -83,7 +97,14 @@ def lazy(
     >>> volume.render(size=32).size
     (32, 32)
     """
+    asked = {"level": level, "channel": channel, "time": time, "series": series}
+    options = {name: value for name, value in asked.items() if value is not None}
     check(options)
+    keys = tables(options).get("item", {})
+    if isinstance(source, (str, os.PathLike)):
+        if spacing is not None or name is not None:
+            raise InvalidValue("spacing, name: a file says them itself", field="spacing")
+        return _read({"file": os.fspath(source), **keys}, memory)
     if callable(source):
         get, default = source, "store"
     elif hasattr(source, "fs") and hasattr(source, "root"):
@@ -97,8 +118,19 @@ def lazy(
     if spacing is not None:
         raise InvalidValue("spacing: an OME-Zarr image says it itself", field="spacing")
     named = os.path.basename(name or default) or default
-    item = {"file": f"array:{named}", **tables(options).get("item", {})}
-    return LazyVolume(_core.Data.lazy(named, get, json.dumps(item), memory), item)
+    item = {"file": f"array:{named}", **keys}
+    return LazyVolume(_core.Data.of_keys(named, get, json.dumps(item), memory), item, memory)
+
+
+def _read(keys: dict[str, Any], memory: int | None) -> LazyVolume:
+    """A file or an address, by the keys of an item."""
+    core, notes = _core.Data.read(json.dumps(keys), lazy=True, memory=memory)
+    for is_warning, note in notes:
+        if is_warning:
+            warnings.warn(note, DataWarning, stacklevel=4)
+    if core.kind != "volume":
+        raise InvalidValue(f"source: {keys['file']} is a file of kind {core.kind}, which has no chunks", field="source")
+    return LazyVolume(core, keys, memory)
 
 
 def _of_mapping(mapping: Mapping[str, Any]) -> Get:
@@ -215,4 +247,5 @@ class _Arrays:
 
 
 def _little(dtype: Any) -> np.dtype[Any]:
-    return np.dtype(dtype).newbyteorder("<")
+    little: np.dtype[Any] = np.dtype(dtype).newbyteorder("<")
+    return little
