@@ -116,3 +116,18 @@ fn chunks_of_a_region_are_asked_for_together() {
         );
     }
 }
+
+#[test]
+fn what_keeps_a_server_from_answering_is_said() {
+    // Nothing listens on the first port.
+    let error = open_volume(
+        Path::new("http://127.0.0.1:1/a.ome.zarr"),
+        &ReadOptions::default(),
+    )
+    .unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.contains("refused") && text.contains("http://127.0.0.1:1/a.ome.zarr"),
+        "{text}"
+    );
+}

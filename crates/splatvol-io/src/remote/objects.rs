@@ -226,5 +226,19 @@ fn failed(error: &object_store::Error) -> Error {
         object_store::Error::NotSupported { .. } => ErrorKind::Unsupported,
         _ => ErrorKind::Other,
     };
-    Error::new(kind, error.to_string())
+    Error::new(kind, with_causes(error))
+}
+
+/// An error and its causes, of which the last says what is wrong: a name that nobody knows, a certificate.
+fn with_causes(error: &object_store::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = std::error::Error::source(error);
+    while let Some(error) = cause {
+        let own = error.to_string();
+        if !text.contains(&own) {
+            text = format!("{text}: {own}");
+        }
+        cause = error.source();
+    }
+    text
 }
