@@ -103,7 +103,10 @@ pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentErro
 pub(crate) fn refused(error: IoError) -> DocumentError {
     let hint = match error {
         IoError::Outside { .. } => Some("--allow-outside follows such links"),
-        IoError::Limit { .. } => Some("--max-memory sets the limit; by default half of the machine's"),
+        IoError::Limit { .. } => Some(
+            "--max-memory sets the limit, by default half of the machine's; \
+             volumes of any size are drawn from OME-Zarr, which `splatvol convert` writes",
+        ),
         _ => None,
     };
     let error = DocumentError::from(error);
