@@ -137,6 +137,11 @@ impl SplatEngine {
         (camera, settings): (&Camera, &CloudSettings),
         frame: &mut Frame,
     ) -> StageSeconds {
+        if let Ok(held) = run.task.held(settings.size).size()
+            && !frame.fits(held)
+        {
+            *frame = Frame::empty(held);
+        }
         let pool = run.pool;
         let drawn = |profile| Clouds {
             seen: seen(clouds, (camera, settings), profile),
