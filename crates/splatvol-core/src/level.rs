@@ -1,11 +1,13 @@
 //! Levels of detail: the volume and its halves, each with the data that a transfer function needs.
 //!
 //! The level is chosen so that a voxel is 0.8 to 1.6 pixels wide in the middle of the volume. Within a quarter of
-//! an octave of a change both levels are rendered and blended, so that the change is invisible. Minified volumes
+//! an octave of a change both levels are rendered and blended, so that the change is invisible. Where scale changes much
+//! within the volume, levels follow each other in depth instead (`by_depth`). Minified volumes
 //! are anti-aliased by their mips, and cost in proportion to their pixels. With a level bias of n octaves all widths are
 //! `2^n` times as large: drafts have an eighth of the voxels per octave. Voxels that are classified first have levels of
 //! their classes ([`ClassifiedMeans`]). Labels and analytic gradients have none: they are anti-aliased by the filter alone.
 
+mod by_depth;
 mod means;
 
 use std::sync::Arc;
@@ -18,10 +20,11 @@ use crate::kernel::GaussianKernel;
 use crate::mip;
 use crate::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Classification, Frame, ImageSize, Kernel, RenderSettings, SampleSource, SceneError, SheetKernel,
-    SheetSettings, Shows, TransferFunction, Volume,
+    Camera, Classification, Frame, Grid, ImageSize, Kernel, RenderSettings, SampleSource, SceneError,
+    SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
 };
 
+pub use by_depth::{LevelUntil, by_depth};
 pub use means::{Classes, ClassifiedMeans};
 
 use crate::shade_table::ShadeTable;
@@ -210,11 +213,7 @@ impl Detail {
         let depth = camera.camera_from_world().transform_point3(centre).z;
         let scale = camera.screen_from_camera(size).scale_at(depth);
         let octaves = bias + libm::log2(FINEST / (scale * grid.mean_spacing()));
-        let most = grid
-            .dims()
-            .iter()
-            .max()
-            .map_or(0, |n| n.ilog2().saturating_sub(3)) as f64;
+        let most = most_halves(grid) as f64;
         if !octaves.is_finite() || octaves <= -BLEND {
             return Self::FINEST;
         }
@@ -229,6 +228,12 @@ impl Detail {
             coarser: into as f32,
         }
     }
+}
+
+/// How often a grid can be halved.
+fn most_halves(grid: &Grid) -> usize {
+    let longest = grid.dims().into_iter().max().unwrap_or(1);
+    longest.ilog2().saturating_sub(3) as usize
 }
 
 impl Pyramid {
@@ -286,6 +291,14 @@ impl Pyramid {
         Ok(self.sources[level].clone())
     }
 
+    /// Grid of a level, or of the last one that can be made.
+    ///
+    /// # Errors
+    /// As [`Pyramid::classify`].
+    pub fn grid(&mut self, level: usize) -> Result<Grid, SceneError> {
+        Ok(self.source(level)?.grid().clone())
+    }
+
     /// A level, updated for a transfer function with its unit distance.
     ///
     /// # Errors
@@ -305,6 +318,24 @@ impl Pyramid {
             return self.levels[level].as_mut().ok_or(SceneError::Stopped);
         }
         self.own_level(level, look, wanted, stop)
+    }
+
+    /// Levels that follow each other from this one on, all of them updated.
+    ///
+    /// # Errors
+    /// As [`Pyramid::classify`].
+    pub fn classify_all<const N: usize>(
+        &mut self,
+        first: usize,
+        look: (&TransferFunction, f64),
+        wanted: Wanted,
+        stop: &AtomicBool,
+    ) -> Result<[&mut Level; N], SceneError> {
+        for level in first..first + N {
+            self.classify(level, look, wanted, stop)?;
+        }
+        let made: Vec<_> = self.levels[first..first + N].iter_mut().flatten().collect();
+        <[&mut Level; N]>::try_from(made).map_err(|_| SceneError::Stopped)
     }
 
     /// The coarsest level that the source has itself: all further ones are made of it.

@@ -14,9 +14,10 @@ use crate::items::ItemStore;
 use crate::meshes::MeshStore;
 use crate::pool::Pool;
 use crate::route::{Parts, PlacedVolumes, Route};
-use crate::run::Run;
-use crate::sheets::engine::{SheetEngine, TILE_EDGE};
+use crate::run::{Pass, Run};
+use crate::sheets::engine::SheetEngine;
 use crate::sheets::scene::LayeredScene;
+use crate::sheets::tiles::TILE_EDGE;
 use crate::splats::{Cloud, SplatEngine};
 
 /// Renders scenes on the CPU.
@@ -168,6 +169,7 @@ impl Engine for CpuEngine {
             tile_edge: self.tile_edge,
             task,
             block: None,
+            pass: Pass::WHOLE,
         };
         let statistics = match &route {
             Route::Volume(volume, own) => self.sheets.render(run, volume, (camera, own), frame)?,

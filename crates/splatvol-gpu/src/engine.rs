@@ -123,6 +123,7 @@ impl GpuEngine {
             engine: "gpu",
             device: self.gpu.name.clone(),
             level: levels.first().copied().unwrap_or(0),
+            levels: 1 + usize::from(details.iter().any(|detail| detail.coarser > 0.0)),
             ..RenderStatistics::default()
         };
         self.once((shot, &placed), &levels, (&mut *frame, task), &mut statistics)?;

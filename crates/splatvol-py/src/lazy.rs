@@ -23,6 +23,17 @@ struct Getter {
     get: Py<PyAny>,
 }
 
+/// A place in a key's bytes; a damaged index may name any.
+fn signed(place: u64) -> io::Result<i64> {
+    let outside = |_| {
+        io::Error::new(
+            io::ErrorKind::InvalidData,
+            format!("byte {place} lies behind all that a key can have"),
+        )
+    };
+    i64::try_from(place).map_err(outside)
+}
+
 impl KeyStore for Getter {
     fn name(&self) -> String {
         self.name.clone()
@@ -31,8 +42,8 @@ impl KeyStore for Getter {
     fn read(&self, key: &str, bytes: ByteRange, most: u64) -> io::Result<Option<Vec<u8>>> {
         let (start, length) = match bytes {
             ByteRange::All => (0, None),
-            ByteRange::From { start, length } => (start as i64, Some(length)),
-            ByteRange::Last(length) => (-(length as i64), None),
+            ByteRange::From { start, length } => (signed(start)?, Some(length)),
+            ByteRange::Last(length) => (-signed(length)?, None),
         };
         let got = Python::attach(|py| {
             let answer = self.get.bind(py).call1((key, start, length))?;

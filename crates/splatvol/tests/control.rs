@@ -125,6 +125,16 @@ fn cases() -> Vec<Case> {
             camera: far(&grid, default.size),
             ..case("two levels", default)
         },
+        Case {
+            camera: camera(5.0),
+            ..case(
+                "levels by depth",
+                checked(FlatSettings {
+                    level_bias: 4.0,
+                    ..default.into()
+                }),
+            )
+        },
     ]
 }
 

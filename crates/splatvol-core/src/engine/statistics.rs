@@ -121,6 +121,8 @@ pub struct RenderStatistics {
     pub simd: &'static str,
     /// Level of detail: 0 is the volume itself, each further one half of it.
     pub level: usize,
+    /// Levels that were drawn: that one, with the next where two are blended, or several behind each other.
+    pub levels: usize,
     /// Bricks of the volume.
     pub bricks: usize,
     /// Bricks that can be seen with this transfer function.

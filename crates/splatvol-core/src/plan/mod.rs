@@ -8,6 +8,7 @@
 //! | `ray_shapes` | a ray | the footprint of a voxel that is integrated along it |
 //! | `order` | the camera | the order in which a brick's voxels come, nearest first |
 //! | `project`, `zone_plan` | bricks | rectangles of the picture and first sheets, in lists per tile |
+//! | `segments` | several levels of a grid | runs of planes, each of one level |
 //! | `reach` | a rectangle of the picture | the bricks that it can show |
 //!
 //! A [`FramePlan`] holds numbers only: no reference to samples, no trait object, no vector type of a processor.
@@ -23,6 +24,7 @@ mod project;
 mod raster;
 mod ray_shapes;
 mod reach;
+mod segments;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -39,6 +41,7 @@ pub use order::DepthOrder;
 pub use raster::{Raster, SheetShape, half_extent};
 pub use ray_shapes::RayShapes;
 pub use reach::Reach;
+pub use segments::{Ramp, Segment, behind_each_other};
 pub use view::{GridView, Sampling, on_common_planes};
 pub use zone_plan::ZonePlan;
 pub use zones::{Evaluation, Zone};

@@ -136,6 +136,27 @@ impl GridView {
     }
 }
 
+impl GridView {
+    /// Shows only some of the intervals between planes, counted from depth 0; another level shows the others.
+    pub(super) fn between(self, shown: &std::ops::Range<i64>) -> Self {
+        Self {
+            sheets: self.sheets.between(shown),
+            ..self
+        }
+    }
+
+    /// The intervals that it shows, counted from depth 0.
+    pub(super) fn shown(&self) -> std::ops::Range<i64> {
+        let Sheets {
+            planes,
+            first_shown,
+            end,
+            ..
+        } = self.sheets;
+        planes.first + first_shown as i64..planes.first + end as i64
+    }
+}
+
 /// Views of several grids on common planes, at the distance of those that lie closest.
 pub fn on_common_planes(
     grids: &[(&Grid, RenderSettings<SheetSettings>, Sampling)],

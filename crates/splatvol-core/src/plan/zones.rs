@@ -64,8 +64,13 @@ pub struct Zone {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheets {
     pub planes: Planes,
-    /// First interval in front of the camera.
+    /// First interval that is shown, in front of the camera.
     pub first_shown: usize,
+    /// End of the intervals that are shown, or slabs: there is one slab (before a plane) more than intervals between
+    /// planes.
+    pub end: usize,
+    /// Whether another level shows the volume before the first interval.
+    pub goes_on: bool,
     /// Depth at which visibility begins, if the volume extends in front of it.
     pub eye: Option<f64>,
 }
@@ -96,13 +101,34 @@ impl Sheets {
         Self {
             planes,
             first_shown: first_shown.max(0) as usize,
+            end: planes.count + slab as usize,
+            goes_on: false,
             eye: Some(eye).filter(|&eye| nearest < eye),
         }
     }
 
-    /// End of the intervals, or slabs. There is one slab (before a plane) more than intervals between planes.
-    fn end(&self, extents: &Extents) -> usize {
-        self.planes.count + usize::from(extents.along_rays)
+    /// The intervals among these, counted from depth 0.
+    pub(super) fn between(self, shown: &Range<i64>) -> Self {
+        let local = |interval: i64| interval.saturating_sub(self.planes.first).max(0) as usize;
+        let goes_on = local(shown.start) > self.first_shown;
+        Self {
+            first_shown: self.first_shown.max(local(shown.start)),
+            end: self.end.min(local(shown.end)),
+            goes_on,
+            eye: self.eye.filter(|_| !goes_on),
+            ..self
+        }
+    }
+
+    /// Depths of the nearest and the farthest footprint.
+    fn depths(&self, extents: &Extents) -> [f64; 2] {
+        let [first, last] = self.made(extents, &(self.first_shown..self.end));
+        let nearest = match self.goes_on {
+            true => self.planes.plane(first),
+            false if extents.along_rays => self.planes.plane(0) - self.planes.spacing,
+            false => self.planes.plane(0),
+        };
+        [nearest, self.planes.plane(last.max(first))]
     }
 
     /// Depth of a sheet's footprints.
@@ -148,14 +174,16 @@ impl Cutting<'_> {
     pub(super) fn cut(&self, mut add: impl FnMut(Zone)) {
         let Self { extents, sheets, .. } = *self;
         let Sheets {
-            planes, first_shown, ..
+            planes,
+            first_shown,
+            end,
+            ..
         } = *sheets;
-        let end = sheets.end(extents);
         if first_shown >= end {
             return;
         }
-        let nearest = planes.plane(0) - if extents.along_rays { planes.spacing } else { 0.0 };
-        let ends = [nearest, planes.plane(planes.count)];
+        let ends = sheets.depths(extents);
+        let [nearest, _] = ends;
         if let Some(raster) = extents.one_raster(ends) {
             if let Some(footprints) = self.plain_footprints(&raster, ends) {
                 let zone = self.zone(first_shown..end, raster);
@@ -199,7 +227,7 @@ impl Cutting<'_> {
     /// End of the intervals from `from` on whose footprints fit a raster of so many octaves; at least one interval.
     fn reach(&self, octaves: f64, from: usize) -> usize {
         let Self { extents, sheets, .. } = *self;
-        let mut end = sheets.end(extents);
+        let mut end = sheets.end;
         let [first, last_of_first] = sheets.made(extents, &(from..from + 1));
         if extents.is_near(sheets.planes.plane(first)) {
             // A near zone ends where the first zone that is not near may begin.
@@ -242,7 +270,8 @@ impl Cutting<'_> {
             .eye
             .filter(|_| extents.along_rays || shown.start == sheets.first_shown);
         // Where the volume extends in front of the first plane, so does the loop, by the sheets that a voxel meets.
-        let goes_on = !extents.along_rays && (eye.is_some() || shown.start > sheets.first_shown);
+        let goes_on =
+            !extents.along_rays && (eye.is_some() || sheets.goes_on || shown.start > sheets.first_shown);
         let lead = if goes_on { kernels.sheets - 1 } else { 0 };
         let planes = Planes {
             first: sheets.planes.first + first as i64 - lead as i64,
@@ -253,7 +282,7 @@ impl Cutting<'_> {
         let at_eye = usize::from(eye.is_some() && extents.screen.perspective);
         let (local, last_sheet) = if extents.along_rays {
             // Voxels that rounding puts behind the last slab belong to it.
-            let behind = usize::from(shown.end == sheets.end(extents));
+            let behind = usize::from(shown.end == sheets.end);
             (0..0, planes.count + behind)
         } else {
             let local = shown.start + lead - first - at_eye..shown.end + lead - first;

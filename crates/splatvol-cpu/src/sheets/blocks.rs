@@ -71,6 +71,8 @@ pub(crate) struct Needs {
     pub tile_edge: usize,
     /// Volumes that share the picture.
     pub volumes: usize,
+    /// Levels of each that are drawn at once.
+    pub levels: usize,
 }
 
 impl Needs {
@@ -151,8 +153,8 @@ impl Room {
                 .try_reserve(picture + plan)
                 .ok_or_else(|| too_small(enough))?,
             volume: Arc::clone(volume),
-            field,
-            plan,
+            field: field / needs.levels as u64,
+            plan: plan / needs.levels as u64,
         }))
     }
 
@@ -177,13 +179,15 @@ impl Room {
     }
 
     /// Adds what was read and solved since the last picture.
-    pub(crate) fn count(&self, level: &Level, statistics: &mut RenderStatistics) {
+    pub(crate) fn count(&self, levels: &[&Level], statistics: &mut RenderStatistics) {
         let counts = self.volume.source().take_counts();
-        let number = level.field.source().of().1;
-        let all: usize = self.volume.layout(number).counts().iter().product();
-        statistics.solved_bricks += level.field.take_solved();
         let of = &mut statistics.chunks;
-        of.all += all as u64;
+        for level in levels {
+            let number = level.field.source().of().1;
+            let all: usize = self.volume.layout(number).counts().iter().product();
+            statistics.solved_bricks += level.field.take_solved();
+            of.all += all as u64;
+        }
         of.touched += counts.chunks;
         of.reads += counts.reads;
         of.bytes += counts.bytes;

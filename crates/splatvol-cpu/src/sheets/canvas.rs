@@ -8,7 +8,7 @@
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*};
 
 use super::sheet::Lanes16;
-use crate::simd::math::log2;
+use crate::simd::math::{exp2, log2};
 
 /// An interval's material as sixteen pixels see it.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +48,10 @@ pub(crate) struct Canvas {
     pub color: [Vec<f32>; 3],
     pub depth_sum: Vec<f32>,
     pub pitch: usize,
+    /// Whether something in front was composited by an earlier pass.
+    pub continues: bool,
+    /// Share of their extinctions that gathered materials have.
+    pub share: f32,
     /// The interval's material, vector by vector, where layers are gathered.
     gathered: Vec<Stored>,
     /// Marks the non-empty vectors of `gathered`.
@@ -100,13 +104,19 @@ impl Canvas {
             plane.clear();
             plane.resize(length, value);
         }
+        self.composite();
+        self.touched.clear();
+    }
+
+    /// Composites material directly from now on.
+    pub(crate) fn composite(&mut self) {
         self.gathered.clear();
         self.holds.clear();
-        self.touched.clear();
     }
 
     /// Starts to gather material, until [`Canvas::settle`].
     pub(crate) fn gather(&mut self) {
+        self.share = 1.0;
         let vectors = self.transmittance.len() / 16;
         self.gathered.resize(vectors, Stored::NONE);
         self.holds.resize(vectors, false);
@@ -156,6 +166,10 @@ impl Canvas {
     /// Adds a layer's material to the interval's.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, vector: usize, material: &Material<S>) {
+        let material = &match self.share {
+            1.0 => *material,
+            share => material.thinned(simd, share),
+        };
         let stored = &mut self.gathered[vector];
         if std::mem::replace(&mut self.holds[vector], true) {
             stored.load(simd).beside(simd, material).store(stored);
@@ -243,6 +257,25 @@ impl<S: Simd> Material<S> {
             color.store_slice(&mut stored.0);
         }
         self.depth.store_slice(&mut stored.depth.0);
+    }
+
+    /// The material with a share of its extinction: `T^s`, in the same colour.
+    #[inline(always)]
+    fn thinned(&self, simd: S, share: f32) -> Self {
+        let least = self.through.max(splat(simd, f32::MIN_POSITIVE));
+        let through = exp2(simd, log2(simd, least) * share);
+        let thin = self.opacity.simd_lt(splat(simd, THIN));
+        // 1 - (1 - a)^s = s a (1 + (1 - s) a / 2 + (1 - s)(2 - s) a^2 / 6 + ...)
+        let series = self.opacity * ((1.0 - share) * (2.0 - share) / 6.0) + 0.5 * (1.0 - share);
+        let series = (series * self.opacity + 1.0) * self.opacity * share;
+        let opacity = thin.select(series, 1.0 - through);
+        let per_opacity = opacity / self.opacity.max(splat(simd, f32::MIN_POSITIVE));
+        Self {
+            through,
+            opacity,
+            color: self.color.map(|channel| channel * per_opacity),
+            depth: self.depth,
+        }
     }
 
     /// Two layers' material in one interval.
@@ -337,6 +370,35 @@ mod tests {
                 "{both:?}"
             );
             assert!((f64::from(color[lane]) - wanted_color).abs() < 2e-5, "{both:?}");
+        }
+    }
+
+    #[inline(always)]
+    fn thinned<S: Simd>(simd: S, tau: f32, share: f32) -> [f32; 3] {
+        let material = Material {
+            through: splat(simd, (-tau).exp()),
+            opacity: splat(simd, -(-tau).exp_m1()),
+            color: [splat(simd, -(-tau).exp_m1() * 0.25); 3],
+            depth: splat(simd, 1.0),
+        };
+        let thinned = material.thinned(simd, share);
+        [thinned.through, thinned.opacity, thinned.color[0]].map(|lanes| lanes.as_slice()[0])
+    }
+
+    #[test]
+    fn a_share_of_a_material_has_that_share_of_its_optical_depth() {
+        let mut random = Random::new(6);
+        for _ in 0..2000 {
+            let (tau, share) = (10f64.powf(random.range(-5.0, 1.5)) as f32, random.unit() as f32);
+            let [through, opacity, color] = dispatch!(Level::new(), simd => thinned(simd, tau, share));
+            let wanted = (-f64::from(tau) * f64::from(share)).exp();
+            let opaque = -(-f64::from(tau) * f64::from(share)).exp_m1();
+            assert!((f64::from(through) - wanted).abs() < 3e-6, "{tau} {share}");
+            assert!((f64::from(opacity) - opaque).abs() < 3e-6, "{tau} {share}");
+            assert!(
+                (f64::from(color) - 0.25 * opaque).abs() < 2e-6,
+                "{tau} {share}: {color}"
+            );
         }
     }
 

@@ -11,7 +11,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::prelude::*;
-use splatvol_core::plan::ZonePlan;
+use splatvol_core::plan::{Ramp, ZonePlan};
 
 use super::canvas::Canvas;
 use super::frame::{SheetFrame, ZonedFrame};
@@ -84,7 +84,11 @@ impl<'a, M: Mode<N>, const N: usize> ModeLayer<'a, M, N> {
         let frame = picture.zone(0)?;
         let place = Place::new(picture.plan.tiles.rect(tile), frame.step);
         scratch.reset(place.size);
-        mode.begin(canvas);
+        if canvas.continues {
+            scratch.mask.close_finished(canvas, frame.termination);
+        } else {
+            mode.begin(canvas);
+        }
         let mut layer = Self {
             picture,
             mode,
@@ -289,16 +293,18 @@ impl<S: Simd, M: Mode<N>, const N: usize> TileLayer<S> for ModeLayer<'_, M, N> {
     }
 }
 
-/// Renders the layers of a tile, plane by plane, front to back, unless `stop` is set meanwhile.
+/// Renders the layers of a tile, plane by plane, front to back, unless `stop` is set meanwhile; with a ramp, two levels of
+/// one volume, the first of which fades into the second.
 pub(crate) fn render<S: Simd>(
     simd: S,
-    (termination, stop): (f32, &AtomicBool),
+    (termination, fade, stop): (f32, Option<Ramp>, &AtomicBool),
     layers: &mut [&mut dyn TileLayer<S>],
     canvas: &mut Canvas,
 ) -> SheetWork {
     let several = layers.len() > 1;
-    if several {
-        canvas.gather();
+    match several {
+        true => canvas.gather(),
+        false => canvas.composite(),
     }
     let mut work = SheetWork::default();
     let mut plane = layers.iter().map(|layer| layer.first()).min().unwrap_or(0);
@@ -311,7 +317,12 @@ pub(crate) fn render<S: Simd>(
             layer.splat(simd, plane, &mut work);
         }
         let start = Instant::now();
-        for layer in layers.iter_mut() {
+        for (at, layer) in layers.iter_mut().enumerate() {
+            if let Some(ramp) = fade {
+                // The interval between the last plane but two and the one behind it.
+                let next = ramp.share(plane - 2).clamp(0.0, 1.0);
+                canvas.share = if at == 0 { 1.0 - next } else { next };
+            }
             layer.shade(simd, plane, canvas);
         }
         if several {

@@ -14,12 +14,12 @@ use super::cloud::emission::EmittedLight;
 use super::cloud::field::FieldMaterial;
 use super::cloud::mode::CloudMode;
 use super::compose::Compose;
-use super::engine::Tiles;
 use super::frame::ZonedFrame;
 use super::layer::{ModeLayer, TileLayer, render};
 use super::mode::Mode;
 use super::shaded::Shaded;
 use super::tile::{SheetScratch, SheetWork};
+use super::tiles::Tiles;
 
 /// A part of a scene, and its frame.
 #[derive(Debug)]
@@ -107,6 +107,11 @@ impl Tiles for Layers<'_> {
             .collect();
         let mut layers: Vec<&mut dyn TileLayer<S>> =
             layers.iter_mut().map(|layer| &mut **layer as _).collect();
-        render(simd, (self.frame().plan.termination, stop), &mut layers, canvas)
+        render(
+            simd,
+            (self.frame().plan.termination, None, stop),
+            &mut layers,
+            canvas,
+        )
     }
 }

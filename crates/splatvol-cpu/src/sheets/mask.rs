@@ -8,6 +8,7 @@
 use fearless_simd::{mask32x16, prelude::*, u32x16};
 use splatvol_core::plan::MAX_BLOCKS;
 
+use super::canvas::Canvas;
 use super::plane::HALO;
 use super::ring::BLOCK_EDGE;
 use super::upsample::RASTER_HALO;
@@ -64,6 +65,17 @@ impl OpenMask {
         self.pixels[..height].fill(u128::MAX >> (MAX_EDGE - width));
         self.open = width * height;
         self.any_finished = false;
+    }
+
+    /// Closes the pixels that a canvas holds as finished.
+    pub(crate) fn close_finished(&mut self, canvas: &Canvas, termination: f32) {
+        for (pixel, sixteen) in canvas.transmittance.chunks_exact(16).enumerate() {
+            let finished = |lane: usize| u16::from(sixteen[lane] < termination) << lane;
+            let bits = (0..16).fold(0, |bits, lane| bits | finished(lane));
+            if bits != 0 {
+                self.finish(16 * pixel % canvas.pitch, 16 * pixel / canvas.pitch, bits);
+            }
+        }
     }
 
     /// A raster point every `step` pixels, a power of two, the first of them `phase` pixels before the tile.

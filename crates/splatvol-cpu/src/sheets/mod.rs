@@ -2,7 +2,7 @@
 //!
 //! | stage | module | what happens |
 //! |---|---|---|
-//! | level | [`splatvol_core::level`] | the volume, or a half of it that suits the picture's scale, with the data that a transfer function needs |
+//! | level | `levels`, [`splatvol_core::level`] | the volume, or the halves of it that suit the picture's scale, with the data that a transfer function needs |
 //! | plan | `frame`, [`splatvol_core::plan`] | kernel and camera to sheets, sheets to runs of one raster each, bricks to tiles |
 //! | activate | `activate`, `mask` | voxels that enter a sheet, by depth, less what finished pixels hide |
 //! | splat | `splat`, `needed`, `direct`, `sheet`, `ring` | each voxel once into the four sheets (or eight, twelve...) that it meets |
@@ -18,7 +18,7 @@
 //! | | `classified`, `integral`, `slab` | or classified voxels integrated |
 //! | resolve | `resolve` | tiles to the frame |
 //!
-//! `engine` keeps state from frame to frame. `layer` runs the layers of a `tile` through these
+//! `engine` keeps state from frame to frame, `tiles` the pixels from pass to pass. `layer` runs the layers of a `tile` through these
 //! stages (several in a `scene`, as `layers`), and `canvas` composites their material. A `mode` holds what differs
 //! between post-classification and the others.
 #![allow(
@@ -51,6 +51,7 @@ pub(crate) mod intensity;
 pub(crate) mod lattice_weights;
 pub(crate) mod layer;
 pub(crate) mod layers;
+pub(crate) mod levels;
 pub(crate) mod mask;
 pub(crate) mod mode;
 pub(crate) mod needed;
@@ -69,4 +70,5 @@ pub(crate) mod slab;
 pub(crate) mod slopes;
 pub(crate) mod splat;
 pub(crate) mod tile;
+pub(crate) mod tiles;
 pub(crate) mod upsample;

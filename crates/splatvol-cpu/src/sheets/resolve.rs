@@ -7,7 +7,7 @@ use splatvol_core::bin::{TileGrid, TileRect};
 use splatvol_scene::Frame;
 
 use super::canvas::Canvas;
-use super::engine::{Tile, lock};
+use super::tiles::{Tile, lock};
 
 /// Copies the tiles' pixels to the frame, which holds those of the slots; only those within a rectangle of whole tiles, if
 /// one is given.
@@ -35,15 +35,21 @@ pub(crate) fn resolve(
             }
         }
     };
-    band(first, (pixels, depths, optical_depths));
     let length = width * grid.edge;
-    more_pixels
+    let behind = more_pixels
         .par_chunks_mut(length)
         .zip(more_depths.par_chunks_mut(length))
         .zip(more_optical_depths.par_chunks_mut(length))
         .zip(first + 1..last)
-        .with_max_len(1)
-        .for_each(|(((pixels, depths), optical_depths), row)| band(row, (pixels, depths, optical_depths)));
+        .with_max_len(1);
+    rayon::join(
+        || band(first, (pixels, depths, optical_depths)),
+        || {
+            behind.for_each(|(((pixels, depths), optical_depths), row)| {
+                band(row, (pixels, depths, optical_depths));
+            });
+        },
+    );
 }
 
 /// Rows of colours, depths and optical depths.

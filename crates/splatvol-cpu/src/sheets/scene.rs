@@ -18,15 +18,17 @@ use super::cloud::layer::MeshLayer;
 use super::cloud::plan::CloudPlan;
 use super::compose::Compose;
 use super::cut::{Cut, world_from_lattice};
-use super::engine::{SheetEngine, Single, TILE_EDGE, detail};
+use super::engine::SheetEngine;
 use super::extremum::{Largest, Smallest};
 use super::frame::GridPlan;
 use super::frame::{analytic_field, shader};
 use super::intensity::{Extreme, Mean, Reduction};
 use super::layers::{Layer, Layers};
+use super::levels::detail;
 use super::operated::Operated;
 use super::ring::LANES;
 use super::shaded::Shaded;
+use super::tiles::{Single, TILE_EDGE};
 use crate::clock::Instant;
 use crate::meshes::MeshStore;
 use crate::phong::Phong;
@@ -300,6 +302,7 @@ impl SheetEngine {
             threads: run.pool.current_num_threads(),
             tile_edge: edge,
             volumes: scene.volumes.len(),
+            levels: 1,
         };
         for ((pyramid, volume), &level) in pyramids.iter().zip(scene.volumes).zip(levels) {
             pyramid.keep_only(level..level + 1);
@@ -353,7 +356,7 @@ impl SheetEngine {
         }
         for (room, level) in rooms.iter().zip(&classified) {
             if let Some(room) = room {
-                room.count(level, statistics);
+                room.count(&[level], statistics);
             }
         }
         let failure = classified.iter().find_map(|level| level.field.failure());

@@ -109,7 +109,11 @@ fn cases() -> Vec<Case> {
                 0.2,
                 Projection::Perspective { fov_degrees: 70.0 },
             ),
-            base,
+            // Three levels behind each other, as in a picture of a quarter of the size.
+            checked(FlatSettings {
+                level_bias: 2.0,
+                ..base.into()
+            }),
         ),
     ]
 }

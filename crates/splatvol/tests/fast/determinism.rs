@@ -3,6 +3,7 @@
 use splatvol::{Camera, EngineConfig, Frame, Projection, RenderSettings, Renderer, Scene, SimdLevel};
 use splatvol_samples::Sample;
 
+use crate::by_depth;
 use crate::common::PROJECTIONS;
 use crate::slices::{slices, tilted};
 use crate::support::{bits, fast, framing, generated, name_of, noise, opaque, rendered};
@@ -11,9 +12,11 @@ struct View {
     name: String,
     scene: Scene,
     camera: Camera,
+    settings: RenderSettings,
 }
 
-/// Two volumes, opaque and translucent, in both projections: whole, close, and so far that two levels are blended.
+/// Two volumes, opaque and translucent, in both projections: whole, close, and so far that two levels are blended;
+/// long voxels, and several levels behind each other.
 fn views() -> Vec<View> {
     let mut views = Vec::new();
     for (name, translucent) in [("shells", generated(Sample::Shells, 48)), ("noise", noise())] {
@@ -31,6 +34,7 @@ fn views() -> Vec<View> {
                         name: format!("{name}-{look}-{}-{zoom}", name_of(projection)),
                         camera: framing(&scene, projection, SIZE[0] as f64 / SIZE[1] as f64, zoom),
                         scene: scene.clone(),
+                        settings: settings(),
                     });
                 }
             }
@@ -42,8 +46,17 @@ fn views() -> Vec<View> {
             name: format!("slices-{angle}"),
             camera: tilted(&scene, angle, is_perspective),
             scene,
+            settings: settings(),
         });
     }
+    views.extend(
+        by_depth::views(settings()).map(|(name, scene, camera, settings)| View {
+            name,
+            scene,
+            camera,
+            settings,
+        }),
+    );
     views
 }
 
@@ -65,7 +78,7 @@ fn difference(a: &Frame, b: &Frame) -> (f32, usize) {
 
 fn frames(config: EngineConfig, views: &[View]) -> Vec<Frame> {
     let mut renderer = Renderer::new(config).unwrap();
-    let frame = |view: &View| rendered(&mut renderer, &view.scene, &view.camera, &settings()).0;
+    let frame = |view: &View| rendered(&mut renderer, &view.scene, &view.camera, &view.settings).0;
     views.iter().map(frame).collect()
 }
 

@@ -9,6 +9,7 @@
 mod common;
 
 mod agreement;
+mod by_depth;
 mod close_ups;
 mod detail;
 mod determinism;

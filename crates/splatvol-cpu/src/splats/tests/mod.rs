@@ -17,7 +17,7 @@ use super::{BlendMode, Cloud, CloudSettings, LowPass, Near, SplatEngine};
 use crate::config::SimdLevel;
 
 use crate::pool::Pool;
-use crate::run::Run;
+use crate::run::{Pass, Run};
 
 /// An engine with threads of its own.
 struct Renderer {
@@ -67,6 +67,7 @@ impl Renderer {
             tile_edge: None,
             task: Task::new(&Control::default(), &|_| {}),
             block: None,
+            pass: Pass::WHOLE,
         };
         self.engine.render(run, clouds, (camera, settings), frame);
     }
