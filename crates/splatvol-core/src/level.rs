@@ -20,8 +20,8 @@ use crate::kernel::GaussianKernel;
 use crate::mip;
 use crate::visibility::VisibleLevels;
 use splatvol_scene::{
-    Camera, Classification, Frame, Grid, ImageSize, Kernel, RenderSettings, SampleSource, SceneError,
-    SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
+    Camera, Classification, Frame, Grid, ImageSize, Kernel, OverBudget, RenderSettings, SampleSource,
+    SceneError, SheetKernel, SheetSettings, Shows, TransferFunction, Volume,
 };
 
 pub use by_depth::{LevelUntil, by_depth};
@@ -277,11 +277,15 @@ impl Pyramid {
     /// Samples that cannot be read.
     fn source(&mut self, level: usize) -> Result<SourceLevel, SceneError> {
         while self.sources.len() <= level {
-            let last = &self.sources[self.sources.len() - 1];
-            fits_halved(last)?;
+            let number = self.sources.len();
+            let last = &self.sources[number - 1];
             survey(last, &AtomicBool::new(false))?;
-            let half = match mip::half(last) {
-                Ok(half) => Arc::new(half).into(),
+            let half = match last.chunks().filter(|_| !fits_halved(last)) {
+                Some(chunks) => mip::half_in_chunks((last, number), chunks),
+                None => mip::half(last).map(|half| Arc::new(half).into()),
+            };
+            let half = match half {
+                Ok(half) => half,
                 Err(error @ SceneError::Source { .. }) => return Err(error),
                 Err(_) => last.clone(),
             };
@@ -312,6 +316,9 @@ impl Pyramid {
     ) -> Result<&mut Level, SceneError> {
         let finest = self.finest();
         if wanted == Wanted::Classified && level > finest {
+            if self.source(level)?.chunks().is_some() {
+                return Err(MEANS_OF_CHUNKS);
+            }
             self.own_level(finest, look, wanted, stop)?;
             self.own_level(level, look, wanted, stop)?;
             self.average(finest, level, stop)?;
@@ -389,6 +396,33 @@ impl Pyramid {
         }
     }
 
+    /// Divides bytes for samples among the chunks from which a level is read: its own, and where these are means of finer
+    /// ones, those of the volume. Others keep none.
+    ///
+    /// # Errors
+    /// More bytes than the budget has left.
+    pub fn give(&self, level: usize, samples: u64) -> Result<(), OverBudget> {
+        let made = self.finest() + 1;
+        let all = std::iter::once(0).chain(made..self.sources.len());
+        let of: Vec<_> = all
+            .filter_map(|number| Some((number, self.sources[number].chunks()?)))
+            .collect();
+        let own = if level < made { 0 } else { level };
+        let finer = of.iter().filter(|(number, _)| *number < own).count() as u64;
+        let share = |number: usize| match number {
+            _ if number > own => 0,
+            _ if number < own => samples / MADE_OF / finer,
+            _ if finer > 0 => samples - samples / MADE_OF,
+            _ => samples,
+        };
+        // Those that get less leave room for the others.
+        for (number, chunks) in &of {
+            let _ = chunks.source().resize(share(*number));
+        }
+        of.iter()
+            .try_for_each(|(number, chunks)| chunks.source().resize(share(*number)))
+    }
+
     /// Frees what levels other than these have solved, where they are solved as pictures need them.
     pub fn keep_only(&self, levels: std::ops::Range<usize>) {
         let others = self
@@ -405,23 +439,24 @@ impl Pyramid {
 
 /// Share of a budget that a half of a level in chunks, and what is derived from it, may take.
 const HALF_SHARE: u64 = 4;
+/// Part of the bytes for samples that those get of which a level's own are made.
+const MADE_OF: u64 = 4;
 /// Bytes that a sample of such a half takes: itself, and its coefficient.
 const HALF_BYTES: u64 = 6;
 
-/// Refuses to make a half in memory of a level in chunks that is too large.
-fn fits_halved(level: &SourceLevel) -> Result<(), SceneError> {
-    let Some(chunks) = level.chunks() else {
-        return Ok(());
-    };
+/// Whether a half of a level in chunks is made in memory.
+fn fits_halved(level: &SourceLevel) -> bool {
     let bytes = level.grid().sample_count() as u64 / 8 * HALF_BYTES;
-    match bytes <= chunks.budget().limit() / HALF_SHARE {
-        true => Ok(()),
-        false => Err(SceneError::Combination {
-            what: "a volume without the level of detail that this picture needs",
-            why: "the level would be made in memory, and takes more than a quarter of it; convert the volume to .ome.zarr, which has all levels",
-        }),
-    }
+    level
+        .chunks()
+        .is_none_or(|chunks| bytes <= chunks.budget().limit() / HALF_SHARE)
 }
+
+/// Of classified voxels, means are of all voxels of the volume, and in memory.
+const MEANS_OF_CHUNKS: SceneError = SceneError::Combination {
+    what: "voxels that are classified first, of a volume without the level of detail that this picture needs",
+    why: "the level's classes are made in memory, and take more than a quarter of it; convert the volume to .ome.zarr, which has all levels",
+};
 
 /// Blends a share of another frame in; depths are weighted by opacity.
 pub fn blend(frame: &mut Frame, other: &Frame, share: f32) {

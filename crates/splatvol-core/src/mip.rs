@@ -6,10 +6,14 @@
 //! preserved, and linear data stay in place (for odd n up to 1/16 of an old step). Missing samples are left out of
 //! the mean; a new sample is missing if all its old samples are.
 
+mod chunks;
+
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{Block, Grid, LengthUnit, Rescale, Samples, SceneError, Volume, VoxelBox, with_samples};
+
+pub(crate) use chunks::half_in_chunks;
 
 use crate::field::SourceLevel;
 
@@ -20,28 +24,22 @@ use crate::field::SourceLevel;
 /// # Errors
 /// A grid whose doubled spacing leaves the domain of [`Grid`], or samples that cannot be read.
 pub fn half(source: &SourceLevel) -> Result<Volume, SceneError> {
-    let old = source.grid();
-    let dims = old.dims().map(|n| n.div_ceil(2));
-    let grid = Grid::from_affine(dims, old.world_from_voxel() * half_from_own(old.dims(), dims))?;
-    let [low, high] = source.value_range();
-    let reduction = Reduction::new(source, dims);
-    let narrow = reduction.is_narrow()?;
+    let reduction = Reduction::new(source)?;
+    let grid = reduction.grid.clone();
     let count = grid.sample_count();
-    let (samples, rescale) = if narrow && high > low {
-        let mut data = vec![0u16; count];
-        let steps = f64::from(u16::MAX) / (high - low);
-        reduction.run(&mut data, |mean| (f64::from(mean) * steps).round() as u16)?;
-        let rescale = Rescale {
-            slope: (high - low) / f64::from(u16::MAX),
-            intercept: low,
-        };
-        (Samples::U16(data.into()), rescale)
-    } else {
-        let mut data = vec![0.0f32; count];
-        reduction.run(&mut data, |mean| (f64::from(mean) + low) as f32)?;
-        (Samples::F32(data.into()), Rescale::default())
+    let samples = match reduction.steps {
+        Some(_) => {
+            let mut data = vec![0u16; count];
+            reduction.run(&mut data)?;
+            Samples::U16(data.into())
+        }
+        None => {
+            let mut data = vec![0.0f32; count];
+            reduction.run(&mut data)?;
+            Samples::F32(data.into())
+        }
     };
-    Volume::new(grid, samples, rescale, LengthUnit::Unknown)
+    Volume::new(grid, samples, reduction.rescale(), LengthUnit::Unknown)
 }
 
 /// Old voxel coordinates of new ones: cell edges meet at -1/2.
@@ -91,73 +89,150 @@ impl Cover {
 }
 
 /// Means of samples, less the smallest of the value range (so that f32 is precise enough).
-struct Reduction<'a> {
-    source: &'a SourceLevel,
-    dims: [usize; 3],
+#[derive(Debug)]
+pub(crate) struct Reduction {
+    source: SourceLevel,
+    grid: Grid,
     cover: [Vec<Cover>; 3],
+    /// Smallest real value.
+    low: f64,
+    /// Steps of `u16` per real value; `None` where means are `f32`.
+    steps: Option<f64>,
 }
 
 /// Sums along x of one row of new samples: of values and, where samples may be missing, of weights.
+#[derive(Debug, Default)]
 struct Sums {
     values: Vec<f32>,
     weights: Vec<f32>,
+    /// The old sample at which they begin.
+    first: usize,
 }
 
-impl<'a> Reduction<'a> {
-    fn new(source: &'a SourceLevel, dims: [usize; 3]) -> Self {
-        let own = source.grid().dims();
-        Self {
-            source,
-            dims,
-            cover: std::array::from_fn(|a| Cover::all(own[a], dims[a])),
+/// Type of means.
+pub(crate) trait Mean: Copy + Send {
+    /// A mean, less the smallest value.
+    fn of(mean: f32, reduction: &Reduction) -> Self;
+}
+
+impl Mean for u16 {
+    fn of(mean: f32, reduction: &Reduction) -> Self {
+        (f64::from(mean) * reduction.steps.unwrap_or(0.0)).round() as Self
+    }
+}
+
+impl Mean for f32 {
+    fn of(mean: f32, reduction: &Reduction) -> Self {
+        (f64::from(mean) + reduction.low) as Self
+    }
+}
+
+impl Reduction {
+    /// Of a level whose value range is known.
+    ///
+    /// # Errors
+    /// Same as [`half`].
+    pub(crate) fn new(source: &SourceLevel) -> Result<Self, SceneError> {
+        let own = source.grid();
+        let dims = own.dims().map(|n| n.div_ceil(2));
+        let grid = Grid::from_affine(dims, own.world_from_voxel() * half_from_own(own.dims(), dims))?;
+        let [low, high] = source.value_range();
+        let narrow = is_narrow(source)? && high > low;
+        Ok(Self {
+            cover: std::array::from_fn(|a| Cover::all(own.dims()[a], dims[a])),
+            source: source.clone(),
+            grid,
+            low,
+            steps: narrow.then(|| f64::from(u16::MAX) / (high - low)),
+        })
+    }
+
+    pub(crate) fn source(&self) -> &SourceLevel {
+        &self.source
+    }
+
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Whether means are `u16`; `f32` otherwise.
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.steps.is_some()
+    }
+
+    /// Conversion of means to real values.
+    pub(crate) fn rescale(&self) -> Rescale {
+        let [low, high] = self.source.value_range();
+        match self.steps {
+            Some(_) => Rescale {
+                slope: (high - low) / f64::from(u16::MAX),
+                intercept: low,
+            },
+            None => Rescale::default(),
         }
     }
 
-    /// Whether samples are of 8 or 16 bits.
-    fn is_narrow(&self) -> Result<bool, SceneError> {
-        let one = VoxelBox {
-            first: [0; 3],
-            size: [1; 3],
-        };
-        let mut memory = None;
-        let block = self.source.read(one, &mut memory)?;
-        Ok(block.samples.bytes_per_sample() <= 2)
-    }
-
-    fn run<T: Send>(&self, data: &mut [T], store: impl Fn(f32) -> T + Sync) -> Result<(), SceneError> {
-        let [nx, ny, _] = self.dims;
-        let own = self.source.grid().dims();
-        let sums = || {
-            let sums = Sums {
-                values: vec![0.0; own[0]],
-                weights: vec![0.0; own[0]],
-            };
-            (sums, None)
-        };
+    /// All means.
+    fn run<T: Mean>(&self, data: &mut [T]) -> Result<(), SceneError> {
+        let [nx, ny, _] = self.grid.dims();
         data.par_chunks_mut(nx * ny)
             .enumerate()
-            .try_for_each_init(sums, |(sums, memory), (z, slice)| {
-                let [first, end] = self.cover[2][z].range();
-                let slices = VoxelBox {
-                    first: [0, 0, first],
-                    size: [own[0], own[1], end - first],
+            .try_for_each_init(Default::default, |memory, (z, slice)| {
+                let region = VoxelBox {
+                    first: [0, 0, z],
+                    size: [nx, ny, 1],
                 };
-                let block = self.source.read(slices, memory)?;
-                for (y, row) in slice.chunks_mut(nx).enumerate() {
-                    sums.gather(self, &block, [y, z]);
-                    sums.reduce(self, row, &store);
-                }
-                Ok(())
+                self.means(region, slice, memory)
             })
     }
+
+    /// The means of a region, x fastest.
+    pub(crate) fn means<T: Mean>(
+        &self,
+        region: VoxelBox,
+        data: &mut [T],
+        memory: &mut Option<Samples>,
+    ) -> Result<(), SceneError> {
+        let ends: [[usize; 2]; 3] = std::array::from_fn(|axis| {
+            let cover = &self.cover[axis];
+            let (first, last) = (region.first[axis], region.first[axis] + region.size[axis] - 1);
+            [cover[first].range()[0], cover[last].range()[1]]
+        });
+        let covered = VoxelBox {
+            first: ends.map(|[first, _]| first),
+            size: ends.map(|[first, end]| end - first),
+        };
+        let block = self.source.read(covered, memory)?;
+        let mut sums = Sums {
+            values: vec![0.0; covered.size[0]],
+            weights: vec![0.0; covered.size[0]],
+            first: covered.first[0],
+        };
+        for (number, row) in data.chunks_mut(region.size[0]).enumerate() {
+            let (y, z) = (number % region.size[1], number / region.size[1]);
+            sums.gather(self, &block, [region.first[1] + y, region.first[2] + z]);
+            sums.reduce(self, row, region.first[0]);
+        }
+        Ok(())
+    }
+}
+
+/// Whether samples are of 8 or 16 bits.
+fn is_narrow(source: &SourceLevel) -> Result<bool, SceneError> {
+    let one = VoxelBox {
+        first: [0; 3],
+        size: [1; 3],
+    };
+    let mut memory = None;
+    let block = source.read(one, &mut memory)?;
+    Ok(block.samples.bytes_per_sample() <= 2)
 }
 
 impl Sums {
     /// Sums over the rows that a row of new samples covers.
-    fn gather(&mut self, reduction: &Reduction<'_>, block: &Block<'_>, [y, z]: [usize; 2]) {
+    fn gather(&mut self, reduction: &Reduction, block: &Block<'_>, [y, z]: [usize; 2]) {
         let rescale = reduction.source.rescale();
-        let [low, _] = reduction.source.value_range();
-        let (slope, offset) = (rescale.slope, rescale.intercept - low);
+        let (slope, offset) = (rescale.slope, rescale.intercept - reduction.low);
         let missing = reduction.source.statistics().non_finite > 0;
         self.values.fill(0.0);
         self.weights.fill(0.0);
@@ -165,7 +240,7 @@ impl Sums {
             for (y, of_y) in reduction.cover[1][y].taps() {
                 let weight = of_z * of_y;
                 with_samples!(block.samples, data => {
-                    let row = block.of.row(data, [y, z]);
+                    let row = &block.of.row(data, [y, z])[self.first - block.of.first[0]..];
                     if missing {
                         let sums = self.values.iter_mut().zip(&mut self.weights);
                         for ((value, sum), sample) in sums.zip(row) {
@@ -188,15 +263,15 @@ impl Sums {
         }
     }
 
-    /// Means along x.
-    fn reduce<T>(&self, reduction: &Reduction<'_>, row: &mut [T], store: &impl Fn(f32) -> T) {
-        for (out, cover) in row.iter_mut().zip(&reduction.cover[0]) {
+    /// Means along x, from a new sample on.
+    fn reduce<T: Mean>(&self, reduction: &Reduction, row: &mut [T], from: usize) {
+        for (out, cover) in row.iter_mut().zip(&reduction.cover[0][from..]) {
             let (mut value, mut weight) = (0.0, 0.0);
             for (x, of_x) in cover.taps() {
-                value += of_x * self.values[x];
-                weight += of_x * self.weights[x];
+                value += of_x * self.values[x - self.first];
+                weight += of_x * self.weights[x - self.first];
             }
-            *out = store(if weight > 0.0 { value / weight } else { f32::NAN });
+            *out = T::of(if weight > 0.0 { value / weight } else { f32::NAN }, reduction);
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Volumes that are read in chunks when they are drawn: an overview in memory, and the rest within a budget.
 //!
-//! These are Zarr images with levels of detail, and single Zarr arrays that are larger than an overview may be. Which they are
-//! depends on the file alone, never on memory. Looks, cameras and ranges of values are chosen from the overview: the finest
-//! level of at most [`OVERVIEW`] samples, or else the coarsest. So small images look as they do in memory.
+//! These are Zarr images with levels of detail, and single Zarr arrays that are larger than an overview may be: that depends
+//! on the file alone, never on memory. Flat files and stacks of slices are read in memory, which is faster, unless that takes more
+//! than is allowed. Looks, cameras and ranges of values are chosen from the overview: the finest level of at most [`OVERVIEW`]
+//! samples, or else every n-th sample of the coarsest. So small images look as they do in memory.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -33,16 +34,24 @@ pub(crate) fn open(
     let Ok(Some(opened)) = open_volume(path, &input::options(item, reading.rules)?) else {
         return Ok(None);
     };
-    // Files without chunks have no levels and no bounds: what is visible is known only when all has been read.
-    if opened.source.reads_regions() {
+    let [layout, coarser @ ..] = opened.source.levels() else {
+        return Ok(None);
+    };
+    let allowed = reading.rules.max_bytes.unwrap_or(u64::MAX).min(rules.memory);
+    let is_small = match opened.is_divided {
+        true => coarser.is_empty() && layout.grid.sample_count() <= OVERVIEW,
+        false => layout.bytes() <= allowed,
+    };
+    if is_small {
         return Ok(None);
     }
-    if let [only] = opened.source.levels()
-        && only.grid.sample_count() <= OVERVIEW
-    {
-        return Ok(None);
+    let mut warnings = opened.description.warnings.clone();
+    if !opened.is_divided {
+        warnings.push(format!(
+            "its samples take {} bytes, and {allowed} are allowed: they are read from the file for each picture, and an automatic look is chosen from some of them; `splatvol convert` to .ome.zarr makes pictures faster",
+            layout.bytes()
+        ));
     }
-    let warnings = opened.description.warnings.clone();
     let input = of_source(opened, rules).map_err(|error| DocumentError::from(error).of_item(&item.file))?;
     if input.volume.statistics().non_finite > 0 {
         // Missing samples are drawn from memory alone.
@@ -60,6 +69,7 @@ pub(crate) fn of_source(opened: Opened, rules: ChunkRules) -> Result<Input, Scen
         source,
         unit,
         description,
+        ..
     } = opened;
     let counts = source.levels().iter().map(|level| level.grid.sample_count());
     let (overview, last) = (
@@ -70,7 +80,7 @@ pub(crate) fn of_source(opened: Opened, rules: ChunkRules) -> Result<Input, Scen
     let budget = Budget::new(rules.memory);
     let chunks = ChunkedVolume::new(source, unit, (budget, rules.holes)).map_err(too_small)?;
     Ok(Input {
-        volume: Arc::new(chunks.over(overview.unwrap_or(last))?),
+        volume: Arc::new(chunks.over(overview.unwrap_or(last), OVERVIEW)?),
         description,
         sample: None,
         mesh: None,

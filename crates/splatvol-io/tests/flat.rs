@@ -242,6 +242,7 @@ fn pyramids_of_flat_files_are_those_of_volumes_in_memory() {
         let loaded = read_volume(&path, &options).unwrap();
         let in_memory = Opened {
             unit: loaded.volume.unit(),
+            is_divided: false,
             description: loaded.description,
             source: Box::<dyn ChunkSource>::from(Arc::new(loaded.volume)).into(),
         };

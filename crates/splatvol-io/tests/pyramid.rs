@@ -67,6 +67,7 @@ fn opened(volume: &Volume) -> Opened {
     Opened {
         source: Box::<dyn ChunkSource>::from(Arc::new(volume.clone())).into(),
         unit: volume.unit(),
+        is_divided: false,
         description: Description::default(),
     }
 }

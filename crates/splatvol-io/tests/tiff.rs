@@ -8,8 +8,9 @@ use std::path::Path;
 
 use common::load;
 use glam::DVec3;
-use splatvol_io::{IoError, Loaded, ReadOptions, read_volume};
-use splatvol_scene::{LengthUnit, Samples};
+use splatvol_io::{IoError, Loaded, ReadOptions, open_volume, read_volume};
+use splatvol_scene::chunks::copy_box;
+use splatvol_scene::{ChunkBuffer, ChunkSource, LengthUnit, Samples, VoxelBox};
 use tiff::encoder::colortype::{Gray16, Gray32Float, RGB8};
 use tiff::encoder::{Compression, Rational, TiffEncoder};
 use tiff::tags::Tag;
@@ -39,7 +40,36 @@ fn read_bytes(bytes: &[u8], change: impl Fn(&mut ReadOptions)) -> Result<Loaded,
     std::fs::write(&path, bytes).unwrap();
     let mut options = ReadOptions::default();
     change(&mut options);
-    read_volume(&path, &options)
+    let loaded = read_volume(&path, &options)?;
+    assert_opens(&path, &options, &loaded);
+    Ok(loaded)
+}
+
+/// The volume as it is read slice by slice must be that in memory.
+fn assert_opens(path: &Path, options: &ReadOptions, loaded: &Loaded) {
+    let opened = open_volume(path, options).unwrap().unwrap();
+    assert!(!opened.is_divided);
+    assert_eq!(opened.description, loaded.description);
+    let layout = &opened.source.levels()[0];
+    assert_eq!(&layout.grid, loaded.volume.grid());
+    let mut buffer = ChunkBuffer::default();
+    let [nx, ny, nz] = layout.grid.dims();
+    // From the last slice to the first, and all at once.
+    let slices = (0..nz).rev().map(|z| VoxelBox {
+        first: [0, 0, z],
+        size: [nx, ny, 1],
+    });
+    let whole = VoxelBox::whole(&layout.grid);
+    for region in slices.chain([whole]) {
+        let mut found = layout.element.filled(0, 0.0);
+        let mut expected = layout.element.filled(region.len(), 0.0);
+        opened
+            .source
+            .read_region(0, region, &mut found, &mut buffer)
+            .unwrap();
+        assert!(copy_box(loaded.volume.samples(), whole, &mut expected, region));
+        assert_eq!(found, expected, "{region:?}");
+    }
 }
 
 /// The pages that make up a volume of `pages`, by their first samples.
@@ -185,12 +215,24 @@ fn a_folder_of_slices_is_in_the_order_of_its_numbers() {
     assert_eq!(first, [8, 9, 10, 11]);
     assert!(loaded.description.warnings.is_empty());
     png(&folder.path().join("s13.png"), [3, 2], 13);
-    assert!(load(folder.path()).description.warnings[0].contains("between 11 and 13"));
+    let loaded = load(folder.path());
+    assert!(loaded.description.warnings[0].contains("between 11 and 13"));
+    assert_opens(folder.path(), &ReadOptions::default(), &loaded);
     png(&folder.path().join("s14.png"), [2, 2], 14);
     let error = read_volume(folder.path(), &ReadOptions::default())
         .unwrap_err()
         .to_string();
     assert!(error.contains("s14.png") && error.contains("2 x 2"), "{error}");
+    // Opened, it fails where that slice is read.
+    let opened = open_volume(folder.path(), &ReadOptions::default())
+        .unwrap()
+        .unwrap();
+    let mut read = |z: usize| opened.source.read(0, [0, 0, z], &mut ChunkBuffer::default());
+    assert!(read(4).is_ok());
+    let error = read(5).unwrap_err().to_string();
+    for part in ["chunk 0,0,5", "slice 5", "s14.png", "2 x 2"] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
 }
 
 #[test]

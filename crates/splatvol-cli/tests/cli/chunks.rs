@@ -70,6 +70,44 @@ fn pictures_of_chunks_are_those_of_memory() {
     assert!(sandbox.bytes("a.nrrd.png") == sandbox.bytes("a.ome.zarr.png"));
 }
 
+/// Flat files that are larger than the memory are read in pieces; levels that they lack are made as pictures need them.
+#[test]
+fn flat_files_larger_than_the_memory_look_as_they_do_in_memory() {
+    let sandbox = Sandbox::new();
+    sandbox.run("sample shells --size 352 -o a.npy").succeeds();
+    let look = "--cmap viridis --opacity linear --clim 30,220 --size 200x150 --no-metadata";
+    let camera = "--camera-pos=-300,-600,200 --camera-target=0,0,0";
+    for (index, flags) in [
+        "",
+        "--compositing mip",
+        "--camera-fov 100 --camera-pos=-60,-180,20",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let camera = if flags.contains("pos") {
+            "--camera-target=0,0,0"
+        } else {
+            camera
+        };
+        let picture = format!("render a.npy {look} {camera} {flags}");
+        sandbox.run(&format!("{picture} -o memory{index}.png")).succeeds();
+        let run = sandbox.run(&format!(
+            "{picture} --memory 64MiB --stats s{index}.json -o pieces{index}.png"
+        ));
+        let run = run.succeeds();
+        assert!(run.stderr().contains("43614208 bytes"), "{}", run.stderr());
+        let chunks = stats(&sandbox, &format!("s{index}.json"));
+        assert!(chunks["planned_bytes"].as_u64().unwrap() <= 64 << 20, "{chunks}");
+        let [a, b] = ["memory", "pieces"].map(|name| sandbox.bytes(&format!("{name}{index}.png")));
+        assert!(a == b, "{flags}");
+    }
+    // The overview is enough for everything that has not to be exact.
+    sandbox
+        .run("render a.npy --size 60 --memory 64MiB -o automatic.png")
+        .succeeds();
+}
+
 #[cfg(feature = "remote")]
 #[test]
 fn pictures_of_addresses_are_those_of_their_files() {

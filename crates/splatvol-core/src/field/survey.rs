@@ -65,12 +65,11 @@ struct Found {
 fn of_samples(chunks: &ChunkedVolume, level: usize, stop: &AtomicBool) -> Result<Survey, SceneError> {
     let layout = chunks.layout(level);
     let whole = VoxelBox::whole(&layout.grid);
-    let all: Vec<[usize; 3]> = layout.chunks_of(whole).collect();
-    let found: Vec<Found> = all
+    let found: Vec<Found> = regions(chunks, level)
         .into_par_iter()
-        .map(|chunk| match stop.load(Ordering::Relaxed) {
+        .map(|region| match stop.load(Ordering::Relaxed) {
             true => Err(SceneError::Stopped),
-            false => of_chunk(chunks, level, layout.region(chunk)),
+            false => of_region(chunks, level, region),
         })
         .collect::<Result<_, _>>()?;
     let ends = found.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| {
@@ -86,7 +85,28 @@ fn of_samples(chunks: &ChunkedVolume, level: usize, stop: &AtomicBool) -> Result
     })
 }
 
-fn of_chunk(chunks: &ChunkedVolume, level: usize, region: VoxelBox) -> Result<Found, SceneError> {
+/// Samples of whole rows that are read at once.
+const ROWS: usize = 1 << 20;
+
+/// The regions in which a level is read: whole rows, where those cost no more than their samples, else chunks.
+fn regions(chunks: &ChunkedVolume, level: usize) -> Vec<VoxelBox> {
+    let layout = chunks.layout(level);
+    let [nx, ny, nz] = layout.grid.dims();
+    if !chunks.source().reads_regions() {
+        let all = layout.chunks_of(VoxelBox::whole(&layout.grid));
+        return all.map(|chunk| layout.region(chunk)).collect();
+    }
+    let most = (ROWS / nx).clamp(1, ny);
+    let rows = |z: usize| {
+        (0..ny).step_by(most).map(move |y| VoxelBox {
+            first: [0, y, z],
+            size: [nx, most.min(ny - y), 1],
+        })
+    };
+    (0..nz).flat_map(rows).collect()
+}
+
+fn of_region(chunks: &ChunkedVolume, level: usize, region: VoxelBox) -> Result<Found, SceneError> {
     let mut memory = None;
     let block = chunks.read(level, region, &mut memory)?;
     let [nx, ny, nz] = chunks.layout(level).grid.dims();

@@ -13,6 +13,7 @@
 //! place among those that a tile opens, and the same coefficients, whenever it is solved.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use splatvol_core::bin::{TileGrid, TileRect};
@@ -95,23 +96,32 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Divides the budget of a volume, if it is read in chunks. Where the picture before had another division, what it
-    /// solved is freed.
+    /// Divides the budget of a volume, if it is read in chunks, for a picture of some of its levels; what others solved
+    /// is freed. Where the picture before had another division, so is what it solved.
     ///
     /// # Errors
-    /// A budget that is too small, with the one that would be enough.
+    /// A budget that is too small, with the one that would be enough; a level that cannot be made.
     pub(crate) fn of_picture(
-        (volume, pyramid): (&Volume, &Pyramid),
+        (volume, levels): (&Volume, Range<usize>),
+        pyramid: &mut Pyramid,
         needs: Needs,
         wanted: Wanted,
     ) -> Result<Option<Self>, SceneError> {
-        Self::new(volume, needs, wanted).or_else(|_| {
+        let last = levels.end - 1;
+        pyramid.grid(last)?;
+        pyramid.keep_only(levels);
+        Self::new(volume, (pyramid, last), needs, wanted).or_else(|_| {
             pyramid.keep_only(0..0);
-            Self::new(volume, needs, wanted)
+            Self::new(volume, (pyramid, last), needs, wanted)
         })
     }
 
-    fn new(volume: &Volume, needs: Needs, wanted: Wanted) -> Result<Option<Self>, SceneError> {
+    fn new(
+        volume: &Volume,
+        (pyramid, level): (&Pyramid, usize),
+        needs: Needs,
+        wanted: Wanted,
+    ) -> Result<Option<Self>, SceneError> {
         let overview = (volume.samples().len() * volume.samples().bytes_per_sample()) as u64;
         let Some(volume) = volume.chunks() else {
             return Ok(None);
@@ -147,7 +157,7 @@ impl Room {
         };
         let samples = rest - plan - field;
         let enough = taken + least + least / 2;
-        volume.source().resize(samples).map_err(|_| too_small(enough))?;
+        pyramid.give(level, samples).map_err(|_| too_small(enough))?;
         Ok(Some(Self {
             _picture: budget
                 .try_reserve(picture + plan)

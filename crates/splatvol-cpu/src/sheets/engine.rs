@@ -84,7 +84,6 @@ impl SheetEngine {
         };
         let wanted = Wanted::of(settings);
         let numbers = first..first + N;
-        pyramid.keep_only(numbers.clone());
         let needs = Needs {
             held: run.task.held(settings.size),
             threads: run.pool.current_num_threads(),
@@ -92,7 +91,7 @@ impl SheetEngine {
             volumes: 1,
             levels: N,
         };
-        let room = Room::of_picture((&scene.volume, pyramid), needs, wanted)?;
+        let room = Room::of_picture((&scene.volume, numbers.clone()), pyramid, needs, wanted)?;
         let look = (&*scene.transfer_function, scene.unit_distance());
         let mut levels: [_; N] = pyramid.classify_all(first, look, wanted, run.task.stop)?;
         let sampling = sampling(settings);

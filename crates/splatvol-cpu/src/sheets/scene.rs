@@ -304,10 +304,10 @@ impl SheetEngine {
             volumes: scene.volumes.len(),
             levels: 1,
         };
-        for ((pyramid, volume), &level) in pyramids.iter().zip(scene.volumes).zip(levels) {
-            pyramid.keep_only(level..level + 1);
+        for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {
             let wanted = Wanted::of(&volume.settings(settings));
-            rooms.push(Room::of_picture((&volume.volume, pyramid), needs, wanted)?);
+            let of = (&*volume.volume, level..level + 1);
+            rooms.push(Room::of_picture(of, pyramid, needs, wanted)?);
         }
         let mut classified: Vec<&mut Level> = Vec::with_capacity(levels.len());
         for ((pyramid, volume), &level) in pyramids.iter_mut().zip(scene.volumes).zip(levels) {

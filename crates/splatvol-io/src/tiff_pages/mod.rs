@@ -52,6 +52,15 @@ impl Pages {
         Ok(Self { directories, budget })
     }
 
+    /// Forgets which pages were read, of which a file has so many bytes at most.
+    pub(crate) fn read_anew(&mut self) {
+        self.budget = self
+            .directories
+            .length
+            .saturating_mul(RATIO)
+            .saturating_add(SLACK);
+    }
+
     /// Length of the file in bytes.
     pub(crate) fn length(&self) -> u64 {
         self.directories.length
@@ -105,6 +114,20 @@ impl Pages {
         }
     }
 
+    /// Byte at which pages without headers begin, whose samples are plain.
+    pub(crate) fn contiguous_start(
+        &mut self,
+        head: &PageHead,
+        context: &Context<'_>,
+    ) -> Result<u64, IoError> {
+        self.directories.seek(0, context)?;
+        let start = self.directories.unsigned(tag::STRIP_OFFSETS, context)?;
+        if head.components != 1 || head.compression != compression::NONE || !head.is_plain() {
+            return Err(context.unsupported("pages without headers that are not plain samples"));
+        }
+        Ok(start.first().copied().unwrap_or(0))
+    }
+
     /// Pages that follow the first without headers, as ImageJ writes files of more than 4 GB.
     pub(crate) fn contiguous(
         &mut self,
@@ -112,12 +135,7 @@ impl Pages {
         pages: impl Iterator<Item = usize>,
         context: &Context<'_>,
     ) -> Result<Samples, IoError> {
-        self.directories.seek(0, context)?;
-        let start = self.directories.unsigned(tag::STRIP_OFFSETS, context)?;
-        let start = start.first().copied().unwrap_or(0);
-        if head.components != 1 || head.compression != compression::NONE || !head.is_plain() {
-            return Err(context.unsupported("pages without headers that are not plain samples"));
-        }
+        let start = self.contiguous_start(head, context)?;
         let bytes = head.stored_bytes();
         let mut buffer = SampleBuffer::new(head.sample_type, head.endian);
         for page in pages {

@@ -33,7 +33,7 @@ pub(crate) struct PageHead {
     pub(super) low_bits_first: bool,
     pub(super) predictor: u64,
     pub(super) compression: u64,
-    pub(super) endian: Endian,
+    pub(crate) endian: Endian,
 }
 
 impl PageHead {
@@ -92,7 +92,7 @@ impl PageHead {
     }
 
     /// Bytes of the samples as they are stored, without the padding of rows of bits.
-    pub(super) fn stored_bytes(&self) -> u64 {
+    pub(crate) fn stored_bytes(&self) -> u64 {
         (self.samples() as u64).saturating_mul(self.bits) / 8
     }
 

@@ -17,8 +17,8 @@ use crate::positioned::read_at;
 use crate::samples::{sample_bytes_mut, swap_bytes_of, widen_samples};
 use crate::{Endian, IoError, SampleType};
 
-/// Edge of a chunk, samples; regions of any other size are read as well.
-const EDGE: usize = 64;
+/// Samples of a chunk: few rows, since each takes a read of its own. Regions of any other size are read as well.
+const CHUNK: [usize; 3] = [256, 32, 32];
 
 /// Place and type of a volume's samples.
 #[derive(Debug)]
@@ -67,7 +67,7 @@ impl Flat {
         let metadata = file.metadata().map_err(failed)?;
         let layout = LevelLayout {
             grid: draft.grid(context)?,
-            chunk: draft.dims.map(|dim| dim.min(EDGE)),
+            chunk: std::array::from_fn(|axis| draft.dims[axis].min(CHUNK[axis])),
             element,
             rescale: draft.rescale,
             fill: 0.0,
@@ -88,6 +88,7 @@ impl Flat {
         Ok(Some(Opened {
             unit: draft.unit,
             description: draft.description,
+            is_divided: false,
             source: Arc::new(FlatSource {
                 flat: self,
                 file,

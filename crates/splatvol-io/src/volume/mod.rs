@@ -20,6 +20,7 @@ mod planes;
 pub mod raw;
 pub mod slc;
 pub mod slices;
+mod stack;
 mod stored;
 pub mod tiff;
 pub mod vti;
@@ -59,6 +60,8 @@ pub struct Opened {
     pub source: Arc<dyn ChunkSource>,
     /// Unit of world lengths.
     pub unit: LengthUnit,
+    /// Whether it is stored in chunks, so that pictures of parts of it read parts of it.
+    pub is_divided: bool,
     /// Description of the file.
     pub description: Description,
 }
@@ -204,8 +207,9 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
     Ok(loaded)
 }
 
-/// Opens a volume whose samples can be read box by box: OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
-/// MetaImage, NIfTI, NPY). Only metadata are read, whatever their size. `None` for all others.
+/// Opens a volume whose samples can be read box by box, OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
+/// MetaImage, NIfTI, NPY), or slice by slice: TIFF, and folders of pictures. Only metadata are read, whatever their size,
+/// and the first slice. `None` for all others.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -223,6 +227,8 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::Nifti => nifti::open(path, options)?,
         Format::Npy => npy::open(path)?,
         Format::Raw => raw::open(path, options)?,
+        Format::Tiff => tiff::open(path, options)?,
+        Format::Slices => Some(slices::open(path, options)?),
         _ => None,
     };
     let Some(opened) = opened else {

@@ -9,8 +9,9 @@ use jpeg_decoder::PixelFormat;
 use splatvol_scene::Samples;
 
 use super::planes::{Plane, append, component_names};
+use super::stack::{self, Slices};
 use super::{
-    Description, Draft, Loaded, ReadOptions, checked_dims, choose_channel, detect, sample_count, tiff,
+    Description, Draft, Loaded, Opened, ReadOptions, checked_dims, choose_channel, detect, sample_count, tiff,
 };
 use crate::error::Context;
 use crate::samples::SampleType;
@@ -29,54 +30,97 @@ pub(super) fn is_slice(path: &Path) -> bool {
     )
 }
 
+/// The slices of a folder, all of the form of the first.
+#[derive(Debug)]
+struct Folder {
+    files: Vec<PathBuf>,
+    size: [usize; 2],
+    components: usize,
+    channel: usize,
+}
+
+impl Folder {
+    /// The folder, its volume and the first slice.
+    fn open(
+        folder: &Path,
+        options: &ReadOptions,
+        context: &Context<'_>,
+    ) -> Result<(Self, Draft, Samples), IoError> {
+        let mut files = detect::files_of(folder, context)?;
+        files.retain(|file| is_slice(file));
+        let Some(first) = files.first() else {
+            return Err(context.unsupported("no slices (TIFF, PNG or JPEG)"));
+        };
+        let one = plane(first)?;
+        let (size, components) = (one.size, one.components);
+        let sizes = [size[0], size[1], files.len()].map(|size| size as i64);
+        let names = component_names(components);
+        let (channel, warning) = choose_channel(&names, options, context)?;
+        let description = Description {
+            format: format!("folder of slices ({})", detect::extension(first)),
+            stored_type: one.samples.type_name().to_owned(),
+            orientation: "no geometry in the files, spacing 1".to_owned(),
+            channels: if components > 1 { names } else { Vec::new() },
+            warnings: warning.into_iter().chain(gaps(&files)).collect(),
+            files: files.clone(),
+            ..Description::default()
+        };
+        let draft = Draft::new(checked_dims(&sizes, "dims", None, context)?, description);
+        let folder = Self {
+            files,
+            size,
+            components,
+            channel,
+        };
+        Ok((folder, draft, one.component(channel)))
+    }
+}
+
+impl Slices for Folder {
+    fn slice(&self, index: usize) -> Result<Samples, IoError> {
+        let file = &self.files[index];
+        let next = plane(file)?;
+        if (next.size, next.components) != (self.size, self.components) {
+            let shown = format!(
+                "{} x {}, {} components",
+                next.size[0], next.size[1], next.components
+            );
+            let expected = format!(
+                "{} x {}, {} components, as in {}",
+                self.size[0],
+                self.size[1],
+                self.components,
+                self.files[0].display()
+            );
+            return Err(Context::new("slice", file).field("size", shown, None, expected));
+        }
+        Ok(next.component(self.channel))
+    }
+}
+
 /// Reads a folder.
 ///
 /// # Errors
 /// See [`IoError`]; also a slice of another size or type than the first, by its name.
 pub fn read(folder: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("folder of slices", folder).following(options);
-    let mut files = detect::files_of(folder, context)?;
-    files.retain(|file| is_slice(file));
-    let Some(first) = files.first() else {
-        return Err(context.unsupported("no slices (TIFF, PNG or JPEG)"));
-    };
-    let one = plane(first)?;
-    let (size, components) = (one.size, one.components);
-    let sizes = [size[0], size[1], files.len()].map(|size| size as i64);
-    let names = component_names(components);
-    let (channel, warning) = choose_channel(&names, options, context)?;
-    let description = Description {
-        format: format!("folder of slices ({})", detect::extension(first)),
-        stored_type: one.samples.type_name().to_owned(),
-        orientation: "no geometry in the files, spacing 1".to_owned(),
-        channels: if components > 1 { names } else { Vec::new() },
-        warnings: warning.into_iter().chain(gaps(&files)).collect(),
-        ..Description::default()
-    };
-    let mut draft = Draft::new(checked_dims(&sizes, "dims", None, context)?, description);
-    let sample_type = Type::from_name(one.samples.type_name()).unwrap_or(SampleType::F64);
+    let (folder, draft, mut pile) = Folder::open(folder, options, context)?;
+    let sample_type = Type::from_name(pile.type_name()).unwrap_or(SampleType::F64);
     sample_count(draft.dims, 1, sample_type, options, context)?;
-    let mut pile = one.component(channel);
-    for file in &files[1..] {
-        let context = &Context::new("slice", file);
-        let next = plane(file)?;
-        if (next.size, next.components) != (size, components) {
-            let shown = format!(
-                "{} x {}, {} components",
-                next.size[0], next.size[1], next.components
-            );
-            let expected = format!(
-                "{} x {}, {components}, as in {}",
-                size[0],
-                size[1],
-                first.display()
-            );
-            return Err(context.field("size", shown, None, expected));
-        }
-        append(&mut pile, next.component(channel), context)?;
+    for (index, file) in folder.files.iter().enumerate().skip(1) {
+        append(&mut pile, folder.slice(index)?, &Context::new("slice", file))?;
     }
-    draft.description.files = files;
     draft.finish(pile, context)
+}
+
+/// Opens a folder, whose slices are read when they are asked for.
+///
+/// # Errors
+/// See [`IoError`].
+pub(super) fn open(folder: &Path, options: &ReadOptions) -> Result<Opened, IoError> {
+    let context = &Context::new("folder of slices", folder).following(options);
+    let (folder, draft, first) = Folder::open(folder, options, context)?;
+    stack::open(folder, first.element_type(), (draft, context))
 }
 
 /// A warning if the numbers in the names have gaps.

@@ -194,6 +194,10 @@ impl ChunkSource for CachedSource {
         buffer: &mut ChunkBuffer,
     ) -> Result<(), SourceError> {
         let layout = &self.levels()[level];
+        if self.reads_regions() && region.size[0] == layout.grid.dims()[0] {
+            // Whole rows cost no more than their samples, and their chunks are not worth keeping.
+            return self.source.read_region(level, region, into, buffer);
+        }
         into.refill(layout.element, region.len(), layout.fill);
         for (number, chunk) in layout.chunks_of(region).enumerate() {
             if number % AHEAD == 0 {
@@ -210,6 +214,10 @@ impl ChunkSource for CachedSource {
             copy_box(&samples, layout.region(chunk), into, region);
         }
         Ok(())
+    }
+
+    fn reads_regions(&self) -> bool {
+        self.source.reads_regions()
     }
 
     fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {

@@ -11,6 +11,7 @@ mod error;
 mod layout;
 mod recent;
 mod region;
+mod thinned;
 mod volume;
 
 use std::fmt::Debug;

@@ -149,13 +149,16 @@ impl ChunkedVolume {
         })
     }
 
-    /// A volume whose overview, from which looks and cameras are chosen, is a coarse level. Its samples are read now, and
-    /// count.
+    /// A volume whose overview, from which looks and cameras are chosen, is a coarse level, or of one that has more samples
+    /// than `most` every n-th along each axis. They are read now, and count.
     ///
     /// # Errors
     /// Samples that cannot be read, or that are larger than the budget.
-    pub fn over(self, level: usize) -> Result<Volume, SceneError> {
-        let overview = self.in_memory(level)?;
+    pub fn over(self, level: usize, most: usize) -> Result<Volume, SceneError> {
+        let overview = match self.grids[level].sample_count() <= most {
+            true => self.in_memory(level)?,
+            false => self.thinned(level, most)?,
+        };
         let bytes = overview.bytes() as u64;
         let budget = &self.shared.budget;
         let region = VoxelBox::whole(&self.grids[level]);
@@ -182,6 +185,11 @@ impl ChunkedVolume {
             shared: Arc::clone(&self.shared),
             grids: self.grids.iter().map(moved).collect::<Result<_, _>>()?,
         })
+    }
+
+    /// Unit of world lengths.
+    pub fn unit(&self) -> LengthUnit {
+        self.shared.unit
     }
 
     /// The chunks, and those in memory.

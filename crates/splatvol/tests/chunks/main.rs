@@ -292,6 +292,56 @@ fn large(ends: [f64; 2], opacity: f64, part: Option<splatvol::TileRect>) -> (Fra
     (frame, renderer.statistics().clone())
 }
 
+/// Levels that a source lacks are made of its own: in memory where they are small, else chunk by chunk.
+#[test]
+fn levels_are_made_as_pictures_need_them() {
+    let volume = Arc::new(Sample::Ball.generate(Some(SampleSize::Longest(175))).unwrap());
+    let base = RenderSettings {
+        size: ImageSize::new(192, 160).unwrap(),
+        ..RenderSettings::fast()
+    };
+    let biased = |compositing, level_bias| {
+        checked(FlatSettings {
+            compositing,
+            level_bias,
+            ..base.into()
+        })
+    };
+    for (compositing, level_bias, level) in [
+        (Compositing::ImageSheets, 0.0, 1),
+        (Compositing::Mip, 0.0, 1),
+        (Compositing::ImageSheets, 1.0, 2),
+    ] {
+        let case = Case {
+            name: "made",
+            volumes: vec![(Arc::clone(&volume), look(&volume, [0.2, 0.7], 0.2))],
+            camera: camera(&volume, DVec3::new(0.7, 1.0, 0.5), 1.5, PERSPECTIVE),
+            settings: biased(compositing, level_bias),
+        };
+        let expected = case.expected();
+        let with = With {
+            chunk: [22, 25, 30],
+            ..USUAL
+        };
+        let (least, found, statistics) = case.smallest(with);
+        assert_eq!(statistics.level, level);
+        // A quarter of the memory holds no half of it, with its coefficients.
+        assert!(least / 4 < 88 * 88 * 88 * 6, "{least}");
+        assert_same("made in chunks", &expected, &found);
+        let (found, _) = case.chunked(1 << 30, with).unwrap();
+        assert_same("made in memory", &expected, &found);
+    }
+    // Classes are made in memory, or not at all.
+    let case = Case {
+        name: "classes",
+        volumes: vec![(Arc::clone(&volume), look(&volume, [0.2, 0.7], 0.2))],
+        camera: camera(&volume, DVec3::new(0.7, 1.0, 0.5), 1.5, PERSPECTIVE),
+        settings: biased(Compositing::Xray, 0.0),
+    };
+    let error = case.chunked(10 << 20, USUAL).unwrap_err().to_string();
+    assert!(error.contains("classified first"), "{error}");
+}
+
 #[test]
 fn hidden_chunks_and_those_of_other_parts_are_not_read() {
     let share = |statistics: &RenderStatistics| {

@@ -56,6 +56,7 @@ fn open(args: &ConvertArgs, options: &mut PyramidOptions, terminal: &Terminal) -
     options.memory = options.memory.saturating_sub(bytes);
     Ok(Opened {
         unit: loaded.volume.unit(),
+        is_divided: false,
         description: loaded.description,
         source: Box::<dyn splatvol::ChunkSource>::from(loaded.volume).into(),
     })

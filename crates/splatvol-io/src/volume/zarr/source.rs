@@ -49,6 +49,7 @@ pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoErr
     Ok(Opened {
         source: Arc::new(source),
         unit: finest.unit,
+        is_divided: true,
         description: finest.description,
     })
 }
