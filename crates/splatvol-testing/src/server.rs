@@ -18,6 +18,10 @@ pub enum Fault {
     Cut,
     /// Every answer takes its time.
     Slow,
+    /// Every fifth answer never comes.
+    Stalls,
+    /// No answer comes.
+    Mute,
     /// Ranges are ignored.
     NoRanges,
     /// All chunks are denied.
@@ -72,6 +76,9 @@ pub fn serve(folder: PathBuf, fault: Fault) -> Server {
     Server { address, counts }
 }
 
+/// Longer than a test waits.
+const FOR_EVER: Duration = Duration::from_secs(600);
+
 /// Answers the requests of a connection, one after the other.
 fn answer(stream: TcpStream, folder: &Path, fault: Fault, counted: &Counts) {
     let Ok(reader) = stream.try_clone() else { return };
@@ -89,8 +96,11 @@ fn answer(stream: TcpStream, folder: &Path, fault: Fault, counted: &Counts) {
         let number = counted.all.fetch_add(1, Ordering::Relaxed) + 1;
         let now = counted.now.fetch_add(1, Ordering::Relaxed) + 1;
         counted.most_at_once.fetch_max(now, Ordering::Relaxed);
-        if fault == Fault::Slow {
-            std::thread::sleep(Duration::from_millis(30));
+        match fault {
+            Fault::Slow => std::thread::sleep(Duration::from_millis(30)),
+            Fault::Mute => std::thread::sleep(FOR_EVER),
+            Fault::Stalls if number.is_multiple_of(5) => std::thread::sleep(FOR_EVER),
+            _ => {}
         }
         let path = first.split(' ').nth(1).unwrap_or("/").trim_start_matches('/');
         let range = request.iter().find_map(|line| {

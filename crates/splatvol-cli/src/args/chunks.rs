@@ -21,13 +21,14 @@ const PROGRAM: u64 = 24 << 20;
 /// How volumes are read in chunks.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ChunkArgs {
-    /// Most memory for volumes of any size (OME-Zarr with levels, large Zarr arrays) and their picture: bytes, or
-    /// 500M, 1GiB [default: half of the machine's]
+    /// Most memory for volumes of any size (OME-Zarr with levels, large Zarr arrays, flat files and TIFF that are larger)
+    /// and their picture: bytes, or 500M, 1GiB [default: half of the machine's]
     ///
     /// A picture whose frame would take more than half of it is made in bands of rows, and written to a PNG as it becomes.
     /// Volumes are read chunk by chunk, those alone that the picture shows, and a picture that cannot fit fails before it
-    /// reads. The picture does not depend on the memory. All other inputs are read whole (--max-memory), and so are these
-    /// where a method needs all samples: the papers' methods, maxima of several volumes, missing samples, the GPU.
+    /// reads. The picture does not depend on the memory, but for the automatic look of flat files. All other inputs are read
+    /// whole (--max-memory), and so are these where a method needs all samples: the papers' methods, maxima of several
+    /// volumes, missing samples, the GPU.
     #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = GENERAL)]
     pub(crate) memory: Option<u64>,
     /// Chunks that are lost: refuse, or background [default: refuse]

@@ -85,7 +85,7 @@ fn flat_files_larger_than_the_memory_look_as_they_do_in_memory() {
     .into_iter()
     .enumerate()
     {
-        let camera = if flags.contains("pos") {
+        let camera = if flags.contains("-pos") {
             "--camera-target=0,0,0"
         } else {
             camera

@@ -16,9 +16,17 @@ use tokio::runtime::{Builder, Runtime};
 
 use crate::key_store::{ByteRange, KeyStore, too_many_bytes};
 
-/// Seconds after which a request is given up, and after which no other is tried.
-const REQUEST: Duration = Duration::from_secs(30);
-const ALL_TRIES: Duration = Duration::from_secs(120);
+/// Times after which a request is given up, and after which no other is tried.
+#[derive(Debug, Clone, Copy)]
+struct Patience {
+    request: Duration,
+    all_tries: Duration,
+}
+
+const USUAL: Patience = Patience {
+    request: Duration::from_secs(30),
+    all_tries: Duration::from_secs(120),
+};
 /// Further tries of a request.
 const TRIES: usize = 5;
 /// Pause before the first further try of an answer that broke off; each next one is twice as long.
@@ -46,12 +54,18 @@ type Answer = Receiver<std::io::Result<Option<Vec<u8>>>>;
 
 /// Opens the store at an address that has a host.
 pub(super) fn open(address: &str) -> Result<Arc<dyn KeyStore>, String> {
+    open_within(address, USUAL)
+}
+
+fn open_within(address: &str, patience: Patience) -> Result<Arc<dyn KeyStore>, String> {
     runtime().map_err(|error| error.to_string())?;
-    let options = ClientOptions::new().with_timeout(REQUEST).with_allow_http(true);
+    let options = ClientOptions::new()
+        .with_timeout(patience.request)
+        .with_allow_http(true);
     let retry = RetryConfig {
         backoff: BackoffConfig::default(),
         max_retries: TRIES,
-        retry_timeout: ALL_TRIES,
+        retry_timeout: patience.all_tries,
     };
     let address = address.trim_end_matches('/');
     let (store, prefix): (Arc<dyn ObjectStore>, &str) = match address.strip_prefix("s3://") {
@@ -241,4 +255,47 @@ fn with_causes(error: &object_store::Error) -> String {
         cause = error.source();
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use splatvol_testing::server::{Fault, serve};
+
+    use super::*;
+
+    const SHORT: Patience = Patience {
+        request: Duration::from_millis(300),
+        all_tries: Duration::from_secs(3),
+    };
+
+    /// Reads eight keys of a server, with a pause that nobody bears.
+    fn read(fault: Fault) -> Vec<std::io::Result<Option<Vec<u8>>>> {
+        let folder = tempfile::tempdir().unwrap();
+        for key in 0..8u8 {
+            std::fs::write(folder.path().join(key.to_string()), [key; 5]).unwrap();
+        }
+        let server = serve(folder.path().to_owned(), fault);
+        let store = open_within(&server.address, SHORT).unwrap();
+        let one = |key: usize| store.read(&key.to_string(), ByteRange::From { start: 1, length: 3 }, 100);
+        (0..8).map(one).collect()
+    }
+
+    #[test]
+    fn answers_that_do_not_come_are_asked_for_again() {
+        for (key, answer) in read(Fault::Stalls).into_iter().enumerate() {
+            assert_eq!(answer.unwrap().unwrap(), [key as u8; 3]);
+        }
+    }
+
+    #[test]
+    fn a_server_that_never_answers_is_given_up_and_said() {
+        let start = Instant::now();
+        for answer in read(Fault::Mute) {
+            let error = answer.unwrap_err().to_string();
+            assert!(error.contains("time"), "{error}");
+        }
+        assert!(start.elapsed() < 8 * 2 * SHORT.all_tries, "{:?}", start.elapsed());
+    }
 }

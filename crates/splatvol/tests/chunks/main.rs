@@ -148,7 +148,7 @@ impl Case {
 
     /// The least memory that is enough for each volume, and the picture by it.
     fn smallest(&self, with: With) -> (u64, Frame, RenderStatistics) {
-        let mut memory = 1;
+        let mut memory = 1 << 15;
         loop {
             match self.chunked(memory, with) {
                 Ok((frame, statistics)) => return (memory, frame, statistics),
@@ -171,6 +171,8 @@ struct With {
     chunk: [usize; 3],
     /// Whether bounds and spread samples are known without reading.
     index: bool,
+    /// Whether the overview is a few of the samples, not all.
+    thinned: bool,
     fault: Fault,
 }
 
@@ -179,6 +181,7 @@ const USUAL: With = With {
     tile_edge: 32,
     chunk: [16; 3],
     index: true,
+    thinned: false,
     fault: Fault::None,
 };
 
@@ -192,7 +195,10 @@ fn in_chunks(volume: &Arc<Volume>, memory: u64, with: With) -> Arc<Volume> {
         (Budget::new(memory), holes),
     )
     .unwrap();
-    Arc::new(Volume::clone(volume).over_chunks(chunked))
+    Arc::new(match with.thinned {
+        true => chunked.over(0, 4096).unwrap(),
+        false => Volume::clone(volume).over_chunks(chunked),
+    })
 }
 
 fn assert_same(name: &str, a: &Frame, b: &Frame) {
@@ -295,9 +301,9 @@ fn large(ends: [f64; 2], opacity: f64, part: Option<splatvol::TileRect>) -> (Fra
 /// Levels that a source lacks are made of its own: in memory where they are small, else chunk by chunk.
 #[test]
 fn levels_are_made_as_pictures_need_them() {
-    let volume = Arc::new(Sample::Ball.generate(Some(SampleSize::Longest(175))).unwrap());
+    let volume = Arc::new(Sample::Ball.generate(Some(SampleSize::Longest(259))).unwrap());
     let base = RenderSettings {
-        size: ImageSize::new(192, 160).unwrap(),
+        size: ImageSize::new(256, 160).unwrap(),
         ..RenderSettings::fast()
     };
     let biased = |compositing, level_bias| {
@@ -321,12 +327,13 @@ fn levels_are_made_as_pictures_need_them() {
         let expected = case.expected();
         let with = With {
             chunk: [22, 25, 30],
+            thinned: true,
             ..USUAL
         };
         let (least, found, statistics) = case.smallest(with);
         assert_eq!(statistics.level, level);
         // A quarter of the memory holds no half of it, with its coefficients.
-        assert!(least / 4 < 88 * 88 * 88 * 6, "{least}");
+        assert!(least / 4 < 130 * 130 * 130 * 6, "{least}");
         assert_same("made in chunks", &expected, &found);
         let (found, _) = case.chunked(1 << 30, with).unwrap();
         assert_same("made in memory", &expected, &found);
@@ -338,7 +345,11 @@ fn levels_are_made_as_pictures_need_them() {
         camera: camera(&volume, DVec3::new(0.7, 1.0, 0.5), 1.5, PERSPECTIVE),
         settings: biased(Compositing::Xray, 0.0),
     };
-    let error = case.chunked(10 << 20, USUAL).unwrap_err().to_string();
+    let with = With {
+        thinned: true,
+        ..USUAL
+    };
+    let error = case.chunked(40 << 20, with).unwrap_err().to_string();
     assert!(error.contains("classified first"), "{error}");
 }
 
