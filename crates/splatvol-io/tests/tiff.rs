@@ -10,7 +10,7 @@ use common::load;
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, open_volume, read_volume};
 use splatvol_scene::chunks::copy_box;
-use splatvol_scene::{ChunkBuffer, ChunkSource, LengthUnit, Samples, VoxelBox};
+use splatvol_scene::{ChunkBuffer, LengthUnit, Samples, VoxelBox};
 use tiff::encoder::colortype::{Gray16, Gray32Float, RGB8};
 use tiff::encoder::{Compression, Rational, TiffEncoder};
 use tiff::tags::Tag;
@@ -227,7 +227,7 @@ fn a_folder_of_slices_is_in_the_order_of_its_numbers() {
     let opened = open_volume(folder.path(), &ReadOptions::default())
         .unwrap()
         .unwrap();
-    let mut read = |z: usize| opened.source.read(0, [0, 0, z], &mut ChunkBuffer::default());
+    let read = |z: usize| opened.source.read(0, [0, 0, z], &mut ChunkBuffer::default());
     assert!(read(4).is_ok());
     let error = read(5).unwrap_err().to_string();
     for part in ["chunk 0,0,5", "slice 5", "s14.png", "2 x 2"] {

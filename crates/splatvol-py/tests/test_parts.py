@@ -42,7 +42,8 @@ def scenes(head: Path) -> dict[str, sv.Scene]:
         "maximum": sv.Scene(head, size=(70, 60), compositing="mip"),
         "xray": sv.Scene(head, size=(70, 60), compositing="xray"),
         "two": two,
-        "close": sv.Scene(head, size=(70, 60), zoom=6, view="left"),
+        # Three levels behind each other.
+        "close": sv.Scene(head, size=(70, 60), zoom=6, view="left", level_bias=3),
     }
 
 
@@ -53,6 +54,7 @@ def linear(frame: sv.Frame) -> bytes:
 def test_parts_are_the_picture_in_any_order_and_twice(scenes: dict[str, sv.Scene], command: Any) -> None:
     for name, scene in scenes.items():
         whole = scene.render()
+        assert whole.stats["levels"] == 3 or name != "close"
         recipe = sv.recipe(scene)
         keys = ["0,0,32x60", "32,0,38x30", "32,30,38x30"]
         parts = [sv.part(recipe, key, memory=24 << 20) for key in keys]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -20,8 +19,6 @@ from ._vocabulary import check, tables
 #: ``get(key, start, length)``: bytes of a key of a Zarr store, or `None` where there is no such key.
 Get = Callable[[str, int, "int | None"], "bytes | None"]
 
-#: Most samples of the coarsest level, which is read at once: looks and cameras are chosen from it.
-OVERVIEW = 1 << 24
 #: Samples along the edges of chunks of arrays that say nothing of their own.
 CHUNK = 64
 
@@ -70,7 +67,8 @@ def lazy(
         ``get(key, start, length)`` that returns bytes from `start` on (the last ``-start`` where it is negative, all
         where `length` is `None`), or `None` where there is no such key.
         Or its samples: levels of detail, the finest first, each an array with axes z, y, x that gives samples of slices
-        (dask, h5py, zarr, ``numpy.memmap``); one array, if it is small. Files that are not Zarr are read whole.
+        (dask, h5py, zarr, ``numpy.memmap``). Of one array, and of flat files and TIFF, coarser levels are made as pictures
+        need them: all of it is read a few times before the first picture. Other files are read whole.
     spacing : float, sequence or dict, optional
         World length between samples of the finest array, along z, y, x; 1 by default. OME-Zarr says it itself.
     name : str, optional
@@ -170,10 +168,6 @@ class _Arrays:
                 raise InvalidValue(f"source: level {number} is no array with axes z, y, x, but {what}", field="source")
         if not levels:
             raise InvalidValue("source: no levels", field="source")
-        if math.prod(levels[-1].shape) > OVERVIEW:
-            found = math.prod(levels[-1].shape)
-            message = f"source: the coarsest level has {found} samples; give coarser ones, to {OVERVIEW} at most"
-            raise InvalidValue(message, field="source")
         self.levels = levels
         self.chunks = [self._chunk(level) for level in levels]
         x, y, z = by_axis(spacing, "zyx", 1.0, "spacing")

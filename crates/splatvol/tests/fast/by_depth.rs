@@ -122,6 +122,6 @@ fn quarter(image: &Image) -> Image {
         }
         sum
     };
-    let pixels = (0..size.pixel_count()).map(|i| mean(i as usize));
+    let pixels = (0..size.pixel_count()).map(mean);
     Image::from_pixels(size, pixels.collect()).unwrap()
 }
