@@ -423,6 +423,17 @@ impl Pyramid {
             .try_for_each(|(number, chunks)| chunks.source().resize(share(*number)))
     }
 
+    /// Frees all that pictures have left, where samples are read in chunks, but for those themselves: another pyramid of
+    /// the same volume may need their memory.
+    pub fn rest(&self) {
+        self.keep_only(0..0);
+        let made = self.sources.iter().skip(self.finest() + 1);
+        for chunks in made.filter_map(SourceLevel::chunks) {
+            // No bytes are always granted.
+            let _ = chunks.source().resize(0);
+        }
+    }
+
     /// Frees what levels other than these have solved, where they are solved as pictures need them.
     pub fn keep_only(&self, levels: std::ops::Range<usize>) {
         let others = self

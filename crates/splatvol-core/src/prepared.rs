@@ -2,7 +2,7 @@
 //! within a memory budget.
 //!
 //! Switching between a few volumes finds them prepared; going through hundreds takes no more memory than the
-//! budget.
+//! budget. Of volumes in chunks, whose pictures have a budget of their own, others keep nothing.
 
 use std::sync::Arc;
 
@@ -65,6 +65,7 @@ impl PreparedVolumes {
             (left, kept) = (less, kept + 1);
         }
         self.pyramids.truncate(kept);
+        self.pyramids[self.own..].iter().for_each(Pyramid::rest);
         &mut self.pyramids[..self.own]
     }
 

@@ -287,6 +287,12 @@ impl Data {
         self.held.kind().name()
     }
 
+    /// Whether chunks are read when a picture needs them: not all samples are in memory.
+    #[getter]
+    fn in_chunks(&self) -> bool {
+        matches!(self.held.content(), HeldContent::Volume(volume) if volume.chunks().is_some())
+    }
+
     /// What is known about the data, as a dictionary.
     fn describe<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);

@@ -83,11 +83,17 @@ fn threads_of_environment() -> PyResult<Option<usize>> {
 pub(crate) fn render<R>(scene: &Scene, work: impl FnOnce(&mut Renderer) -> R) -> PyResult<R> {
     let pool = pool()?;
     let data = addresses(scene);
-    let waiting = with(|engines| {
+    let budgets: Vec<usize> = scene.items.iter().filter_map(budget).collect();
+    let (waiting, others) = with(|engines| {
         let known = engines.waiting.iter().position(|(of, _)| *of == data);
         let any = (engines.waiting.len() >= WAITING).then_some(0);
-        known.or(any).map(|index| engines.waiting.remove(index).1)
+        let waiting = known.or(any).map(|index| engines.waiting.remove(index).1);
+        // Another renderer with the same volume in chunks would keep a part of that volume's memory.
+        let shares = |(of, _): &mut (Vec<usize>, Renderer)| of.iter().any(|own| budgets.contains(own));
+        let others: Vec<_> = engines.waiting.extract_if(.., shares).collect();
+        (waiting, others)
     });
+    drop(others);
     let mut renderer = match waiting {
         Some(renderer) => renderer,
         None => Renderer::with_pool(pool.clone(), EngineConfig::default()).map_err(Raise::raised)?,
@@ -108,10 +114,18 @@ pub(crate) fn render<R>(scene: &Scene, work: impl FnOnce(&mut Renderer) -> R) ->
     Ok(done)
 }
 
+/// Where the budget of a volume lies that is read in chunks; wherever the volume is placed, it is the same.
+fn budget(item: &Item) -> Option<usize> {
+    match &item.content {
+        Content::Volume { volume, .. } => Some(Arc::as_ptr(volume.chunks()?.budget()).addr()),
+        _ => None,
+    }
+}
+
 /// Where a scene's data lie: renderers recognise them by that, too.
 fn addresses(scene: &Scene) -> Vec<usize> {
     let address = |item: &Item| match &item.content {
-        Content::Volume { volume, .. } => Arc::as_ptr(volume).addr(),
+        Content::Volume { volume, .. } => budget(item).unwrap_or_else(|| Arc::as_ptr(volume).addr()),
         Content::Mesh { mesh, .. } => Arc::as_ptr(mesh).addr(),
         Content::Points { points, .. } => Arc::as_ptr(points).addr(),
         Content::Gaussians(gaussians) => Arc::as_ptr(gaussians).addr(),

@@ -105,8 +105,18 @@ def test_arrays_are_levels_in_one_box(tmp_path: Path) -> None:
     assert sv.lazy(file).levels == [(8, 9, 10)]
 
 
+def test_scenes_that_share_a_volume_take_turns(head: Path) -> None:
+    """Whoever rendered it before keeps none of its memory."""
+    volume = sv.lazy(str(head))
+    scenes = [sv.Scene(volume, **LOOK), sv.Scene(volume, size=40, compositing="xray"), sv.Scene(volume, **LOOK)]
+    scenes[2].add("sample:ball:16")
+    expected = [scene.render().linear.tobytes() for scene in scenes]
+    for index in (1, 0, 2, 0, 1, 2, 1):
+        assert scenes[index].render().linear.tobytes() == expected[index], index
+
+
 def test_one_array_has_the_levels_that_pictures_need() -> None:
-    z, y, x = np.ogrid[-1 : 1 : 272j, -1 : 1 : 256j, -1 : 1 : 257j]  # type: ignore[misc]
+    z, y, x = np.ogrid[-1:1:272j, -1:1:256j, -1:1:257j]  # type: ignore[misc]
     array = (255 * np.exp(-3 * (z * z + y * y + x * x)) * (1 + 0.1 * np.sin(40 * x))).clip(0, 255).astype(np.uint8)
     look: dict[str, Any] = {"size": 100, "view": "iso", "opacity": [(60, 0), (160, 0.5)], "fit": "volume"}
     found = sv.lazy(array, memory=64 << 20).render(**look)

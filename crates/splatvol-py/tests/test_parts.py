@@ -33,6 +33,7 @@ def head(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def scenes(head: Path) -> dict[str, sv.Scene]:
     """Six looks of it: opaque, translucent, a maximum, an X-ray, two channels, and a close view."""
+    near = sv.Camera((-120, 8, -4), (0, 8, -4), fov=70)
     two = sv.Scene(size=(70, 60), view="left")
     two.add(head)
     two.add(head, opacity=[(10, 0), (900, 0.3)], cmap="viridis")
@@ -43,7 +44,7 @@ def scenes(head: Path) -> dict[str, sv.Scene]:
         "xray": sv.Scene(head, size=(70, 60), compositing="xray"),
         "two": two,
         # Three levels behind each other.
-        "close": sv.Scene(head, size=(70, 60), zoom=6, view="left", level_bias=3),
+        "close": sv.Scene(head, size=(70, 60), camera=near, level_bias=3),
     }
 
 

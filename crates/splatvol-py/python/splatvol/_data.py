@@ -122,14 +122,21 @@ def _read_again(keys: dict[str, Any], rules: Rules = RULES) -> Data:
 
 
 def read_item(
-    keys: dict[str, Any], rules: Rules = RULES, *, progress: Progress | None = None, stop: _core.Stop | None = None
+    keys: dict[str, Any],
+    rules: Rules = RULES,
+    *,
+    progress: Progress | None = None,
+    stop: _core.Stop | None = None,
+    in_chunks: Callable[[_core.Data, dict[str, Any]], Data] | None = None,
 ) -> Data:
-    """Reads what the keys of an item name."""
+    """Reads what the keys of an item name; with `in_chunks`, which makes them, volumes in chunks as the command does."""
     limits = (rules.strict, rules.allow_outside, rules.max_memory)
-    core, notes = _core.Data.read(json.dumps(keys), limits, stop, progress)
+    core, notes = _core.Data.read(json.dumps(keys), limits, stop, progress, lazy=in_chunks is not None)
     for is_warning, note in notes:
         if is_warning:
             warnings.warn(note, DataWarning, stacklevel=3)
+    if in_chunks is not None and core.in_chunks:
+        return in_chunks(core, keys)
     kinds: dict[str, type[Data]] = {"volume": Volume, "mesh": Mesh, "gaussians": Gaussians}
     found = kinds.get(core.kind, Points)
     data = found.__new__(found)

@@ -26,7 +26,7 @@ CHUNK = 64
 class LazyVolume(Data):
     """A volume in chunks, which are read when a picture needs them: what :func:`splatvol.lazy` returns."""
 
-    def __init__(self, core: _core.Data, keys: dict[str, Any], memory: int | None) -> None:
+    def __init__(self, core: _core.Data, keys: dict[str, Any], memory: int | None = None) -> None:
         super().__init__(core, keys)
         self._memory = memory
 
@@ -67,8 +67,8 @@ def lazy(
         ``get(key, start, length)`` that returns bytes from `start` on (the last ``-start`` where it is negative, all
         where `length` is `None`), or `None` where there is no such key.
         Or its samples: levels of detail, the finest first, each an array with axes z, y, x that gives samples of slices
-        (dask, h5py, zarr, ``numpy.memmap``). Of one array, and of flat files and TIFF, coarser levels are made as pictures
-        need them: all of it is read a few times before the first picture. Other files are read whole.
+        (dask, h5py, zarr, ``numpy.memmap``). Of one array, and of flat files and TIFF, coarser levels are made as
+        pictures need them: all of it is read a few times before the first picture. Other files are read whole.
     spacing : float, sequence or dict, optional
         World length between samples of the finest array, along z, y, x; 1 by default. OME-Zarr says it itself.
     name : str, optional

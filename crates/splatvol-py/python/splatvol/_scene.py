@@ -18,10 +18,11 @@ from ._camera import Camera
 from ._data import RULES, Data, Progress, Rules, Volume, read_item
 from ._errors import DataWarning, InvalidValue, SplatvolError
 from ._frame import Frame, _replace
+from ._lazy import LazyVolume
 from ._look import Clip, TransferFunction
 from ._options import OWN, READING, document_of, item_keys
 from ._series import Series
-from ._vocabulary import Keys, keywords
+from ._vocabulary import Keys, keywords, tables
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -184,13 +185,21 @@ class Scene:
     def _add(self, thing: Any, options: Mapping[str, Any]) -> Item:
         reading = {name: value for name, value in options.items() if name in READING}
         options = {name: value for name, value in options.items() if name not in READING}
-        data = _foreign.data_of(thing, reading)
+        data = self._data_of(thing, reading, whole=bool(options.get("labels")))
         keys, rest = item_keys(options, data)
         self._merge(rest)
         item = Item(data, {**data._keys, **keys})
         item._norm = options.get("norm")
         self.items.append(item)
         return item
+
+    @staticmethod
+    def _data_of(thing: Any, reading: Mapping[str, Any], *, whole: bool) -> Data:
+        """Data of a thing. Files are read as the command reads them, so that pictures are the same: some in chunks."""
+        if whole or not isinstance(thing, (str, os.PathLike)):
+            return _foreign.data_of(thing, reading)
+        keys = {"file": os.fspath(thing), **tables(reading).get("item", {})}
+        return read_item(keys, in_chunks=LazyVolume)
 
     def _merge(self, keys: Keys) -> None:
         for table, values in keys.items():
