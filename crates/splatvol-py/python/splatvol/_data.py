@@ -129,7 +129,7 @@ def read_item(
     stop: _core.Stop | None = None,
     in_chunks: Callable[[_core.Data, dict[str, Any]], Data] | None = None,
 ) -> Data:
-    """Reads what the keys of an item name; with `in_chunks`, which makes them, volumes in chunks as the command does."""
+    """Reads what the keys of an item name; with `in_chunks`, which makes them, volumes in chunks as the command."""
     limits = (rules.strict, rules.allow_outside, rules.max_memory)
     core, notes = _core.Data.read(json.dumps(keys), limits, stop, progress, lazy=in_chunks is not None)
     for is_warning, note in notes:
