@@ -166,7 +166,9 @@ def _part(recipe: str, key: str, memory: int | None) -> bytes:
 
 
 def _finished(futures: list[Future], report: Progress | None) -> Iterable[bytes]:
-    for count, future in enumerate(as_completed(futures), 1):
+    # The loop of this client: by default it is that of the last one, in which its events must not be waited for.
+    loop = futures[0].client.loop if futures else None
+    for count, future in enumerate(as_completed(futures, loop=loop), 1):
         # What was lost with its worker meanwhile is waited for again.
         yield future.result()
         if report is not None and report(count / len(futures)) is False:
