@@ -175,6 +175,7 @@ pub fn options(item: &ItemKeys, rules: ReadRules) -> Result<ReadOptions, Documen
         strict: rules.strict,
         allow_outside: rules.allow_outside,
         max_bytes: rules.max_bytes.unwrap_or(automatic.max_bytes),
+        unpack_in: None,
     })
 }
 

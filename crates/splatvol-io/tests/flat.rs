@@ -296,3 +296,128 @@ fn compressed_files_are_read_whole() {
     let path = write(folder.path(), "a.nrrd", &[header.as_bytes(), b"none"]);
     assert!(open_volume(&path, &ReadOptions::default()).unwrap().is_none());
 }
+
+fn packed(bytes: &[u8], zlib: bool) -> Vec<u8> {
+    use flate2::Compression;
+    use flate2::write::{GzEncoder, ZlibEncoder};
+    use std::io::Write;
+
+    if zlib {
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+        encoder.write_all(bytes).unwrap();
+        return encoder.finish().unwrap();
+    }
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// Files whose samples are compressed, in several files, or between others.
+fn packed_cases(folder: &Path) -> Vec<Case> {
+    let [nx, ny, nz] = DIMS;
+    let shorts = bytes(nx * ny * nz, 2, false);
+    let plain = |path| Case {
+        path,
+        options: ReadOptions::default(),
+    };
+    let nrrd = |dimension: usize, sizes: &str, encoding: &str, more: &str| {
+        format!(
+            "NRRD0005\ntype: uint16\ndimension: {dimension}\nsizes: {sizes}\nencoding: {encoding}\nendian: big\n{more}"
+        )
+    };
+    let whole = format!("{nx} {ny} {nz}");
+    let meta = format!(
+        "ObjectType = Image\nNDims = 3\nDimSize = {whole}\nElementType = MET_SHORT\nCompressedData = True\nElementDataFile = LOCAL\n"
+    );
+    let nifti = cases(folder).into_iter().nth(7).unwrap();
+    let list: String = (0..5).map(|part| format!("part{part}.gz\n")).collect();
+    for (part, samples) in shorts.chunks_exact(shorts.len() / 5).enumerate() {
+        write(folder, &format!("part{part}.gz"), &[&packed(samples, false)]);
+    }
+    let mut cases = vec![
+        plain(write(
+            folder,
+            "k.nrrd",
+            &[nrrd(3, &whole, "gzip", "\n").as_bytes(), &packed(&shorts, false)],
+        )),
+        plain(write(folder, "l.mha", &[meta.as_bytes(), &packed(&shorts, true)])),
+        Case {
+            path: write(
+                folder,
+                "m.nii.gz",
+                &[&packed(&std::fs::read(&nifti.path).unwrap(), false)],
+            ),
+            options: nifti.options,
+        },
+        plain(write(
+            folder,
+            "n.nhdr",
+            &[nrrd(3, &whole, "gzip", &format!("data file: LIST\n{list}")).as_bytes()],
+        )),
+    ];
+    // Three numbers a sample, of which one is read.
+    let colours = nrrd(
+        4,
+        &format!("3 {nx} {ny} 11"),
+        "gzip",
+        "kinds: vector space space space\n\n",
+    );
+    let samples = &shorts[..3 * nx * ny * 11 * 2];
+    cases.push(Case {
+        path: write(folder, "o.nrrd", &[colours.as_bytes(), &packed(samples, false)]),
+        options: ReadOptions {
+            component: Some(1),
+            ..ReadOptions::default()
+        },
+    });
+    cases
+}
+
+#[test]
+fn packed_samples_are_unpacked_where_that_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = tempfile::tempdir().unwrap();
+    for Case { path, options } in packed_cases(folder.path()) {
+        let name = path.display();
+        assert!(open_volume(&path, &options).unwrap().is_none(), "{name}");
+        let allowed = ReadOptions {
+            unpack_in: Some(other.path().to_owned()),
+            // What is read box by box need not fit.
+            max_bytes: 1000,
+            ..options.clone()
+        };
+        let opened = open_volume(&path, &allowed).unwrap().unwrap();
+        let loaded = read_volume(&path, &options).unwrap();
+        assert_eq!(opened.description, loaded.description, "{name}");
+        let layout = &opened.source.levels()[0];
+        assert_eq!(&layout.grid, loaded.volume.grid(), "{name}");
+        let whole = VoxelBox::whole(&layout.grid);
+        let mut found = Samples::U8(Vec::new().into());
+        opened
+            .source
+            .read_region(0, whole, &mut found, &mut ChunkBuffer::default())
+            .unwrap();
+        assert!(found == *loaded.volume.samples(), "{name}");
+        drop(opened);
+        assert_eq!(std::fs::read_dir(other.path()).unwrap().count(), 0, "{name}");
+    }
+}
+
+#[test]
+fn packed_samples_that_are_damaged_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for Case { path, options } in packed_cases(folder.path()) {
+        let allowed = ReadOptions {
+            unpack_in: Some(folder.path().to_owned()),
+            ..options
+        };
+        let whole = std::fs::read(&path).unwrap();
+        if path.extension().unwrap() == "nhdr" {
+            std::fs::remove_file(folder.path().join("part3.gz")).unwrap();
+        } else {
+            std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+        }
+        let error = open_volume(&path, &allowed).unwrap_err().to_string();
+        assert!(!error.is_empty(), "{}", path.display());
+    }
+}

@@ -56,15 +56,41 @@ impl Flat {
     /// # Errors
     /// Files that cannot be opened, or are too short.
     pub(super) fn open(self, draft: Draft, context: &Context<'_>) -> Result<Option<Opened>, IoError> {
-        let Some(element) = self.element() else {
+        if self.element().is_none() {
             return Ok(None);
-        };
+        }
         let failed = |source| IoError::Open {
             source,
             path: self.path.clone(),
         };
         let file = File::open(&self.path).map_err(failed)?;
-        let metadata = file.metadata().map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        let samples = draft.grid(context)?.sample_count();
+        let wanted = self.sample_type.byte_count(samples);
+        let there = length.saturating_sub(self.position);
+        if there < wanted {
+            return Err(context.truncated("samples", wanted, there));
+        }
+        self.of_file(file, draft, context)
+    }
+
+    /// The same of a file that is long enough, which may be another than that of its path: that one unpacked.
+    ///
+    /// # Errors
+    /// Files that cannot be opened.
+    pub(super) fn of_file(
+        self,
+        file: File,
+        draft: Draft,
+        context: &Context<'_>,
+    ) -> Result<Option<Opened>, IoError> {
+        let Some(element) = self.element() else {
+            return Ok(None);
+        };
+        let metadata = std::fs::metadata(&self.path).map_err(|source| IoError::Open {
+            source,
+            path: self.path.clone(),
+        })?;
         let layout = LevelLayout {
             grid: draft.grid(context)?,
             chunk: std::array::from_fn(|axis| draft.dims[axis].min(CHUNK[axis])),
@@ -72,11 +98,6 @@ impl Flat {
             rescale: draft.rescale,
             fill: 0.0,
         };
-        let wanted = self.sample_type.byte_count(layout.grid.sample_count());
-        let there = metadata.len().saturating_sub(self.position);
-        if there < wanted {
-            return Err(context.truncated("samples", wanted, there));
-        }
         let changed = metadata
             .modified()
             .ok()

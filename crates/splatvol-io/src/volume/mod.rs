@@ -23,6 +23,8 @@ pub mod slices;
 mod stack;
 mod stored;
 pub mod tiff;
+#[cfg(not(target_family = "wasm"))]
+mod unpack;
 pub mod vti;
 pub(crate) mod vtk_array;
 pub mod zarr;
@@ -119,6 +121,9 @@ pub struct ReadOptions {
     /// Most bytes that the samples may take in memory; by default half of what the machine or container grants
     /// ([`crate::memory::granted`]).
     pub max_bytes: u64,
+    /// Folder in which [`open_volume`] may unpack samples that are compressed, in a file that has no name and goes with the
+    /// volume; if absent, such files are not opened.
+    pub unpack_in: Option<PathBuf>,
 }
 
 impl Default for ReadOptions {
@@ -135,6 +140,7 @@ impl Default for ReadOptions {
             strict: false,
             allow_outside: false,
             max_bytes: memory::granted() / 2,
+            unpack_in: None,
         }
     }
 }
@@ -209,7 +215,8 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
 
 /// Opens a volume whose samples can be read box by box, OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
 /// MetaImage, NIfTI, NPY), or slice by slice: TIFF, and folders of pictures. Only metadata are read, whatever their size,
-/// and the first slice. `None` for all others.
+/// and the first slice. Compressed samples of NRRD, MetaImage and NIfTI are unpacked first, where that is allowed
+/// ([`ReadOptions::unpack_in`]). `None` for all others.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.

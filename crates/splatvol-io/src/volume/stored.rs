@@ -80,7 +80,7 @@ impl Layout {
         format!("{}{order}, {}", self.sample_type.name(), self.encoding.name())
     }
 
-    fn bytes(&self, samples: usize) -> u64 {
+    pub(super) fn bytes(&self, samples: usize) -> u64 {
         self.sample_type.byte_count(samples)
     }
 }
@@ -142,13 +142,13 @@ impl Stored<'_> {
 }
 
 impl Stored<'_> {
-    /// The selected samples where they are; `None` where they have to be decoded, or lie in several files. `attached` is
-    /// the header's file, past the header.
+    /// The selected samples where they are. Where they have to be decoded, or lie in several files, they are unpacked if that
+    /// is allowed; else `None`. `attached` is the header's file, past the header.
     pub(super) fn open(
         &self,
         attached: Source<'_>,
         mut draft: Draft,
-        context: &Context<'_>,
+        (options, context): (&ReadOptions, &Context<'_>),
     ) -> Result<Option<Opened>, IoError> {
         let Self {
             layout,
@@ -157,7 +157,7 @@ impl Stored<'_> {
         } = self;
         let is_plain = layout.encoding == Encoding::Raw && layout.skip_lines == 0;
         if !is_plain || selection.components > 1 || files.count() > 1 {
-            return Ok(None);
+            return self.unpack(attached, draft, (options, context));
         }
         let own = files.open(0, &mut draft.description, context)?;
         let (path, source) = match (own, draft.description.files.last()) {
@@ -165,7 +165,7 @@ impl Stored<'_> {
             _ => (context.path.to_owned(), attached),
         };
         let Some(position) = source.position() else {
-            return Ok(None);
+            return self.unpack(source, draft, (options, context));
         };
         let sizes = selection.dims.map(|size| size as u64);
         let one = sizes
@@ -191,6 +191,17 @@ impl Stored<'_> {
         flat.open(draft, context)
     }
 
+    /// Nothing is unpacked where there are no files.
+    #[cfg(target_family = "wasm")]
+    fn unpack(
+        &self,
+        _: Source<'_>,
+        _: Draft,
+        _: (&ReadOptions, &Context<'_>),
+    ) -> Result<Option<Opened>, IoError> {
+        Ok(None)
+    }
+
     /// The volume in memory; see [`Stored::read`].
     pub(super) fn load(
         &self,
@@ -203,13 +214,13 @@ impl Stored<'_> {
     }
 }
 
-fn read_piece(
-    mut source: Source<'_>,
+/// What a file holds, decoded, from its first sample on.
+pub(super) fn decoded<'a>(
+    mut source: Source<'a>,
     layout: &Layout,
     piece: &Piece,
-    buffer: &mut SampleBuffer,
     context: &Context<'_>,
-) -> Result<Rest, IoError> {
+) -> Result<Source<'a>, IoError> {
     skip_lines(&mut source, layout.skip_lines, context)?;
     source = match layout.encoding {
         Encoding::Gzip => source.inflate(Codec::Gzip),
@@ -224,6 +235,17 @@ fn read_piece(
             source.skip(source.at_most() - layout.bytes(piece.holds), context)?;
         }
     }
+    Ok(source)
+}
+
+fn read_piece(
+    source: Source<'_>,
+    layout: &Layout,
+    piece: &Piece,
+    buffer: &mut SampleBuffer,
+    context: &Context<'_>,
+) -> Result<Rest, IoError> {
+    let mut source = decoded(source, layout, piece, context)?;
     match layout.encoding {
         Encoding::Text => read_text(&mut source, layout, piece, buffer, context),
         Encoding::Hex => {

@@ -1,5 +1,7 @@
 //! Volumes to OME-Zarr with levels of detail.
 
+use std::path::Path;
+
 use splatvol_document::input;
 use splatvol_io::{Opened, PyramidOptions, open_volume, write_pyramid};
 
@@ -38,7 +40,13 @@ fn open(args: &ConvertArgs, options: &mut PyramidOptions, terminal: &Terminal) -
     let item = of_input(&args.read, &args.input);
     let mut rules = args.read.rules();
     if !args.input.starts_with("sample:") {
-        let read = input::options(&item, rules)?;
+        let mut read = input::options(&item, rules)?;
+        // Beside the output there is room for what is not compressed.
+        let folder = args
+            .output
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        read.unpack_in = Some(folder.unwrap_or(Path::new(".")).to_owned());
         if let Some(opened) = open_volume(&args.input, &read).during(Step::Input)? {
             opened
                 .description

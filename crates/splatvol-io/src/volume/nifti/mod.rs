@@ -37,7 +37,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
 /// Opens a file that is not compressed.
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     with(path, options, |stored, source, draft, context| {
-        stored.open(source, draft, context)
+        stored.open(source, draft, (options, context))
     })
 }
 

@@ -35,7 +35,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
 /// Opens a file whose samples are raw.
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     with(path, options, |stored, source, draft, context| {
-        stored.open(source, draft, context)
+        stored.open(source, draft, (options, context))
     })
 }
 
