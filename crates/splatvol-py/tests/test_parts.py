@@ -171,6 +171,10 @@ def test_animations_of_a_cluster_are_those_of_one_machine(
     splatvol.dask.animate(scene, tmp_path / "many.gif", cluster(2), frames=4, turntable=90, block=40)
     assert (tmp_path / "many.gif").read_bytes() == (tmp_path / "one.gif").read_bytes()
     splatvol.dask.animate(scene, tmp_path / "f-##.png", cluster(2), frames=3, turntable=90)
+    scene.animate(tmp_path / "one-##.png", frames=3, turntable=90)
+    for index in range(3):
+        # Put together and encoded by workers.
+        assert (tmp_path / f"f-0{index}.png").read_bytes() == (tmp_path / f"one-0{index}.png").read_bytes()
     (tmp_path / "f-01.png").unlink()
     before = (tmp_path / "f-00.png").stat().st_mtime_ns
     splatvol.dask.animate(scene, tmp_path / "f-##.png", cluster(2), frames=3, turntable=90, resume=True)

@@ -14,7 +14,7 @@ from . import _core
 from ._camera import Camera
 from ._data import Progress, Volume
 from ._errors import Cancelled, InvalidValue
-from ._frame import Frame
+from ._frame import Frame, _replace
 from ._series import Series
 from ._vocabulary import Keys
 
@@ -99,6 +99,11 @@ class Film:
             picture, text = self.picture(index)
             yield index, Frame(picture.render(), text, int(json.loads(text).get("bits") or 8))
 
+    def files(self, indices: Sequence[int], extension: str) -> Iterator[tuple[int, bytes]]:
+        """Some of the frames, in order, as files."""
+        for index, frame in self.frames(indices):
+            yield index, frame._encoded(extension)
+
     def write_frames(self, output: Path, *, resume: bool, progress: Progress | bool | None) -> Path:
         """A picture of each frame: ``name-####.png``."""
         before, _, after = output.name.partition("#")
@@ -111,8 +116,9 @@ class Film:
         paths = [output.with_name(f"{before}{index:0{digits}d}{after}") for index in range(len(self))]
         missing = [index for index, path in enumerate(paths) if not (resume and self._is_made(path, index))]
         self._report(progress, len(self) - len(missing))
-        for count, (index, frame) in enumerate(self.frames(missing), len(self) - len(missing) + 1):
-            frame.save(paths[index])
+        files = self.files(missing, output.suffix.removeprefix("."))
+        for count, (index, file) in enumerate(files, len(self) - len(missing) + 1):
+            _replace(paths[index], file)
             self._report(progress, count)
         return output
 

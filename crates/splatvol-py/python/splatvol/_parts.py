@@ -131,10 +131,21 @@ def assemble(parts: Iterable[bytes]) -> Frame:
     FormatError
         Pixels without a part, damaged parts, or parts of different recipes, programs or instruction sets.
     """
+    frame, holes = assembled(parts)
+    warn_of_holes(holes)
+    return frame
+
+
+def assembled(parts: Iterable[bytes]) -> tuple[Frame, int]:
+    """The parts together, and how many chunks were lost."""
     core, document, holes = _core.assembled(list(parts))
+    return Frame(core, document, int(json.loads(document).get("bits") or 8)), holes
+
+
+def warn_of_holes(holes: int) -> None:
+    """Says that a picture has some."""
     if holes:
-        warnings.warn(f"{holes} chunks were lost, and are holes in the picture", DataWarning, stacklevel=2)
-    return Frame(core, document, int(json.loads(document).get("bits") or 8))
+        warnings.warn(f"{holes} chunks were lost, and are holes in the picture", DataWarning, stacklevel=3)
 
 
 def blocks(recipe: str, edge: int = BLOCK) -> list[str]:

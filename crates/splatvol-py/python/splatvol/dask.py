@@ -16,7 +16,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -124,6 +124,27 @@ class _ClusterFilm(Film):
         self._means = means
 
     def frames(self, indices: Sequence[int]) -> Iterator[tuple[int, Frame]]:
+        for index, text, parts in self._rendered(indices, lambda _, parts: parts):
+            frame = _parts.assemble(_finished(parts, None))
+            yield index, Frame(frame._core, text, frame._bits)
+
+    def files(self, indices: Sequence[int], extension: str) -> Iterator[tuple[int, bytes]]:
+        """Workers put the parts together and encode them: only the writing is left."""
+        client = self._means[0]
+
+        def encode(text: str, parts: list[Future]) -> list[Future]:
+            name = hashlib.sha256(json.dumps([text, extension, [part.key for part in parts]]).encode()).hexdigest()[:20]
+            return [client.submit(_file, parts, text, extension, key=f"splatvol-file-{name}")]
+
+        for index, _, [file] in self._rendered(indices, encode):
+            data, holes = file.result()
+            _parts.warn_of_holes(holes)
+            yield index, data
+
+    def _rendered(
+        self, indices: Sequence[int], then: Callable[[str, list[Future]], list[Future]]
+    ) -> Iterator[tuple[int, str, list[Future]]]:
+        """Frames in order, each with its document and what becomes of its parts, which are under way."""
         client, block, memory, retries = self._means
         ahead = AHEAD * max(1, sum(client.nthreads().values()))
         under_way: dict[int, tuple[str, list[Future]]] = {}
@@ -133,10 +154,9 @@ class _ClusterFilm(Film):
                     if coming not in under_way:
                         picture, text = self.picture(coming)
                         recipe = _core.recipe_of(picture)
-                        under_way[coming] = text, _submit(client, recipe, block, memory, retries, priority=-coming)
-                text, futures = under_way.pop(index)
-                frame = _parts.assemble(_finished(futures, None))
-                yield index, Frame(frame._core, text, frame._bits)
+                        parts = _submit(client, recipe, block, memory, retries, priority=-coming)
+                        under_way[coming] = text, then(text, parts)
+                yield index, *under_way.pop(index)
         finally:
             client.cancel([future for _, futures in under_way.values() for future in futures])
 
@@ -163,6 +183,12 @@ def _part(recipe: str, key: str, memory: int | None) -> bytes:
     if memory is None and limit:
         memory = int(limit) // (2 * threads)
     return _parts.part(recipe, key, memory=memory)
+
+
+def _file(parts: list[bytes], document: str, extension: str) -> tuple[bytes, int]:
+    """The file of a frame, from its parts, and how many chunks were lost."""
+    frame, holes = _parts.assembled(parts)
+    return Frame(frame._core, document, frame._bits)._encoded(extension), holes
 
 
 def _finished(futures: list[Future], report: Progress | None) -> Iterable[bytes]:
