@@ -341,8 +341,13 @@ impl Pyramid {
         for level in first..first + N {
             self.classify(level, look, wanted, stop)?;
         }
-        let made: Vec<_> = self.levels[first..first + N].iter_mut().flatten().collect();
-        <[&mut Level; N]>::try_from(made).map_err(|_| SceneError::Stopped)
+        // Nothing is allocated here: viewers render frame after frame.
+        let mut made = self.levels[first..first + N].iter_mut().flatten();
+        let all: [_; N] = std::array::from_fn(|_| made.next());
+        match all.iter().all(Option::is_some) {
+            true => Ok(all.map(|level| level.expect("a level that was classified is there"))),
+            false => Err(SceneError::Stopped),
+        }
     }
 
     /// The coarsest level that the source has itself: all further ones are made of it.
