@@ -46,6 +46,10 @@ class Comparison:
         self.reader = splatvol
         self.references = references.References(None if args.fresh_references else args.references)
 
+    def device(self):
+        """What VTK draws on, where that is measured."""
+        return self.vtk.device() if self.vtk and self.args.engine == "gpu" else None
+
     def cases(self, reference):
         """Yields the figures of each transfer function on a volume."""
         volume = self.reader.read(reference)
@@ -68,7 +72,7 @@ class Comparison:
         if self.splatvol:
             arguments = self.splatvol.scene(scene.volume, scene.transfer_function, LIGHTING, scene.camera)
         if self.vtk:
-            self._show_fixed_point(scene)
+            self._show_measured(scene)
         for _ in range(self.args.rounds):
             if self.vtk:
                 batches["vtk"].append(self.vtk.batch(scene.camera, *steps))
@@ -93,12 +97,15 @@ class Comparison:
                 found[name] = quality.measure(picture, reference, mask)
         return {"quality": found}
 
-    def _show_fixed_point(self, scene):
-        mapper = self.vtk.fixed_point(scene.volume)
+    def _show_measured(self, scene):
+        if self.args.engine == "gpu":
+            mapper = self.vtk.on_gpu(scene.volume, self.args.vtk_step)
+        else:
+            mapper = self.vtk.fixed_point(scene.volume, self.args.vtk_step)
         self.vtk.show(scene.transfer_function, LIGHTING, mapper)
 
     def _vtk_pictures(self, scene, analytic):
-        self._show_fixed_point(scene)
+        self._show_measured(scene)
         picture = self.vtk.frame(scene.camera).copy()
         truth = scene.of(scenes.marschner_lobb(VTK_REFINEMENT, whole_voxels=False)) if analytic else scene
         step = ANALYTIC_STEP if analytic else REFERENCE_STEP
@@ -118,7 +125,7 @@ class Comparison:
 
     def _converged(self):
         """The same kernel at full resolution, with thin sheets and nearly no early end."""
-        return [*CONVERGED, *(["--level-bias=0"] if self.splatvol.is_draft() else [])]
+        return ["--engine=cpu", *CONVERGED, *(["--level-bias=0"] if self.splatvol.is_draft() else [])]
 
     def _splatvol_truth(self, scene):
         """The function itself, whatever preset and flags are compared with it."""

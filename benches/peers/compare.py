@@ -38,6 +38,7 @@ EXAMPLES = """examples:
   compare.py bonsai.vti --mode mip --preset fast
   compare.py engine.vti --only vtk --json vtk.json
   compare.py --preset fast --record             a table of this machine in benches/peers/results
+  compare.py --engine gpu --preset fast --size 1024
   compare.py --cold-start bonsai.vti            process start to picture written, with PyVista too"""
 
 
@@ -61,6 +62,10 @@ def arguments():
     parser.add_argument("--frames", type=positive, default=9, help="per batch [default: %(default)s]")
     parser.add_argument("--warm-up", type=int, default=2, help="frames before a batch [default: %(default)s]")
     parser.add_argument("--rounds", type=positive, default=3, help="batches of each renderer [default: %(default)s]")
+    parser.add_argument("--engine", choices=["cpu", "gpu"], default="cpu", help="splatvol's engine; gpu is compared with "
+                        "VTK's OpenGL mapper on the same device [default: %(default)s]")
+    parser.add_argument("--vtk-step", type=float, default=1.0, metavar="VOXELS",
+                        help="distance of VTK's samples [default: %(default)s]")
     parser.add_argument("--only", choices=["vtk", "splatvol"], help="run one renderer")
     parser.add_argument("--no-quality", action="store_true", help="skip pictures and references: times only")
     parser.add_argument("--no-times", action="store_true", help="skip the batches: quality only")
@@ -122,6 +127,8 @@ def main():
     for folder in filter(None, (args.pictures, args.json and args.json.resolve().parent)):
         folder.mkdir(parents=True, exist_ok=True)
     extra = [*(["--preset", args.preset] if args.preset else []), *args.flag]
+    if args.engine == "gpu":
+        extra.append("--engine=gpu")
     if args.mode != "composite":
         extra += ["--compositing", args.mode]
     with tempfile.TemporaryDirectory(prefix="splatvol-peers-") as name:
@@ -132,6 +139,7 @@ def main():
             print(report.cold_start_table(document))
         else:
             comparison = Comparison(args, splatvol)
+            document["device"] = comparison.device()
             document["cases"] = []
             for reference in args.volumes or default_volumes():
                 for case in comparison.cases(reference):

@@ -22,7 +22,8 @@ def machine(splatvol_version, threads):
 
 def title(document):
     """Who measured, as a line."""
-    return (f"{document['processor']}, {document['processors']} processors, {document['threads']} threads; "
+    device = f"{document['device']}; " if document.get("device") else ""
+    return (f"{device}{document['processor']}, {document['processors']} processors, {document['threads']} threads; "
             f"VTK {document['vtk']}; {document['splatvol']}")
 
 
@@ -62,7 +63,7 @@ def table(document):
 
 def record(document, folder, flags):
     """Writes the tables to this machine's file in a folder; returns its path. One file per processor, threads and flags."""
-    parts = [document["processor"] or "unknown", f"{document['threads']} threads", *flags]
+    parts = [document.get("device") or document["processor"] or "unknown", f"{document['threads']} threads", *flags]
     name = "-".join(filter(None, (re.sub(r"[^a-z0-9.]+", "-", part.lower()).strip("-") for part in parts)))
     made = cold_start_table(document) if "cold-start" in document else table(document)
     kind = "cold-start-" if "cold-start" in document else ""
@@ -95,7 +96,8 @@ def _range(times, key):
     if not times:
         return "-"
     found = times[key]
-    return f"{found['median']:.0f} [{found['min']:.0f}..{found['max']:.0f}]"
+    digits = 1 if found["median"] < 20 else 0
+    return f"{found['median']:.{digits}f} [{found['min']:.{digits}f}..{found['max']:.{digits}f}]"
 
 
 def _ratio(ratio):

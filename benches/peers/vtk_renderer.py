@@ -100,6 +100,20 @@ class VtkRenderer:
         mapper.IntermixIntersectingGeometryOff()
         return self._configured(mapper, volume.values, volume, step)
 
+    def on_gpu(self, volume, step=1.0):
+        """The OpenGL mapper, which is measured against splatvol's GPU engine: the samples as they are, no jitter."""
+        mapper = vtkOpenGLGPUVolumeRayCastMapper()
+        mapper.UseJitteringOff()
+        return self._configured(mapper, volume.values, volume, step)
+
+    def device(self):
+        """The OpenGL renderer's own name of its device."""
+        self.window.Render()
+        for line in self.window.ReportCapabilities().splitlines():
+            if line.startswith("OpenGL renderer string:"):
+                return line.partition(":")[2].strip()
+        return "unknown"
+
     def batch(self, camera, orbit, frames, warm_up):
         """Times frames, each turned by `orbit` degrees against the one before."""
         return timing.measure(lambda i: self.frame(camera.turned(i * orbit)), frames, warm_up)

@@ -7,6 +7,9 @@ fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: b
     if is_filled {
         let middle = vec2<f32>(corner) - 0.5 - frame.principal;
         for (var point = thread; point < POINTS; point += 256u) {
+            if !is_open_beside(point) {
+                continue;
+            }
             let offset = middle + vec2<f32>(vec2(point % PITCH, point / PITCH));
             let sums = sums_on(sheet, offset);
             values[plane + point] = sums.x;

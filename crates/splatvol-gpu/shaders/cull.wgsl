@@ -1,11 +1,11 @@
-// Cull: which planes of which tiles may hold something. One invocation per page sets the bits of the planes that its
-// cells meet, in the tiles that its projection covers.
+// Cull: which planes of which tiles may hold something. One invocation per octant of a page sets the bits of the planes that
+// its cells meet, in the tiles that its projection covers.
 
 @group(0) @binding(3) var<storage, read_write> tile_sheets: array<atomic<u32>>;
 
-// Pixels around a page's projection: the neighbours that differences need, and a filter.
+// Pixels around an octant's projection: the neighbours that differences need, and a filter.
 const AROUND: f32 = 4.0;
-// Depth of a corner, in distances of planes, below which a page covers the whole picture.
+// Depth of a corner, in distances of planes, below which an octant covers the whole picture.
 const AT_EYE: f32 = 1e-3;
 
 // Invocations along x of a dispatch.
@@ -15,18 +15,21 @@ const ROW: u32 = 65536u;
 fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     let counts = vec3<u32>(frame.pages);
     let index = id.y * ROW + id.x;
-    if index >= counts.x * counts.y * counts.z || pages[index] == 0u {
+    let at = index / 8u;
+    let octant = index % 8u;
+    if at >= counts.x * counts.y * counts.z || ((pages[at] >> (OCTANTS_FROM + octant)) & 1u) == 0u {
         return;
     }
-    let page = vec3<u32>(index % counts.x, index / counts.x % counts.y, index / (counts.x * counts.y));
-    let first = vec3<f32>(page * u32(PAGE)) - f32(BEFORE);
+    let page = vec3<u32>(at % counts.x, at / counts.x % counts.y, at / (counts.x * counts.y));
+    let half = u32(PAGE / 2);
+    let first = vec3<f32>(page * u32(PAGE) + half * vec3(octant & 1u, (octant >> 1u) & 1u, octant >> 2u)) - f32(BEFORE);
     var nearest = 3e38;
     var farthest = -3e38;
     var low = vec2(3e38);
     var high = vec2(-3e38);
     var before_eye = false;
     for (var corner = 0u; corner < 8u; corner++) {
-        let offset = vec3<f32>(vec3(corner & 1u, (corner >> 1u) & 1u, corner >> 2u)) * f32(PAGE);
+        let offset = vec3<f32>(vec3(corner & 1u, (corner >> 1u) & 1u, corner >> 2u)) * f32(half);
         let place = (frame.camera_from_lattice * vec4(first + offset, 1.0)).xyz;
         nearest = min(nearest, place.z);
         farthest = max(farthest, place.z);

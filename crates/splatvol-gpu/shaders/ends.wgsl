@@ -35,8 +35,52 @@ fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
     return Pixel(nothing, nothing, vec2(false), offset, ink);
 }
 
-// Pixels need no neighbours.
-fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {}
+// A low-pass that is narrow against the kernel takes whole pixels: their sums and slopes are exchanged in workgroup memory.
+const REACH: u32 = 3u;
+const JET_PITCH: u32 = TILE_WIDTH + 2u * REACH;
+const JETS: u32 = JET_PITCH * (TILE_HEIGHT + 2u * REACH);
+
+var<workgroup> jets: array<vec4<f32>, JETS>;
+
+fn is_on_pixels(sheet: u32) -> bool {
+    return HAS_LOW_PASS && !HAS_HOLES && sheets[sheet].low_pass_pixels.x > 0.0;
+}
+
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {
+    if !HAS_LOW_PASS || HAS_HOLES {
+        return;
+    }
+    // All pixels have taken what they need of the plane before.
+    workgroupBarrier();
+    if is_filled && is_on_pixels(sheet) {
+        let first = vec2<f32>(corner) + 0.5 - f32(REACH) - frame.principal;
+        for (var point = thread; point < JETS; point += 256u) {
+            let jet = jet_at(place_on(sheet, first + vec2<f32>(vec2(point % JET_PITCH, point / JET_PITCH))), 0);
+            jets[point] = vec4(jet.sum, jet.slope);
+        }
+    }
+    workgroupBarrier();
+}
+
+// A row of pixels, weighted around the middle one.
+fn row_of_jets(middle: u32, w: vec4<f32>) -> vec4<f32> {
+    return w.x * jets[middle] + w.y * (jets[middle - 1u] + jets[middle + 1u])
+        + w.z * (jets[middle - 2u] + jets[middle + 2u]) + w.w * (jets[middle - 3u] + jets[middle + 3u]);
+}
+
+// Two rows at the same distance.
+fn rows_of_jets(middle: u32, distance: u32, w: vec4<f32>) -> vec4<f32> {
+    return row_of_jets(middle - distance * JET_PITCH, w) + row_of_jets(middle + distance * JET_PITCH, w);
+}
+
+// Sum and slope of a pixel, whose place in the tile is that of `point`.
+fn jet_of_pixels(sheet: u32, point: u32) -> vec4<f32> {
+    let own = point % POINTS;
+    let middle = (own / PITCH - 1u + REACH) * JET_PITCH + own % PITCH - 1u + REACH;
+    let w = sheets[sheet].low_pass_pixels;
+    return w.x * row_of_jets(middle, w) + w.y * rows_of_jets(middle, 1u, w) + w.z * rows_of_jets(middle, 2u, w)
+        + w.w * rows_of_jets(middle, 3u, w);
+}
 
 // Share on the volume's own box of the kernel with a low-pass of this deviation, pixels.
 fn own_of(sheet: u32, position: vec3<f32>, low_pass: f32) -> f32 {
@@ -58,21 +102,48 @@ fn position_on(sheet: u32, offset: vec2<f32>) -> vec3<f32> {
     return vec3<f32>(place.cell) + place.within;
 }
 
-// Adds sums at a place.
-fn add_place(end: ptr<function, End>, place: Place, weight: f32, is_filled: bool) {
-    if is_filled {
+// Sums with their gradients per voxel, low-passed.
+fn add_sums(end: ptr<function, End>, sheet: u32, offset: vec2<f32>, count: i32) {
+    var all = 0.0;
+    for (var i = 0; i < count * count; i++) {
+        let point = low_pass_points(i, count);
+        let place = place_on(sheet, offset + sheets[sheet].low_pass * point.xy);
         let sum = jet_at(place, 0);
-        (*end).sum += weight * sum.sum;
-        (*end).slope += weight * sum.slope;
+        (*end).sum += point.z * sum.sum;
+        (*end).slope += point.z * sum.slope;
         if HAS_HOLES {
             let missing = jet_at(place, 1);
-            (*end).missing += weight * missing.sum;
-            (*end).missing_slope += weight * missing.slope;
+            (*end).missing += point.z * missing.sum;
+            (*end).missing_slope += point.z * missing.slope;
         }
+        all += point.z;
     }
-    let share = share_jet(place);
-    (*end).share += weight * share.sum;
-    (*end).share_slope += weight * share.slope;
+    let per_weight = 1.0 / max(all, 1e-30);
+    (*end).sum *= per_weight;
+    (*end).slope *= per_weight;
+    if HAS_HOLES {
+        (*end).missing *= per_weight;
+        (*end).missing_slope *= per_weight;
+    }
+}
+
+// Shares of the weights, likewise.
+fn add_shares(end: ptr<function, End>, sheet: u32, offset: vec2<f32>, count: i32) {
+    var all = 0.0;
+    for (var i = 0; i < count * count; i++) {
+        let point = low_pass_points(i, count);
+        let share = share_jet(place_on(sheet, offset + sheets[sheet].low_pass * point.xy));
+        (*end).share += point.z * share.sum;
+        (*end).share_slope += point.z * share.slope;
+        all += point.z;
+    }
+    (*end).share /= all;
+    (*end).share_slope /= all;
+}
+
+// Whether all weights around a place lie on the lattice, also those around the points of a narrow low-pass.
+fn is_far_inside(place: Place) -> bool {
+    return all(place.cell >= vec3(5)) && all(place.cell <= frame.dims - 7);
 }
 
 // Takes a plane's sums at a pixel.
@@ -80,26 +151,23 @@ fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {
     (*pixel).near = (*pixel).far;
     let offset = (*pixel).offset;
     var end = End(0.0, 0.0, own_of(sheet, position_on(sheet, offset), sheets[sheet].low_pass), vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
-    let count = i32(sheets[sheet].low_pass_points);
-    var all = 0.0;
-    for (var y = 0; y < count; y++) {
-        let down = low_pass_point(y, count);
-        for (var x = 0; x < count; x++) {
-            let across = low_pass_point(x, count);
-            let at = offset + sheets[sheet].low_pass * vec2(across.x, down.x);
-            add_place(&end, place_on(sheet, at), across.y * down.y, is_filled);
-            all += across.y * down.y;
-        }
+    var count = 1;
+    if HAS_LOW_PASS {
+        count = i32(sheets[sheet].low_pass_points);
     }
-    end.sum /= all;
-    end.share /= all;
-    end.slope /= all;
-    end.share_slope /= all;
+    let on_pixels = is_on_pixels(sheet);
+    // No passes rather than a branch: devices that run both sides of it would take all points.
+    add_sums(&end, sheet, offset, select(0, count, is_filled && !on_pixels));
+    if is_filled && on_pixels {
+        let jet = jet_of_pixels(sheet, point);
+        end.sum = jet.x;
+        end.slope = jet.yzw;
+    }
+    add_shares(&end, sheet, offset, select(count, 1, on_pixels && is_far_inside(place_on(sheet, offset))));
     end.slope = frame.gradient_from_lattice * end.slope;
     end.share_slope = frame.gradient_from_lattice * end.share_slope;
     if HAS_HOLES {
-        end.missing /= all;
-        end.missing_slope = frame.gradient_from_lattice * (end.missing_slope / all);
+        end.missing_slope = frame.gradient_from_lattice * end.missing_slope;
         end.own = own_without(end.own, end.share, end.missing);
         end.share = max(end.share - end.missing, 0.0);
         end.share_slope -= end.missing_slope;

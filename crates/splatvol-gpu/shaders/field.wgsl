@@ -7,6 +7,8 @@
 
 // Voxels along an axis that a kernel meets: 4 or 6.
 override TAPS: i32 = 4;
+// Whether the kernel ends nearer than the outermost of them can be.
+override IS_CUT: bool = true;
 
 // A point of the lattice: the cell it is in, and its place there, 0 to 1.
 struct Place {
@@ -22,23 +24,29 @@ fn place_on(sheet: u32, offset: vec2<f32>) -> Place {
     return Place(own.cell + vec3<i32>(whole), from_cell - whole);
 }
 
-// Weights of the six voxels around a place along one axis, from two before its cell to three behind; with four taps the
-// outer ones are zero.
+// Weights of the six voxels around a place along one axis, from two before its cell to three behind, relative to that of the
+// cell's own voxel: all that is made of them are ratios. With four taps the outer ones are zero.
 struct Weights {
     a: f32, b: f32, c: f32, d: f32, e: f32, f: f32,
     sum: f32,
 }
 
-fn weight(distance: f32) -> f32 {
-    // Kernels end at their radius. log2(e) / 2 = .72134752.
-    return select(0.0, exp2(-0.72134752 * distance * distance / (frame.sigma * frame.sigma)), abs(distance) <= frame.radius);
-}
-
+// `h(t - k) / h(t) = exp(k t / sigma^2) exp(-k^2 / 2 sigma^2)`.
 fn weights(t: f32) -> Weights {
-    var w = Weights(0.0, weight(t + 1.0), weight(t), weight(t - 1.0), weight(t - 2.0), 0.0, 0.0);
+    let ahead = exp2(frame.falls.x * t);
+    let back = 1.0 / ahead;
+    var w = Weights(0.0, frame.falls.y * back, 1.0, frame.falls.y * ahead, frame.falls.z * (ahead * ahead), 0.0, 0.0);
     if TAPS == 6 {
-        w.a = weight(t + 2.0);
-        w.f = weight(t - 3.0);
+        w.a = frame.falls.z * (back * back);
+        w.f = frame.falls.w * (ahead * ahead * ahead);
+    }
+    if IS_CUT {
+        w.a = select(0.0, w.a, t + 2.0 <= frame.radius);
+        w.b = select(0.0, w.b, t + 1.0 <= frame.radius);
+        w.c = select(0.0, w.c, t <= frame.radius);
+        w.d = select(0.0, w.d, 1.0 - t <= frame.radius);
+        w.e = select(0.0, w.e, 2.0 - t <= frame.radius);
+        w.f = select(0.0, w.f, 3.0 - t <= frame.radius);
     }
     w.sum = w.a + w.b + w.c + w.d + w.e + w.f;
     return w;
@@ -55,7 +63,7 @@ fn sum_inside(w: Weights, cell: i32, count: i32) -> f32 {
 
 // Two rows of two texels around a corner of texels, weighted along x.
 fn two_rows(corner: vec2<f32>, layer: i32, before: f32, behind: f32) -> vec2<f32> {
-    let four = textureGather(0, atlas, nearest, corner / frame.atlas, layer);
+    let four = textureGather(0, atlas, nearest, corner * frame.per_texel, layer);
     return vec2(before * four.w + behind * four.z, before * four.x + behind * four.y);
 }
 
@@ -100,21 +108,18 @@ struct Slot {
 
 fn slot_of(cell: vec3<i32>) -> Slot {
     let at = cell + BEFORE;
-    if any(at < vec3(0)) || any(at >= frame.pages * PAGE) {
+    let page = at >> vec3(PAGE_BITS);
+    if any(page < vec3(0)) || any(page >= frame.pages) {
         return Slot(vec2(0.0), 0, false);
     }
-    let page = at / PAGE;
     let entry = pages[(page.z * frame.pages.y + page.y) * frame.pages.x + page.x];
-    if entry == 0u {
-        return Slot(vec2(0.0), 0, false);
-    }
-    let slot = entry - 1u;
     let edge = PAGE + TAPS - 1;
-    let column = i32(slot % frame.slots.x);
-    let row = i32(slot / frame.slots.x % frame.slots.y);
-    let stack = i32(slot / (frame.slots.x * frame.slots.y));
-    let local = at - page * PAGE;
-    return Slot(vec2<f32>(vec2(column, row) * edge + local.xy + 1), stack * edge + local.z, true);
+    let slot = vec2<i32>(vec2(entry & SLOT_MASK, (entry >> SLOT_BITS) & SLOT_MASK));
+    let stack = i32((entry >> (2u * SLOT_BITS)) & STACK_MASK);
+    let local = at & vec3(PAGE - 1);
+    let octant = vec3<u32>(local) / u32(PAGE / 2);
+    let is_needed = ((entry >> (OCTANTS_FROM + octant.x + 2u * octant.y + 4u * octant.z)) & 1u) != 0u;
+    return Slot(vec2<f32>(slot * edge + local.xy + 1), stack * edge + local.z, is_needed);
 }
 
 // A channel of the texels around a place, weighted.
@@ -136,13 +141,16 @@ fn cumulative(x: f32) -> f32 {
     return 1.0 / (1.0 + exp2((t * t * -0.1018 - 2.3048) * t));
 }
 
+// Standard deviations from a face beyond which nothing is lost.
+const FAR: f32 = 3.4;
+
 fn share_of_axis(corner: f32, size: f32) -> f32 {
     let near = min(corner, size - corner);
-    if near >= 3.4 {
+    if near >= FAR {
         return 1.0;
     }
     var share = cumulative(near);
-    if size < 6.8 {
+    if size < 2.0 * FAR {
         share *= cumulative(size - near);
     }
     return share;
@@ -150,7 +158,12 @@ fn share_of_axis(corner: f32, size: f32) -> f32 {
 
 // `sigma`: of the kernel along the voxel axes, voxels.
 fn coverage_of(place: vec3<f32>, sigma: vec3<f32>) -> f32 {
-    let corner = (place - frame.margin + 0.5) / sigma;
+    let from_corner = place - frame.margin + 0.5;
+    // Most places are far from all faces: there every share is one.
+    if all(min(from_corner, frame.samples - from_corner) >= FAR * sigma) {
+        return 1.0;
+    }
+    let corner = from_corner / sigma;
     let size = frame.samples / sigma;
     let share = share_of_axis(corner.x, size.x) * share_of_axis(corner.y, size.y) * share_of_axis(corner.z, size.z);
     return clamp((share - 0.5) / 0.98 + 0.5, 0.0, 1.0);

@@ -19,9 +19,9 @@ struct Frame {
     sigma: f32,
     samples: vec3<f32>,
     radius: f32,
-    // Slots of the atlas along x and y; its size in texels.
+    // Slots of the atlas along x and y; one over its size in texels.
     slots: vec2<u32>,
-    atlas: vec2<f32>,
+    per_texel: vec2<f32>,
     // Distance of planes, world length; background, normalised; transmittance of a finished pixel.
     spacing: f32,
     background: f32,
@@ -62,6 +62,8 @@ struct Frame {
     gathered_intervals: u32,
     // Gradients: per world length in camera space, from per voxel.
     gradient_from_lattice: mat3x3<f32>,
+    // Of the kernel: `log2(e) / sigma^2`, and its values at distances of 1, 2 and 3 voxels.
+    falls: vec4<f32>,
 }
 
 struct Sheet {
@@ -78,6 +80,8 @@ struct Sheet {
     step_y: vec3<f32>,
     // Points of its quadrature along x and along y.
     low_pass_points: u32,
+    // Weights of the pixels at distances of 0, 1, 2 and 3 that do the same; zero where the kernel is too narrow for that.
+    low_pass_pixels: vec4<f32>,
 }
 
 const TILE_WIDTH: u32 = 32u;
@@ -86,11 +90,17 @@ const TILE_HEIGHT: u32 = 16u;
 // Pages of 16^3 cells. Lattice coordinates are counted from four cells before the first, so that taps before it are in
 // a page.
 const PAGE: i32 = 16;
+const PAGE_BITS: u32 = 4u;
 const BEFORE: i32 = 4;
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> sheets: array<Sheet>;
-// Slot of a page plus one; zero where none of its voxels is needed.
+// Slot of a page: in bits from the lowest on its column, its row and its stack, then a bit for each octant of 8^3 cells whose
+// sums a needed voxel is in; zero where the page needs none.
+const SLOT_BITS: u32 = 9u;
+const SLOT_MASK: u32 = 0x1ffu;
+const STACK_MASK: u32 = 0x1fu;
+const OCTANTS_FROM: u32 = 23u;
 @group(0) @binding(2) var<storage, read> pages: array<u32>;
 
 // A tile's points, with those of the neighbours of its pixels.

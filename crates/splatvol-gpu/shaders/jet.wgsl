@@ -8,11 +8,12 @@ struct Jet {
 
 // Derivatives by the place of weights along an axis.
 fn slopes_of(t: f32, w: Weights) -> Weights {
-    let variance = frame.sigma * frame.sigma;
-    var d = Weights(0.0, -(t + 1.0) * w.b / variance, -t * w.c / variance, (1.0 - t) * w.d / variance, (2.0 - t) * w.e / variance, 0.0, 0.0);
+    let per_voxel = 1.0 / (frame.sigma * frame.sigma);
+    let at = t * per_voxel;
+    var d = Weights(0.0, -(at + per_voxel) * w.b, -at * w.c, (per_voxel - at) * w.d, (2.0 * per_voxel - at) * w.e, 0.0, 0.0);
     if TAPS == 6 {
-        d.a = -(t + 2.0) * w.a / variance;
-        d.f = (3.0 - t) * w.f / variance;
+        d.a = -(at + 2.0 * per_voxel) * w.a;
+        d.f = (3.0 * per_voxel - at) * w.f;
     }
     d.sum = d.a + d.b + d.c + d.d + d.e + d.f;
     return d;
@@ -20,7 +21,7 @@ fn slopes_of(t: f32, w: Weights) -> Weights {
 
 // Two rows of two texels around a corner of texels: weighted along x, then by the weights' derivatives.
 fn two_rows_jet(corner: vec2<f32>, layer: i32, weight: vec2<f32>, slope: vec2<f32>) -> vec4<f32> {
-    let four = textureGather(0, atlas, nearest, corner / frame.atlas, layer);
+    let four = textureGather(0, atlas, nearest, corner * frame.per_texel, layer);
     return vec4(dot(weight, four.wz), dot(weight, four.xy), dot(slope, four.wz), dot(slope, four.xy));
 }
 

@@ -17,19 +17,28 @@ fn low_pass_point(i: i32, count: i32) -> vec2<f32> {
     return vec2(place, exp2(-0.72134752 * place * place));
 }
 
+// A point of the same along both axes, of `count` squared: its place, and its weight.
+fn low_pass_points(i: i32, count: i32) -> vec3<f32> {
+    let across = low_pass_point(i % count, count);
+    let down = low_pass_point(i / count, count);
+    return vec3(across.x, down.x, across.y * down.y);
+}
+
+// Whether a plane has a low-pass.
+override HAS_LOW_PASS: bool = true;
+
 // Sums over all weights at an offset in pixels from the principal point, low-passed across the plane.
 fn sums_on(sheet: u32, offset: vec2<f32>) -> vec4<f32> {
+    if !HAS_LOW_PASS {
+        return sums_at(place_on(sheet, offset));
+    }
     let count = i32(sheets[sheet].low_pass_points);
     var sums = vec4(0.0);
     var all = 0.0;
-    for (var y = 0; y < count; y++) {
-        let down = low_pass_point(y, count);
-        for (var x = 0; x < count; x++) {
-            let across = low_pass_point(x, count);
-            let weight = across.y * down.y;
-            sums += weight * sums_at(place_on(sheet, offset + sheets[sheet].low_pass * vec2(across.x, down.x)));
-            all += weight;
-        }
+    for (var i = 0; i < count * count; i++) {
+        let point = low_pass_points(i, count);
+        sums += point.z * sums_at(place_on(sheet, offset + sheets[sheet].low_pass * point.xy));
+        all += point.z;
     }
     return sums / all;
 }

@@ -34,6 +34,21 @@ fn begin(at: vec2<u32>) -> Pixel {
     return fresh(vec2<f32>(at) + 0.5 - frame.principal, ink_at(at.y * frame.size.x + at.x));
 }
 
+// Keeps whether a thread's pixels are open; returns whether any of the tile is.
+fn any_is_open(thread: u32, points: vec2<u32>, left: vec2<f32>) -> bool {
+    let open = left >= vec2(frame.termination);
+    is_open[points.x] = u32(open.x);
+    is_open[points.y] = u32(open.y);
+    if any(open) {
+        atomicOr(&open_pixels, 1u);
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        any_open = atomicExchange(&open_pixels, 0u);
+    }
+    return workgroupUniformLoad(&any_open) != 0u;
+}
+
 @compute @workgroup_size(256)
 fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let row = frame.first_tile_row + group.y;
@@ -55,6 +70,10 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
         second.ink.transmittance = -1.0;
     }
 
+    let points = vec2(first_point, second_point);
+    if !any_is_open(thread, points, vec2(first.ink.transmittance, second.ink.transmittance)) {
+        return;
+    }
     let last = frame.to_interval + LAG - 1u;
     var sheet = frame.from_interval - min(frame.from_interval, LAG - 1u);
     var idle = 4u;
@@ -77,14 +96,8 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
             show(&second, sheet - LAG);
         }
         if steps % PATIENCE == PATIENCE - 1u {
-            if max(first.ink.transmittance, second.ink.transmittance) >= frame.termination {
-                atomicOr(&open_pixels, 1u);
-            }
-            workgroupBarrier();
-            if thread == 0u {
-                any_open = atomicExchange(&open_pixels, 0u);
-            }
-            if workgroupUniformLoad(&any_open) == 0u {
+            let left = vec2(first.ink.transmittance, second.ink.transmittance);
+            if !any_is_open(thread, points, left) {
                 break;
             }
         }

@@ -18,6 +18,12 @@ const BEFORE: i32 = 4;
 /// Cells behind the last lattice point that pages end with.
 const BEHIND: i32 = 3;
 
+/// Bits of a slot's column and of its row, and those before the octants', as `shaders/frame.wgsl` has them.
+const SLOT_BITS: u32 = 9;
+const OCTANTS_FROM: u32 = 23;
+/// Most slots along x and y, and stacks.
+const MOST_SLOTS: [u32; 2] = [1 << SLOT_BITS, 1 << (OCTANTS_FROM - 2 * SLOT_BITS)];
+
 /// Channel of a field that marks missing samples.
 const MISSING: u32 = 1;
 
@@ -43,6 +49,8 @@ pub(crate) struct AtlasLayout {
     pub slots: [u32; 3],
     /// Pages that hold a needed voxel, ascending; at most as many as there are slots, or some at a time are in these.
     pub needed: Vec<u32>,
+    /// For each of these a bit per octant of its cells, set where a needed voxel is in their sums.
+    octants: Vec<u8>,
     /// For each of these the end of its part of `bricks`.
     ends: Vec<usize>,
     /// Needed bricks that meet each page, page by page.
@@ -59,11 +67,12 @@ impl AtlasLayout {
     ) -> Self {
         let edge = (PAGE + taps - 1) as u32;
         let pages = dims.map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
-        let mut met: Vec<[u32; 2]> = firsts
+        let mut met: Vec<[u32; 3]> = firsts
             .enumerate()
             .flat_map(|(brick, first)| {
                 let first = first.map(|at| at as i32);
-                pages_of(first, taps, pages).map(move |page| [page, brick as u32])
+                pages_of(first, taps, pages)
+                    .map(move |(page, octants)| [page, brick as u32, u32::from(octants)])
             })
             .collect();
         met.par_sort_unstable();
@@ -73,17 +82,21 @@ impl AtlasLayout {
             pages,
             slots: [1; 3],
             needed: Vec::new(),
+            octants: Vec::new(),
             ends: Vec::new(),
-            bricks: met.iter().map(|&[_, brick]| brick).collect(),
+            bricks: met.iter().map(|&[_, brick, _]| brick).collect(),
         };
-        for group in met.chunk_by(|[a, _], [b, _]| a == b) {
+        for group in met.chunk_by(|[a, ..], [b, ..]| a == b) {
             layout.needed.push(group[0][0]);
+            let octants = group.iter().fold(0, |all, &[_, _, octants]| all | octants);
+            layout.octants.push(octants as u8);
             let start = layout.ends.last().copied().unwrap_or(0);
             layout.ends.push(start + group.len());
         }
         let room = bytes / (u64::from(edge).pow(3) * u64::from(channels) * size_of::<f32>() as u64);
         let needed = layout.needed.len().min(room as usize).max(1);
-        let (across, stacks) = ((most[0] / edge) as usize, (most[1] / channels / edge) as usize);
+        let across = (most[0] / edge).min(MOST_SLOTS[0]) as usize;
+        let stacks = (most[1] / channels / edge).min(MOST_SLOTS[1]) as usize;
         let x = needed.div_ceil(stacks).isqrt().max(1).min(across);
         let y = needed.div_ceil(stacks * x).max(1).min(across);
         // Not more slots than the bytes have room for.
@@ -134,13 +147,28 @@ impl AtlasLayout {
         self.pages.iter().map(|&n| n as usize).product()
     }
 
-    /// Slot of each page plus one; zero where there is none.
-    fn table(&self) -> Vec<u32> {
+    /// Column, row and stack of a slot.
+    fn place_of(&self, slot: usize) -> [u32; 3] {
+        let ([across, down, _], slot) = (self.slots, slot as u32);
+        [slot % across, slot / across % down, slot / (across * down)]
+    }
+
+    /// Slots of pages as shaders read them (`shaders/frame.wgsl`), given slots and the needed page in each; zero where there
+    /// is none.
+    fn table(&self, slots: impl Iterator<Item = (usize, usize)>) -> Vec<u32> {
         let mut table = vec![0; self.page_count()];
-        for (slot, &page) in self.needed.iter().enumerate() {
-            table[page as usize] = slot as u32 + 1;
+        for (slot, needed) in slots {
+            let [column, row, stack] = self.place_of(slot);
+            let octants = u32::from(self.octants[needed]) << OCTANTS_FROM;
+            table[self.needed[needed] as usize] =
+                octants | stack << (2 * SLOT_BITS) | row << SLOT_BITS | column;
         }
         table
+    }
+
+    /// The same, each needed page in a slot of its own.
+    fn table_of_needed(&self) -> Vec<u32> {
+        self.table((0..self.needed.len()).map(|needed| (needed, needed)))
     }
 
     /// First lattice point of a page's slot.
@@ -207,9 +235,7 @@ impl AtlasLayout {
     fn write(&self, gpu: &GpuDevice, texture: &wgpu::Texture, (slot, channel): (usize, u32), texels: &[f32]) {
         let edge = self.edge();
         let width = texels.len() as u32 / (edge * edge);
-        let [across, down, _] = self.slots;
-        let slot = slot as u32;
-        let (x, y, stack) = (slot % across, slot / across % down, slot / (across * down));
+        let [x, y, stack] = self.place_of(slot);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -241,24 +267,35 @@ fn first_texel(page: i32, taps: i32) -> i32 {
     page * PAGE - BEFORE - (taps / 2 - 1)
 }
 
-/// Pages whose slots hold voxels of a brick.
-fn pages_of(first: [i32; 3], taps: i32, pages: [i32; 3]) -> impl Iterator<Item = u32> {
-    let edge = PAGE + taps - 1;
+/// Pages in whose sums voxels of a brick are, and the octants of their cells in which they are.
+fn pages_of(first: [i32; 3], taps: i32, pages: [i32; 3]) -> impl Iterator<Item = (u32, u8)> {
     let along = [0, 1, 2].map(|axis| {
-        let meets = move |&page: &i32| {
-            let from = first_texel(page, taps);
-            from < first[axis] + BRICK as i32 && from + edge > first[axis]
-        };
         let near = first[axis] / PAGE - 1;
         let candidates = near.max(0)..(near + 4).min(pages[axis]);
-        candidates.filter(meets).collect::<Vec<_>>()
+        candidates
+            .map(move |page| (page, halves_of(page, taps, first[axis])))
+            .filter(|&(_, halves)| halves != [false; 2])
+            .collect::<Vec<_>>()
     });
     let [x, y, z] = along;
     z.into_iter().flat_map(move |z| {
         let (x, y) = (x.clone(), y.clone());
         y.into_iter()
             .flat_map(move |y| x.clone().into_iter().map(move |x| [x, y, z]))
-            .map(move |[x, y, z]| ((z * pages[1] + y) * pages[0] + x) as u32)
+            .map(move |[x, y, z]| {
+                let page = ((z.0 * pages[1] + y.0) * pages[0] + x.0) as u32;
+                let meets = |octant: &usize| x.1[octant & 1] && y.1[octant >> 1 & 1] && z.1[octant >> 2];
+                let octants = (0..8).filter(meets).fold(0, |all, octant| all | 1 << octant);
+                (page, octants)
+            })
+    })
+}
+
+/// Whether each half of a page's cells along an axis has voxels from `first` on in its sums.
+fn halves_of(page: i32, taps: i32, first: i32) -> [bool; 2] {
+    [0, PAGE / 2].map(|half| {
+        let from = first_texel(page, taps) + half;
+        from < first + BRICK as i32 && from + PAGE / 2 + taps - 1 > first
     })
 }
 
@@ -295,20 +332,20 @@ impl Atlas {
 
     /// Says which needed pages are in slots.
     pub(crate) fn set_slots(&self, gpu: &GpuDevice, in_slots: &[Option<usize>]) {
-        let mut table = vec![0u32; self.layout.page_count()];
-        for (slot, needed) in in_slots.iter().enumerate() {
-            if let Some(needed) = needed {
-                table[self.layout.needed[*needed] as usize] = slot as u32 + 1;
-            }
-        }
+        let filled = in_slots.iter().enumerate();
+        let filled = filled.filter_map(|(slot, needed)| Some((slot, (*needed)?)));
+        let table = self.layout.table(filled);
         gpu.queue
             .write_buffer(&self.pages, 0, bytemuck::cast_slice(&table));
     }
 
     /// Says that all needed pages hold something, wherever they are.
     pub(crate) fn set_needed(&self, gpu: &GpuDevice) {
-        gpu.queue
-            .write_buffer(&self.pages, 0, bytemuck::cast_slice(&self.layout.table()));
+        gpu.queue.write_buffer(
+            &self.pages,
+            0,
+            bytemuck::cast_slice(&self.layout.table_of_needed()),
+        );
     }
 
     /// Slots for the voxels of bricks, as many as the budget and the device have room for. `firsts`: their first lattice
@@ -327,7 +364,7 @@ impl Atlas {
         let layout = AtlasLayout::new(bricks, shape, (most, gpu.budget));
         gpu.afford("a page of the volume", layout.bytes())?;
         let texture = gpu.scoped(|gpu| texture_of(gpu, &layout, usage))?;
-        let table = layout.table();
+        let table = layout.table_of_needed();
         let pages = gpu.scoped(|gpu| gpu.buffer_of("pages", &table))?;
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor {

@@ -18,15 +18,17 @@ pub struct GpuConfig {
     /// Budget for each volume's coefficients on the device, bytes; `None` for half of the largest buffer, 1 GiB at most.
     /// Larger volumes give the same pictures, and take longer: their pages are brought to the device by turns.
     pub budget: Option<usize>,
-    /// Samples of planes that one dispatch takes; `None` for 64 Mi, tens of milliseconds of a small device. Systems reset
-    /// devices that answer late, and a desktop shares them. Pictures do not depend on it.
+    /// Samples of planes that one dispatch takes; `None` for 64 Mi, tens of milliseconds of a small device, and 1 Gi on a card
+    /// of its own. Systems reset devices that answer late, and a desktop shares them. Pictures do not depend on it.
     pub samples_per_dispatch: Option<u64>,
 }
 
 /// Budget for coefficients, bytes, where none is set.
 const BUDGET: u64 = 1 << 30;
-/// Samples of a dispatch, where none are set.
+/// Samples of a dispatch on a small device, where none are set.
 const SAMPLES: u64 = 1 << 26;
+/// How many times as many a device on a card of its own takes.
+const CARD: u64 = 16;
 
 /// An open device.
 pub(crate) struct GpuDevice {
@@ -146,6 +148,10 @@ impl GpuDevice {
             Some(bytes) => bytes as u64,
             None => (max_buffer_size / 2).min(BUDGET),
         };
+        let samples = match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => CARD * SAMPLES,
+            _ => SAMPLES,
+        };
         Ok(Self {
             faults: Faults::of(&device),
             timer: Timer::new(&device, &queue),
@@ -154,7 +160,7 @@ impl GpuDevice {
             name,
             is_imitated: info.device_type == wgpu::DeviceType::Cpu,
             budget,
-            samples_per_dispatch: config.samples_per_dispatch.unwrap_or(SAMPLES),
+            samples_per_dispatch: config.samples_per_dispatch.unwrap_or(samples),
         })
     }
 

@@ -30,6 +30,7 @@ pub(crate) struct Gather<'a> {
     pub volumes: &'a [March<'a>],
     pub clouds: Vec<CloudLayer<'a>>,
     pub mixture: &'a Pass,
+    pub clear: &'a Pass,
 }
 
 /// A layer whose intervals are gathered.
@@ -119,7 +120,7 @@ impl Gather<'_> {
     pub(crate) fn render(mut self, task: Task<'_>, frame: &mut Frame) -> Result<usize, SceneError> {
         let gpu = self.gpu;
         gpu.scoped(|_| self.submit(task))??;
-        self.canvas.resolve(gpu, frame)?;
+        self.canvas.resolve(gpu, frame, 0.0)?;
         Ok(self.clouds.iter().map(CloudLayer::bytes).sum())
     }
 
@@ -139,7 +140,7 @@ impl Gather<'_> {
         let size = bands.pixels() * u64::from(bands.intervals) * MATERIAL;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let gathered = self.gpu.buffer("gathered", size, usage);
-        self.canvas.clear(self.gpu);
+        self.canvas.clear(self.gpu, self.clear);
         let pixels = self.mixed_data();
         let mut volumes: Vec<Begun<'_>> = self
             .volumes

@@ -221,6 +221,7 @@ impl LayerStore {
                     volumes: &marches,
                     clouds: drawn,
                     mixture: &mixture,
+                    clear: &pipelines.clear,
                 };
                 statistics.sheets += gather.planes();
                 statistics.seconds.bin += ready.elapsed().as_secs_f64();
@@ -366,6 +367,8 @@ impl Layer<'_> {
             mode,
             operators: Arc::clone(&self.shown.effects.operators),
             taps: self.shown.taps(),
+            is_cut: self.shown.is_cut(),
+            has_low_pass: self.picture().most_low_pass_points() > 1,
             from_eye: self.view.holds_eye(),
             has_holes: !mode.splats_classes() && self.level.field.any_missing(),
             gathers,
@@ -385,6 +388,17 @@ impl Layer<'_> {
         Ok(Passes { marches, classify })
     }
 
+    fn picture(&self) -> Picture<'_> {
+        Picture {
+            view: self.view,
+            level: self.level,
+            settings: &self.shown.settings,
+            voxel: self.shown.volume.grid().mean_spacing(),
+            unit_distance: self.shown.unit_distance,
+            effects: &self.shown.effects,
+        }
+    }
+
     fn march<'m>(
         &'m self,
         (gpu, pipelines, canvas): (&'m GpuDevice, &'m Pipelines, &'m Canvas),
@@ -398,14 +412,7 @@ impl Layer<'_> {
             mode: self.shown.mode(),
             atlas,
             canvas,
-            picture: Picture {
-                view: self.view,
-                level: self.level,
-                settings: &self.shown.settings,
-                voxel: self.shown.volume.grid().mean_spacing(),
-                unit_distance: self.shown.unit_distance,
-                effects: &self.shown.effects,
-            },
+            picture: self.picture(),
             voxels: voxels.as_ref().zip(passes.classify.as_deref()),
         }
     }

@@ -1,7 +1,7 @@
 //! Layout: data as shaders read them. Sizes and offsets are those of `shaders/frame.wgsl`; a test compares them.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use splatvol_core::level::Level;
 use splatvol_core::plan::{GridView, Rays};
 use splatvol_scene::{Lighting, RenderSettings, SheetSettings};
@@ -29,7 +29,7 @@ pub(crate) struct FrameData {
     pub samples: [f32; 3],
     pub radius: f32,
     pub slots: [u32; 2],
-    pub atlas: [f32; 2],
+    pub per_texel: [f32; 2],
     pub spacing: f32,
     pub background: f32,
     pub termination: f32,
@@ -59,6 +59,7 @@ pub(crate) struct FrameData {
     pub band_pixels: u32,
     pub gathered_intervals: u32,
     pub gradient_from_lattice: [[f32; 4]; 3],
+    pub falls: [f32; 4],
 }
 
 /// A plane: `Sheet` in WGSL.
@@ -73,6 +74,7 @@ pub(crate) struct SheetData {
     pub low_pass: f32,
     pub step_y: [f32; 3],
     pub low_pass_points: u32,
+    pub low_pass_pixels: [f32; 4],
 }
 
 impl FrameData {
@@ -151,6 +153,7 @@ impl Picture<'_> {
             isosurfaces: effects.isosurfaces,
             first_isosurface: effects.first_isosurface,
             gradient_from_lattice: gradients(&view.camera_from_lattice()),
+            falls: falls(kernel.sigma),
             ..FrameData::seen(settings, &view.rays())
         }
     }
@@ -192,10 +195,12 @@ impl Picture<'_> {
         let low_pass = f64::from(self.view.footprint_on(plane).low_pass);
         let [xx, xy, yy] = self.view.shape().lateral_covariance;
         let narrowest = 0.5 * (xx + yy - libm::hypot(xx - yy, 2.0 * xy));
+        let [variance, narrowest_in_pixels] = [low_pass, narrowest].map(|own| own / (pixel * pixel));
         SheetData {
             scale: (1.0 / pixel) as f32,
-            low_pass: (low_pass.sqrt() / pixel) as f32,
+            low_pass: variance.sqrt() as f32,
             low_pass_points: low_pass_points(low_pass / narrowest),
+            low_pass_pixels: low_pass_pixels(variance, narrowest_in_pixels),
             ..unscaled(lattice_from_camera, (depth, pixel))
         }
     }
@@ -210,6 +215,36 @@ fn low_pass_points(ratio: f64) -> u32 {
         small if small < 0.4 => 5,
         _ => (4.5 * (1.0 + ratio).sqrt()).ceil() as u32 | 1,
     }
+}
+
+/// Variances of a kernel, squared pixels, above which sums at whole pixels say enough for a low-pass, and of the low-pass
+/// relative to it.
+const WIDE: f64 = 1.0;
+const NARROW: f64 = 0.3;
+
+/// Weights of pixels at distances of 0 to 3, whose sum over a row is one, for a low-pass of this variance over a kernel of
+/// that one, squared pixels: those of the smallest squared error for a Gaussian kernel. At the bounds above, a single voxel's
+/// peak errs by 6e-4. All zero beyond them.
+fn low_pass_pixels(variance: f64, kernel: f64) -> [f32; 4] {
+    if variance == 0.0 || kernel < WIDE || variance > NARROW * kernel {
+        return [0.0; 4];
+    }
+    // Products of two Gaussians integrate to one of the sum of their variances, at their distance.
+    let product =
+        |distance: f64, variance: f64| (-0.5 * distance * distance / variance).exp() / variance.sqrt();
+    // A basis function is a pair of kernels at a distance, less two in the middle.
+    let own = |i: f64, j: f64| {
+        let at = |distance: f64| product(distance, 2.0 * kernel);
+        2.0 * (at(i - j) + at(i + j)) - 4.0 * (at(i) + at(j)) + 4.0 * at(0.0)
+    };
+    let wanted = |i: f64| {
+        let at = |distance: f64| product(distance, 2.0 * kernel + variance) - product(distance, 2.0 * kernel);
+        2.0 * (at(i) - at(0.0))
+    };
+    let columns = [1.0, 2.0, 3.0].map(|j| DVec3::new(own(1.0, j), own(2.0, j), own(3.0, j)));
+    let normal = DMat3::from_cols(columns[0], columns[1], columns[2]);
+    let [one, two, three] = (normal.inverse() * DVec3::new(wanted(1.0), wanted(2.0), wanted(3.0))).to_array();
+    [1.0 - 2.0 * (one + two + three), one, two, three].map(|weight| weight as f32)
 }
 
 /// Places on a plane of a depth, with pixels of this size; world length.
@@ -271,8 +306,45 @@ pub(crate) fn columns(map: &DAffine3) -> [[f32; 4]; 4] {
     ]
 }
 
+/// A Gaussian's `log2(e) / sigma^2`, and its values at distances of 1, 2 and 3 voxels.
+fn falls(sigma: f64) -> [f32; 4] {
+    let per_voxel = 1.0 / (sigma * sigma);
+    let at = |distance: f64| (-0.5 * distance * distance * per_voxel).exp();
+    [std::f64::consts::LOG2_E * per_voxel, at(1.0), at(2.0), at(3.0)].map(|number| number as f32)
+}
+
 /// Columns of the map of gradients from the space of a map's input to that of its output.
 pub(crate) fn gradients(map: &DAffine3) -> [[f32; 4]; 3] {
     let transposed = map.matrix3.inverse().transpose();
     [transposed.x_axis, transposed.y_axis, transposed.z_axis].map(|v| v.extend(0.0).as_vec4().to_array())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::low_pass_pixels;
+
+    #[test]
+    fn pixels_stand_for_a_low_pass() {
+        let gaussian = |x: f64, variance: f64| (-0.5 * x * x / variance).exp() / variance.sqrt();
+        for (variance, kernel, most) in [
+            (0.3, 1.0, 6e-4),
+            (0.3, 2.0, 7e-5),
+            (0.3, 4.0, 3e-6),
+            (1.0, 4.0, 2e-4),
+        ] {
+            let [zero, one, two, three] = low_pass_pixels(variance, kernel).map(f64::from);
+            assert!((zero + 2.0 * (one + two + three) - 1.0).abs() < 1e-6);
+            for step in 0..400 {
+                let x = f64::from(step) * 0.02;
+                let pair = |at: f64| gaussian(x - at, kernel) + gaussian(x + at, kernel);
+                let found =
+                    zero * gaussian(x, kernel) + one * pair(1.0) + two * pair(2.0) + three * pair(3.0);
+                let error = (found - gaussian(x, kernel + variance)).abs() * kernel.sqrt();
+                assert!(error < most, "{variance} {kernel}, {x}: {error:e}");
+            }
+        }
+        for beyond in [(0.0, 4.0), (0.3, 0.9), (1.5, 4.0)] {
+            assert_eq!(low_pass_pixels(beyond.0, beyond.1), [0.0; 4]);
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! March: the passes of a picture, and its pixels back from the device.
 
+use rayon::prelude::*;
 use splatvol_core::engine::Task;
 use splatvol_scene::{Frame, SceneError};
 
@@ -8,7 +9,7 @@ use crate::device::GpuDevice;
 use crate::layout::{FrameData, Picture, SheetData};
 use crate::mode::Mode;
 use crate::pager::Pager;
-use crate::pass::Pass;
+use crate::pass::{Pass, groups};
 use crate::pipelines::{Marches, Pipelines};
 use crate::voxels::Voxels;
 
@@ -53,21 +54,26 @@ impl Canvas {
     }
 
     /// Empties the picture.
-    pub(crate) fn clear(&self, gpu: &GpuDevice) {
-        let clear = [0.0f32, 0.0, 0.0, 1.0].repeat(self.pixels as usize);
-        gpu.queue
-            .write_buffer(&self.colors, 0, bytemuck::cast_slice(&clear));
+    pub(crate) fn clear(&self, gpu: &GpuDevice, pass: &Pass) {
         let mut commands = gpu.commands();
-        commands.clear_buffer(&self.depths, 0, None);
+        let bound = [(0, &self.colors), (1, &self.depths)];
+        pass.run(gpu, &mut commands, &bound, groups(self.pixels as u32, 256));
         gpu.queue.submit([commands.finish()]);
     }
 
-    /// Brings the picture to a frame.
+    /// Brings the picture to a frame, over a background of this opacity whose light it has already.
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn resolve(&self, gpu: &GpuDevice, frame: &mut Frame) -> Result<(), SceneError> {
-        self.read(gpu, |colors, depths| resolve(frame, (colors, depths)))
+    pub(crate) fn resolve(
+        &self,
+        gpu: &GpuDevice,
+        frame: &mut Frame,
+        background: f32,
+    ) -> Result<(), SceneError> {
+        self.read(gpu, |colors, depths| {
+            resolve((frame, background), (colors, depths))
+        })
     }
 
     /// Brings colours with transmittances, and sums of depths, to the host.
@@ -131,7 +137,7 @@ impl March<'_> {
     /// A stopped picture, or a device that fails.
     pub(crate) fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
         self.gpu.scoped(|_| self.submit(&self.data(), task))??;
-        self.canvas.resolve(self.gpu, frame)
+        self.canvas.resolve(self.gpu, frame, 0.0)
     }
 
     /// The frame's data, with the places of the volume's pages.
@@ -141,7 +147,7 @@ impl March<'_> {
         FrameData {
             pages: layout.pages,
             slots: [layout.slots[0], layout.slots[1]],
-            atlas: layout.size().map(|n| n as f32),
+            per_texel: layout.size().map(|n| 1.0 / n as f32),
             channel_layers: layout.channel_layers(),
             hull: self.mode.hull(self.picture.level),
             // Rays through a body add its own light up.
@@ -153,7 +159,7 @@ impl March<'_> {
     /// Submits all passes; waits for each part but the last two, so that a stopped picture ends soon.
     fn submit(&self, data: &FrameData, task: Task<'_>) -> Result<(), SceneError> {
         let [_, depths] = self.canvas.targets();
-        self.canvas.clear(self.gpu);
+        self.canvas.clear(self.gpu, &self.pipelines.clear);
         let bound = self.begin(data, depths);
         let intervals = data.from_interval..data.to_interval;
         let most = self.intervals_together(self.canvas.pixels);
@@ -279,7 +285,8 @@ impl March<'_> {
             pass.set_pipeline(&self.pipelines.cull);
             pass.set_bind_group(0, &bound.cull, &[]);
             let pages: u32 = data.pages.iter().map(|&n| n as u32).product();
-            let groups = pages.div_ceil(64);
+            // An invocation per octant.
+            let groups = (8 * pages).div_ceil(64);
             // At most 65,535 groups along an axis.
             let across = groups.min(CULL_ROW);
             pass.dispatch_workgroups(across, groups.div_ceil(CULL_ROW), 1);
@@ -313,21 +320,25 @@ impl March<'_> {
 }
 
 /// Pixels of transmittance and depth sums to those of a frame, as `splatvol_cpu`'s resolve.
-fn resolve(frame: &mut Frame, (colors, depth_sums): (&[[f32; 4]], &[f32])) {
-    let rest = frame.depth.iter_mut().zip(&mut frame.optical_depth);
-    let targets = frame.image.pixels.iter_mut().zip(rest);
-    for ((pixel, (depth, optical_depth)), (&[r, g, b, through], &depth_sum)) in
-        targets.zip(colors.iter().zip(depth_sums))
-    {
-        let alpha = 1.0 - through;
-        *pixel = [r, g, b, alpha];
-        (*depth, *optical_depth) = if alpha > 0.0 {
-            (depth_sum / alpha, -through.max(f32::MIN_POSITIVE).ln())
-        } else {
-            (f32::INFINITY, 0.0)
-        };
-    }
+fn resolve((frame, background): (&mut Frame, f32), (colors, depth_sums): (&[[f32; 4]], &[f32])) {
+    let rest = frame.depth.par_iter_mut().zip(&mut frame.optical_depth);
+    let targets = frame.image.pixels.par_iter_mut().zip(rest);
+    let found = colors.par_iter().zip(depth_sums);
+    targets.zip(found).with_min_len(PIXELS_TOGETHER).for_each(
+        |((pixel, (depth, optical_depth)), (&[r, g, b, through], &depth_sum))| {
+            let covered = 1.0 - through;
+            *pixel = [r, g, b, covered + through * background];
+            (*depth, *optical_depth) = if covered > 0.0 {
+                (depth_sum / covered, -through.max(f32::MIN_POSITIVE).ln())
+            } else {
+                (f32::INFINITY, 0.0)
+            };
+        },
+    );
 }
+
+/// Pixels that a thread resolves together at least.
+const PIXELS_TOGETHER: usize = 16_384;
 
 /// Groups of the pass `cull` along x, of 64 invocations each: `ROW` in its shader.
 const CULL_ROW: u32 = 1024;

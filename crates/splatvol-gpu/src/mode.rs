@@ -7,6 +7,7 @@ use crate::effects::Effects;
 use crate::sort::LISTS;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
+const OPEN_PIXELS: &str = include_str!("../shaders/open.wgsl");
 const FIELD: &str = include_str!("../shaders/field.wgsl");
 const JET: &str = include_str!("../shaders/jet.wgsl");
 const WHOLE: &str = include_str!("../shaders/whole.wgsl");
@@ -123,6 +124,7 @@ impl Mode {
     pub(crate) fn library(self, has_holes: bool) -> String {
         let field = [
             FRAME,
+            OPEN_PIXELS,
             FIELD,
             JET,
             LOW_PASS,
@@ -219,9 +221,13 @@ impl CloudMode {
             Self::Field => [field, &[MATERIAL]].concat(),
             Self::FieldEffects => [field, &[CLIPS, SAMPLE, EFFECTS, operators]].concat(),
         };
-        [&[FRAME, LIGHT, CLOUD_SPLAT], &own[..], &[MARCH, GATHER]]
-            .concat()
-            .join("\n")
+        [
+            &[FRAME, OPEN_PIXELS, LIGHT, CLOUD_SPLAT],
+            &own[..],
+            &[MARCH, GATHER],
+        ]
+        .concat()
+        .join("\n")
     }
 }
 

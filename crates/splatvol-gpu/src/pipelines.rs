@@ -13,6 +13,8 @@ use crate::pass::Pass;
 
 const FRAME: &str = include_str!("../shaders/frame.wgsl");
 const CULL: &str = include_str!("../shaders/cull.wgsl");
+/// The text of `clear`.
+pub(crate) const CLEAR: &str = include_str!("../shaders/clear.wgsl");
 
 /// The text of `cull`.
 pub(crate) fn cull_shader() -> String {
@@ -24,6 +26,7 @@ pub(crate) fn cull_shader() -> String {
 pub(crate) struct Pipelines {
     pub cull: wgpu::ComputePipeline,
     pub cull_layout: wgpu::BindGroupLayout,
+    pub clear: Pass,
     pub march_layout: wgpu::BindGroupLayout,
     pub nearest: wgpu::Sampler,
     /// Passes over planes, compiled when they are first used.
@@ -57,6 +60,10 @@ pub(crate) struct Variant {
     pub operators: Arc<str>,
     /// Voxels along an axis that a kernel meets: 4 or 6.
     pub taps: i32,
+    /// Whether the kernel ends nearer than the outermost of them can be.
+    pub is_cut: bool,
+    /// Whether a plane has a low-pass.
+    pub has_low_pass: bool,
     /// Whether the camera is within the volume.
     pub from_eye: bool,
     /// Whether samples are missing.
@@ -149,6 +156,7 @@ impl Pipelines {
         Self {
             cull: pipeline(device, ("cull", &cull_shader()), &cull_layout, &[]),
             cull_layout,
+            clear: Pass::new(gpu, ("clear", CLEAR), &[]),
             march_layout,
             nearest: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             marches: HashMap::new(),
@@ -239,13 +247,19 @@ impl Pipelines {
             mode,
             ref operators,
             taps,
+            is_cut,
+            has_low_pass,
             from_eye,
             has_holes,
             gathers,
         } = *variant;
         let text = mode.text([has_holes, gathers], operators);
         let mut constants = mode.constants(from_eye);
-        constants.push(("TAPS", f64::from(taps)));
+        constants.extend([
+            ("TAPS", f64::from(taps)),
+            ("IS_CUT", f64::from(u8::from(is_cut))),
+            ("HAS_LOW_PASS", f64::from(u8::from(has_low_pass))),
+        ]);
         let entry = |name| pipeline(&gpu.device, (name, &text), &self.march_layout, &constants);
         Marches {
             march: entry("march"),

@@ -124,6 +124,11 @@ impl Shown<'_> {
         }
     }
 
+    /// Whether the kernel ends nearer than the outermost of them can be.
+    pub(crate) fn is_cut(&self) -> bool {
+        2.0 * self.settings.method.kernel.radius < f64::from(self.taps())
+    }
+
     pub(crate) fn mode(&self) -> Mode {
         Mode::of(Wanted::of(&self.settings), &self.settings.method, &self.effects)
     }

@@ -18,46 +18,20 @@ struct Digit {
 @group(0) @binding(5) var<storage, read_write> sorted_values: array<u32>;
 
 const LANES: u32 = 256u;
-const PER_LANE: u32 = 4u;
-// Sixteen counters of 16 bits.
-const WORDS: u32 = 8u;
+const ROUNDS: u32 = 4u;
+const DIGITS: u32 = 16u;
+// Words of a bit for each lane.
+const WORDS: u32 = LANES / 32u;
 
-var<workgroup> sums: array<array<u32, WORDS>, LANES>;
+// Keys of a block with each digit.
+var<workgroup> histogram: array<atomic<u32>, DIGITS>;
+// Lanes whose key of a round has a digit, as bits.
+var<workgroup> marks: array<atomic<u32>, DIGITS * WORDS>;
+// Place of the round's first key with each digit.
+var<workgroup> places: array<u32, DIGITS>;
 
 fn digit_of(key: u32) -> u32 {
-    return (key >> digit.shift) & 15u;
-}
-
-// Counters of one lane's keys.
-fn counters(first: u32) -> array<u32, WORDS> {
-    var own: array<u32, WORDS>;
-    for (var i = first; i < min(first + PER_LANE, digit.count); i++) {
-        let d = digit_of(keys[i]);
-        own[d >> 1u] += 1u << (16u * (d & 1u));
-    }
-    return own;
-}
-
-// Makes `sums` the sums of counters up to each lane.
-fn add_up(lane: u32, own: array<u32, WORDS>) {
-    sums[lane] = own;
-    workgroupBarrier();
-    for (var step = 1u; step < LANES; step <<= 1u) {
-        var before: array<u32, WORDS>;
-        if lane >= step {
-            before = sums[lane - step];
-        }
-        workgroupBarrier();
-        for (var word = 0u; word < WORDS; word++) {
-            sums[lane][word] += before[word];
-        }
-        workgroupBarrier();
-    }
-}
-
-fn counter(words: array<u32, WORDS>, d: u32) -> u32 {
-    var copy = words;
-    return (copy[d >> 1u] >> (16u * (d & 1u))) & 0xffffu;
+    return (key >> digit.shift) & (DIGITS - 1u);
 }
 
 fn block_of(group: vec3<u32>, groups: vec3<u32>) -> u32 {
@@ -71,10 +45,32 @@ fn count(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let block = block_of(group, groups);
-    add_up(lane, counters((block * LANES + lane) * PER_LANE));
-    if lane < 16u && block < digit.blocks {
-        counts[lane * digit.blocks + block] = counter(sums[LANES - 1u], lane);
+    if lane < DIGITS {
+        atomicStore(&histogram[lane], 0u);
     }
+    workgroupBarrier();
+    for (var round = 0u; round < ROUNDS; round++) {
+        let at = (block * ROUNDS + round) * LANES + lane;
+        if at < digit.count {
+            atomicAdd(&histogram[digit_of(keys[at])], 1u);
+        }
+    }
+    workgroupBarrier();
+    if lane < DIGITS && block < digit.blocks {
+        counts[lane * digit.blocks + block] = atomicLoad(&histogram[lane]);
+    }
+}
+
+// Marked lanes of a digit before a lane.
+fn marked_before(d: u32, lane: u32) -> u32 {
+    var count = 0u;
+    for (var word = 0u; word < lane / 32u; word++) {
+        count += countOneBits(atomicLoad(&marks[d * WORDS + word]));
+    }
+    if lane % 32u != 0u {
+        count += countOneBits(atomicLoad(&marks[d * WORDS + lane / 32u]) & ((1u << (lane % 32u)) - 1u));
+    }
+    return count;
 }
 
 @compute @workgroup_size(256)
@@ -84,20 +80,31 @@ fn scatter(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let block = block_of(group, groups);
-    let first = (block * LANES + lane) * PER_LANE;
-    let own = counters(first);
-    add_up(lane, own);
-    // Keys of the block before this lane's.
-    var before: array<u32, WORDS>;
-    for (var word = 0u; word < WORDS; word++) {
-        before[word] = sums[lane][word] - own[word];
+    if lane < DIGITS && block < digit.blocks {
+        places[lane] = counts[lane * digit.blocks + block];
     }
-    for (var i = first; i < min(first + PER_LANE, digit.count); i++) {
-        let key = keys[i];
-        let d = digit_of(key);
-        let place = counts[d * digit.blocks + block] + counter(before, d);
-        before[d >> 1u] += 1u << (16u * (d & 1u));
-        sorted_keys[place] = key;
-        sorted_values[place] = values[i];
+    for (var round = 0u; round < ROUNDS; round++) {
+        if lane < DIGITS * WORDS {
+            atomicStore(&marks[lane], 0u);
+        }
+        workgroupBarrier();
+        let at = (block * ROUNDS + round) * LANES + lane;
+        var key = 0u;
+        if at < digit.count {
+            key = keys[at];
+            atomicOr(&marks[digit_of(key) * WORDS + lane / 32u], 1u << (lane % 32u));
+        }
+        workgroupBarrier();
+        if at < digit.count {
+            let d = digit_of(key);
+            let place = places[d] + marked_before(d, lane);
+            sorted_keys[place] = key;
+            sorted_values[place] = values[at];
+        }
+        workgroupBarrier();
+        if lane < DIGITS {
+            places[lane] += marked_before(lane, LANES);
+        }
+        workgroupBarrier();
     }
 }

@@ -8,7 +8,7 @@
 //! | project | `gaussians/project` | Gaussians, page by page | ellipses with colours; keys: their depths |
 //! | order | `sort/radix`, `sort/scan` | keys | splats by depth, equal ones by index |
 //! | list | `gaussians/pairs` | splats by depth | pairs of a tile of 64 x 64 pixels and a splat, sorted by tile |
-//! | composite | `gaussians/composite` | lists | display colour, transmittance, depth; a workgroup per 16 x 16 pixels |
+//! | composite | `gaussians/composite` | lists | linear colour, transmittance, depth; a workgroup per 16 x 16 pixels |
 //! | resolve | - | these | a frame |
 
 mod attributes;
@@ -28,7 +28,7 @@ use splatvol_core::engine::{Shot, StageSeconds, Task};
 use splatvol_scene::{Compositing, Content, Frame, Gaussians, ImageSize, SceneError};
 
 use self::attributes::Attributes;
-use self::background::Background;
+use self::background::displayed;
 pub(crate) use self::view::ViewData;
 use self::view::view;
 use crate::device::GpuDevice;
@@ -53,6 +53,8 @@ pub(crate) struct PictureData {
     pub size: [u32; 2],
     pub columns: u32,
     pub unused: u32,
+    /// Background: straight display colour and opacity.
+    pub background: [f32; 4],
 }
 
 /// The texts of the passes: project, pairs, composite.
@@ -187,12 +189,10 @@ impl GaussianEngine {
         let bin = start.elapsed().as_secs_f64();
         task.go_on()?;
         task.report(0.7);
-        gpu.scoped(|gpu| self.composite(gpu, (&splats, &lists), canvas))?;
+        let background = displayed(shot.scene.background);
+        gpu.scoped(|gpu| self.composite(gpu, (&splats, &lists), background, canvas))?;
         self.transient = splats.order.bytes() + lists.pairs.bytes() + splats.projected.size() as usize;
-        let background = Background::new(shot.scene.background);
-        canvas.read(gpu, |colors, depths| {
-            background.resolve(frame, (colors, depths));
-        })?;
+        canvas.resolve(gpu, frame, background[3])?;
         Ok(StageSeconds {
             bin,
             tiles: start.elapsed().as_secs_f64() - bin,
@@ -296,8 +296,14 @@ impl GaussianEngine {
         Lists { pairs, ranges }
     }
 
-    /// Composites the lists' splats.
-    fn composite(&self, gpu: &GpuDevice, (splats, lists): (&Splats, &Lists), canvas: &Canvas) {
+    /// Composites the lists' splats over a background.
+    fn composite(
+        &self,
+        gpu: &GpuDevice,
+        (splats, lists): (&Splats, &Lists),
+        background: [f32; 4],
+        canvas: &Canvas,
+    ) {
         let size = [splats.size.width(), splats.size.height()];
         let data = uniform(
             gpu,
@@ -305,6 +311,7 @@ impl GaussianEngine {
                 size,
                 columns: splats.columns(),
                 unused: 0,
+                background,
             },
         );
         let mut commands = gpu.commands();

@@ -11,7 +11,7 @@ use crate::layout::{FrameData, SheetData, TILE};
 use crate::mode::{CloudMode, classify_shader, cloud_shaders, mixture_shader};
 use crate::mode::{Kept, Mode};
 use crate::operators::{self, Operators};
-use crate::pipelines::cull_shader;
+use crate::pipelines::{CLEAR, cull_shader};
 use crate::sort::{DigitData, ListsData, RADIX, SCAN, ScanData};
 
 /// Members of a struct in WGSL, with their offsets, and its size.
@@ -77,7 +77,7 @@ pub(super) fn variants() -> Vec<String> {
 
 /// The texts of all passes but [`variants`].
 pub(super) fn every_shader() -> Vec<String> {
-    let sorts = [RADIX, SCAN].map(str::to_owned);
+    let small = [RADIX, SCAN, CLEAR].map(str::to_owned);
     let operators: Vec<_> = super::operators::all()
         .iter()
         .filter_map(|(_, operator)| operator.wgsl())
@@ -91,7 +91,7 @@ pub(super) fn every_shader() -> Vec<String> {
         .into_iter()
         .chain(operated)
         .chain(shaders())
-        .chain(sorts)
+        .chain(small)
         .collect()
 }
 
@@ -101,15 +101,16 @@ fn layouts_agree_and_shaders_are_valid() {
         let module = valid(&text);
         let (found, size) = members(&module, "Frame");
         let wanted = offsets!(FrameData: size tiles principal per_pixel plane_per_pixel dims planes pages words margin
-            sigma samples radius slots atlas spacing background termination densest hull shows_background lit
+            sigma samples radius slots per_texel spacing background termination densest hull shows_background lit
             towards_light ambient half_way diffuse specular power floor_squared voxel from_interval to_interval
             first_plane unit_distance camera_from_lattice bodies isosurfaces
             first_isosurface channel_layers first_tile_row gather_offset
-            band_pixels gathered_intervals gradient_from_lattice);
+            band_pixels gathered_intervals gradient_from_lattice falls);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<FrameData>());
         let (found, size) = members(&module, "Sheet");
-        let wanted = offsets!(SheetData: cell depth rest scale step_x low_pass step_y low_pass_points);
+        let wanted =
+            offsets!(SheetData: cell depth rest scale step_x low_pass step_y low_pass_points low_pass_pixels);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<SheetData>());
         let constant = |name: &str| {
@@ -152,7 +153,7 @@ fn layouts_of_gaussians_and_of_sorting_agree() {
     let wanted = offsets!(PartData: columns groups first_row first_group pitch points unused);
     assert_eq!(found[..6], wanted[..6]);
     assert_eq!(size as usize, size_of::<PartData>());
-    let wanted = offsets!(PictureData: size columns unused);
+    let wanted = offsets!(PictureData: size columns unused background);
     assert_eq!(
         members(&composite, "Picture"),
         (wanted, size_of::<PictureData>() as u32)

@@ -110,6 +110,8 @@ impl Subject {
             mode: self.mode,
             operators: "".into(),
             taps,
+            is_cut: true,
+            has_low_pass: true,
             from_eye: false,
             has_holes: false,
             gathers: false,
