@@ -19,7 +19,7 @@ struct Splat {
 
 // Pixels along an edge of the published renderer's tiles, and of these tiles along an edge of those that have lists.
 override REFERENCE_TILE: u32 = 16u;
-override LIST_TILE: u32 = 4u;
+override LIST_TILE: u32 = 2u;
 // log2(255).
 override LOG2_255: f32;
 

@@ -7,7 +7,7 @@
 //! |---|---|---|---|
 //! | project | `gaussians/project` | Gaussians, page by page | ellipses with colours; keys: their depths |
 //! | order | `sort/radix`, `sort/scan` | keys | splats by depth, equal ones by index |
-//! | list | `gaussians/pairs` | splats by depth | pairs of a tile of 64 x 64 pixels and a splat, sorted by tile |
+//! | list | `gaussians/pairs` | splats by depth | pairs of a tile of 32 x 32 pixels and a splat, sorted by tile |
 //! | composite | `gaussians/composite` | lists | linear colour, transmittance, depth; a workgroup per 16 x 16 pixels |
 //! | resolve | - | these | a frame |
 
@@ -42,7 +42,7 @@ const PAIRS: &str = include_str!("../../shaders/gaussians/pairs.wgsl");
 const COMPOSITE: &str = include_str!("../../shaders/gaussians/composite.wgsl");
 
 /// Tiles of the published renderer along an edge of one that has a list.
-const LIST_TILE: u32 = 4;
+const LIST_TILE: u32 = 2;
 /// Bytes of a projected splat.
 const SPLAT_BYTES: u64 = 48;
 
