@@ -51,6 +51,69 @@ fn write(folder: &Path, name: &str, parts: &[&[u8]]) -> PathBuf {
     path
 }
 
+/// An MGH file of two time points, with parameters behind them.
+fn mgh(shorts: &[u8]) -> Vec<u8> {
+    let mut header = vec![0u8; 284];
+    let sizes = DIMS.map(|n| n as i32);
+    let numbers = [1, sizes[0], sizes[1], sizes[2], 2, 4];
+    for (index, number) in numbers.into_iter().enumerate() {
+        header[4 * index..4 * index + 4].copy_from_slice(&number.to_be_bytes());
+    }
+    [&header, shorts, shorts, b"parameters"].concat()
+}
+
+/// Files of VTK, whose samples lie behind those of another array.
+fn vtk_cases(folder: &Path) -> Vec<Case> {
+    let [nx, ny, nz] = DIMS;
+    let count = nx * ny * nz;
+    let (small, doubles) = (bytes(count, 1, false), bytes(count, 8, true));
+    let head = format!(
+        "# vtk DataFile Version 3.0\ntitle\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {nx} {ny} {nz}\nORIGIN 1 2 3\nSPACING 1 2 0.5\nPOINT_DATA {count}\n"
+    );
+    let scalars = |kind: &str| format!("SCALARS values {kind} 1\nLOOKUP_TABLE default\n");
+    let extent = format!("0 {} 0 {} 0 {}", nx - 1, ny - 1, nz - 1);
+    let array = |name: &str, kind: &str, offset: usize| {
+        format!("<DataArray type=\"{kind}\" Name=\"{name}\" format=\"appended\" offset=\"{offset}\"/>")
+    };
+    let xml = format!(
+        "<?xml version=\"1.0\"?><VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"1 1 2\"><Piece Extent=\"{extent}\"><PointData Scalars=\"second\">{}{}</PointData></Piece></ImageData><AppendedData encoding=\"raw\">\n _",
+        array("first", "UInt8", 0),
+        array("second", "Float64", 8 + count),
+    );
+    let word = |bytes: usize| (bytes as u64).to_le_bytes();
+    let vti = [
+        xml.as_bytes(),
+        &word(count),
+        &small,
+        &word(8 * count),
+        &doubles,
+        b"\n</AppendedData></VTKFile>",
+    ];
+    vec![
+        write(
+            folder,
+            "l.vtk",
+            &[head.as_bytes(), scalars("unsigned_char").as_bytes(), &small],
+        ),
+        write(
+            folder,
+            "m.vtk",
+            &[
+                head.as_bytes(),
+                scalars("double").as_bytes(),
+                &swapped(&doubles, 8),
+            ],
+        ),
+        write(folder, "n.vti", &vti),
+    ]
+    .into_iter()
+    .map(|path| Case {
+        path,
+        options: ReadOptions::default(),
+    })
+    .collect()
+}
+
 /// A file of each format and layout.
 fn cases(folder: &Path) -> Vec<Case> {
     let [nx, ny, nz] = DIMS;
@@ -108,7 +171,7 @@ fn cases(folder: &Path) -> Vec<Case> {
         path,
         options: ReadOptions::default(),
     };
-    vec![
+    let mut cases = vec![
         Case {
             path: write(folder, "a.bin", &[b"skipped", &shorts]),
             options: ReadOptions {
@@ -174,7 +237,16 @@ fn cases(folder: &Path) -> Vec<Case> {
             "j.npy",
             &[&npy("<f4", "True", [nx, ny, nz]), &floats],
         )),
-    ]
+        Case {
+            path: write(folder, "k.mgh", &[&mgh(&shorts)]),
+            options: ReadOptions {
+                time: Some(1),
+                ..ReadOptions::default()
+            },
+        },
+    ];
+    cases.extend(vtk_cases(folder));
+    cases
 }
 
 #[test]
@@ -349,6 +421,7 @@ fn packed_cases(folder: &Path) -> Vec<Case> {
             ),
             options: nifti.options,
         },
+        plain(write(folder, "p.mgz", &[&packed(&mgh(&shorts), false)])),
         plain(write(
             folder,
             "n.nhdr",

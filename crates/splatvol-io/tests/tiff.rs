@@ -7,10 +7,10 @@ use std::io::Cursor;
 use std::path::Path;
 
 use common::load;
+use common::slices::assert_opens;
 use glam::DVec3;
 use splatvol_io::{IoError, Loaded, ReadOptions, open_volume, read_volume};
-use splatvol_scene::chunks::copy_box;
-use splatvol_scene::{ChunkBuffer, LengthUnit, Samples, VoxelBox};
+use splatvol_scene::{ChunkBuffer, LengthUnit, Samples};
 use tiff::encoder::colortype::{Gray16, Gray32Float, RGB8};
 use tiff::encoder::{Compression, Rational, TiffEncoder};
 use tiff::tags::Tag;
@@ -43,33 +43,6 @@ fn read_bytes(bytes: &[u8], change: impl Fn(&mut ReadOptions)) -> Result<Loaded,
     let loaded = read_volume(&path, &options)?;
     assert_opens(&path, &options, &loaded);
     Ok(loaded)
-}
-
-/// The volume as it is read slice by slice must be that in memory.
-fn assert_opens(path: &Path, options: &ReadOptions, loaded: &Loaded) {
-    let opened = open_volume(path, options).unwrap().unwrap();
-    assert!(!opened.is_divided);
-    assert_eq!(opened.description, loaded.description);
-    let layout = &opened.source.levels()[0];
-    assert_eq!(&layout.grid, loaded.volume.grid());
-    let mut buffer = ChunkBuffer::default();
-    let [nx, ny, nz] = layout.grid.dims();
-    // From the last slice to the first, and all at once.
-    let slices = (0..nz).rev().map(|z| VoxelBox {
-        first: [0, 0, z],
-        size: [nx, ny, 1],
-    });
-    let whole = VoxelBox::whole(&layout.grid);
-    for region in slices.chain([whole]) {
-        let mut found = layout.element.filled(0, 0.0);
-        let mut expected = layout.element.filled(region.len(), 0.0);
-        opened
-            .source
-            .read_region(0, region, &mut found, &mut buffer)
-            .unwrap();
-        assert!(copy_box(loaded.volume.samples(), whole, &mut expected, region));
-        assert_eq!(found, expected, "{region:?}");
-    }
 }
 
 /// The pages that make up a volume of `pages`, by their first samples.

@@ -14,6 +14,8 @@ pub(super) struct DataFiles<'a> {
     /// The field that names them.
     field: &'static str,
     kind: Kind<'a>,
+    /// Whether other data may follow the samples.
+    is_followed: bool,
 }
 
 enum Kind<'a> {
@@ -56,7 +58,21 @@ impl<'a> DataFiles<'a> {
         Self {
             field,
             kind: Kind::Attached,
+            is_followed: false,
         }
+    }
+
+    /// The same, where other data may follow the samples.
+    pub(super) fn followed(self) -> Self {
+        Self {
+            is_followed: true,
+            ..self
+        }
+    }
+
+    /// Whether other data may follow the samples.
+    pub(super) fn is_followed(&self) -> bool {
+        self.is_followed
     }
 
     /// Files listed line by line.
@@ -64,6 +80,7 @@ impl<'a> DataFiles<'a> {
         Self {
             field,
             kind: Kind::List(lines),
+            is_followed: false,
         }
     }
 
@@ -77,7 +94,11 @@ impl<'a> DataFiles<'a> {
             Some(series) => Kind::Series(named, series),
             None => Kind::One(named),
         };
-        Ok(Self { field, kind })
+        Ok(Self {
+            field,
+            kind,
+            is_followed: false,
+        })
     }
 
     /// How many there are.

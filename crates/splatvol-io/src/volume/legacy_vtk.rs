@@ -10,11 +10,12 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use splatvol_scene::Samples;
 
+use super::flat::Flat;
 use super::vtk_array::{self, Association, ImageGeometry};
-use super::{Description, Loaded, ReadOptions, sample_count};
+use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::error::Context;
 use crate::samples::{SampleBuffer, decode_text};
-use crate::source::{Source, read_file};
+use crate::source::{Source, read_file, start_of_file};
 use crate::{Endian, IoError, SampleType};
 use attributes::{Array, Attributes, Coding, ElementType, Scan};
 use cursor::Cursor;
@@ -60,22 +61,80 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let sample_type = head
         .sample_type
         .ok_or_else(|| context.unsupported("an array without a type"))?;
-    let coding_name = match coding {
-        Coding::Ascii => "ascii",
-        Coding::Binary => "big-endian",
-    };
     let description = Description {
-        format: format!("legacy VTK {version}"),
-        stored_type: format!("{}, {coding_name}", sample_type.name()),
-        files: vec![path.to_owned()],
         warnings,
-        ..Description::default()
+        ..described(&version, sample_type, coding, context)
     };
     let mut draft = geometry.draft(head.association, description, context)?;
     let count = sample_count(draft.dims, head.components, sample_type, options, context)?;
     let (samples, warning) = decode(array, &bytes, (sample_type, count), coding, context)?;
     draft.description.warnings.extend(warning);
     draft.finish(vtk_array::pick(samples, head.components, component), context)
+}
+
+/// Opens a binary file; `None` for text, for arrays that lie behind others or have several components, and where anything is
+/// wrong, which [`read`] says.
+///
+/// # Errors
+/// Files that cannot be read.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    let context = &Context::new("legacy VTK", path);
+    let bytes = start_of_file(path, context)?;
+    match located(&bytes, options, context) {
+        Some((flat, draft)) => flat.open(draft, context),
+        None => Ok(None),
+    }
+}
+
+/// The samples of the array that is read, if it is the last of those that the file's first bytes have.
+fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option<(Flat, Draft)> {
+    let mut cursor = Cursor::new(bytes, context);
+    let (version, coding) = header(&mut cursor).ok()?;
+    let geometry = geometry(&mut cursor, coding).ok()?;
+    let mut scan = Scan {
+        cursor,
+        coding,
+        counts: geometry.counts(),
+        wanted: options.array.as_deref(),
+        stops_early: true,
+        found: Attributes::default(),
+    };
+    scan.run().ok()?;
+    let Attributes { heads, arrays } = scan.found;
+    let (index, _) = vtk_array::choose(&heads, options, context).ok()?;
+    let (head, array) = (&heads[index], &arrays[index]);
+    let (Coding::Binary, ElementType::Number(sample_type), 1) = (coding, array.element, head.components)
+    else {
+        return None;
+    };
+    let draft = geometry
+        .draft(
+            head.association,
+            described(&version, sample_type, coding, context),
+            context,
+        )
+        .ok()?;
+    let flat = Flat {
+        path: context.path.to_owned(),
+        position: array.start as u64,
+        sample_type,
+        half: false,
+        endian: Endian::Big,
+    };
+    Some((flat, draft))
+}
+
+fn described(version: &str, sample_type: SampleType, coding: Coding, context: &Context<'_>) -> Description {
+    let coding = match coding {
+        Coding::Ascii => "ascii",
+        Coding::Binary => "big-endian",
+    };
+    Description {
+        format: format!("legacy VTK {version}"),
+        stored_type: format!("{}, {coding}", sample_type.name()),
+        files: vec![context.path.to_owned()],
+        ..Description::default()
+    }
 }
 
 /// Version and coding: the first three lines.

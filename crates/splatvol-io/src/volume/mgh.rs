@@ -9,9 +9,10 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::LengthUnit;
 
-use super::{Description, Draft, Loaded, ReadOptions, axis_codes, checked_dims, choose_time, sample_count};
+use super::data_files::DataFiles;
+use super::stored::{Encoding, Layout, Selection, Stored};
+use super::{Description, Draft, Loaded, Opened, ReadOptions, axis_codes, checked_dims, choose_time};
 use crate::error::Context;
-use crate::samples::SampleBuffer;
 use crate::source::{Codec, Source};
 use crate::{Endian, IoError, SampleType};
 
@@ -23,6 +24,24 @@ const HEADER: usize = 284;
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.load(source, draft, (options, context))
+    })
+}
+
+/// Opens a file, which is unpacked if it is compressed.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    with(path, options, |stored, source, draft, context| {
+        stored.open(source, draft, (options, context))
+    })
+}
+
+/// Reads a header, and passes on what it says of the samples.
+fn with<T>(
+    path: &Path,
+    options: &ReadOptions,
+    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
+) -> Result<T, IoError> {
     let context = &Context::new("MGH", path);
     let mut source = Source::open(path)?;
     let compressed = source.peek(context)?.starts_with(&[0x1f, 0x8b]);
@@ -64,11 +83,28 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
         ..Description::default()
     };
     draft.set_times(frames, options);
-    let count = sample_count(dims, 1, sample_type, options, context)?;
-    source.skip(sample_type.byte_count(count).saturating_mul(time as u64), context)?;
-    let mut buffer = SampleBuffer::new(sample_type, Endian::Big);
-    buffer.read(&mut source, count, context)?;
-    draft.finish(buffer.finish().0, context)
+    let stored = Stored {
+        layout: Layout {
+            sample_type,
+            endian: Endian::Big,
+            // The source is decompressed and at the samples already.
+            encoding: Encoding::Raw,
+            skip_lines: 0,
+            skip_bytes: Some(0),
+            start: HEADER as u64,
+        },
+        selection: Selection {
+            dims,
+            components: 1,
+            component: 0,
+            volumes: frames,
+            times: frames,
+            volume: time,
+        },
+        // Parameters of the scan may follow.
+        files: DataFiles::attached("data").followed(),
+    };
+    then(&stored, source, draft, context)
 }
 
 struct Header<'a> {

@@ -214,9 +214,9 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
 }
 
 /// Opens a volume whose samples can be read box by box, OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
-/// MetaImage, NIfTI, NPY), or slice by slice: TIFF, and folders of pictures. Only metadata are read, whatever their size,
-/// and the first slice. Compressed samples of NRRD, MetaImage and NIfTI are unpacked first, where that is allowed
-/// ([`ReadOptions::unpack_in`]). `None` for all others.
+/// MetaImage, NIfTI, NPY, MGH, binary VTK, VTI with raw appended data), or slice by slice: TIFF, DICOM, and folders of pictures.
+/// Only metadata are read, whatever their size, and the first slice. Compressed samples of NRRD, MetaImage, NIfTI and MGH are
+/// unpacked first, where that is allowed ([`ReadOptions::unpack_in`]). `None` for all others.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -236,6 +236,10 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::Raw => raw::open(path, options)?,
         Format::Tiff => tiff::open(path, options)?,
         Format::Slices => Some(slices::open(path, options)?),
+        Format::Dicom => dicom::open(path, options)?,
+        Format::Vti => vti::open(path, options)?,
+        Format::LegacyVtk => legacy_vtk::open(path, options)?,
+        Format::Mgh => mgh::open(path, options)?,
         _ => None,
     };
     let Some(opened) = opened else {

@@ -127,7 +127,8 @@ impl Stored<'_> {
                 Some(source) => source,
                 None => attached.take().ok_or_else(|| context.truncated("data", 1, 0))?,
             };
-            if read_piece(source, layout, &piece, &mut buffer, context)? == Rest::Excess {
+            let rest = read_piece(source, layout, &piece, &mut buffer, context)?;
+            if rest == Rest::Excess && !files.is_followed() {
                 description.warnings.push(EXCESS.to_owned());
             }
         }
@@ -178,7 +179,8 @@ impl Stored<'_> {
             .skip_bytes
             .unwrap_or_else(|| source.at_most().saturating_sub(all));
         source.check_declared("samples", all.saturating_add(skipped), context)?;
-        if source.at_most() - skipped > all && selection.volume + 1 == selection.volumes {
+        let is_last = selection.volume + 1 == selection.volumes;
+        if source.at_most() - skipped > all && is_last && !files.is_followed() {
             draft.warn(EXCESS);
         }
         let flat = Flat {

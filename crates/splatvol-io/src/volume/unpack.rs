@@ -62,7 +62,7 @@ impl Stored<'_> {
                 folder,
                 file: &mut file,
             };
-            if copy.piece(source, &piece, context)? == Rest::Excess {
+            if copy.piece(source, &piece, context)? == Rest::Excess && !files.is_followed() {
                 draft.warn(EXCESS);
             }
         }

@@ -6,13 +6,17 @@
 pub(crate) mod document;
 pub(crate) mod payload;
 
+use std::fs::File;
 use std::path::Path;
 
-use super::{Description, Loaded, ReadOptions, sample_count, vtk_array};
-use crate::IoError;
+use super::flat::Flat;
+use super::vtk_array::Component;
+use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count, vtk_array};
 use crate::error::Context;
+use crate::positioned::read_at;
 use crate::samples::Endian;
-use crate::source::read_file;
+use crate::source::{read_file, start_of_file};
+use crate::{IoError, SampleType};
 use document::{Coding, Compressor, ImageFile, Place};
 
 /// Reads a .vti file.
@@ -26,24 +30,102 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let parts = document::split(&bytes, context)?;
     let document = document::parse(&parts, context)?;
     let file = ImageFile::from_xml(&document, context)?;
-    let (index, component) = vtk_array::choose(&file.arrays.heads, options, context)?;
-    let head = &file.arrays.heads[index];
-    let sample_type = head
-        .sample_type
-        .ok_or_else(|| context.unsupported("an array without a type"))?;
-    let place = file.arrays.place(index, context)?;
-    let description = Description {
-        format: "VTI".to_owned(),
-        stored_type: format!("{}{}", sample_type.name(), describe(&place, file.coding)),
-        files: vec![path.to_owned()],
-        ..Description::default()
-    };
-    let mut draft = file.geometry.draft(head.association, description, context)?;
-    let count = sample_count(draft.dims, head.components, sample_type, options, context)?;
-    let (samples, warning) =
-        payload::samples(&place, (sample_type, count), file.coding, parts.appended, context)?;
+    let chosen = Chosen::new(&file, options, context)?;
+    let mut draft = chosen.draft;
+    let count = sample_count(
+        draft.dims,
+        chosen.components,
+        chosen.sample_type,
+        options,
+        context,
+    )?;
+    let (samples, warning) = payload::samples(
+        &chosen.place,
+        (chosen.sample_type, count),
+        file.coding,
+        parts.appended,
+        context,
+    )?;
     draft.description.warnings.extend(warning);
-    draft.finish(vtk_array::pick(samples, head.components, component), context)
+    draft.finish(
+        vtk_array::pick(samples, chosen.components, chosen.component),
+        context,
+    )
+}
+
+/// Opens a file whose samples lie in it as they are; `None` for all others, and where anything is wrong, which [`read`] says.
+///
+/// # Errors
+/// Files that cannot be read.
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    let context = &Context::new("VTI", path);
+    let bytes = start_of_file(path, context)?;
+    match located(&bytes, options, context) {
+        Some((flat, draft)) => flat.open(draft, context),
+        None => Ok(None),
+    }
+}
+
+/// The samples of an array that is appended as it is, given the file's first bytes.
+fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option<(Flat, Draft)> {
+    let parts = document::split(bytes, context).ok()?;
+    let document = document::parse(&parts, context).ok()?;
+    let file = ImageFile::from_xml(&document, context).ok()?;
+    let chosen = Chosen::new(&file, options, context).ok()?;
+    let Place::Appended { offset, .. } = chosen.place else {
+        return None;
+    };
+    let coding = file.coding;
+    if coding.appended_base64 || coding.compressor.is_some() || chosen.components != 1 {
+        return None;
+    }
+    let start = (bytes.len() - parts.appended?.len()) as u64;
+    let position = start.checked_add(offset)?;
+    let mut word = vec![0; coding.header_word];
+    read_at(&File::open(context.path).ok()?, &mut word, position).ok()?;
+    let count = chosen.draft.grid(context).ok()?.sample_count();
+    let flat = Flat {
+        path: context.path.to_owned(),
+        position: position.checked_add(coding.header_word as u64)?,
+        sample_type: chosen.sample_type,
+        half: false,
+        endian: coding.endian,
+    };
+    let declared = payload::number(&word, coding, context).ok()?;
+    (declared == chosen.sample_type.byte_count(count)).then_some((flat, chosen.draft))
+}
+
+/// The array to read, and the volume that it makes.
+struct Chosen<'a> {
+    place: Place<'a>,
+    sample_type: SampleType,
+    components: usize,
+    component: Component,
+    draft: Draft,
+}
+
+impl<'a> Chosen<'a> {
+    fn new(file: &ImageFile<'a>, options: &ReadOptions, context: &Context<'_>) -> Result<Self, IoError> {
+        let (index, component) = vtk_array::choose(&file.arrays.heads, options, context)?;
+        let head = &file.arrays.heads[index];
+        let sample_type = head
+            .sample_type
+            .ok_or_else(|| context.unsupported("an array without a type"))?;
+        let place = file.arrays.place(index, context)?;
+        let description = Description {
+            format: "VTI".to_owned(),
+            stored_type: format!("{}{}", sample_type.name(), describe(&place, file.coding)),
+            files: vec![context.path.to_owned()],
+            ..Description::default()
+        };
+        Ok(Self {
+            place,
+            sample_type,
+            components: head.components,
+            component,
+            draft: file.geometry.draft(head.association, description, context)?,
+        })
+    }
 }
 
 pub(crate) fn describe(place: &Place<'_>, coding: Coding) -> String {

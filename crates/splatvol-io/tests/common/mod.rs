@@ -7,6 +7,7 @@
 )]
 
 pub mod images;
+pub mod slices;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

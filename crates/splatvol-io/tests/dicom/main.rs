@@ -16,6 +16,7 @@ mod uneven;
 use std::io::Write;
 use std::path::Path;
 
+use common::slices::assert_opens;
 use common::{Expected, assert_expected, load, shared_volumes};
 use dicom_file::{BIG, DicomFile, EXPLICIT, IMPLICIT, element, items};
 use glam::DVec3;
@@ -42,6 +43,7 @@ fn shared_series_agree_with_pydicom() {
         ),
     ] {
         let loaded = load(&folder.join(name));
+        assert_opens(&folder.join(name), &ReadOptions::default(), &loaded);
         assert_expected(
             name,
             &loaded,
@@ -69,6 +71,7 @@ fn all_codings_give_the_same_pixels() {
         ("compressed_j2k", 127.047),
     ] {
         let loaded = load(&folder.join(name));
+        assert_opens(&folder.join(name), &ReadOptions::default(), &loaded);
         assert_expected(
             name,
             &loaded,
@@ -101,7 +104,9 @@ fn series(folder: &Path, syntax: &'static str, heights: &[f64]) -> Vec<DicomFile
 fn read_in(folder: &Path, change: impl Fn(&mut ReadOptions)) -> Result<Loaded, IoError> {
     let mut options = ReadOptions::default();
     change(&mut options);
-    read_volume(folder, &options)
+    let loaded = read_volume(folder, &options)?;
+    assert_opens(folder, &options, &loaded);
+    Ok(loaded)
 }
 
 fn one(file: &DicomFile) -> Result<Loaded, IoError> {

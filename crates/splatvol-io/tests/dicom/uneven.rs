@@ -1,5 +1,6 @@
 //! A tilted gantry whose slices lie at three distances, as scans of the head had them: close at the skull base, far above.
 
+use crate::common::slices::assert_opens;
 use glam::DVec3;
 use splatvol_io::{ReadOptions, read_volume};
 use splatvol_scene::volume::widen;
@@ -65,6 +66,7 @@ fn three_distances_under_a_tilted_gantry_lie_where_they_were_taken() {
         .unwrap();
     }
     let loaded = read_volume(folder.path(), &ReadOptions::default()).unwrap();
+    assert_opens(folder.path(), &ReadOptions::default(), &loaded);
     let warning = &loaded.description.warnings[0];
     let steps = RUNS
         .map(|(step, _)| format!("{:.4}", step * TILT.cos()))

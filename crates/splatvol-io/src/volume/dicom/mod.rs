@@ -8,6 +8,7 @@
 //! Read: 8, 16 and 32 bits; implicit, explicit, big-endian and deflated coding; RLE, JPEG baseline and lossless,
 //! JPEG-LS, JPEG 2000. Not read: colours, samples of one bit, JPEG of 12 bits, videos, modality look-up tables.
 
+mod arrange;
 mod colors;
 mod element;
 mod image;
@@ -19,27 +20,28 @@ mod jpeg_ls_context;
 mod jpeg_ls_header;
 mod jpeg_ls_scan;
 mod pixels;
-mod stack;
+mod series;
 mod syntax;
 mod uneven;
 
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::DeflateDecoder;
-use splatvol_scene::{LengthUnit, Rescale, Samples};
+use splatvol_scene::LengthUnit;
 
 use super::planes::component_names;
+use super::stack::{self, Slices};
 use super::{
-    Description, Draft, Loaded, ReadOptions, checked_dims, choose_channel, detect, ras_from_lps, sample_count,
+    Description, Draft, Loaded, Opened, ReadOptions, checked_dims, choose_channel, detect, ras_from_lps,
+    sample_count,
 };
 use crate::error::Context;
 use crate::samples::SampleType;
 use crate::source::{Source, read_file};
 use crate::{IoError, axis_codes};
-use colors::Table;
 use element::Reader;
 use image::{Elements, Form, FrameHead, ImageHead, Series};
-use pixels::SliceReader;
+use series::{SeriesSlices, Slice};
 use syntax::Syntax;
 
 /// Directions and spacing of slices of one volume agree up to this.
@@ -76,67 +78,89 @@ pub(super) fn is_dicom(path: &Path) -> bool {
 /// See [`IoError`]; also slices that do not follow one line, and a transfer syntax that is not covered.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("DICOM", path).following(options);
-    let mut files = vec![path.to_owned()];
-    if path.is_dir() {
-        files = detect::files_of(path, context)?;
-        files.retain(|file| is_dicom(file));
-    }
-    let images = heads(files, context)?;
-    let stacks = stacks(&images);
-    let (chosen, mut warnings) = choose(&stacks, &images, options, context)?;
-    let series = match stacks.len() {
-        1 => Vec::new(),
-        _ => stacks.iter().map(|stack| stack.describe(&images)).collect(),
-    };
-    let slices: Vec<Slice> = stacks[chosen].slices.clone();
-    let heads: Vec<FrameHead> = slices.iter().map(|slice| slice.head).collect();
-    let stack = stack::stack(&heads, options, context)?;
-    let first = &images[slices[0].image];
-    let form = &first.form;
-    let count = stack
-        .uneven
-        .as_ref()
-        .map_or(stack.order.len(), |uneven| uneven.count);
-    let sizes = [form.columns, form.rows, count].map(|size| size as i64);
-    let mut draft = Draft::new(
-        checked_dims(&sizes, "dims", None, context)?,
-        Description::default(),
-    );
-    draft.world_from_voxel = ras_from_lps() * stack.patient_from_voxel;
-    draft.unit = match first.frames[0].spacing {
-        Some(_) => LengthUnit::Millimetre,
-        None => LengthUnit::Unknown,
-    };
-    warnings.extend(stack.warnings);
-    let (channels, channel) = channels(form, options, &mut warnings, context)?;
-    warnings.extend(first.warnings());
-    draft.description = Description {
-        format: "DICOM".to_owned(),
-        stored_type: format!(
-            "{}{} ({} bits), {}",
-            if form.signed { "i" } else { "u" },
-            form.allocated,
-            form.stored,
-            first.syntax
-        ),
-        series,
-        channels,
-        warnings,
-        ..Description::default()
-    };
-    let codes = axis_codes(&draft.grid(context)?);
-    draft.description.oriented = stack.placed;
-    draft.description.orientation = orientation(stack.placed, &codes, stack.tilt);
-    draft.set_times(stack.times, options);
+    let (series, draft) = SeriesSlices::choose(path, options, context)?;
     sample_count(draft.dims, 1, SampleType::F32, options, context)?;
-    let ordered: Vec<&Slice> = stack.order.iter().map(|&i| &slices[i]).collect();
-    let (samples, rescale) = samples((&ordered, channel), &images, &mut draft.description)?;
-    draft.rescale = rescale;
-    let samples = match &stack.uneven {
-        Some(uneven) => uneven.resample(&samples, form.samples(), context)?,
-        None => samples,
-    };
+    let samples = series.all(context)?;
     draft.finish(samples, context)
+}
+
+/// Opens a folder of files with a slice each, which are read when they are asked for; `None` where a file has several.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    if !path.is_dir() {
+        return Ok(None);
+    }
+    let context = &Context::new("DICOM", path).following(options);
+    let (series, draft) = SeriesSlices::choose(path, options, context)?;
+    if !series.has_files_of_one() {
+        return Ok(None);
+    }
+    let element = series.slice(0)?.element_type();
+    stack::open(series, element, (draft, context)).map(Some)
+}
+
+impl SeriesSlices {
+    /// The slices to read, and the volume that they make.
+    fn choose(path: &Path, options: &ReadOptions, context: &Context<'_>) -> Result<(Self, Draft), IoError> {
+        let mut files = vec![path.to_owned()];
+        if path.is_dir() {
+            files = detect::files_of(path, context)?;
+            files.retain(|file| is_dicom(file));
+        }
+        let images = heads(files, context)?;
+        let stacks = stacks(&images);
+        let (chosen, mut warnings) = choose(&stacks, &images, options, context)?;
+        let series = match stacks.len() {
+            1 => Vec::new(),
+            _ => stacks.iter().map(|stack| stack.describe(&images)).collect(),
+        };
+        let slices = &stacks[chosen].slices;
+        let heads: Vec<FrameHead> = slices.iter().map(|slice| slice.head).collect();
+        let placed = arrange::stack(&heads, options, context)?;
+        let first = &images[slices[0].image];
+        let form = &first.form;
+        let count = placed
+            .uneven
+            .as_ref()
+            .map_or(placed.order.len(), |uneven| uneven.count);
+        let sizes = [form.columns, form.rows, count].map(|size| size as i64);
+        let mut draft = Draft::new(
+            checked_dims(&sizes, "dims", None, context)?,
+            Description::default(),
+        );
+        draft.world_from_voxel = ras_from_lps() * placed.patient_from_voxel;
+        draft.unit = match first.frames[0].spacing {
+            Some(_) => LengthUnit::Millimetre,
+            None => LengthUnit::Unknown,
+        };
+        warnings.extend(placed.warnings);
+        let (channels, channel) = channels(form, options, &mut warnings, context)?;
+        warnings.extend(first.warnings());
+        draft.description = Description {
+            format: "DICOM".to_owned(),
+            stored_type: format!(
+                "{}{} ({} bits), {}",
+                if form.signed { "i" } else { "u" },
+                form.allocated,
+                form.stored,
+                first.syntax
+            ),
+            series,
+            channels,
+            warnings,
+            ..Description::default()
+        };
+        let codes = axis_codes(&draft.grid(context)?);
+        draft.description.oriented = placed.placed;
+        draft.description.orientation = orientation(placed.placed, &codes, placed.tilt);
+        draft.set_times(placed.times, options);
+        let ordered = placed.order.iter().map(|&i| slices[i].clone()).collect();
+        let series = Self::new(images, ordered, (channel, placed.uneven));
+        series.describe(&mut draft);
+        Ok((series, draft))
+    }
 }
 
 /// Names of the channels of a coloured image, and the one to read; it is none of them for grey values.
@@ -200,14 +224,6 @@ fn heads(files: Vec<PathBuf>, folder: &Context<'_>) -> Result<Vec<ImageHead>, Io
         true => Err(folder.unsupported("no image (element (7FE0,0010) is missing)")),
         false => Ok(images),
     }
-}
-
-/// A frame of an image.
-#[derive(Debug, Clone)]
-struct Slice {
-    image: usize,
-    frame: usize,
-    head: FrameHead,
 }
 
 /// Slices that may make a volume.
@@ -319,76 +335,4 @@ fn choose(
         ));
     }
     Ok((chosen, warnings))
-}
-
-/// Samples of the slices one after the other; real values if their scales differ.
-fn samples(
-    (slices, channel): (&[&Slice], usize),
-    images: &[ImageHead],
-    description: &mut Description,
-) -> Result<(Samples, Rescale), IoError> {
-    let form = &images[slices[0].image].form;
-    let mut reader = SliceReader::new(form, channel);
-    for slice in slices {
-        let path = &images[slice.image].path;
-        reader.append(path, slice.frame)?;
-        if description.files.last() != Some(path) && !description.files.contains(path) {
-            description.files.push(path.clone());
-        }
-    }
-    let samples = reader.finish();
-    let table = |slice: &Slice| images[slice.image].lookup_table.as_ref();
-    if slices.iter().any(|slice| table(slice).is_some()) {
-        description.stored_type.push_str(", by a look-up table");
-        return Ok((looked_up(&samples, slices, form, table), Rescale::default()));
-    }
-    let first = slices[0].head.rescale;
-    if first.slope != 0.0 && slices.iter().all(|slice| slice.head.rescale == first) {
-        return Ok((samples, first));
-    }
-    description.stored_type.push_str(", scaled per slice");
-    let mut real = Vec::with_capacity(samples.len());
-    splatvol_scene::with_samples!(&samples, data => {
-        for (slice, data) in slices.iter().zip(data.chunks_exact(form.samples())) {
-            scale(data, slice.head.rescale, &mut real);
-        }
-    });
-    Ok((Samples::F32(real.into()), Rescale::default()))
-}
-
-/// Values of the modality look-up tables; of slices that have none, scaled.
-fn looked_up<'a>(
-    samples: &Samples,
-    slices: &[&Slice],
-    form: &Form,
-    table: impl Fn(&Slice) -> Option<&'a Table>,
-) -> Samples {
-    let mut real = Vec::with_capacity(samples.len());
-    splatvol_scene::with_samples!(samples, data => {
-        for (slice, data) in slices.iter().zip(data.chunks_exact(form.samples())) {
-            match table(slice) {
-                Some(table) => look_up(data, table, form, &mut real),
-                None => scale(data, slice.head.rescale, &mut real),
-            }
-        }
-    });
-    Samples::F32(real.into())
-}
-
-fn look_up<T: Copy + Into<f64>>(data: &[T], table: &Table, form: &Form, real: &mut Vec<f32>) {
-    let value = |stored: i64| f32::from(table.look_up(stored));
-    // Inverted samples are turned back for the table, and its values are turned round.
-    let turn = (1i64 << form.stored) - 1;
-    let most = f32::from(table.entries.iter().max().copied().unwrap_or(0));
-    real.extend(data.iter().map(|&sample| {
-        let sample = sample.into() as i64;
-        match form.inverted {
-            true => most - value(turn - sample),
-            false => value(sample),
-        }
-    }));
-}
-
-fn scale<T: Copy + Into<f64>>(stored: &[T], rescale: Rescale, into: &mut Vec<f32>) {
-    into.extend(stored.iter().map(|&stored| rescale.apply(stored.into()) as f32));
 }

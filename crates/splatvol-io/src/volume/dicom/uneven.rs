@@ -81,19 +81,36 @@ impl Uneven {
             .map_err(|_| context.limit(total as u64 * 4, total as u64))?;
         with_samples!(samples, data => {
             for slice in 0..self.count {
-                self.add_slice(slice, data, plane, &mut even);
+                let rows = self.around(slice).map(|index| &data[index * plane..(index + 1) * plane]);
+                self.add_slice(slice, rows, &mut even);
             }
         });
         Ok(Samples::F32(even.into()))
     }
 
-    fn add_slice<T: Copy + Into<f64>>(&self, slice: usize, data: &[T], plane: usize, even: &mut Vec<f32>) {
+    /// The slices between which an even one lies, and those beside them.
+    pub(super) fn around(&self, slice: usize) -> [usize; 4] {
         let last = self.places.len() - 1;
+        let upper = self
+            .places
+            .partition_point(|place| *place <= slice as f64)
+            .clamp(1, last);
+        [upper.saturating_sub(2), upper - 1, upper, (upper + 1).min(last)]
+    }
+
+    /// An even slice of `plane` samples, from the four [`Self::around`] it one after the other.
+    pub(super) fn resample_one(&self, slice: usize, around: &Samples, plane: usize) -> Samples {
+        let mut even: Vec<f32> = Vec::with_capacity(plane);
+        with_samples!(around, data => {
+            let rows = [0, 1, 2, 3].map(|index| &data[index * plane..(index + 1) * plane]);
+            self.add_slice(slice, rows, &mut even);
+        });
+        Samples::F32(even.into())
+    }
+
+    fn add_slice<T: Copy + Into<f64>>(&self, slice: usize, rows: [&[T]; 4], even: &mut Vec<f32>) {
+        let places = self.around(slice).map(|index| self.places[index]);
         let at = slice as f64;
-        let upper = self.places.partition_point(|place| *place <= at).clamp(1, last);
-        let around = [upper.saturating_sub(2), upper - 1, upper, (upper + 1).min(last)];
-        let places = around.map(|index| self.places[index]);
-        let rows = around.map(|index| &data[index * plane..(index + 1) * plane]);
         let values = rows[0].iter().zip(rows[1]).zip(rows[2].iter().zip(rows[3]));
         even.extend(
             values.map(|((&a, &b), (&c, &d))| cubic(places, [a, b, c, d].map(Into::into), at) as f32),

@@ -61,6 +61,11 @@ pub(crate) fn samples(
     Ok(buffer.finish())
 }
 
+/// The number in a word of a header.
+pub(super) fn number(word: &[u8], coding: Coding, context: &Context<'_>) -> Result<u64, IoError> {
+    Words::new(word, coding).next(context)
+}
+
 /// The data at an offset, without their base64.
 fn from_appended<'a>(
     appended: Option<&'a [u8]>,
