@@ -384,6 +384,65 @@ fn packed(bytes: &[u8], zlib: bool) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
+/// VTI files whose array is compressed in blocks, or text in base64.
+fn packed_vti(folder: &Path, shorts: &[u8]) -> Vec<PathBuf> {
+    use base64::Engine;
+
+    let extent = DIMS.map(|n| format!("0 {}", n - 1)).join(" ");
+    let document = |compressor: &str, array: &str, appended: &[u8]| {
+        let xml = format!(
+            "<?xml version=\"1.0\"?><VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"BigEndian\" header_type=\"UInt64\"{compressor}><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"1 1 2\"><Piece Extent=\"{extent}\"><PointData Scalars=\"a\"><DataArray type=\"UInt16\" Name=\"a\" {array}</DataArray></PointData></Piece></ImageData>"
+        );
+        [xml.as_bytes(), appended, b"</VTKFile>"].concat()
+    };
+    let size = shorts.len() / 4 * 2 + 2;
+    let blocks: Vec<Vec<u8>> = shorts.chunks(size).map(|block| packed(block, true)).collect();
+    let numbers = [2, size, shorts.len() - size, blocks[0].len(), blocks[1].len()];
+    let words = numbers.map(|number| (number as u64).to_be_bytes()).concat();
+    let appended = [
+        b"<AppendedData encoding=\"raw\">_".as_slice(),
+        &words,
+        &blocks.concat(),
+        b"</AppendedData>",
+    ]
+    .concat();
+    let plain = [&(shorts.len() as u64).to_be_bytes(), shorts].concat();
+    let text = base64::engine::general_purpose::STANDARD.encode(plain);
+    vec![
+        write(
+            folder,
+            "q.vti",
+            &[&document(
+                " compressor=\"vtkZLibDataCompressor\"",
+                "format=\"appended\" offset=\"0\">",
+                &appended,
+            )],
+        ),
+        write(
+            folder,
+            "r.vti",
+            &[&document("", &format!("format=\"binary\">{text}"), b"")],
+        ),
+    ]
+}
+
+/// An archive of an array.
+fn npz(shorts: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+
+    let [nx, ny, nz] = DIMS;
+    let text = format!("{{'descr': '>u2', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    archive
+        .start_file("a.npy", zip::write::SimpleFileOptions::default())
+        .unwrap();
+    let head = [b"\x93NUMPY\x01\x00".as_slice(), &118u16.to_le_bytes()].concat();
+    archive.write_all(&head).unwrap();
+    archive.write_all(format!("{text:<117}\n").as_bytes()).unwrap();
+    archive.write_all(shorts).unwrap();
+    archive.finish().unwrap().into_inner()
+}
+
 /// Files whose samples are compressed, in several files, or between others.
 fn packed_cases(folder: &Path) -> Vec<Case> {
     let [nx, ny, nz] = DIMS;
@@ -422,12 +481,14 @@ fn packed_cases(folder: &Path) -> Vec<Case> {
             options: nifti.options,
         },
         plain(write(folder, "p.mgz", &[&packed(&mgh(&shorts), false)])),
+        plain(write(folder, "s.npz", &[&npz(&shorts)])),
         plain(write(
             folder,
             "n.nhdr",
             &[nrrd(3, &whole, "gzip", &format!("data file: LIST\n{list}")).as_bytes()],
         )),
     ];
+    cases.extend(packed_vti(folder, &shorts).into_iter().map(plain));
     // Three numbers a sample, of which one is read.
     let colours = nrrd(
         4,

@@ -215,8 +215,8 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
 
 /// Opens a volume whose samples can be read box by box, OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
 /// MetaImage, NIfTI, NPY, MGH, binary VTK, VTI with raw appended data), or slice by slice: TIFF, DICOM, and folders of pictures.
-/// Only metadata are read, whatever their size, and the first slice. Compressed samples of NRRD, MetaImage, NIfTI and MGH are
-/// unpacked first, where that is allowed ([`ReadOptions::unpack_in`]). `None` for all others.
+/// Only metadata are read, whatever their size, and the first slice. Compressed samples of NRRD, MetaImage, NIfTI, MGH, NPZ and VTI
+/// are unpacked first, where that is allowed ([`ReadOptions::unpack_in`]). `None` for all others.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -233,6 +233,7 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::MetaImage => metaimage::open(path, options)?,
         Format::Nifti => nifti::open(path, options)?,
         Format::Npy => npy::open(path)?,
+        Format::Npz => npy::open_npz(path, options)?,
         Format::Raw => raw::open(path, options)?,
         Format::Tiff => tiff::open(path, options)?,
         Format::Slices => Some(slices::open(path, options)?),

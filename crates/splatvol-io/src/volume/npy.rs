@@ -14,9 +14,10 @@ use std::path::Path;
 use half::f16;
 use splatvol_scene::{Rescale, Samples, Volume};
 
+use super::data_files::DataFiles;
 use super::flat::Flat;
 use super::nrrd::real_values;
-use super::stored::EXCESS;
+use super::stored::{EXCESS, Encoding, Layout, Selection, Stored};
 use super::{Description, Draft, Loaded, Opened, ReadOptions, checked_dims, sample_count};
 use crate::error::Context;
 use crate::samples::{SampleBuffer, for_each_little_endian_chunk};
@@ -24,6 +25,7 @@ use crate::source::{Rest, Source};
 use crate::{Endian, IoError};
 use header::{ElementType, Header};
 
+pub(super) use archive::open as open_npz;
 pub use archive::read as read_npz;
 
 /// Reads a .npy file.
@@ -35,7 +37,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("NPY", path);
     let mut source = Source::open(path)?;
     let header = Header::read(&mut source, context)?;
-    samples(&mut source, &header, npy_format(&header), options, context)
+    samples(source, &header, npy_format(&header), options, context)
 }
 
 /// Opens a .npy file.
@@ -65,9 +67,43 @@ fn npy_format(header: &Header) -> String {
     format!("NPY {}.{}", header.version[0], header.version[1])
 }
 
+/// The volume after a header in an archive, unpacked.
+fn unpacked(
+    source: Source<'_>,
+    header: &Header,
+    format: String,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<Option<Opened>, IoError> {
+    if header.element == ElementType::Half {
+        return Ok(None);
+    }
+    let draft = draft(header, format, context)?;
+    let stored = Stored {
+        layout: Layout {
+            sample_type: header.element.stored(),
+            endian: header.endian,
+            encoding: Encoding::Raw,
+            skip_lines: 0,
+            skip_bytes: Some(0),
+            start: 0,
+        },
+        selection: Selection {
+            dims: draft.dims,
+            components: 1,
+            component: 0,
+            volumes: 1,
+            times: 1,
+            volume: 0,
+        },
+        files: DataFiles::attached("data"),
+    };
+    stored.open(source, draft, (options, context))
+}
+
 /// The volume after a header.
 fn samples(
-    source: &mut Source<'_>,
+    mut source: Source<'_>,
     header: &Header,
     format: String,
     options: &ReadOptions,
@@ -77,7 +113,7 @@ fn samples(
     let stored = header.element.stored();
     let count = sample_count(draft.dims, 1, stored, options, context)?;
     let mut buffer = SampleBuffer::new(stored, header.endian);
-    buffer.read(source, count, context)?;
+    buffer.read(&mut source, count, context)?;
     let (mut samples, warning) = buffer.finish();
     draft.description.warnings.extend(warning);
     if source.rest(context)? == Rest::Excess {

@@ -1,6 +1,7 @@
 //! Unpacking: samples that are compressed, or lie in several files or between others, become a flat file without a name,
 //! from which regions are read. The system removes it with the volume, and when the program dies.
 
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -46,8 +47,7 @@ impl Stored<'_> {
         let total = one.and_then(|one| Some((one, one.checked_mul(selection.volumes)?)));
         let (one, total) = total.ok_or_else(|| context.limit(u64::MAX, u64::MAX))?;
         let wanted = one * selection.volume..one * (selection.volume + 1);
-        let failed = |source| writing(source, folder);
-        let mut file = BufWriter::new(tempfile::tempfile_in(folder).map_err(failed)?);
+        let mut copy = Unpacked::new(folder)?;
         let mut attached = Some(attached);
         for piece in files.pieces(total, wanted, context)? {
             let source = match files.open(piece.file, &mut draft.description, context)? {
@@ -56,17 +56,12 @@ impl Stored<'_> {
             };
             let source = decoded(source, layout, &piece, context)?;
             let components = (selection.components, selection.component);
-            let mut copy = Copying {
-                layout,
-                components,
-                folder,
-                file: &mut file,
-            };
-            if copy.piece(source, &piece, context)? == Rest::Excess && !files.is_followed() {
+            let rest = copy.piece(source, (layout, components), &piece, context)?;
+            if rest == Rest::Excess && !files.is_followed() {
                 draft.warn(EXCESS);
             }
         }
-        let file = file.into_inner().map_err(|error| failed(error.into_error()))?;
+        let file = copy.finish()?;
         let flat = Flat {
             path: context.path.to_owned(),
             position: 0,
@@ -85,28 +80,69 @@ fn writing(source: std::io::Error, folder: &Path) -> IoError {
     }
 }
 
-/// Where samples are copied to.
-struct Copying<'a, W> {
-    layout: &'a Layout,
-    /// Interleaved components, and the one to take.
-    components: (usize, usize),
+/// A file without a name that samples are copied to.
+pub(super) struct Unpacked<'a> {
     folder: &'a Path,
-    file: &'a mut W,
+    file: BufWriter<File>,
 }
 
-impl<W: Write> Copying<'_, W> {
-    /// Copies the wanted samples of a file.
+impl<'a> Unpacked<'a> {
+    /// A file in a folder.
+    ///
+    /// # Errors
+    /// [`IoError::Write`].
+    pub(super) fn new(folder: &'a Path) -> Result<Self, IoError> {
+        let file = tempfile::tempfile_in(folder).map_err(|error| writing(error, folder))?;
+        Ok(Self {
+            folder,
+            file: BufWriter::new(file),
+        })
+    }
+
+    /// The file, with all that was copied.
+    ///
+    /// # Errors
+    /// [`IoError::Write`].
+    pub(super) fn finish(self) -> Result<File, IoError> {
+        let Self { folder, file } = self;
+        file.into_inner()
+            .map_err(|error| writing(error.into_error(), folder))
+    }
+
+    /// Copies the wanted samples of a file. `components`: interleaved ones, and the one to take.
     fn piece(
         &mut self,
         mut source: Source<'_>,
+        (layout, (components, component)): (&Layout, (usize, usize)),
         piece: &Piece,
         context: &Context<'_>,
     ) -> Result<Rest, IoError> {
-        let (components, component) = self.components;
-        let width = self.layout.sample_type.size();
-        source.check_declared("samples", self.layout.bytes(piece.holds), context)?;
-        source.skip(self.layout.bytes(piece.skip), context)?;
-        let all = self.layout.bytes(piece.take);
+        source.check_declared("samples", layout.bytes(piece.holds), context)?;
+        source.skip(layout.bytes(piece.skip), context)?;
+        let width = layout.sample_type.size();
+        self.take(
+            &mut source,
+            layout.bytes(piece.take),
+            (width, components, component),
+            context,
+        )?;
+        match piece.ends_file() {
+            true => source.rest(context),
+            false => Ok(Rest::Nothing),
+        }
+    }
+
+    /// Copies this many bytes; of interleaved components of so many bytes, one.
+    ///
+    /// # Errors
+    /// Fewer bytes than these, [`IoError::Write`].
+    pub(super) fn take(
+        &mut self,
+        source: &mut Source<'_>,
+        all: u64,
+        (width, components, component): (usize, usize, usize),
+        context: &Context<'_>,
+    ) -> Result<(), IoError> {
         let mut buffer = vec![0; (BUFFER / (width * components)).max(1) * width * components];
         let mut copied = 0;
         while copied < all {
@@ -124,9 +160,6 @@ impl<W: Write> Copying<'_, W> {
             written.map_err(|error| writing(error, self.folder))?;
             copied += next as u64;
         }
-        match piece.ends_file() {
-            true => source.rest(context),
-            false => Ok(Rest::Nothing),
-        }
+        Ok(())
     }
 }

@@ -10,12 +10,14 @@ use std::fs::File;
 use std::path::Path;
 
 use super::flat::Flat;
+#[cfg(not(target_family = "wasm"))]
+use super::unpack::Unpacked;
 use super::vtk_array::Component;
 use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count, vtk_array};
 use crate::error::Context;
 use crate::positioned::read_at;
 use crate::samples::Endian;
-use crate::source::{read_file, start_of_file};
+use crate::source::{Source, read_file, start_of_file};
 use crate::{IoError, SampleType};
 use document::{Coding, Compressor, ImageFile, Place};
 
@@ -53,17 +55,64 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     )
 }
 
-/// Opens a file whose samples lie in it as they are; `None` for all others, and where anything is wrong, which [`read`] says.
+/// Opens a file whose samples lie in it as they are, or may be unpacked; `None` for all others.
 ///
 /// # Errors
-/// Files that cannot be read.
+/// Files that cannot be read; those that are unpacked, as [`read`].
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     let context = &Context::new("VTI", path);
     let bytes = start_of_file(path, context)?;
     match located(&bytes, options, context) {
         Some((flat, draft)) => flat.open(draft, context),
+        None => unpacked(options, context),
+    }
+}
+
+/// Unpacks the samples beside the output of a conversion, if that is allowed: the file's own bytes are in memory meanwhile.
+#[cfg(not(target_family = "wasm"))]
+fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opened>, IoError> {
+    let Some(folder) = &options.unpack_in else {
+        return Ok(None);
+    };
+    let bytes = read_file(context.path, context)?;
+    let parts = document::split(&bytes, context)?;
+    let document = document::parse(&parts, context)?;
+    let file = ImageFile::from_xml(&document, context)?;
+    let chosen = Chosen::new(&file, options, context)?;
+    if chosen.components != 1 {
+        return Ok(None);
+    }
+    let count = chosen.draft.grid(context)?.sample_count();
+    let mut copy = Unpacked::new(folder)?;
+    let width = chosen.sample_type.size();
+    let take = |source: &mut Source<'_>, samples| {
+        let bytes = chosen.sample_type.byte_count(samples);
+        copy.take(source, bytes, (width, 1, 0), context)
+    };
+    let found = payload::each_part(
+        &chosen.place,
+        (chosen.sample_type, count),
+        file.coding,
+        parts.appended,
+        (context, take),
+    )?;
+    let flat = Flat {
+        path: context.path.to_owned(),
+        position: 0,
+        sample_type: chosen.sample_type,
+        half: false,
+        endian: file.coding.endian,
+    };
+    match found {
+        Some(()) => flat.of_file(copy.finish()?, chosen.draft, context),
         None => Ok(None),
     }
+}
+
+/// Nothing is unpacked where there are no files.
+#[cfg(target_family = "wasm")]
+fn unpacked(_: &ReadOptions, _: &Context<'_>) -> Result<Option<Opened>, IoError> {
+    Ok(None)
 }
 
 /// The samples of an array that is appended as it is, given the file's first bytes.

@@ -12,13 +12,34 @@ use super::header::Header;
 use crate::IoError;
 use crate::error::Context;
 use crate::source::Source;
-use crate::volume::{Loaded, ReadOptions};
+use crate::volume::{Loaded, Opened, ReadOptions};
 
 /// Reads one array of a .npz file: [`ReadOptions::array`], else the first with three axes, else the only one.
 ///
 /// # Errors
 /// A corrupt archive, no such array, or as for a .npy file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
+    with(path, options, |source, header, context| {
+        super::samples(source, header, "NPZ".to_owned(), options, context)
+    })
+}
+
+/// Unpacks the array that [`read`] reads, if that is allowed; `None` also for half-precision numbers.
+///
+/// # Errors
+/// As [`read`].
+pub(in crate::volume) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    with(path, options, |source, header, context| {
+        super::unpacked(source, header, "NPZ".to_owned(), options, context)
+    })
+}
+
+/// Passes the bytes of an array on, which follow its header.
+fn with<T>(
+    path: &Path,
+    options: &ReadOptions,
+    then: impl FnOnce(Source<'_>, &Header, &Context<'_>) -> Result<T, IoError>,
+) -> Result<T, IoError> {
     let context = &Context::new("NPZ", path);
     // Refuses anything but a regular file.
     Source::open(path)?;
@@ -30,7 +51,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let index = choose(&mut archive, options.array.as_deref(), context)?;
     let mut source = entry(&mut archive, index, context)?;
     let header = Header::read(&mut source, context)?;
-    super::samples(&mut source, &header, "NPZ".to_owned(), options, context)
+    then(source, &header, context)
 }
 
 /// The decompressed bytes of an entry; its length and checksum are checked against the archive's directory.

@@ -25,40 +25,65 @@ pub(crate) fn samples(
     appended: Option<&[u8]>,
     context: &Context<'_>,
 ) -> Result<(Samples, Option<String>), IoError> {
-    let encoded = match place {
-        Place::Ascii(text) => {
-            let (samples, warning, used) = decode_text(text.as_bytes(), sample_type, count, 0, context)?;
-            if !text[used..].trim().is_empty() {
-                return Err(context.field(
-                    "DataArray",
-                    &text[used..],
-                    None,
-                    format!("{count} numbers, no more"),
-                ));
-            }
-            return Ok((samples, warning));
+    if let Place::Ascii(text) = place {
+        let (samples, warning, used) = decode_text(text.as_bytes(), sample_type, count, 0, context)?;
+        if !text[used..].trim().is_empty() {
+            let expected = format!("{count} numbers, no more");
+            return Err(context.field("DataArray", &text[used..], None, expected));
         }
+        return Ok((samples, warning));
+    }
+    let mut buffer = SampleBuffer::new(sample_type, coding.endian);
+    let take = |source: &mut Source<'_>, samples| buffer.read(source, samples, context);
+    each_part(place, (sample_type, count), coding, appended, (context, take))?;
+    Ok(buffer.finish())
+}
+
+/// Passes the bytes of `count` numbers on, part by part: sources, and how many numbers each has. `None` for text.
+pub(super) fn each_part(
+    place: &Place<'_>,
+    (sample_type, count): (SampleType, usize),
+    coding: Coding,
+    appended: Option<&[u8]>,
+    (context, mut take): (
+        &Context<'_>,
+        impl FnMut(&mut Source<'_>, usize) -> Result<(), IoError>,
+    ),
+) -> Result<Option<()>, IoError> {
+    let encoded = match place {
+        Place::Ascii(_) => return Ok(None),
         Place::Base64(text) => Cow::Owned(from_base64(text.as_bytes(), context)?),
         Place::Appended { offset, next } => from_appended(appended, (*offset, *next), coding, context)?,
     };
-    let mut buffer = SampleBuffer::new(sample_type, coding.endian);
-    if let Some(compressor) = coding.compressor {
-        let blocks = Blocks { compressor, coding };
-        blocks.read(&encoded, (sample_type, count), &mut buffer, context)?;
-    } else {
-        let mut words = Words::new(&encoded, coding);
-        let (declared, expected) = (words.next(context)?, sample_type.byte_count(count));
-        if declared != expected {
-            return Err(context.field(
-                "bytes of data",
-                declared,
-                None,
-                format!("{expected} for the extent"),
-            ));
+    match coding.compressor {
+        Some(compressor) => {
+            let blocks = Blocks { compressor, coding };
+            blocks.each(&encoded, (sample_type, count), context, take)?;
         }
-        buffer.read(&mut Source::from_bytes(words.rest), count, context)?;
+        None => {
+            let plain = plain(&encoded, (sample_type, count), coding, context)?;
+            take(&mut Source::from_bytes(plain), count)?;
+        }
     }
-    Ok(buffer.finish())
+    Ok(Some(()))
+}
+
+/// The bytes behind the header of data that are not compressed.
+fn plain<'a>(
+    encoded: &'a [u8],
+    (sample_type, count): (SampleType, usize),
+    coding: Coding,
+    context: &Context<'_>,
+) -> Result<&'a [u8], IoError> {
+    let mut words = Words::new(encoded, coding);
+    let (declared, expected) = (words.next(context)?, sample_type.byte_count(count));
+    match declared == expected {
+        true => Ok(words.rest),
+        false => {
+            let expected = format!("{expected} for the extent");
+            Err(context.field("bytes of data", declared, None, expected))
+        }
+    }
 }
 
 /// The number in a word of a header.
@@ -118,12 +143,13 @@ struct Blocks {
 }
 
 impl Blocks {
-    fn read(
+    /// Passes blocks on, decompressed, and how many numbers each has.
+    fn each(
         &self,
         encoded: &[u8],
         (sample_type, count): (SampleType, usize),
-        buffer: &mut SampleBuffer,
         context: &Context<'_>,
+        mut take: impl FnMut(&mut Source<'_>, usize) -> Result<(), IoError>,
     ) -> Result<(), IoError> {
         let coding = self.coding;
         let mut words = Words::new(encoded, coding);
@@ -170,7 +196,7 @@ impl Blocks {
                     Source::from_bytes(&plain)
                 }
             };
-            buffer.read(&mut source, samples as usize, context)?;
+            take(&mut source, samples as usize)?;
             if source.rest(context)? != Rest::Nothing {
                 let found = format!("more than {} bytes", samples * width);
                 return Err(context.field(format!("block {block} of {blocks}"), found, None, "as declared"));
