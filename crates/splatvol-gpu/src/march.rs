@@ -72,7 +72,7 @@ impl Canvas {
         background: f32,
     ) -> Result<(), SceneError> {
         self.read(gpu, |colors, depths| {
-            resolve((frame, background), (colors, depths))
+            resolve((frame, background), (colors, depths));
         })
     }
 
