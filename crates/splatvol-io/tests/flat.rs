@@ -362,6 +362,58 @@ fn short_files_are_refused_and_those_that_shrink_are_named() {
 }
 
 #[test]
+fn texts_of_other_lengths_are_told_when_they_are_unpacked() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ReadOptions {
+        unpack_in: Some(folder.path().to_owned()),
+        ..ReadOptions::default()
+    };
+    let header = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n";
+    let of = |numbers: &str| write(folder.path(), "a.nrrd", &[header.as_bytes(), numbers.as_bytes()]);
+    for (numbers, words) in [("1 2 3 4 5 6 7", "8 numbers"), ("1 2 3 4 5 6 7 x", "i16")] {
+        let error = open_volume(of(numbers), &options).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let path = of("1 2 3 4 5 6 7 8 9");
+    let opened = open_volume(&path, &options).unwrap().unwrap();
+    assert_eq!(
+        opened.description,
+        read_volume(&path, &options).unwrap().description
+    );
+    assert!(!opened.description.warnings.is_empty());
+}
+
+#[test]
+fn integers_of_64_bits_become_floats() {
+    let folder = tempfile::tempdir().unwrap();
+    let [nx, ny, nz] = DIMS;
+    let longs = bytes(nx * ny * nz, 8, true);
+    let header = format!("NRRD0004\ntype: int64\ndimension: 3\nsizes: {nx} {ny} {nz}\n");
+    let endian = "encoding: raw\nendian: little\n\n";
+    let path = write(
+        folder.path(),
+        "a.nrrd",
+        &[header.as_bytes(), endian.as_bytes(), &longs],
+    );
+    let memory = read_volume(&path, &ReadOptions::default()).unwrap();
+    let opened = open_volume(&path, &ReadOptions::default()).unwrap().unwrap();
+    let (mut buffer, mut found) = (ChunkBuffer::default(), Samples::U8(Vec::new().into()));
+    let whole = VoxelBox::whole(memory.volume.grid());
+    opened
+        .source
+        .read_region(0, whole, &mut found, &mut buffer)
+        .unwrap();
+    assert!(found == *memory.volume.samples());
+    for description in [&opened.description, &memory.description] {
+        let warnings = &description.warnings;
+        assert!(
+            warnings.iter().any(|warning| warning.contains("2^53")),
+            "{warnings:?}"
+        );
+    }
+}
+
+#[test]
 fn compressed_files_are_read_whole() {
     let folder = tempfile::tempdir().unwrap();
     let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\n";
@@ -489,6 +541,24 @@ fn packed_cases(folder: &Path) -> Vec<Case> {
         )),
     ];
     cases.extend(packed_vti(folder, &shorts).into_iter().map(plain));
+    let text: String = shorts
+        .chunks_exact(2)
+        .enumerate()
+        .map(|(i, word)| {
+            let blank = if i % 9 == 8 { '\n' } else { ' ' };
+            format!("{}{blank}", u16::from_be_bytes([word[0], word[1]]))
+        })
+        .collect();
+    cases.push(plain(write(
+        folder,
+        "t.nrrd",
+        &[nrrd(3, &whole, "ascii", "\n").as_bytes(), text.as_bytes()],
+    )));
+    let head = format!(
+        "# vtk DataFile Version 2.0\ntitle\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {whole}\nPOINT_DATA {}\nSCALARS v unsigned_short\nLOOKUP_TABLE default\n",
+        nx * ny * nz
+    );
+    cases.push(plain(write(folder, "u.vtk", &[head.as_bytes(), text.as_bytes()])));
     // Three numbers a sample, of which one is read.
     let colours = nrrd(
         4,

@@ -48,6 +48,18 @@ impl<'a> TextNumbers<'a> {
         (length > 0).then(|| (&self.text[begin..begin + length], begin))
     }
 
+    /// How many there are.
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn count(&self) -> usize {
+        let mut position = 0;
+        std::iter::from_fn(|| {
+            let (token, begin) = self.next(position)?;
+            position = begin + token.len();
+            Some(())
+        })
+        .count()
+    }
+
     /// True where nothing but separators follows `position`.
     pub(crate) fn ends_at(&self, position: usize) -> bool {
         self.next(position).is_none()

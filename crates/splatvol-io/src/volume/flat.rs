@@ -20,6 +20,9 @@ use crate::{Endian, IoError, SampleType};
 /// Samples of a chunk: few rows, since each takes a read of its own. Regions of any other size are read as well.
 const CHUNK: [usize; 3] = [256, 32, 32];
 
+/// Warning about 64-bit integers.
+const ROUNDED: &str = "64-bit integers become 64-bit floats: those beyond 2^53 are rounded";
+
 /// Place and type of a volume's samples.
 #[derive(Debug)]
 pub(super) struct Flat {
@@ -42,23 +45,24 @@ struct FlatSource {
 }
 
 impl Flat {
-    /// The type in memory; `None` where conversion loses digits, of which only a whole volume gives notice.
-    fn element(&self) -> Option<ElementType> {
+    /// The type in memory.
+    fn element(&self) -> ElementType {
         match self.sample_type {
-            SampleType::U64 | SampleType::I64 => None,
-            _ if self.half => Some(ElementType::F32),
-            sample_type => Some(sample_type.element()),
+            _ if self.half => ElementType::F32,
+            sample_type => sample_type.element(),
         }
     }
 
-    /// The volume of a header; `None` where it has to be read as a whole.
+    /// Whether samples are 64-bit integers, which become floats.
+    fn is_rounded(&self) -> bool {
+        matches!(self.sample_type, SampleType::U64 | SampleType::I64)
+    }
+
+    /// The volume of a header.
     ///
     /// # Errors
     /// Files that cannot be opened, or are too short.
-    pub(super) fn open(self, draft: Draft, context: &Context<'_>) -> Result<Option<Opened>, IoError> {
-        if self.element().is_none() {
-            return Ok(None);
-        }
+    pub(super) fn open(self, draft: Draft, context: &Context<'_>) -> Result<Opened, IoError> {
         let failed = |source| IoError::Open {
             source,
             path: self.path.clone(),
@@ -81,12 +85,13 @@ impl Flat {
     pub(super) fn of_file(
         self,
         file: File,
-        draft: Draft,
+        mut draft: Draft,
         context: &Context<'_>,
-    ) -> Result<Option<Opened>, IoError> {
-        let Some(element) = self.element() else {
-            return Ok(None);
-        };
+    ) -> Result<Opened, IoError> {
+        if self.is_rounded() {
+            // How many, only a volume in memory can tell.
+            draft.warn(ROUNDED);
+        }
         let metadata = std::fs::metadata(&self.path).map_err(|source| IoError::Open {
             source,
             path: self.path.clone(),
@@ -94,7 +99,7 @@ impl Flat {
         let layout = LevelLayout {
             grid: draft.grid(context)?,
             chunk: std::array::from_fn(|axis| draft.dims[axis].min(CHUNK[axis])),
-            element,
+            element: self.element(),
             rescale: draft.rescale,
             fill: 0.0,
         };
@@ -106,7 +111,7 @@ impl Flat {
             name: self.path.display().to_string(),
             state: format!("{} bytes, changed at {changed:?}, {self:?}", metadata.len()),
         };
-        Ok(Some(Opened {
+        Ok(Opened {
             unit: draft.unit,
             description: draft.description,
             is_divided: false,
@@ -116,7 +121,7 @@ impl Flat {
                 levels: [layout],
                 identity,
             }),
-        }))
+        })
     }
 }
 
@@ -193,7 +198,7 @@ impl ChunkSource for FlatSource {
             sample_type, endian, ..
         } = self.flat;
         into.refill(self.levels[level].element, region.len(), 0.0);
-        if self.flat.half {
+        if self.flat.half || self.flat.is_rounded() {
             buffer.coded.clear();
             buffer.coded.resize(region.len() * sample_type.size(), 0);
             self.fill(region, &mut buffer.coded)?;

@@ -11,6 +11,8 @@ use glam::{DMat3, DVec3};
 use splatvol_scene::Samples;
 
 use super::flat::Flat;
+#[cfg(not(target_family = "wasm"))]
+use super::unpack::{Numbers, unpack_text};
 use super::vtk_array::{self, Association, ImageGeometry};
 use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::error::Context;
@@ -72,22 +74,67 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(vtk_array::pick(samples, head.components, component), context)
 }
 
-/// Opens a binary file; `None` for text, for arrays that lie behind others or have several components, and where anything is
-/// wrong, which [`read`] says.
+/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others or have several components, and
+/// where the header is wrong, which [`read`] says.
 ///
 /// # Errors
 /// Files that cannot be read.
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     let context = &Context::new("legacy VTK", path);
     let bytes = start_of_file(path, context)?;
-    match located(&bytes, options, context) {
-        Some((flat, draft)) => flat.open(draft, context),
-        None => Ok(None),
+    let Some((array, draft)) = located(&bytes, options, context) else {
+        return Ok(None);
+    };
+    match array.coding {
+        Coding::Ascii => unpacked(array, options, (draft, context)),
+        Coding::Binary => {
+            let flat = Flat {
+                path: path.to_owned(),
+                position: array.start,
+                sample_type: array.sample_type,
+                half: false,
+                endian: Endian::Big,
+            };
+            flat.open(draft, context).map(Some)
+        }
     }
 }
 
-/// The samples of the array that is read, if it is the last of those that the file's first bytes have.
-fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option<(Flat, Draft)> {
+/// The numbers of a text, unpacked beside the output of a conversion, if that is allowed.
+#[cfg(not(target_family = "wasm"))]
+fn unpacked(
+    array: Located,
+    options: &ReadOptions,
+    (draft, context): (Draft, &Context<'_>),
+) -> Result<Option<Opened>, IoError> {
+    let Some(folder) = &options.unpack_in else {
+        return Ok(None);
+    };
+    let mut source = Source::open(context.path)?;
+    source.skip(array.start, context)?;
+    let numbers = Numbers {
+        sample_type: array.sample_type,
+        start: array.start,
+        may_be_followed: true,
+    };
+    unpack_text(source, numbers, folder, (draft, context)).map(Some)
+}
+
+/// Nothing is unpacked where there are no files.
+#[cfg(target_family = "wasm")]
+fn unpacked(_: Located, _: &ReadOptions, _: (Draft, &Context<'_>)) -> Result<Option<Opened>, IoError> {
+    Ok(None)
+}
+
+/// Where an array's numbers are.
+struct Located {
+    start: u64,
+    sample_type: SampleType,
+    coding: Coding,
+}
+
+/// The array that is read, if it is the last of those that the file's first bytes have.
+fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option<(Located, Draft)> {
     let mut cursor = Cursor::new(bytes, context);
     let (version, coding) = header(&mut cursor).ok()?;
     let geometry = geometry(&mut cursor, coding).ok()?;
@@ -103,8 +150,7 @@ fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option
     let Attributes { heads, arrays } = scan.found;
     let (index, _) = vtk_array::choose(&heads, options, context).ok()?;
     let (head, array) = (&heads[index], &arrays[index]);
-    let (Coding::Binary, ElementType::Number(sample_type), 1) = (coding, array.element, head.components)
-    else {
+    let (ElementType::Number(sample_type), 1) = (array.element, head.components) else {
         return None;
     };
     let draft = geometry
@@ -114,14 +160,12 @@ fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option
             context,
         )
         .ok()?;
-    let flat = Flat {
-        path: context.path.to_owned(),
-        position: array.start as u64,
+    let located = Located {
+        start: array.start as u64,
         sample_type,
-        half: false,
-        endian: Endian::Big,
+        coding,
     };
-    Some((flat, draft))
+    Some((located, draft))
 }
 
 fn described(version: &str, sample_type: SampleType, coding: Coding, context: &Context<'_>) -> Description {

@@ -237,7 +237,7 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::Raw => raw::open(path, options)?,
         Format::Tiff => tiff::open(path, options)?,
         Format::Slices => Some(slices::open(path, options)?),
-        Format::Dicom => dicom::open(path, options)?,
+        Format::Dicom => Some(dicom::open(path, options)?),
         Format::Vti => vti::open(path, options)?,
         Format::LegacyVtk => legacy_vtk::open(path, options)?,
         Format::Mgh => mgh::open(path, options)?,

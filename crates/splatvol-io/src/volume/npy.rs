@@ -60,7 +60,7 @@ pub(super) fn open(path: &Path) -> Result<Option<Opened>, IoError> {
     if source.at_most() > flat.sample_type.byte_count(samples) {
         draft.warn(EXCESS);
     }
-    flat.open(draft, context)
+    flat.open(draft, context).map(Some)
 }
 
 fn npy_format(header: &Header) -> String {

@@ -58,7 +58,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
         half: false,
         endian: layout.endian,
     };
-    flat.open(draft, context)
+    flat.open(draft, context).map(Some)
 }
 
 fn is_gzip(path: &Path) -> bool {

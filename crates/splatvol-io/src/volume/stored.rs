@@ -190,7 +190,7 @@ impl Stored<'_> {
             half: false,
             endian: layout.endian,
         };
-        flat.open(draft, context)
+        flat.open(draft, context).map(Some)
     }
 
     /// Nothing is unpacked where there are no files.
@@ -293,7 +293,7 @@ fn read_text(
     }
 }
 
-fn skip_lines(source: &mut Source<'_>, count: u64, context: &Context<'_>) -> Result<(), IoError> {
+pub(super) fn skip_lines(source: &mut Source<'_>, count: u64, context: &Context<'_>) -> Result<(), IoError> {
     for skipped in 0..count {
         if source.peek(context)?.is_empty() {
             return Err(context.truncated("skipped lines", count, skipped));

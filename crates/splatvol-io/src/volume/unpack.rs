@@ -7,17 +7,19 @@ use std::path::Path;
 
 use super::data_files::Piece;
 use super::flat::Flat;
-use super::stored::{EXCESS, Encoding, Layout, Stored, decoded};
+use super::stored::{EXCESS, Encoding, Layout, Selection, Stored, decoded, skip_lines};
 use super::{Draft, Opened, ReadOptions};
 use crate::error::Context;
+use crate::samples::{TextNumbers, decode_text, for_each_little_endian_chunk};
 use crate::source::{Rest, Source};
-use crate::{IoError, SampleType};
+use crate::{Endian, IoError, SampleType};
 
 /// Bytes that are copied at once.
 const BUFFER: usize = 1 << 20;
 
 impl Stored<'_> {
-    /// The selected samples, unpacked; `None` where that is not allowed, or samples have to be parsed or converted.
+    /// The selected samples, unpacked; `None` where that is not allowed, or hexadecimal digits have to be
+    /// parsed, or one of several texts.
     pub(super) fn unpack(
         &self,
         attached: Source<'_>,
@@ -30,16 +32,14 @@ impl Stored<'_> {
             files,
         } = self;
         let is_parsed = matches!(layout.encoding, Encoding::Text | Encoding::Hex);
-        let is_converted = matches!(layout.sample_type, SampleType::U64 | SampleType::I64);
         // Components of one sample may lie in two files.
         let is_torn = selection.components > 1 && files.count() > 1;
-        let Some(folder) = options
-            .unpack_in
-            .as_deref()
-            .filter(|_| !is_parsed && !is_converted && !is_torn)
-        else {
+        let Some(folder) = options.unpack_in.as_deref() else {
             return Ok(None);
         };
+        if is_parsed || is_torn {
+            return self.unpack_text(attached, folder, draft, context);
+        }
         let one = selection
             .dims
             .iter()
@@ -69,8 +69,102 @@ impl Stored<'_> {
             half: false,
             endian: layout.endian,
         };
-        flat.of_file(file, draft, context)
+        flat.of_file(file, draft, context).map(Some)
     }
+}
+
+impl Stored<'_> {
+    /// The samples of one file of text; `None` where there is more to choose from.
+    fn unpack_text(
+        &self,
+        attached: Source<'_>,
+        folder: &Path,
+        mut draft: Draft,
+        context: &Context<'_>,
+    ) -> Result<Option<Opened>, IoError> {
+        let Selection {
+            components, volumes, ..
+        } = self.selection;
+        if self.layout.encoding != Encoding::Text || components * volumes * self.files.count() != 1 {
+            return Ok(None);
+        }
+        let own = self.files.open(0, &mut draft.description, context)?;
+        let mut source = own.unwrap_or(attached);
+        skip_lines(&mut source, self.layout.skip_lines, context)?;
+        source.skip(self.layout.skip_bytes.unwrap_or(0), context)?;
+        let numbers = Numbers {
+            sample_type: self.layout.sample_type,
+            start: self.layout.start,
+            may_be_followed: self.files.is_followed(),
+        };
+        unpack_text(source, numbers, folder, (draft, context)).map(Some)
+    }
+}
+
+/// Numbers that are written as text.
+pub(super) struct Numbers {
+    pub(super) sample_type: SampleType,
+    /// Their place in the file.
+    pub(super) start: u64,
+    /// Whether anything may stand behind them.
+    pub(super) may_be_followed: bool,
+}
+
+/// The volume of a text's numbers, parsed piece by piece.
+///
+/// # Errors
+/// What is no number of the type, fewer of them than the volume has samples; [`IoError::Write`].
+pub(super) fn unpack_text(
+    mut source: Source<'_>,
+    numbers: Numbers,
+    folder: &Path,
+    (mut draft, context): (Draft, &Context<'_>),
+) -> Result<Opened, IoError> {
+    let mut copy = Unpacked::new(folder)?;
+    let mut left = draft.grid(context)?.sample_count();
+    let (mut text, mut start) = (Vec::new(), numbers.start);
+    let (mut warned, mut is_excess) = (None, false);
+    while left > 0 {
+        let known = text.len();
+        text.resize(known + BUFFER, 0);
+        let read = source.fill(&mut text[known..], context)?;
+        text.truncate(known + read);
+        let is_last = read < BUFFER;
+        // The last number may go on in the next piece.
+        let whole = match text.iter().rposition(u8::is_ascii_whitespace) {
+            _ if is_last => text.len(),
+            Some(blank) => blank,
+            None => continue,
+        };
+        let own = &text[..whole];
+        let count = match is_last {
+            true => left,
+            false => TextNumbers { text: own, start }.count().min(left),
+        };
+        let (samples, warning, used) = decode_text(own, numbers.sample_type, count, start, context)?;
+        warned = warned.or(warning);
+        is_excess = !TextNumbers { text: own, start }.ends_at(used);
+        for_each_little_endian_chunk(&samples, |bytes| copy.file.write_all(bytes))
+            .map_err(|error| writing(error, folder))?;
+        left -= count;
+        start += whole as u64;
+        text.drain(..whole);
+    }
+    if is_excess && !numbers.may_be_followed {
+        draft.warn(EXCESS);
+    }
+    warned.into_iter().for_each(|warning| draft.warn(warning));
+    let flat = Flat {
+        path: context.path.to_owned(),
+        position: 0,
+        sample_type: match numbers.sample_type {
+            SampleType::U64 | SampleType::I64 => SampleType::F64,
+            sample_type => sample_type,
+        },
+        half: false,
+        endian: Endian::Little,
+    };
+    flat.of_file(copy.finish()?, draft, context)
 }
 
 fn writing(source: std::io::Error, folder: &Path) -> IoError {

@@ -17,7 +17,9 @@ use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count, vtk_a
 use crate::error::Context;
 use crate::positioned::read_at;
 use crate::samples::Endian;
-use crate::source::{Source, read_file, start_of_file};
+#[cfg(not(target_family = "wasm"))]
+use crate::source::Source;
+use crate::source::{read_file, start_of_file};
 use crate::{IoError, SampleType};
 use document::{Coding, Compressor, ImageFile, Place};
 
@@ -63,7 +65,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
     let context = &Context::new("VTI", path);
     let bytes = start_of_file(path, context)?;
     match located(&bytes, options, context) {
-        Some((flat, draft)) => flat.open(draft, context),
+        Some((flat, draft)) => flat.open(draft, context).map(Some),
         None => unpacked(options, context),
     }
 }
@@ -104,7 +106,7 @@ fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opene
         endian: file.coding.endian,
     };
     match found {
-        Some(()) => flat.of_file(copy.finish()?, chosen.draft, context),
+        Some(()) => flat.of_file(copy.finish()?, chosen.draft, context).map(Some),
         None => Ok(None),
     }
 }

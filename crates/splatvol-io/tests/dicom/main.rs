@@ -115,8 +115,11 @@ fn one(file: &DicomFile) -> Result<Loaded, IoError> {
 
 fn one_with(file: &DicomFile, options: &ReadOptions) -> Result<Loaded, IoError> {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("one.dcm"), file.bytes()).unwrap();
-    read_volume(folder.path().join("one.dcm"), options)
+    let path = folder.path().join("one.dcm");
+    std::fs::write(&path, file.bytes()).unwrap();
+    let loaded = read_volume(&path, options)?;
+    assert_opens(&path, options, &loaded);
+    Ok(loaded)
 }
 
 #[test]

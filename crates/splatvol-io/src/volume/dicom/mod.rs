@@ -84,21 +84,15 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(samples, context)
 }
 
-/// Opens a folder of files with a slice each, which are read when they are asked for; `None` where a file has several.
+/// Opens a folder or a file, whose slices are read when they are asked for. The bytes of a file of several are kept.
 ///
 /// # Errors
 /// As [`read`].
-pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
-    if !path.is_dir() {
-        return Ok(None);
-    }
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Opened, IoError> {
     let context = &Context::new("DICOM", path).following(options);
     let (series, draft) = SeriesSlices::choose(path, options, context)?;
-    if !series.has_files_of_one() {
-        return Ok(None);
-    }
     let element = series.slice(0)?.element_type();
-    stack::open(series, element, (draft, context)).map(Some)
+    stack::open(series, element, (draft, context))
 }
 
 impl SeriesSlices {

@@ -43,7 +43,9 @@ enum Words {
     Four(Vec<u32>),
 }
 
-struct OpenFile {
+/// A file's bytes, and where its frames are.
+#[derive(Debug)]
+pub(super) struct OpenFile {
     path: PathBuf,
     bytes: Vec<u8>,
     syntax: Syntax,
@@ -142,7 +144,8 @@ fn frames(
 }
 
 impl<'a> SliceReader<'a> {
-    pub(super) fn new(form: &'a Form, channel: usize) -> Self {
+    /// `file`: one that is open already.
+    pub(super) fn new(form: &'a Form, channel: usize, file: Option<OpenFile>) -> Self {
         let words = match bits_of_values(form) {
             8 => Words::One(Vec::new()),
             16 => Words::Two(Vec::new()),
@@ -152,8 +155,13 @@ impl<'a> SliceReader<'a> {
             form,
             channel,
             words,
-            file: None,
+            file,
         }
+    }
+
+    /// The file that was read last.
+    pub(super) fn take_file(&mut self) -> Option<OpenFile> {
+        self.file.take()
     }
 
     /// Adds a frame of a file.

@@ -1,10 +1,12 @@
 //! The slices of a series, in order: read one by one, or all.
 
+use std::sync::{Mutex, PoisonError};
+
 use splatvol_scene::{Rescale, Samples, with_samples};
 
 use super::colors::Table;
 use super::image::{Form, FrameHead, ImageHead};
-use super::pixels::SliceReader;
+use super::pixels::{OpenFile, SliceReader};
 use super::uneven::Uneven;
 use crate::IoError;
 use crate::error::Context;
@@ -40,6 +42,8 @@ pub(super) struct SeriesSlices {
     scaling: Scaling,
     /// How they are resampled, if they must be.
     uneven: Option<Uneven>,
+    /// The file of several slices that was read last, with its bytes: they would be read again for each slice.
+    opened: Mutex<Option<OpenFile>>,
 }
 
 impl SeriesSlices {
@@ -66,6 +70,7 @@ impl SeriesSlices {
             channel,
             scaling,
             uneven,
+            opened: Mutex::default(),
         }
     }
 
@@ -83,12 +88,6 @@ impl SeriesSlices {
             Scaling::PerSlice => description.stored_type.push_str(", scaled per slice"),
             Scaling::Tables => description.stored_type.push_str(", by a look-up table"),
         }
-    }
-
-    /// Whether no file has two of the slices.
-    pub(super) fn has_files_of_one(&self) -> bool {
-        let frames = |slice: &Slice| self.images[slice.image].frames.len();
-        self.slices.iter().all(|slice| frames(slice) == 1)
     }
 
     fn form(&self) -> &Form {
@@ -110,9 +109,17 @@ impl SeriesSlices {
     /// Samples of some slices one after the other; real values unless all have the same scale.
     fn stored(&self, slices: &[Slice]) -> Result<Samples, IoError> {
         let form = self.form();
-        let mut reader = SliceReader::new(form, self.channel);
+        let has_several = |slice: &Slice| self.images[slice.image].frames.len() > 1;
+        let mut kept = slices
+            .iter()
+            .any(has_several)
+            .then(|| self.opened.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut reader = SliceReader::new(form, self.channel, kept.as_mut().and_then(|kept| kept.take()));
         for slice in slices {
             reader.append(&self.images[slice.image].path, slice.frame)?;
+        }
+        if let Some(kept) = &mut kept {
+            **kept = reader.take_file();
         }
         let samples = reader.finish();
         let table = |slice: &Slice| self.images[slice.image].lookup_table.as_ref();

@@ -157,7 +157,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
         };
         let follows = |slice: usize| stack.place(slice).page == stack.place(0).page + slice;
         return match (0..stack.layout.slices).all(follows) {
-            true => flat.open(draft, context),
+            true => flat.open(draft, context).map(Some),
             false => Ok(None),
         };
     }
