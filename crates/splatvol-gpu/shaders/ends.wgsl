@@ -143,7 +143,7 @@ fn add_shares(end: ptr<function, End>, sheet: u32, offset: vec2<f32>, count: i32
 
 // Whether all weights around a place lie on the lattice, also those around the points of a narrow low-pass.
 fn is_far_inside(place: Place) -> bool {
-    return all(place.cell >= vec3(5)) && all(place.cell <= frame.dims - 7);
+    return all(place.cell >= vec3(6)) && all(place.cell <= frame.dims - 8);
 }
 
 // Takes a plane's sums at a pixel.

@@ -14,7 +14,8 @@
 //! |---|---|---|---|---|
 //! | assemble | `atlas` | - | needed voxels' coefficients, of each of the `layers` | pages with a slot each, in a texture |
 //! | page | `pager` | - | pages of a volume larger than the budget | some of them at a time |
-//! | cull | `march` | `cull` | pages, camera | planes of each tile that may hold something |
+//! | clear | `march` | `clear` | - | an empty picture |
+//! | cull | `march` | `cull` | octants of pages, camera | planes of each tile that may hold something |
 //! | march | `march`, `mode` | `field`, `march`, those of the mode | all of these, tables | colour, transmittance, depth |
 //! | classify | `voxels` | `classify` | samples, table, light | classes of voxels, where these are splatted |
 //! | mixture | `gather` | `gather`, `mixture` | intervals of several layers | the same |
