@@ -404,6 +404,11 @@ fn integers_of_64_bits_become_floats() {
         .read_region(0, whole, &mut found, &mut buffer)
         .unwrap();
     assert!(found == *memory.volume.samples());
+    let strict = ReadOptions {
+        strict: true,
+        ..ReadOptions::default()
+    };
+    assert!(open_volume(&path, &strict).unwrap().is_none());
     for description in [&opened.description, &memory.description] {
         let warnings = &description.warnings;
         assert!(

@@ -11,7 +11,7 @@ use splatvol_scene::{
     SourceIdentity, VoxelBox,
 };
 
-use super::{Draft, Opened};
+use super::{Description, Draft, Opened};
 use crate::error::Context;
 use crate::positioned::read_at;
 use crate::samples::{sample_bytes_mut, swap_bytes_of, widen_samples};
@@ -22,6 +22,11 @@ const CHUNK: [usize; 3] = [256, 32, 32];
 
 /// Warning about 64-bit integers.
 const ROUNDED: &str = "64-bit integers become 64-bit floats: those beyond 2^53 are rounded";
+
+/// Whether a file's 64-bit integers may be rounded.
+pub(super) fn may_round(description: &Description) -> bool {
+    description.warnings.iter().any(|warning| warning == ROUNDED)
+}
 
 /// Place and type of a volume's samples.
 #[derive(Debug)]

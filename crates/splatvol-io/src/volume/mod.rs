@@ -243,7 +243,9 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::Mgh => mgh::open(path, options)?,
         _ => None,
     };
-    let Some(opened) = opened else {
+    // Only a volume in memory can tell whether an integer was rounded.
+    let is_doubtful = |opened: &Opened| options.strict && flat::may_round(&opened.description);
+    let Some(opened) = opened.filter(|opened| !is_doubtful(opened)) else {
         return Ok(None);
     };
     refuse_warnings(&opened.description, path, options)?;
