@@ -1,0 +1,163 @@
+//! Files whose samples have to be unpacked.
+
+use std::path::{Path, PathBuf};
+
+use splatvol_io::ReadOptions;
+
+use crate::cases::{Case, DIMS, bytes, cases, mgh, write};
+
+pub(crate) fn packed(bytes: &[u8], zlib: bool) -> Vec<u8> {
+    use flate2::Compression;
+    use flate2::write::{GzEncoder, ZlibEncoder};
+    use std::io::Write;
+
+    if zlib {
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+        encoder.write_all(bytes).unwrap();
+        return encoder.finish().unwrap();
+    }
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// VTI files whose array is compressed in blocks, or text in base64.
+pub(crate) fn packed_vti(folder: &Path, shorts: &[u8]) -> Vec<PathBuf> {
+    use base64::Engine;
+
+    let extent = DIMS.map(|n| format!("0 {}", n - 1)).join(" ");
+    let document = |compressor: &str, array: &str, appended: &[u8]| {
+        let xml = format!(
+            "<?xml version=\"1.0\"?><VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"BigEndian\" header_type=\"UInt64\"{compressor}><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"1 1 2\"><Piece Extent=\"{extent}\"><PointData Scalars=\"a\"><DataArray type=\"UInt16\" Name=\"a\" {array}</DataArray></PointData></Piece></ImageData>"
+        );
+        [xml.as_bytes(), appended, b"</VTKFile>"].concat()
+    };
+    let size = shorts.len() / 4 * 2 + 2;
+    let blocks: Vec<Vec<u8>> = shorts.chunks(size).map(|block| packed(block, true)).collect();
+    let numbers = [2, size, shorts.len() - size, blocks[0].len(), blocks[1].len()];
+    let words = numbers.map(|number| (number as u64).to_be_bytes()).concat();
+    let appended = [
+        b"<AppendedData encoding=\"raw\">_".as_slice(),
+        &words,
+        &blocks.concat(),
+        b"</AppendedData>",
+    ]
+    .concat();
+    let plain = [&(shorts.len() as u64).to_be_bytes(), shorts].concat();
+    let text = base64::engine::general_purpose::STANDARD.encode(plain);
+    vec![
+        write(
+            folder,
+            "q.vti",
+            &[&document(
+                " compressor=\"vtkZLibDataCompressor\"",
+                "format=\"appended\" offset=\"0\">",
+                &appended,
+            )],
+        ),
+        write(
+            folder,
+            "r.vti",
+            &[&document("", &format!("format=\"binary\">{text}"), b"")],
+        ),
+    ]
+}
+
+/// An archive of an array.
+pub(crate) fn npz(shorts: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+
+    let [nx, ny, nz] = DIMS;
+    let text = format!("{{'descr': '>u2', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    archive
+        .start_file("a.npy", zip::write::SimpleFileOptions::default())
+        .unwrap();
+    let head = [b"\x93NUMPY\x01\x00".as_slice(), &118u16.to_le_bytes()].concat();
+    archive.write_all(&head).unwrap();
+    archive.write_all(format!("{text:<117}\n").as_bytes()).unwrap();
+    archive.write_all(shorts).unwrap();
+    archive.finish().unwrap().into_inner()
+}
+
+/// Files whose samples are compressed, in several files, or between others.
+pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
+    let [nx, ny, nz] = DIMS;
+    let shorts = bytes(nx * ny * nz, 2, false);
+    let plain = |path| Case {
+        path,
+        options: ReadOptions::default(),
+    };
+    let nrrd = |dimension: usize, sizes: &str, encoding: &str, more: &str| {
+        format!(
+            "NRRD0005\ntype: uint16\ndimension: {dimension}\nsizes: {sizes}\nencoding: {encoding}\nendian: big\n{more}"
+        )
+    };
+    let whole = format!("{nx} {ny} {nz}");
+    let meta = format!(
+        "ObjectType = Image\nNDims = 3\nDimSize = {whole}\nElementType = MET_SHORT\nCompressedData = True\nElementDataFile = LOCAL\n"
+    );
+    let nifti = cases(folder).into_iter().nth(7).unwrap();
+    let list: String = (0..5).map(|part| format!("part{part}.gz\n")).collect();
+    for (part, samples) in shorts.chunks_exact(shorts.len() / 5).enumerate() {
+        write(folder, &format!("part{part}.gz"), &[&packed(samples, false)]);
+    }
+    let mut cases = vec![
+        plain(write(
+            folder,
+            "k.nrrd",
+            &[nrrd(3, &whole, "gzip", "\n").as_bytes(), &packed(&shorts, false)],
+        )),
+        plain(write(folder, "l.mha", &[meta.as_bytes(), &packed(&shorts, true)])),
+        Case {
+            path: write(
+                folder,
+                "m.nii.gz",
+                &[&packed(&std::fs::read(&nifti.path).unwrap(), false)],
+            ),
+            options: nifti.options,
+        },
+        plain(write(folder, "p.mgz", &[&packed(&mgh(&shorts), false)])),
+        plain(write(folder, "s.npz", &[&npz(&shorts)])),
+        plain(write(
+            folder,
+            "n.nhdr",
+            &[nrrd(3, &whole, "gzip", &format!("data file: LIST\n{list}")).as_bytes()],
+        )),
+    ];
+    cases.extend(packed_vti(folder, &shorts).into_iter().map(plain));
+    let text: String = shorts
+        .chunks_exact(2)
+        .enumerate()
+        .map(|(i, word)| {
+            let blank = if i % 9 == 8 { '\n' } else { ' ' };
+            format!("{}{blank}", u16::from_be_bytes([word[0], word[1]]))
+        })
+        .collect();
+    cases.push(plain(write(
+        folder,
+        "t.nrrd",
+        &[nrrd(3, &whole, "ascii", "\n").as_bytes(), text.as_bytes()],
+    )));
+    let head = format!(
+        "# vtk DataFile Version 2.0\ntitle\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {whole}\nPOINT_DATA {}\nSCALARS v unsigned_short\nLOOKUP_TABLE default\n",
+        nx * ny * nz
+    );
+    cases.push(plain(write(folder, "u.vtk", &[head.as_bytes(), text.as_bytes()])));
+    // Three numbers a sample, of which one is read.
+    let colours = nrrd(
+        4,
+        &format!("3 {nx} {ny} 11"),
+        "gzip",
+        "kinds: vector space space space\n\n",
+    );
+    let samples = &shorts[..3 * nx * ny * 11 * 2];
+    cases.push(Case {
+        path: write(folder, "o.nrrd", &[colours.as_bytes(), &packed(samples, false)]),
+        options: ReadOptions {
+            component: Some(1),
+            ..ReadOptions::default()
+        },
+    });
+    cases
+}
