@@ -23,6 +23,8 @@ use attributes::{Array, Attributes, Coding, ElementType, Scan};
 use cursor::Cursor;
 
 const MAGIC: &str = "# vtk DataFile Version";
+/// Warning about text.
+const CUT: &str = "the file ends right after the last number, which may be cut short";
 
 /// Reads a .vtk file.
 ///
@@ -116,6 +118,7 @@ fn unpacked(
         sample_type: array.sample_type,
         start: array.start,
         may_be_followed: true,
+        cut: Some(CUT),
     };
     unpack_text(source, numbers, folder, (draft, context)).map(Some)
 }
@@ -299,8 +302,7 @@ pub(crate) fn decode(
                 (ElementType::Share, Samples::F32(shares)) => Samples::U8(shares.iter().map(byte).collect()),
                 (_, samples) => samples,
             };
-            let cut = "the file ends right after the last number, which may be cut short";
-            let cut = (used == data.len()).then(|| cut.to_owned());
+            let cut = (used == data.len()).then(|| CUT.to_owned());
             Ok((samples, warning.or(cut)))
         }
         (Coding::Binary, ElementType::Bit) => {

@@ -85,7 +85,8 @@ impl Stored<'_> {
         let Selection {
             components, volumes, ..
         } = self.selection;
-        if self.layout.encoding != Encoding::Text || components * volumes * self.files.count() != 1 {
+        let is_one = [components, volumes, self.files.count()] == [1; 3];
+        if self.layout.encoding != Encoding::Text || !is_one {
             return Ok(None);
         }
         let own = self.files.open(0, &mut draft.description, context)?;
@@ -96,6 +97,7 @@ impl Stored<'_> {
             sample_type: self.layout.sample_type,
             start: self.layout.start,
             may_be_followed: self.files.is_followed(),
+            cut: None,
         };
         unpack_text(source, numbers, folder, (draft, context)).map(Some)
     }
@@ -108,6 +110,8 @@ pub(super) struct Numbers {
     pub(super) start: u64,
     /// Whether anything may stand behind them.
     pub(super) may_be_followed: bool,
+    /// Warning where the file ends with the last of them.
+    pub(super) cut: Option<&'static str>,
 }
 
 /// The volume of a text's numbers, parsed piece by piece.
@@ -144,6 +148,9 @@ pub(super) fn unpack_text(
         let (samples, warning, used) = decode_text(own, numbers.sample_type, count, start, context)?;
         warned = warned.or(warning);
         is_excess = !TextNumbers { text: own, start }.ends_at(used);
+        if let Some(cut) = numbers.cut.filter(|_| is_last && used == own.len()) {
+            draft.warn(cut);
+        }
         for_each_little_endian_chunk(&samples, |bytes| copy.file.write_all(bytes))
             .map_err(|error| writing(error, folder))?;
         left -= count;
