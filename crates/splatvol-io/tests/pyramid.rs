@@ -217,7 +217,8 @@ fn chunks_are_read_alone_and_damage_names_its_place() {
             let Samples::I16(read) = &buffer.samples else {
                 panic!()
             };
-            let [low, high] = source.bounds(level, chunk).unwrap();
+            let index = source.index(level).unwrap();
+            let [low, high] = index.within(layout.region(chunk)).unwrap().map(f64::from);
             assert!(
                 read.iter().all(|&value| (low..=high).contains(&f64::from(value))),
                 "{level} {chunk:?}"

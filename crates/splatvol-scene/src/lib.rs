@@ -64,7 +64,8 @@ pub use camera::{Camera, Projection, ScreenFromCamera, View};
 pub use camera_path::{CameraKey, CameraPath};
 pub use chunks::{
     Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkCounts, ChunkFault, ChunkSource, ChunkedVolume,
-    ElementType, LevelLayout, OverBudget, Recent, Reservation, SourceError, SourceIdentity, Survey,
+    ElementType, LevelLayout, MinMaxIndex, OverBudget, Recent, Reservation, SourceError, SourceIdentity,
+    Survey,
 };
 pub use clip::{Clip, ClipPlane, Keep};
 pub use error::SceneError;

@@ -25,19 +25,44 @@ use super::{AROUND, Block, Chunk, FieldStore, Surroundings, place};
 use crate::brick::BRICK;
 use crate::visibility::{BRICK_VOXELS, LEVELS, VisibleLevels, level_of};
 
-/// Lattice points around a chunk from which the needs of its voxels follow: a brick of cells, and their last points.
+/// Lattice points around a chunk from which the needs of its voxels are found: a brick of cells, and their last points.
 const MARGIN: usize = BRICK + 1;
+/// Points around a voxel of which none can be visible where no reconstruction needs the voxel ([`super::Needs`]).
+const NEAR: usize = 3;
 
 /// Chunks that were solved last, and what may be solved.
 #[derive(Debug)]
 pub(super) struct Lazy {
     solved: Recent<u32, Arc<Chunk>>,
     /// Chunks that may hold needed voxels, ascending.
-    candidates: Vec<u32>,
+    candidates: Vec<Candidate>,
     /// Memory of threads that solve.
     scratch: Mutex<Vec<(Scratch, Option<Samples>)>>,
     /// Bricks solved since the last call.
     work: AtomicUsize,
+}
+
+/// A chunk that may hold needed voxels, and which of its bricks may.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    chunk: u32,
+    bricks: [u64; 2],
+}
+
+impl Candidate {
+    /// Places of the bricks, ascending.
+    fn places(&self) -> impl Iterator<Item = u32> + use<> {
+        let [low, high] = self.bricks;
+        set_bits(low).chain(set_bits(high).map(|at| at + u64::BITS))
+    }
+}
+
+fn set_bits(mut bits: u64) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let at = (bits != 0).then(|| bits.trailing_zeros());
+        bits &= bits.wrapping_sub(1);
+        at
+    })
 }
 
 impl Clone for Lazy {
@@ -95,7 +120,10 @@ impl FieldStore {
     pub fn candidates(&self) -> usize {
         let lazy = self.lazy.as_ref();
         lazy.map_or(self.needed.len(), |lazy| match self.levels {
-            Some(_) => lazy.candidates.len() * CHUNK.iter().product::<usize>(),
+            Some(_) => {
+                let bricks = |of: &Candidate| of.bricks.map(u64::count_ones);
+                lazy.candidates.iter().flat_map(bricks).sum::<u32>() as usize
+            }
             // Voxels that are classified are found when a picture is planned.
             None => self.bricks.iter().product(),
         })
@@ -107,15 +135,10 @@ impl FieldStore {
         use rayon::prelude::*;
 
         let Some(lazy) = &self.lazy else { return };
-        let bricks = |&chunk: &u32| {
-            let first = self.chunk_first(chunk as usize);
-            let wanted = |at: &u32| {
-                let offset = place(*at as usize);
-                let brick: [usize; 3] = std::array::from_fn(|a| first[a] + offset[a]);
-                (0..3).all(|a| brick[a] < self.bricks[a]) && keep(brick.map(|b| (b * BRICK) as u32))
-            };
-            let own = (0..CHUNK.iter().product::<usize>() as u32).filter(wanted);
-            own.map(|at| [chunk, at]).collect::<Vec<_>>()
+        let bricks = |candidate: &Candidate| {
+            let wanted = |at: &u32| keep(self.brick_at(candidate.chunk, *at).map(|b| (b * BRICK) as u32));
+            let own = candidate.places().filter(wanted);
+            own.map(|at| [candidate.chunk, at]).collect::<Vec<_>>()
         };
         let kept: Vec<Vec<[u32; 2]>> = lazy.candidates.par_iter().map(bricks).collect();
         self.needed = kept.concat();
@@ -124,7 +147,7 @@ impl FieldStore {
     /// Finds the chunks that may hold needed voxels; all their bricks are needed until [`FieldStore::restrict`].
     pub(super) fn find_candidates(&mut self) {
         let Some(levels) = &self.levels else { return };
-        let found = self.chunks_with(levels, MARGIN);
+        let found = self.chunks_with(levels, NEAR);
         self.voxels = 0;
         self.needed.clear();
         self.set_hole();
@@ -152,28 +175,28 @@ impl FieldStore {
     /// Replaces `bricks` by those of chunks that may hold a visible sample, ascending.
     pub(super) fn candidate_bricks(&self, levels: &VisibleLevels, bricks: &mut Vec<u32>) {
         let [nx, ny, _] = self.bricks;
-        for chunk in self.chunks_with(levels, 1) {
-            let first = self.chunk_first(chunk as usize);
-            for at in 0..CHUNK.iter().product() {
-                let offset = place(at);
-                let [x, y, z]: [usize; 3] = std::array::from_fn(|a| first[a] + offset[a]);
-                if (0..3).all(|a| first[a] + offset[a] < self.bricks[a]) {
-                    bricks.push(((z * ny + y) * nx + x) as u32);
-                }
-            }
+        for candidate in self.chunks_with(levels, 1) {
+            let number = |at| {
+                let [x, y, z] = self.brick_at(candidate.chunk, at);
+                ((z * ny + y) * nx + x) as u32
+            };
+            bricks.extend(candidate.places().map(number));
         }
         bricks.sort_unstable();
     }
 
-    /// Chunks of which a sample, or one within so many points around them, may be visible as far as bounds tell.
-    fn chunks_with(&self, levels: &VisibleLevels, margin: usize) -> Vec<u32> {
+    /// Chunks with bricks of which a sample, or one within so many points around them, may be visible as far as an
+    /// index tells.
+    fn chunks_with(&self, levels: &VisibleLevels, margin: usize) -> Vec<Candidate> {
+        use rayon::prelude::*;
+
         let counts: [usize; 3] = std::array::from_fn(|a| self.bricks[a].div_ceil(CHUNK[a]));
-        let may_show = |chunk: &u32| {
-            let region = self.region_around(self.chunk_first(*chunk as usize), margin);
-            let (source, level) = self.source.of();
-            let bounds = source.chunks().and_then(|chunks| chunks.bounds(level, region));
-            bounds.is_none_or(|[low, high]| {
-                let [a, b] = [low, high].map(|end| level_of(self.lattice.normalised(end)));
+        let (source, level) = self.source.of();
+        let index = source.chunks().and_then(|chunks| chunks.index(level));
+        let may_show = |region: VoxelBox| {
+            let ends = index.as_ref().and_then(|index| index.within(region));
+            ends.is_none_or(|[low, high]| {
+                let [a, b] = [low, high].map(|end| level_of(self.lattice.normalised(f64::from(end))));
                 let (low, high) = (a.min(b), a.max(b));
                 // A level more: the ends were rounded by another way here.
                 let [low, high] =
@@ -181,15 +204,35 @@ impl FieldStore {
                 levels.any_of([low, high])
             })
         };
-        (0..counts.iter().product::<usize>() as u32)
-            .filter(may_show)
-            .collect()
+        let candidate = |chunk: u32| {
+            let around = self.region_around(self.chunk_first(chunk as usize), CHUNK, margin);
+            let mut bricks = [0; 2];
+            if may_show(around) {
+                for at in 0..CHUNK.iter().product::<usize>() {
+                    let brick = self.brick_at(chunk, at as u32);
+                    if (0..3).all(|a| brick[a] < self.bricks[a])
+                        && may_show(self.region_around(brick, [1; 3], margin))
+                    {
+                        bricks[at / 64] |= 1u64 << (at % 64);
+                    }
+                }
+            }
+            (bricks != [0; 2]).then_some(Candidate { chunk, bricks })
+        };
+        let count = counts.iter().product::<usize>() as u32;
+        (0..count).into_par_iter().filter_map(candidate).collect()
     }
 
-    /// Samples of a chunk, given its first brick, and so many points around it.
-    fn region_around(&self, first: [usize; 3], margin: usize) -> VoxelBox {
+    /// Number along each axis of the brick at a place of a chunk.
+    fn brick_at(&self, chunk: u32, at: u32) -> [usize; 3] {
+        let (first, offset) = (self.chunk_first(chunk as usize), place(at as usize));
+        std::array::from_fn(|a| first[a] + offset[a])
+    }
+
+    /// Samples of a box of bricks, and so many points around it.
+    fn region_around(&self, first: [usize; 3], bricks: [usize; 3], margin: usize) -> VoxelBox {
         let from = first.map(|brick| (brick * BRICK).saturating_sub(margin));
-        let to = std::array::from_fn(|a| (first[a] + CHUNK[a]) * BRICK + margin);
+        let to = std::array::from_fn(|a| (first[a] + bricks[a]) * BRICK + margin);
         self.lattice.region(from, to)
     }
 
@@ -221,7 +264,7 @@ impl FieldStore {
         let mut reader = Reader::with_memory(&self.source, &self.failure, memory);
         let first = self.chunk_first(index);
         let origin = first.map(|brick| brick * BRICK);
-        let around = self.region_around(first, MARGIN);
+        let around = self.region_around(first, CHUNK, MARGIN);
         reader.hold(joined(self.solver.region(&self.lattice, origin), around))?;
         let mut chunk = Chunk::default();
         with_block!(reader, around, data => {

@@ -2,12 +2,14 @@
 //! samples from which the background is found. An index of bounds says it at once; otherwise all chunks are read once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
-use splatvol_scene::chunks::spread_step;
+use splatvol_scene::chunks::{block_ends, spread_step};
 use splatvol_scene::volume::{Statistics, widen};
 use splatvol_scene::{
-    ChunkSource, ChunkedVolume, Rescale, SampleSource, SceneError, Survey, VoxelBox, with_samples,
+    ChunkSource, ChunkedVolume, MinMaxIndex, Rescale, SampleSource, SceneError, Survey, VoxelBox,
+    with_samples,
 };
 
 use super::level::SourceLevel;
@@ -35,12 +37,16 @@ pub fn survey(level: &SourceLevel, stop: &AtomicBool) -> Result<(), SceneError> 
 fn of_index(chunks: &ChunkedVolume, level: usize) -> Option<Survey> {
     let layout = chunks.layout(level);
     let spread = chunks.source().spread(level)?;
-    let ends = chunks.bounds(level, VoxelBox::whole(&layout.grid))?;
+    let ends = chunks.source().index(level)?.whole()?;
     let statistics = Statistics {
         non_finite: 0,
         ..statistics(layout.rescale, ends, chunks.statistics(level).mean)?
     };
-    Some(Survey { statistics, spread })
+    Some(Survey {
+        statistics,
+        spread,
+        index: None,
+    })
 }
 
 fn statistics(rescale: Rescale, ends: [f64; 2], mean: f64) -> Option<Statistics> {
@@ -56,7 +62,6 @@ fn statistics(rescale: Rescale, ends: [f64; 2], mean: f64) -> Option<Statistics>
 
 /// What is found in a chunk.
 struct Found {
-    ends: [f64; 2],
     sum: f64,
     spread: Vec<(usize, f64)>,
 }
@@ -65,23 +70,24 @@ struct Found {
 fn of_samples(chunks: &ChunkedVolume, level: usize, stop: &AtomicBool) -> Result<Survey, SceneError> {
     let layout = chunks.layout(level);
     let whole = VoxelBox::whole(&layout.grid);
+    let index = Mutex::new(MinMaxIndex::new(layout.grid.dims(), BLOCK, 0));
     let found: Vec<Found> = regions(chunks, level)
         .into_par_iter()
         .map(|region| match stop.load(Ordering::Relaxed) {
             true => Err(SceneError::Stopped),
-            false => of_region(chunks, level, region),
+            false => of_region(chunks, level, region, &index),
         })
         .collect::<Result<_, _>>()?;
-    let ends = found.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| {
-        [all[0].min(own.ends[0]), all[1].max(own.ends[1])]
-    });
+    let index = index.into_inner().unwrap_or_else(PoisonError::into_inner);
     let mean = found.iter().map(|own| own.sum).sum::<f64>() / whole.len() as f64;
     let mut spread: Vec<(usize, f64)> = found.into_iter().flat_map(|own| own.spread).collect();
     spread.sort_unstable_by_key(|(index, _)| *index);
+    let ends = index.whole().unwrap_or([f64::NAN; 2]);
     let statistics = statistics(layout.rescale, ends, layout.rescale.apply(mean));
     Ok(Survey {
         statistics: statistics.ok_or_else(|| SceneError::invalid("value range", ends, "a finite width"))?,
         spread: spread.into_iter().map(|(_, sample)| sample).collect(),
+        index: Some(Arc::new(index)),
     })
 }
 
@@ -106,13 +112,20 @@ fn regions(chunks: &ChunkedVolume, level: usize) -> Vec<VoxelBox> {
     (0..nz).flat_map(rows).collect()
 }
 
-fn of_region(chunks: &ChunkedVolume, level: usize, region: VoxelBox) -> Result<Found, SceneError> {
+/// Blocks of the index of what is read through.
+const BLOCK: [usize; 3] = [16; 3];
+
+fn of_region(
+    chunks: &ChunkedVolume,
+    level: usize,
+    region: VoxelBox,
+    index: &Mutex<MinMaxIndex>,
+) -> Result<Found, SceneError> {
     let mut memory = None;
     let block = chunks.read(level, region, &mut memory)?;
     let [nx, ny, nz] = chunks.layout(level).grid.dims();
     let step = spread_step(nx * ny * nz);
     let mut found = Found {
-        ends: [f64::INFINITY, f64::NEG_INFINITY],
         sum: 0.0,
         spread: Vec::new(),
     };
@@ -123,7 +136,6 @@ fn of_region(chunks: &ChunkedVolume, level: usize, region: VoxelBox) -> Result<F
             let (y, z) = (y + row % region.size[1], z + row / region.size[1]);
             for &sample in samples {
                 let value = widen(sample);
-                found.ends = [found.ends[0].min(value), found.ends[1].max(value)];
                 found.sum += value;
                 finite &= value.is_finite();
             }
@@ -132,6 +144,10 @@ fn of_region(chunks: &ChunkedVolume, level: usize, region: VoxelBox) -> Result<F
                 found.spread.push((index, widen(samples[index - first])));
             }
         }
+        let mut ends = Vec::new();
+        block_ends((data, region), region, (BLOCK, 0), |block, own| ends.push((block, own)));
+        let mut index = index.lock().unwrap_or_else(PoisonError::into_inner);
+        ends.into_iter().for_each(|(block, own)| index.join(block, own));
         finite
     });
     match finite {

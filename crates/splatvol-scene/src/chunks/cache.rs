@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::MinMaxIndex;
 use super::recent::Recent;
 use super::region::copy_box;
 use super::{
@@ -220,8 +221,8 @@ impl ChunkSource for CachedSource {
         self.source.reads_regions()
     }
 
-    fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
-        self.source.bounds(level, chunk)
+    fn index(&self, level: usize) -> Option<Arc<MinMaxIndex>> {
+        self.source.index(level)
     }
 
     fn spread(&self, level: usize) -> Option<Vec<f64>> {

@@ -9,12 +9,14 @@ mod budget;
 mod cache;
 mod error;
 mod layout;
+mod min_max;
 mod recent;
 mod region;
 mod thinned;
 mod volume;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use crate::{Samples, VoxelBox};
 
@@ -22,6 +24,7 @@ pub use budget::{Budget, OverBudget, Reservation};
 pub use cache::{CachedSource, ChunkCounts};
 pub use error::{ChunkFault, SourceError};
 pub use layout::{ElementType, LevelLayout};
+pub use min_max::{MinMaxIndex, block_ends};
 pub use recent::Recent;
 pub use region::{copy_box, read_by_chunks};
 pub use volume::{ChunkedVolume, Survey, spread_step};
@@ -100,9 +103,8 @@ pub trait ChunkSource: Debug + Send + Sync {
         false
     }
 
-    /// Smallest and largest stored value of a chunk and of the samples around it (one in each direction), if that is
-    /// known without reading them. Chunks with missing samples have no bounds.
-    fn bounds(&self, _level: usize, _chunk: [usize; 3]) -> Option<[f64; 2]> {
+    /// Smallest and largest stored values of the blocks of a level, if they are known without reading it.
+    fn index(&self, _level: usize) -> Option<Arc<MinMaxIndex>> {
         None
     }
 

@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 use glam::DAffine3;
 
 use super::region::copy_box;
-use super::{Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, OverBudget};
-use super::{Reservation, SourceError, SourceIdentity};
+use super::{Budget, CachedSource, ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, MinMaxIndex};
+use super::{OverBudget, Reservation, SourceError, SourceIdentity};
 use crate::volume::Statistics;
 use crate::{Block, Grid, LengthUnit, Rescale, SampleSource, Samples, SceneError, Volume, VoxelBox};
 
@@ -104,6 +104,8 @@ pub struct Survey {
     pub statistics: Statistics,
     /// Every n-th stored sample, n by [`spread_step`].
     pub spread: Vec<f64>,
+    /// Smallest and largest samples of blocks, where they were found by reading through the level.
+    pub index: Option<Arc<MinMaxIndex>>,
 }
 
 /// A source of chunks as engines read samples: region by region, through a cache, within a budget of bytes. Clones, and
@@ -217,15 +219,11 @@ impl ChunkedVolume {
         let _ = self.shared.surveys[level].set(survey);
     }
 
-    /// Smallest and largest stored value within a region, or more, if they are known without reading it.
-    pub fn bounds(&self, level: usize, region: VoxelBox) -> Option<[f64; 2]> {
-        let mut ends: Option<[f64; 2]> = None;
-        for chunk in self.layout(level).chunks_of(region) {
-            let [low, high] = self.shared.source.bounds(level, chunk)?;
-            let known = ends.unwrap_or([low, high]);
-            ends = Some([known[0].min(low), known[1].max(high)]);
-        }
-        ends
+    /// Smallest and largest stored values of the blocks of a level: those that the source knows, or those that were
+    /// found when the level was surveyed.
+    pub fn index(&self, level: usize) -> Option<Arc<MinMaxIndex>> {
+        let surveyed = || self.survey(level)?.index.clone();
+        self.shared.source.index(level).or_else(surveyed)
     }
 
     /// All samples of a level in memory.

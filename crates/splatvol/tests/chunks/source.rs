@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use splatvol::chunks::spread_step;
+use splatvol::chunks::{MinMaxIndex, block_ends, spread_step};
 use splatvol::volume::widen;
 use splatvol::{
     ChunkBuffer, ChunkContent, ChunkFault, ChunkSource, LevelLayout, Samples, SourceError, SourceIdentity,
@@ -78,26 +78,14 @@ impl ChunkSource for Pieces {
         Ok(ChunkContent::Samples)
     }
 
-    fn bounds(&self, _: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
-        if !self.index {
-            return None;
-        }
-        let region = self.levels[0].region(chunk);
-        let [nx, ny, nz] = self.levels[0].grid.dims();
-        let around = |axis: usize, n: usize| {
-            region.first[axis].saturating_sub(1)..(region.first[axis] + region.size[axis] + 1).min(n)
-        };
-        let whole = VoxelBox::whole(&self.levels[0].grid);
-        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
-        with_samples!(self.volume.samples(), data => for z in around(2, nz) {
-            for y in around(1, ny) {
-                for &sample in &whole.row(data, [y, z])[around(0, nx)] {
-                    let value = widen(sample);
-                    ends = [ends[0].min(value), ends[1].max(value)];
-                }
-            }
+    fn index(&self, _: usize) -> Option<Arc<MinMaxIndex>> {
+        let whole = self.index.then(|| VoxelBox::whole(&self.levels[0].grid))?;
+        let block = ([16; 3], 1);
+        let mut index = MinMaxIndex::new(whole.size, block.0, block.1);
+        with_samples!(self.volume.samples(), data => {
+            block_ends((data, whole), whole, block, |at, ends| index.join(at, ends));
         });
-        Some(ends)
+        Some(Arc::new(index))
     }
 
     fn spread(&self, _: usize) -> Option<Vec<f64>> {

@@ -36,16 +36,18 @@ pub(super) fn complete() -> Value {
     json!({ KEY: { "complete": true } })
 }
 
-/// The attributes of an index of bounds of chunks with these edges, the slowest first.
-pub(super) fn bounds_of(chunk: [usize; 3]) -> Value {
-    json!({ KEY: { "complete": true, "chunk": chunk } })
+/// The attributes of an index of bounds of blocks with these edges, the slowest first.
+pub(super) fn bounds_of(block: [usize; 3]) -> Value {
+    json!({ KEY: { "complete": true, "block": block } })
 }
 
-/// The edges of the chunks that an index of bounds is about.
-pub(super) fn chunk_of_bounds(attributes: Option<&Value>) -> Option<[usize; 3]> {
-    let chunk = attributes?.get(KEY)?.get("chunk")?.as_array()?;
-    let chunk: Option<Vec<usize>> = chunk.iter().map(|edge| Some(edge.as_u64()? as usize)).collect();
-    chunk?.try_into().ok()
+/// The edges of the blocks that an index of bounds is about; earlier versions wrote those of chunks.
+pub(super) fn block_of_bounds(attributes: Option<&Value>) -> Option<[usize; 3]> {
+    let own = attributes?.get(KEY)?;
+    let block = own.get("block").or_else(|| own.get("chunk"))?.as_array()?;
+    let edge = |edge: &Value| usize::try_from(edge.as_u64()?).ok().filter(|edge| *edge > 0);
+    let block: Option<Vec<usize>> = block.iter().map(edge).collect();
+    block?.try_into().ok()
 }
 
 impl Own {
@@ -154,7 +156,7 @@ mod tests {
     #[test]
     fn arrays_say_what_they_hold() {
         assert!(is_complete(Some(&complete())) && !is_complete(None));
-        assert_eq!(chunk_of_bounds(Some(&bounds_of([1, 2, 3]))), Some([1, 2, 3]));
-        assert_eq!(chunk_of_bounds(Some(&complete())), None);
+        assert_eq!(block_of_bounds(Some(&bounds_of([1, 2, 3]))), Some([1, 2, 3]));
+        assert_eq!(block_of_bounds(Some(&complete())), None);
     }
 }

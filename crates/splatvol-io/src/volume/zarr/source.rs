@@ -3,9 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
-use splatvol_scene::{ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, SourceError, SourceIdentity};
+use splatvol_scene::{
+    ChunkBuffer, ChunkContent, ChunkSource, LevelLayout, MinMaxIndex, SourceError, SourceIdentity,
+};
 
-use super::bounds::Bounds;
+use super::bounds;
 use super::folder::Folder;
 use super::level::ArrayLevel;
 use super::spread;
@@ -18,7 +20,8 @@ use crate::volume::{Opened, ReadOptions};
 pub(super) struct ZarrSource {
     layouts: Vec<LevelLayout>,
     levels: Vec<ArrayLevel>,
-    bounds: Vec<Option<Bounds>>,
+    /// Smallest and largest samples of blocks of each level, read when they are asked for.
+    indices: Vec<OnceLock<Option<Arc<MinMaxIndex>>>>,
     /// Samples that stand for each level, read when they are asked for.
     spread: Vec<OnceLock<Option<Vec<f64>>>>,
     /// Folder, number of the first level, and how it is read.
@@ -31,11 +34,9 @@ pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoErr
     let first = store.check_level(options)?;
     let (finest, _) = store.draft(first, options)?;
     let mut levels = Vec::new();
-    let mut bounds = Vec::new();
     for level in first..store.arrays.len() {
         let (draft, part) = store.draft(level, options)?;
         let opened = store.level(level, (&draft, part), options)?;
-        bounds.push(Bounds::open(&store.folder, level, &opened, options));
         levels.push(opened);
     }
     let source = ZarrSource {
@@ -43,8 +44,8 @@ pub(super) fn open(store: &Store, options: &ReadOptions) -> Result<Opened, IoErr
         identity: identity(store, &levels),
         spread: levels.iter().map(|_| OnceLock::new()).collect(),
         place: (store.folder.clone(), first, options.clone()),
+        indices: levels.iter().map(|_| OnceLock::new()).collect(),
         levels,
-        bounds,
     };
     Ok(Opened {
         source: Arc::new(source),
@@ -89,8 +90,10 @@ impl ChunkSource for ZarrSource {
         }
     }
 
-    fn bounds(&self, level: usize, chunk: [usize; 3]) -> Option<[f64; 2]> {
-        self.bounds[level].as_ref()?.of(chunk)
+    fn index(&self, level: usize) -> Option<Arc<MinMaxIndex>> {
+        let (folder, first, options) = &self.place;
+        let read = || bounds::read(folder, first + level, &self.levels[level], options).map(Arc::new);
+        self.indices[level].get_or_init(read).clone()
     }
 
     fn spread(&self, level: usize) -> Option<Vec<f64>> {

@@ -1,25 +1,26 @@
-//! Smallest and largest samples of chunks, and samples that stand for a level: found by the tasks, which leave them in
+//! Smallest and largest samples of blocks, and samples that stand for a level: found by the tasks, which leave them in
 //! files that also say that a task is done; put together in arrays when a level is complete.
 
 use std::path::{Path, PathBuf};
 
+use splatvol_scene::chunks::block_ends;
 use splatvol_scene::volume::widen;
 use splatvol_scene::{ElementType, Samples, VoxelBox, with_samples};
 
 use super::chunks::coded;
 use super::files;
 use super::metadata::ArrayMetadata;
-use super::plan::{LevelPlan, Plan, chunks_in};
+use super::plan::{LevelPlan, Plan};
 use super::{OmeVersion, PyramidOptions};
 use crate::IoError;
 use crate::volume::zarr::{own, spread};
 
 /// Edge of the chunks of an index.
-const EDGE: usize = 32;
+const EDGE: usize = 64;
 
 /// What a task finds in its box.
 pub(super) struct Found {
-    /// Smallest and largest samples of its chunks, and of those around each; NaN where samples are missing.
+    /// Smallest and largest samples of its blocks, and of those around each; NaN where samples are missing.
     bounds: Vec<[f64; 2]>,
     /// Samples that stand for the level.
     spread: Vec<f64>,
@@ -31,55 +32,16 @@ pub(super) fn of_box(level: &LevelPlan, own: VoxelBox, (samples, of): (&Samples,
         .map(|(_, [x, y, z])| widen(of.row(data, [y, z])[x - of.first[0]]))
         .collect());
     Found {
-        bounds: of_chunks(level, own, (samples, of)),
+        bounds: of_blocks(level, own, (samples, of)),
         spread,
     }
 }
 
-fn of_chunks(level: &LevelPlan, own: VoxelBox, (samples, of): (&Samples, VoxelBox)) -> Vec<[f64; 2]> {
-    let bounds = |chunk| {
-        let region = around(level.whole_chunk(chunk), of);
-        with_samples!(samples, data => of_region(data, of, region))
-    };
-    chunks_in(level, own).map(bounds).collect()
-}
-
-/// A box and one sample around it, within another.
-fn around(inner: VoxelBox, outer: VoxelBox) -> VoxelBox {
-    let end = |of: VoxelBox, axis: usize| of.first[axis] + of.size[axis];
-    let first: [usize; 3] =
-        std::array::from_fn(|axis| inner.first[axis].saturating_sub(1).max(outer.first[axis]));
-    VoxelBox {
-        first,
-        size: std::array::from_fn(|axis| (end(inner, axis) + 1).min(end(outer, axis)) - first[axis]),
-    }
-}
-
-fn of_region<T: Copy + PartialOrd + Into<f64>>(data: &[T], of: VoxelBox, region: VoxelBox) -> [f64; 2] {
-    let [nx, ny, nz] = region.size;
-    let mut ends: Option<[T; 2]> = None;
-    for z in region.first[2]..region.first[2] + nz {
-        for y in region.first[1]..region.first[1] + ny {
-            let row = &of.row(data, [y, z])[region.first[0] - of.first[0]..][..nx];
-            let [mut low, mut high] = ends.unwrap_or([row[0]; 2]);
-            let mut finite = true;
-            for &value in row {
-                low = if value < low { value } else { low };
-                high = if value > high { value } else { high };
-                finite &= is_finite(value);
-            }
-            if !finite {
-                return [f64::NAN; 2];
-            }
-            ends = Some([low, high]);
-        }
-    }
-    ends.map_or([f64::NAN; 2], |ends| ends.map(widen))
-}
-
-#[inline(always)]
-fn is_finite<T: Into<f64>>(value: T) -> bool {
-    widen(value).is_finite()
+fn of_blocks(level: &LevelPlan, own: VoxelBox, (samples, of): (&Samples, VoxelBox)) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    let block = (level.block(), 1);
+    with_samples!(samples, data => block_ends((data, of), own, block, |_, ends| found.push(ends)));
+    found
 }
 
 /// The files that tasks leave.
@@ -111,14 +73,14 @@ impl Done {
     pub(super) fn read(&self, task: usize, (level, own): (&LevelPlan, VoxelBox)) -> Option<Found> {
         let bytes = std::fs::read(self.path(task)).ok()?;
         let (numbers, sum) = bytes.split_last_chunk::<4>()?;
-        let chunks = chunks_in(level, own).count();
+        let blocks = level.blocks_in(own).count();
         let spread = spread::within(level.dims, own).count();
-        if numbers.len() != 8 * (2 * chunks + spread) || crc32c::crc32c(numbers) != u32::from_le_bytes(*sum) {
+        if numbers.len() != 8 * (2 * blocks + spread) || crc32c::crc32c(numbers) != u32::from_le_bytes(*sum) {
             return None;
         }
         let numbers = numbers.as_chunks::<8>().0.iter();
         let mut bounds: Vec<f64> = numbers.map(|number| f64::from_le_bytes(*number)).collect();
-        let spread = bounds.split_off(2 * chunks);
+        let spread = bounds.split_off(2 * blocks);
         Some(Found {
             bounds: bounds.as_chunks::<2>().0.to_vec(),
             spread,
@@ -173,18 +135,17 @@ pub(super) fn write_index(
     options: &PyramidOptions,
 ) -> Result<(), IoError> {
     let of = &plan.levels[level];
-    let counts = of.counts();
+    let counts = of.block_counts();
     let count: usize = counts.iter().product();
     let mut ends = vec![[f64::NAN; 2]; count];
     for index in 0..plan.tasks(level) {
         let task = plan.task(level, index);
-        let chunks: Vec<[usize; 3]> = chunks_in(of, task.own).collect();
         let found = done.read(index, (of, task.own)).map(|found| found.bounds);
-        for ([x, y, z], bounds) in chunks.into_iter().zip(found.unwrap_or_default()) {
+        for ([x, y, z], bounds) in of.blocks_in(task.own).zip(found.unwrap_or_default()) {
             ends[(z * counts[1] + y) * counts[0] + x] = bounds;
         }
     }
-    let [x, y, z] = of.chunk;
+    let [x, y, z] = of.block();
     let edges = counts.map(|count| count.min(EDGE));
     let metadata = ArrayMetadata {
         shape: &[2, counts[2], counts[1], counts[0]],

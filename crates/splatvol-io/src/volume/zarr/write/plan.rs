@@ -1,13 +1,16 @@
 //! Division of the work: levels, their chunks and shards, and tasks, each of which writes whole files.
 //!
-//! A task of level k is a box of 16 x 2 x 2 chunks. It reads that box and one sample around it, finds the bounds of its
-//! chunks and makes 8 x 1 x 1 chunks of level k + 1; level 0 is copied on the way. So every file has one writer, each
+//! A task of level k is a box of 16 x 2 x 2 chunks. It reads that box and one sample around it, finds the ends of its
+//! blocks and makes 8 x 1 x 1 chunks of level k + 1; level 0 is copied on the way. So every file has one writer, each
 //! level is read once, and memory depends on the edge of the chunks alone.
 
 use splatvol_scene::{ElementType, VoxelBox};
 
 /// Chunks of a task along x, y, z.
 const TASK: [usize; 3] = [16, 2, 2];
+
+/// Edge of a block of the index of smallest and largest samples, where it divides a chunk's edge.
+const BLOCK: usize = 16;
 
 /// A level of detail.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,9 +31,27 @@ impl LevelPlan {
         }
     }
 
-    /// Chunks along x, y, z.
-    pub(super) fn counts(&self) -> [usize; 3] {
-        std::array::from_fn(|axis| self.dims[axis].div_ceil(self.chunk[axis]))
+    /// Samples along x, y, z of the blocks of the level's index; they divide a chunk, if there are more than one.
+    pub(super) fn block(&self) -> [usize; 3] {
+        std::array::from_fn(|axis| {
+            let (edge, dim) = (self.chunk[axis], self.dims[axis]);
+            if edge.is_multiple_of(BLOCK) || edge >= dim {
+                BLOCK
+            } else {
+                edge
+            }
+        })
+    }
+
+    /// Blocks of the index along x, y, z.
+    pub(super) fn block_counts(&self) -> [usize; 3] {
+        let block = self.block();
+        std::array::from_fn(|axis| self.dims[axis].div_ceil(block[axis]))
+    }
+
+    /// The blocks of the index within a box that begins and ends with chunks, x fastest.
+    pub(super) fn blocks_in(&self, region: VoxelBox) -> impl Iterator<Item = [usize; 3]> + use<> {
+        boxes_in(self.block(), region)
     }
 
     pub(super) fn samples(&self) -> u64 {
@@ -142,8 +163,13 @@ pub(super) struct Task {
 
 /// The chunks of a level within a box that begins and ends with chunks, x fastest.
 pub(super) fn chunks_in(level: &LevelPlan, region: VoxelBox) -> impl Iterator<Item = [usize; 3]> + use<> {
-    let first: [usize; 3] = std::array::from_fn(|axis| region.first[axis] / level.chunk[axis]);
-    let count: [usize; 3] = std::array::from_fn(|axis| region.size[axis].div_ceil(level.chunk[axis]));
+    boxes_in(level.chunk, region)
+}
+
+/// The boxes of so many samples within a region that begins and ends with boxes, x fastest.
+fn boxes_in(size: [usize; 3], region: VoxelBox) -> impl Iterator<Item = [usize; 3]> + use<> {
+    let first: [usize; 3] = std::array::from_fn(|axis| region.first[axis] / size[axis]);
+    let count: [usize; 3] = std::array::from_fn(|axis| region.size[axis].div_ceil(size[axis]));
     (0..count.iter().product()).map(move |index| {
         let at = [
             index % count[0],
@@ -175,7 +201,8 @@ mod tests {
                 let mut chunks: Vec<_> = tasks.iter().flat_map(|task| chunks_in(of, task.own)).collect();
                 chunks.sort_unstable();
                 chunks.dedup();
-                assert_eq!(chunks.len(), of.counts().iter().product::<usize>());
+                let counts = (0..3).map(|axis| of.dims[axis].div_ceil(of.chunk[axis]));
+                assert_eq!(chunks.len(), counts.product::<usize>());
                 if let Some(next) = plan.levels.get(level + 1) {
                     let made: u64 = tasks.iter().map(|task| task.next.unwrap().len() as u64).sum();
                     assert_eq!(made, next.samples(), "{dims:?} {level}");
