@@ -11,6 +11,8 @@ use splatvol_scene::{
     SourceIdentity, VoxelBox,
 };
 
+use super::planes;
+use super::vtk_array::{Component, pick};
 use super::{Description, Draft, Opened};
 use crate::error::Context;
 use crate::positioned::read_at;
@@ -28,6 +30,21 @@ pub(super) fn may_round(description: &Description) -> bool {
     description.warnings.iter().any(|warning| warning == ROUNDED)
 }
 
+/// Numbers that lie at each sample, and the one that is read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tuple {
+    pub(super) components: usize,
+    pub(super) component: Component,
+}
+
+impl Tuple {
+    /// One number.
+    pub(super) const ONE: Self = Self {
+        components: 1,
+        component: Component::Index(0),
+    };
+}
+
 /// Place and type of a volume's samples.
 #[derive(Debug)]
 pub(super) struct Flat {
@@ -37,6 +54,7 @@ pub(super) struct Flat {
     pub(super) sample_type: SampleType,
     /// Whether 16 bits are a float.
     pub(super) half: bool,
+    pub(super) tuple: Tuple,
     pub(super) endian: Endian,
 }
 
@@ -50,11 +68,20 @@ struct FlatSource {
 }
 
 impl Flat {
-    /// The type in memory.
+    /// The type of the file's numbers in memory.
     fn element(&self) -> ElementType {
         match self.sample_type {
             _ if self.half => ElementType::F32,
             sample_type => sample_type.element(),
+        }
+    }
+
+    /// The type of what is read of them.
+    fn picked(&self) -> ElementType {
+        match (self.tuple.component, self.element()) {
+            (Component::Index(_), element) => element,
+            (Component::Magnitude, ElementType::F64) => ElementType::F64,
+            (Component::Magnitude, _) => ElementType::F32,
         }
     }
 
@@ -75,7 +102,8 @@ impl Flat {
         let file = File::open(&self.path).map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
         let samples = draft.grid(context)?.sample_count();
-        let wanted = self.sample_type.byte_count(samples);
+        let of_one = self.sample_type.byte_count(samples);
+        let wanted = of_one.saturating_mul(self.tuple.components as u64);
         let there = length.saturating_sub(self.position);
         if there < wanted {
             return Err(context.truncated("samples", wanted, there));
@@ -104,7 +132,7 @@ impl Flat {
         let layout = LevelLayout {
             grid: draft.grid(context)?,
             chunk: std::array::from_fn(|axis| draft.dims[axis].min(CHUNK[axis])),
-            element: self.element(),
+            element: self.picked(),
             rescale: draft.rescale,
             fill: 0.0,
         };
@@ -141,7 +169,7 @@ impl FlatSource {
             (true, false) => size_x * size_y,
             (false, _) => size_x,
         };
-        let width = self.flat.sample_type.size();
+        let width = self.flat.sample_type.size() * self.flat.tuple.components;
         for (number, bytes) in bytes.chunks_exact_mut(run * width).enumerate() {
             let row = number * run / size_x;
             let [x, y, z] = region.first;
@@ -149,6 +177,33 @@ impl FlatSource {
             let sample = (z as u64 * ny as u64 + y as u64) * nx as u64 + x as u64;
             let position = self.flat.position + sample * width as u64;
             read_at(&self.file, bytes, position).map_err(|error| self.fault(region, position, &error))?;
+        }
+        Ok(())
+    }
+
+    /// All numbers of a region's samples. `coded`: memory.
+    fn read_numbers(
+        &self,
+        region: VoxelBox,
+        into: &mut Samples,
+        coded: &mut Vec<u8>,
+    ) -> Result<(), SourceError> {
+        let Flat {
+            sample_type, endian, ..
+        } = self.flat;
+        let count = region.len() * self.flat.tuple.components;
+        into.refill(self.flat.element(), count, 0.0);
+        if self.flat.half || self.flat.is_rounded() {
+            coded.clear();
+            coded.resize(count * sample_type.size(), 0);
+            self.fill(region, coded)?;
+            widen_samples(coded, sample_type, endian, into);
+            return Ok(());
+        }
+        let bytes = sample_bytes_mut(into);
+        self.fill(region, bytes)?;
+        if endian != Endian::NATIVE {
+            swap_bytes_of(bytes, sample_type.size());
         }
         Ok(())
     }
@@ -199,21 +254,25 @@ impl ChunkSource for FlatSource {
         into: &mut Samples,
         buffer: &mut ChunkBuffer,
     ) -> Result<(), SourceError> {
-        let Flat {
-            sample_type, endian, ..
-        } = self.flat;
-        into.refill(self.levels[level].element, region.len(), 0.0);
-        if self.flat.half || self.flat.is_rounded() {
-            buffer.coded.clear();
-            buffer.coded.resize(region.len() * sample_type.size(), 0);
-            self.fill(region, &mut buffer.coded)?;
-            widen_samples(&buffer.coded, sample_type, endian, into);
-            return Ok(());
+        let Tuple {
+            components,
+            component,
+        } = self.flat.tuple;
+        if (components, component) == (1, Component::Index(0)) {
+            return self.read_numbers(region, into, &mut buffer.coded);
         }
-        let bytes = sample_bytes_mut(into);
-        self.fill(region, bytes)?;
-        if endian != Endian::NATIVE {
-            swap_bytes_of(bytes, sample_type.size());
+        // Slice by slice, so that the numbers that nobody wants take little memory.
+        into.refill(self.levels[level].element, 0, 0.0);
+        let mut numbers = Samples::U8(Vec::new().into());
+        for z in region.first[2]..region.first[2] + region.size[2] {
+            let slice = VoxelBox {
+                first: [region.first[0], region.first[1], z],
+                size: [region.size[0], region.size[1], 1],
+            };
+            self.read_numbers(slice, &mut numbers, &mut buffer.coded)?;
+            let all = std::mem::replace(&mut numbers, Samples::U8(Vec::new().into()));
+            let is_same = planes::extend(into, pick(all, components, component));
+            debug_assert!(is_same, "{component:?} of {:?}", self.flat);
         }
         Ok(())
     }

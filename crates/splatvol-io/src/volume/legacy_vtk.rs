@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use splatvol_scene::Samples;
 
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 #[cfg(not(target_family = "wasm"))]
 use super::unpack::{Numbers, unpack_text};
 use super::vtk_array::{self, Association, ImageGeometry};
@@ -76,8 +76,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(vtk_array::pick(samples, head.components, component), context)
 }
 
-/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others or have several components, and
-/// where the header is wrong, which [`read`] says.
+/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others, text with several
+/// components, and where the header is wrong, which [`read`] says.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -88,6 +88,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
         return Ok(None);
     };
     match array.coding {
+        Coding::Ascii if array.tuple.components > 1 => Ok(None),
         Coding::Ascii => unpacked(array, options, (draft, context)),
         Coding::Binary => {
             let flat = Flat {
@@ -95,6 +96,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
                 position: array.start,
                 sample_type: array.sample_type,
                 half: false,
+                tuple: array.tuple,
                 endian: Endian::Big,
             };
             flat.open(draft, context).map(Some)
@@ -133,6 +135,7 @@ fn unpacked(_: Located, _: &ReadOptions, _: (Draft, &Context<'_>)) -> Result<Opt
 struct Located {
     start: u64,
     sample_type: SampleType,
+    tuple: Tuple,
     coding: Coding,
 }
 
@@ -151,9 +154,9 @@ fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option
     };
     scan.run().ok()?;
     let Attributes { heads, arrays } = scan.found;
-    let (index, _) = vtk_array::choose(&heads, options, context).ok()?;
+    let (index, component) = vtk_array::choose(&heads, options, context).ok()?;
     let (head, array) = (&heads[index], &arrays[index]);
-    let (ElementType::Number(sample_type), 1) = (array.element, head.components) else {
+    let ElementType::Number(sample_type) = array.element else {
         return None;
     };
     let draft = geometry
@@ -166,6 +169,10 @@ fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option
     let located = Located {
         start: array.start as u64,
         sample_type,
+        tuple: Tuple {
+            components: head.components,
+            component,
+        },
         coding,
     };
     Some((located, draft))

@@ -15,7 +15,7 @@ use half::f16;
 use splatvol_scene::{Rescale, Samples, Volume};
 
 use super::data_files::DataFiles;
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 use super::nrrd::real_values;
 use super::stored::{EXCESS, Encoding, Layout, Selection, Stored};
 use super::{Description, Draft, Loaded, Opened, ReadOptions, checked_dims, sample_count};
@@ -54,6 +54,7 @@ pub(super) fn open(path: &Path) -> Result<Option<Opened>, IoError> {
         position,
         sample_type: header.element.stored(),
         half: header.element == ElementType::Half,
+        tuple: Tuple::ONE,
         endian: header.endian,
     };
     let samples = draft.dims.iter().product();

@@ -44,14 +44,22 @@ pub(super) fn component_names(components: usize) -> Vec<String> {
 /// Adds the samples of the next slice, which must have the type and number of the samples before.
 pub(super) fn append(pile: &mut Samples, slice: Samples, context: &Context<'_>) -> Result<(), IoError> {
     let (own, other) = (pile.type_name(), slice.type_name());
+    match extend(pile, slice) {
+        true => Ok(()),
+        false => Err(context.unsupported(format!("samples are {other}, those of the slices before {own}"))),
+    }
+}
+
+/// Adds samples to others, and returns whether they have the same type.
+pub(super) fn extend(pile: &mut Samples, more: Samples) -> bool {
     macro_rules! extend {
         ($($variant:ident)*) => {
-            match (pile, slice) {
-                $((Samples::$variant(pile), Samples::$variant(slice)) => {
-                    pile.to_mut().extend_from_slice(&slice);
-                    Ok(())
+            match (pile, more) {
+                $((Samples::$variant(pile), Samples::$variant(more)) => {
+                    pile.to_mut().extend_from_slice(&more);
+                    true
                 })*
-                _ => Err(context.unsupported(format!("samples are {other}, those of the slices before {own}"))),
+                _ => false,
             }
         };
     }

@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::Grid;
 
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 use super::{Description, Draft, Loaded, Opened, RawLayout, ReadOptions, checked_dims, detect, sample_count};
 use crate::error::Context;
 use crate::samples::SampleBuffer;
@@ -56,6 +56,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
         position: layout.offset,
         sample_type: layout.sample_type,
         half: false,
+        tuple: Tuple::ONE,
         endian: layout.endian,
     };
     flat.open(draft, context).map(Some)

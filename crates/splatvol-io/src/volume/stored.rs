@@ -5,7 +5,7 @@ use std::io::BufRead;
 use splatvol_scene::Samples;
 
 use super::data_files::{DataFiles, Piece};
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::IoError;
 use crate::error::Context;
@@ -188,6 +188,7 @@ impl Stored<'_> {
             position: position + skipped + one * selection.volume as u64,
             sample_type: layout.sample_type,
             half: false,
+            tuple: Tuple::ONE,
             endian: layout.endian,
         };
         flat.open(draft, context).map(Some)

@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use super::data_files::Piece;
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 use super::stored::{EXCESS, Encoding, Layout, Selection, Stored, decoded, skip_lines};
 use super::{Draft, Opened, ReadOptions};
 use crate::error::Context;
@@ -67,6 +67,7 @@ impl Stored<'_> {
             position: 0,
             sample_type: layout.sample_type,
             half: false,
+            tuple: Tuple::ONE,
             endian: layout.endian,
         };
         flat.of_file(file, draft, context).map(Some)
@@ -169,6 +170,7 @@ pub(super) fn unpack_text(
             sample_type => sample_type,
         },
         half: false,
+        tuple: Tuple::ONE,
         endian: Endian::Little,
     };
     flat.of_file(copy.finish()?, draft, context)

@@ -9,7 +9,7 @@ pub(crate) mod payload;
 use std::fs::File;
 use std::path::Path;
 
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 #[cfg(not(target_family = "wasm"))]
 use super::unpack::Unpacked;
 use super::vtk_array::Component;
@@ -81,10 +81,10 @@ fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opene
     let document = document::parse(&parts, context)?;
     let file = ImageFile::from_xml(&document, context)?;
     let chosen = Chosen::new(&file, options, context)?;
-    if chosen.components != 1 {
+    let samples = chosen.draft.grid(context)?.sample_count();
+    let Some(count) = samples.checked_mul(chosen.components) else {
         return Ok(None);
-    }
-    let count = chosen.draft.grid(context)?.sample_count();
+    };
     let mut copy = Unpacked::new(folder)?;
     let width = chosen.sample_type.size();
     let take = |source: &mut Source<'_>, samples| {
@@ -103,6 +103,7 @@ fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opene
         position: 0,
         sample_type: chosen.sample_type,
         half: false,
+        tuple: chosen.tuple(),
         endian: file.coding.endian,
     };
     match found {
@@ -127,19 +128,21 @@ fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option
         return None;
     };
     let coding = file.coding;
-    if coding.appended_base64 || coding.compressor.is_some() || chosen.components != 1 {
+    if coding.appended_base64 || coding.compressor.is_some() {
         return None;
     }
     let start = (bytes.len() - parts.appended?.len()) as u64;
     let position = start.checked_add(offset)?;
     let mut word = vec![0; coding.header_word];
     read_at(&File::open(context.path).ok()?, &mut word, position).ok()?;
-    let count = chosen.draft.grid(context).ok()?.sample_count();
+    let samples = chosen.draft.grid(context).ok()?.sample_count();
+    let count = samples.checked_mul(chosen.components)?;
     let flat = Flat {
         path: context.path.to_owned(),
         position: position.checked_add(coding.header_word as u64)?,
         sample_type: chosen.sample_type,
         half: false,
+        tuple: chosen.tuple(),
         endian: coding.endian,
     };
     let declared = payload::number(&word, coding, context).ok()?;
@@ -156,6 +159,13 @@ struct Chosen<'a> {
 }
 
 impl<'a> Chosen<'a> {
+    fn tuple(&self) -> Tuple {
+        Tuple {
+            components: self.components,
+            component: self.component,
+        }
+    }
+
     fn new(file: &ImageFile<'a>, options: &ReadOptions, context: &Context<'_>) -> Result<Self, IoError> {
         let (index, component) = vtk_array::choose(&file.arrays.heads, options, context)?;
         let head = &file.arrays.heads[index];

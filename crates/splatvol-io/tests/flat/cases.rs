@@ -108,6 +108,36 @@ pub(crate) fn vtk_cases(folder: &Path) -> Vec<Case> {
     .collect()
 }
 
+/// Files of VTK with three numbers at each sample, of which one is read, or their length.
+pub(crate) fn vector_cases(folder: &Path) -> Vec<Case> {
+    let [nx, ny, nz] = DIMS;
+    let count = nx * ny * nz;
+    let (floats, shorts) = (bytes(3 * count, 4, true), bytes(3 * count, 2, false));
+    let head = format!(
+        "# vtk DataFile Version 3.0\ntitle\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {nx} {ny} {nz}\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA {count}\nVECTORS wind float\n"
+    );
+    let extent = format!("0 {} 0 {} 0 {}", nx - 1, ny - 1, nz - 1);
+    let xml = format!(
+        "<?xml version=\"1.0\"?><VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"{extent}\"><PointData><DataArray type=\"UInt16\" Name=\"wind\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></PointData></Piece></ImageData><AppendedData encoding=\"raw\">\n _"
+    );
+    let length = (shorts.len() as u64).to_le_bytes();
+    let end = b"\n</AppendedData></VTKFile>";
+    let paths = [
+        write(folder, "v.vtk", &[head.as_bytes(), &swapped(&floats, 4)]),
+        write(folder, "v.vti", &[xml.as_bytes(), &length, &shorts, end]),
+    ];
+    let of_path = |path: PathBuf| {
+        ["wind:1", "wind:magnitude"].map(|array| Case {
+            path: path.clone(),
+            options: ReadOptions {
+                array: Some(array.to_owned()),
+                ..ReadOptions::default()
+            },
+        })
+    };
+    paths.into_iter().flat_map(of_path).collect()
+}
+
 /// A file of each format and layout.
 pub(crate) fn cases(folder: &Path) -> Vec<Case> {
     let [nx, ny, nz] = DIMS;

@@ -7,7 +7,7 @@ mod packed;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cases::{Case, DIMS, bytes, cases, write};
+use cases::{Case, DIMS, bytes, cases, vector_cases, write};
 use packed::packed_cases;
 use splatvol_io::{Opened, PyramidOptions, ReadOptions, open_volume, read_volume, write_pyramid};
 use splatvol_scene::{ChunkBuffer, ChunkSource, Samples, SourceError, VoxelBox};
@@ -15,7 +15,10 @@ use splatvol_scene::{ChunkBuffer, ChunkSource, Samples, SourceError, VoxelBox};
 #[test]
 fn boxes_hold_what_the_file_holds_in_memory() {
     let folder = tempfile::tempdir().unwrap();
-    for Case { path, options } in cases(folder.path()) {
+    let all = cases(folder.path())
+        .into_iter()
+        .chain(vector_cases(folder.path()));
+    for Case { path, options } in all {
         let name = path.display();
         let memory = read_volume(&path, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
         let opened = open_volume(&path, &options)

@@ -88,7 +88,7 @@ pub(crate) struct Scan<'a, 'b> {
     pub(crate) coding: Coding,
     /// Number of points and cells.
     pub(crate) counts: TupleCounts,
-    /// Name of the array that is wanted; none: the point data's first scalars.
+    /// Name of the array that is wanted, maybe with a component (`name:1`); none: the point data's first scalars.
     pub(crate) wanted: Option<&'b str>,
     /// Stop at the wanted array: the rest need not be legible.
     pub(crate) stops_early: bool,
@@ -126,6 +126,9 @@ impl Scan<'_, '_> {
             && self.found.heads.last().is_some_and(|head| {
                 head.association == Association::Point
                     && match self.wanted {
+                        Some(name) if head.components > 1 => name
+                            .strip_prefix(head.name.as_str())
+                            .is_some_and(|rest| rest.is_empty() || rest.starts_with(':')),
                         Some(name) => head.name == name,
                         None => head.active,
                     }

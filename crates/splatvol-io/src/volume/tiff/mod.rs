@@ -16,7 +16,7 @@ use crate::tiff_pages::tag;
 use glam::{DAffine3, DMat3};
 use splatvol_scene::Samples;
 
-use super::flat::Flat;
+use super::flat::{Flat, Tuple};
 use super::planes::{Plane, append, component_names};
 use super::stack::{self, Slices};
 use super::{
@@ -153,6 +153,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
             position: pages.contiguous_start(first, context)?.saturating_add(start),
             sample_type: first.sample_type,
             half: false,
+            tuple: Tuple::ONE,
             endian: first.endian,
         };
         let follows = |slice: usize| stack.place(slice).page == stack.place(0).page + slice;
