@@ -23,7 +23,7 @@ use crate::{Endian, IoError, SampleType};
 const CHUNK: [usize; 3] = [256, 32, 32];
 
 /// Warning about 64-bit integers.
-const ROUNDED: &str = "64-bit integers become 64-bit floats: those beyond 2^53 are rounded";
+pub(super) const ROUNDED: &str = "64-bit integers become 64-bit floats: those beyond 2^53 are rounded";
 
 /// Whether a file's 64-bit integers may be rounded.
 pub(super) fn may_round(description: &Description) -> bool {

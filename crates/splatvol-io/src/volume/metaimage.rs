@@ -250,6 +250,7 @@ impl Header {
         }
         let attached = self.fields.get("elementdatafile").is_some_and(is_local);
         Ok(Layout {
+            half: false,
             sample_type,
             endian: if big == Some(true) {
                 Endian::Big

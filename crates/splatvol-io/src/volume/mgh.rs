@@ -85,6 +85,7 @@ fn with<T>(
     draft.set_times(frames, options);
     let stored = Stored {
         layout: Layout {
+            half: false,
             sample_type,
             endian: Endian::Big,
             // The source is decompressed and at the samples already.

@@ -76,13 +76,11 @@ fn unpacked(
     options: &ReadOptions,
     context: &Context<'_>,
 ) -> Result<Option<Opened>, IoError> {
-    if header.element == ElementType::Half {
-        return Ok(None);
-    }
     let draft = draft(header, format, context)?;
     let stored = Stored {
         layout: Layout {
             sample_type: header.element.stored(),
+            half: header.element == ElementType::Half,
             endian: header.endian,
             encoding: Encoding::Raw,
             skip_lines: 0,

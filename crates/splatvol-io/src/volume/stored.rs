@@ -6,6 +6,7 @@ use splatvol_scene::Samples;
 
 use super::data_files::{DataFiles, Piece};
 use super::flat::{Flat, Tuple};
+use super::vtk_array::Component;
 use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::IoError;
 use crate::error::Context;
@@ -59,6 +60,8 @@ pub(super) struct Selection {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
     pub(super) sample_type: SampleType,
+    /// Whether 16 bits are a float.
+    pub(super) half: bool,
     pub(super) endian: Endian,
     pub(super) encoding: Encoding,
     /// Lines to skip, before decompression.
@@ -157,7 +160,7 @@ impl Stored<'_> {
             files,
         } = self;
         let is_plain = layout.encoding == Encoding::Raw && layout.skip_lines == 0;
-        if !is_plain || selection.components > 1 || files.count() > 1 {
+        if !is_plain || files.count() > 1 {
             return self.unpack(attached, draft, (options, context));
         }
         let own = files.open(0, &mut draft.description, context)?;
@@ -169,11 +172,11 @@ impl Stored<'_> {
             return self.unpack(source, draft, (options, context));
         };
         let sizes = selection.dims.map(|size| size as u64);
+        let width = layout.sample_type.size() as u64;
+        let tuple = width.saturating_mul(selection.components as u64);
         let one = sizes
             .iter()
-            .fold(layout.sample_type.size() as u64, |bytes, size| {
-                bytes.saturating_mul(*size)
-            });
+            .fold(tuple, |bytes, size| bytes.saturating_mul(*size));
         let all = one.saturating_mul(selection.volumes as u64);
         let skipped = layout
             .skip_bytes
@@ -187,8 +190,11 @@ impl Stored<'_> {
             path,
             position: position + skipped + one * selection.volume as u64,
             sample_type: layout.sample_type,
-            half: false,
-            tuple: Tuple::ONE,
+            half: layout.half,
+            tuple: Tuple {
+                components: selection.components,
+                component: Component::Index(selection.component),
+            },
             endian: layout.endian,
         };
         flat.open(draft, context).map(Some)

@@ -66,7 +66,7 @@ impl Stored<'_> {
             path: context.path.to_owned(),
             position: 0,
             sample_type: layout.sample_type,
-            half: false,
+            half: layout.half,
             tuple: Tuple::ONE,
             endian: layout.endian,
         };

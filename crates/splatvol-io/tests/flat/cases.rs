@@ -108,7 +108,7 @@ pub(crate) fn vtk_cases(folder: &Path) -> Vec<Case> {
     .collect()
 }
 
-/// Files of VTK with three numbers at each sample, of which one is read, or their length.
+/// Files with three numbers at each sample, of which one is read, or their length.
 pub(crate) fn vector_cases(folder: &Path) -> Vec<Case> {
     let [nx, ny, nz] = DIMS;
     let count = nx * ny * nz;
@@ -135,7 +135,18 @@ pub(crate) fn vector_cases(folder: &Path) -> Vec<Case> {
             },
         })
     };
-    paths.into_iter().flat_map(of_path).collect()
+    let nrrd = format!(
+        "NRRD0005\ntype: uint16\ndimension: 4\nsizes: 3 {nx} {ny} {nz}\nkinds: vector domain domain domain\nencoding: raw\nendian: big\n\n"
+    );
+    let component = Case {
+        path: write(folder, "v.nrrd", &[nrrd.as_bytes(), &shorts]),
+        options: ReadOptions {
+            component: Some(2),
+            ..ReadOptions::default()
+        },
+    };
+    let all = paths.into_iter().flat_map(of_path);
+    all.chain([component]).collect()
 }
 
 /// A file of each format and layout.

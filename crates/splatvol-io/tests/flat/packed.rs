@@ -63,12 +63,19 @@ pub(crate) fn packed_vti(folder: &Path, shorts: &[u8]) -> Vec<PathBuf> {
     ]
 }
 
-/// An archive of an array.
-pub(crate) fn npz(shorts: &[u8]) -> Vec<u8> {
+/// Finite half-precision numbers of random bits: none has the largest exponent.
+fn halves(shorts: &[u8]) -> Vec<u8> {
+    let mut bits = shorts.to_vec();
+    bits.iter_mut().step_by(2).for_each(|high| *high &= 0xbf);
+    bits
+}
+
+/// An archive of an array of big-endian numbers.
+pub(crate) fn npz(shorts: &[u8], kind: &str) -> Vec<u8> {
     use std::io::Write;
 
     let [nx, ny, nz] = DIMS;
-    let text = format!("{{'descr': '>u2', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
+    let text = format!("{{'descr': '>{kind}', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     archive
         .start_file("a.npy", zip::write::SimpleFileOptions::default())
@@ -118,7 +125,8 @@ pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
             options: nifti.options,
         },
         plain(write(folder, "p.mgz", &[&packed(&mgh(&shorts), false)])),
-        plain(write(folder, "s.npz", &[&npz(&shorts)])),
+        plain(write(folder, "s.npz", &[&npz(&shorts, "u2")])),
+        plain(write(folder, "h.npz", &[&npz(&halves(&shorts), "f2")])),
         plain(write(
             folder,
             "n.nhdr",

@@ -131,6 +131,7 @@ fn data_file(header: &Path) -> Field {
 
 fn layout(header: &Header, sample_type: SampleType, compressed: bool) -> Layout {
     Layout {
+        half: false,
         sample_type,
         endian: header.endian,
         encoding: if compressed { Encoding::Gzip } else { Encoding::Raw },

@@ -24,7 +24,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     })
 }
 
-/// Unpacks the array that [`read`] reads, if that is allowed; `None` also for half-precision numbers.
+/// Unpacks the array that [`read`] reads, if that is allowed.
 ///
 /// # Errors
 /// As [`read`].

@@ -104,6 +104,7 @@ impl Header {
             None => 0,
         };
         let layout = Layout {
+            half: false,
             sample_type,
             endian,
             encoding,

@@ -16,7 +16,7 @@ use crate::tiff_pages::tag;
 use glam::{DAffine3, DMat3};
 use splatvol_scene::Samples;
 
-use super::flat::{Flat, Tuple};
+use super::flat::{Flat, ROUNDED, Tuple};
 use super::planes::{Plane, append, component_names};
 use super::stack::{self, Slices};
 use super::{
@@ -133,19 +133,16 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(samples, context)
 }
 
-/// Opens a file, whose pages are read when they are asked for. `None` where samples of 64 bits have to be converted, of
-/// which only a whole volume gives notice.
+/// Opens a file, whose pages are read when they are asked for. `None` where they lie
+/// behind each other in another order.
 ///
 /// # Errors
 /// See [`IoError`].
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     let context = &Context::new("TIFF", path);
     let mut pages = Pages::open(path, context)?;
-    let (stack, draft) = Stack::of(&mut pages, options, context)?;
+    let (stack, mut draft) = Stack::of(&mut pages, options, context)?;
     let first = &stack.first;
-    if matches!(first.sample_type, SampleType::U64 | SampleType::I64) {
-        return Ok(None);
-    }
     if stack.layout.contiguous {
         let start = stack.place(0).page as u64 * first.stored_bytes();
         let flat = Flat {
@@ -161,6 +158,9 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
             true => flat.open(draft, context).map(Some),
             false => Ok(None),
         };
+    }
+    if matches!(first.sample_type, SampleType::U64 | SampleType::I64) {
+        draft.warn(ROUNDED);
     }
     let place = stack.place(0);
     if place.file != OWN_FILE {
