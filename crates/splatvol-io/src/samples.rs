@@ -13,7 +13,7 @@ use crate::IoError;
 use crate::error::Context;
 use crate::source::{Source, grow};
 
-pub(crate) use text::{TextNumbers, decode_hex, decode_text, remaining_text};
+pub(crate) use text::{HexDigits, TextNumbers, decode_text, remaining_text};
 
 /// Integers up to this magnitude are exact in `f64`.
 const EXACT: i64 = 1 << 53;

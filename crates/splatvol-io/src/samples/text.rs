@@ -1,6 +1,6 @@
 //! Samples written as decimal numbers or hexadecimal digits.
 
-use std::io::Read;
+use std::io::{self, BufRead, Read};
 use std::str::FromStr;
 
 use splatvol_scene::Samples;
@@ -137,39 +137,52 @@ pub(super) fn parse_numbers<T: TextNumber>(
     Ok(position)
 }
 
-/// Turns pairs of hexadecimal digits (white space ignored) into bytes, `count` of them.
-pub(crate) fn decode_hex(
-    text: &[u8],
-    count: u64,
-    start: u64,
-    context: &Context<'_>,
-) -> Result<Vec<u8>, IoError> {
-    if count > text.len() as u64 / 2 {
-        return Err(context.truncated("hexadecimal digits", count.saturating_mul(2), text.len() as u64));
-    }
-    let mut bytes = Vec::with_capacity(count as usize);
-    let mut high = None;
-    for (position, &digit) in text.iter().enumerate() {
-        if bytes.len() as u64 == count {
-            break;
-        }
-        if digit.is_ascii_whitespace() {
-            continue;
-        }
-        let Some(nibble) = char::from(digit).to_digit(16) else {
-            let field = format!("sample byte {}", bytes.len());
-            let expected = "hexadecimal digits";
-            return Err(context.field(field, char::from(digit), start + position as u64, expected));
-        };
-        match high.take() {
-            None => high = Some(nibble),
-            Some(high) => bytes.push((high << 4 | nibble) as u8),
+/// The bytes that hexadecimal digits stand for, with white space anywhere.
+pub(crate) struct HexDigits<R> {
+    text: R,
+    /// Digits and white space before.
+    position: u64,
+    high: Option<u32>,
+}
+
+impl<R: BufRead> HexDigits<R> {
+    /// `start`: position of the text in its file.
+    pub(crate) fn new(text: R, start: u64) -> Self {
+        Self {
+            text,
+            position: start,
+            high: None,
         }
     }
-    if (bytes.len() as u64) < count {
-        return Err(context.truncated("hexadecimal bytes", count, bytes.len() as u64));
+}
+
+impl<R: BufRead> Read for HexDigits<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let mut written = 0;
+        while written < bytes.len() {
+            let text = self.text.fill_buf()?;
+            let Some(&digit) = text.first() else {
+                break;
+            };
+            if !digit.is_ascii_whitespace() {
+                let Some(nibble) = char::from(digit).to_digit(16) else {
+                    let shown = char::from(digit);
+                    let reason = format!("`{shown}` at byte {} is no hexadecimal digit", self.position);
+                    return Err(io::Error::new(io::ErrorKind::InvalidData, reason));
+                };
+                match self.high.take() {
+                    None => self.high = Some(nibble),
+                    Some(high) => {
+                        bytes[written] = (high << 4 | nibble) as u8;
+                        written += 1;
+                    }
+                }
+            }
+            self.text.consume(1);
+            self.position += 1;
+        }
+        Ok(written)
     }
-    Ok(bytes)
 }
 
 /// Reads whatever text follows, for text encodings.
@@ -229,8 +242,13 @@ mod tests {
 
     #[test]
     fn hexadecimal_digits_make_bytes() {
-        assert_eq!(decode_hex(b"0a F\nf", 2, 0, &context()).unwrap(), [0x0a, 0xff]);
-        assert!(decode_hex(b"0a f", 2, 0, &context()).is_err());
-        assert!(decode_hex(b"0g", 1, 0, &context()).is_err());
+        let read = |text: &[u8]| {
+            let mut bytes = Vec::new();
+            HexDigits::new(text, 7).read_to_end(&mut bytes).map(|_| bytes)
+        };
+        assert_eq!(read(b"0a F\nf").unwrap(), [0x0a, 0xff]);
+        assert_eq!(read(b"0a f").unwrap(), [0x0a]);
+        let error = read(b"0g").unwrap_err().to_string();
+        assert!(error.contains("`g` at byte 8"), "{error}");
     }
 }

@@ -76,8 +76,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(vtk_array::pick(samples, head.components, component), context)
 }
 
-/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others, text with several
-/// components, and where the header is wrong, which [`read`] says.
+/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others, and
+/// where the header is wrong, which [`read`] says.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -88,7 +88,6 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
         return Ok(None);
     };
     match array.coding {
-        Coding::Ascii if array.tuple.components > 1 => Ok(None),
         Coding::Ascii => unpacked(array, options, (draft, context)),
         Coding::Binary => {
             let flat = Flat {
@@ -118,6 +117,8 @@ fn unpacked(
     source.skip(array.start, context)?;
     let numbers = Numbers {
         sample_type: array.sample_type,
+        tuple: array.tuple,
+        before: 0,
         start: array.start,
         may_be_followed: true,
         cut: Some(CUT),

@@ -215,8 +215,8 @@ pub fn read_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Load
 
 /// Opens a volume whose samples can be read box by box, OME-Zarr and Zarr, and uncompressed samples in one file (raw, NRRD,
 /// MetaImage, NIfTI, NPY, MGH, binary VTK, VTI with raw appended data), or slice by slice: TIFF, DICOM, and folders of pictures.
-/// Only metadata are read, whatever their size, and the first slice. Compressed samples of NRRD, MetaImage, NIfTI, MGH, NPZ and VTI
-/// are unpacked first, where that is allowed ([`ReadOptions::unpack_in`]). `None` for all others.
+/// Only metadata are read, whatever their size, and the first slice. Compressed samples of NRRD, MetaImage, NIfTI, MGH, NPZ and VTI,
+/// SLC, and numbers as text are unpacked first, where that is allowed ([`ReadOptions::unpack_in`]). `None` for all others.
 ///
 /// # Errors
 /// See [`IoError`]; with [`ReadOptions::strict`] also where a warning would be given.
@@ -241,7 +241,7 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::Vti => vti::open(path, options)?,
         Format::LegacyVtk => legacy_vtk::open(path, options)?,
         Format::Mgh => mgh::open(path, options)?,
-        _ => None,
+        Format::Slc => slc::open(path, options)?,
     };
     // Only a volume in memory can tell whether an integer was rounded.
     let is_doubtful = |opened: &Opened| options.strict && flat::may_round(&opened.description);

@@ -5,8 +5,16 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{LengthUnit, Samples};
 
-use super::{Description, Draft, Loaded, ReadOptions, checked_dims, sample_count};
+#[cfg(not(target_family = "wasm"))]
+use super::flat::{Flat, Tuple};
+#[cfg(not(target_family = "wasm"))]
+use super::unpack::Unpacked;
+use super::{Description, Draft, Loaded, Opened, ReadOptions, checked_dims, sample_count};
+#[cfg(not(target_family = "wasm"))]
+use crate::Endian;
 use crate::error::Context;
+#[cfg(not(target_family = "wasm"))]
+use crate::source::Source;
 use crate::source::read_file;
 use crate::{IoError, SampleType};
 
@@ -23,86 +31,163 @@ const MOST_MISSING: usize = 4;
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("SLC", path);
     let bytes = read_file(path, context)?;
-    let mut text = Text {
-        bytes: &bytes,
-        at: 0,
-        context,
-    };
-    text.number::<u32>("magic number")?;
-    let mut sizes = [0i64; 3];
-    for size in &mut sizes {
-        *size = text.number("size")?;
-    }
-    let bits: u32 = text.number("bits")?;
-    if bits != 8 {
-        return Err(context.unsupported(format!("samples of {bits} bits")));
-    }
-    let mut spacing = [0.0; 3];
-    for step in &mut spacing {
-        *step = text.number::<f64>("spacing")?;
-    }
-    let unit: u32 = text.number("unit")?;
-    text.number::<u32>("origin of the data")?;
-    text.number::<u32>("modification")?;
-    let compressed = match text.number::<u32>("compression")? {
-        0 => false,
-        1 => true,
-        other => return Err(context.field("compression", other, text.at as u64, "0 or 1")),
-    };
-    let preview = [text.number::<u32>("preview")?, text.number::<u32>("preview")?];
-    text.mark()?;
-    let preview = u64::from(preview[0])
-        .saturating_mul(preview[1].into())
-        .saturating_mul(3);
-    text.take(preview, "preview")?;
-    let dims = checked_dims(&sizes, "size", 0, context)?;
-    let mut draft = Draft::new(dims, Description::default());
-    draft.world_from_voxel = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::from_array(spacing)));
-    draft.grid(context)?;
-    draft.unit = match unit {
-        0 => LengthUnit::Metre,
-        1 => LengthUnit::Millimetre,
-        2 => LengthUnit::Micrometre,
-        _ => LengthUnit::Unknown,
-    };
-    draft.description = Description {
-        format: "SLC".to_owned(),
-        stored_type: format!("u8, {}", if compressed { "runs" } else { "raw" }),
-        orientation: "spacing only".to_owned(),
-        files: vec![path.to_owned()],
-        ..Description::default()
-    };
-    sample_count(dims, 1, SampleType::U8, options, context)?;
-    let slice = dims[0] * dims[1];
+    let (mut slices, mut draft) = Slices::new(&bytes, context)?;
+    sample_count(draft.dims, 1, SampleType::U8, options, context)?;
     let mut samples = Vec::new();
-    let mut missing = 0;
-    for _ in 0..dims[2] {
+    for _ in 0..draft.dims[2] {
+        slices.append_next(&mut samples)?;
+    }
+    slices.end(&mut draft);
+    draft.finish(Samples::U8(samples.into()), context)
+}
+
+/// Unpacks the samples beside the output of a conversion, if that is allowed: the file's own bytes are in memory meanwhile.
+///
+/// # Errors
+/// As [`read`]; [`IoError::Write`].
+#[cfg(not(target_family = "wasm"))]
+pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    let Some(folder) = &options.unpack_in else {
+        return Ok(None);
+    };
+    let context = &Context::new("SLC", path);
+    let bytes = read_file(path, context)?;
+    let (mut slices, mut draft) = Slices::new(&bytes, context)?;
+    let mut copy = Unpacked::new(folder)?;
+    let mut samples = Vec::new();
+    for _ in 0..draft.dims[2] {
+        samples.clear();
+        slices.append_next(&mut samples)?;
+        let all = samples.len() as u64;
+        copy.take(&mut Source::from_bytes(&samples), all, (1, 1, 0), context)?;
+    }
+    slices.end(&mut draft);
+    let flat = Flat {
+        path: path.to_owned(),
+        position: 0,
+        sample_type: SampleType::U8,
+        half: false,
+        tuple: Tuple::ONE,
+        endian: Endian::NATIVE,
+    };
+    flat.of_file(copy.finish()?, draft, context).map(Some)
+}
+
+/// Nothing is unpacked where there are no files.
+///
+/// # Errors
+/// None.
+#[cfg(target_family = "wasm")]
+pub(super) fn open(_: &Path, _: &ReadOptions) -> Result<Option<Opened>, IoError> {
+    Ok(None)
+}
+
+/// The slices of a file, one after the other.
+struct Slices<'a> {
+    text: Text<'a>,
+    /// Samples of a slice.
+    size: usize,
+    compressed: bool,
+    /// Samples that the slices so far lacked.
+    missing: usize,
+}
+
+impl<'a> Slices<'a> {
+    /// Reads the header.
+    fn new(bytes: &'a [u8], context: &'a Context<'a>) -> Result<(Self, Draft), IoError> {
+        let mut text = Text {
+            bytes,
+            at: 0,
+            context,
+        };
+        text.number::<u32>("magic number")?;
+        let mut sizes = [0i64; 3];
+        for size in &mut sizes {
+            *size = text.number("size")?;
+        }
+        let bits: u32 = text.number("bits")?;
+        if bits != 8 {
+            return Err(context.unsupported(format!("samples of {bits} bits")));
+        }
+        let mut spacing = [0.0; 3];
+        for step in &mut spacing {
+            *step = text.number::<f64>("spacing")?;
+        }
+        let unit: u32 = text.number("unit")?;
+        text.number::<u32>("origin of the data")?;
+        text.number::<u32>("modification")?;
+        let compressed = match text.number::<u32>("compression")? {
+            0 => false,
+            1 => true,
+            other => return Err(context.field("compression", other, text.at as u64, "0 or 1")),
+        };
+        let preview = [text.number::<u32>("preview")?, text.number::<u32>("preview")?];
+        text.mark()?;
+        let preview = u64::from(preview[0])
+            .saturating_mul(preview[1].into())
+            .saturating_mul(3);
+        text.take(preview, "preview")?;
+        let dims = checked_dims(&sizes, "size", 0, context)?;
+        let mut draft = Draft::new(dims, Description::default());
+        draft.world_from_voxel = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::from_array(spacing)));
+        draft.grid(context)?;
+        draft.unit = match unit {
+            0 => LengthUnit::Metre,
+            1 => LengthUnit::Millimetre,
+            2 => LengthUnit::Micrometre,
+            _ => LengthUnit::Unknown,
+        };
+        draft.description = Description {
+            format: "SLC".to_owned(),
+            stored_type: format!("u8, {}", if compressed { "runs" } else { "raw" }),
+            orientation: "spacing only".to_owned(),
+            files: vec![context.path.to_owned()],
+            ..Description::default()
+        };
+        let slices = Self {
+            text,
+            size: dims[0] * dims[1],
+            compressed,
+            missing: 0,
+        };
+        Ok((slices, draft))
+    }
+
+    /// Adds the samples of the next slice; those that it lacks at its end are 0.
+    fn append_next(&mut self, samples: &mut Vec<u8>) -> Result<(), IoError> {
+        let Self { text, size, .. } = self;
         let start = samples.len();
-        if compressed {
+        if self.compressed {
             let length: u32 = text.number("length of a slice")?;
             text.mark()?;
             let coded = text.take(length.into(), "slice")?;
-            unpack(coded, slice, &mut samples);
+            unpack(coded, *size, samples);
         } else {
-            samples.extend_from_slice(text.take_up_to(slice));
+            samples.extend_from_slice(text.take_up_to(*size));
         }
-        missing += start + slice - samples.len();
+        self.missing += start + *size - samples.len();
         // A few samples may be missing at the end; much more is another file.
-        if missing * MOST_MISSING > slice {
-            return Err(context.truncated("slice", slice as u64, (slice - missing.min(slice)) as u64));
+        if self.missing * MOST_MISSING > *size {
+            let found = *size - self.missing.min(*size);
+            return Err(text.context.truncated("slice", *size as u64, found as u64));
         }
-        samples.resize(start + slice, 0);
+        samples.resize(start + *size, 0);
+        Ok(())
     }
-    if missing > 0 {
-        draft.warn(format!(
-            "{missing} samples are missing at the ends of slices, and taken as 0"
-        ));
+
+    /// Warns of what was missing, and of bytes behind the last slice.
+    fn end(self, draft: &mut Draft) {
+        let Self { text, missing, .. } = self;
+        if missing > 0 {
+            draft.warn(format!(
+                "{missing} samples are missing at the ends of slices, and taken as 0"
+            ));
+        }
+        let excess = text.bytes.len() - text.at;
+        if excess > 0 {
+            draft.warn(format!("{excess} more bytes than the header declares"));
+        }
     }
-    let excess = bytes.len() - text.at;
-    if excess > 0 {
-        draft.warn(format!("{excess} more bytes than the header declares"));
-    }
-    draft.finish(Samples::U8(samples.into()), context)
 }
 
 /// Runs of up to 127 equal or, with the highest bit, different samples, to the end of the slice, of the bytes, or to an

@@ -11,7 +11,7 @@ use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{
-    Endian, SampleBuffer, SampleType, TextNumbers, decode_hex, pick_component, remaining_text,
+    Endian, HexDigits, SampleBuffer, SampleType, TextNumbers, pick_component, remaining_text,
 };
 use crate::source::{Codec, Rest, Source};
 
@@ -244,6 +244,10 @@ pub(super) fn decoded<'a>(
             source.skip(source.at_most() - layout.bytes(piece.holds), context)?;
         }
     }
+    if layout.encoding == Encoding::Hex {
+        let at_most = source.at_most() / 2;
+        source = Source::bounded(HexDigits::new(source, layout.start), at_most);
+    }
     Ok(source)
 }
 
@@ -257,19 +261,7 @@ fn read_piece(
     let mut source = decoded(source, layout, piece, context)?;
     match layout.encoding {
         Encoding::Text => read_text(&mut source, layout, piece, buffer, context),
-        Encoding::Hex => {
-            let text = remaining_text(&mut source, context)?;
-            let bytes = decode_hex(
-                &text,
-                layout.bytes(piece.skip + piece.take),
-                layout.start,
-                context,
-            )?;
-            let wanted = &bytes[layout.bytes(piece.skip) as usize..];
-            buffer.read(&mut Source::from_bytes(wanted), piece.take, context)?;
-            Ok(Rest::Nothing)
-        }
-        Encoding::Raw | Encoding::Gzip | Encoding::Zlib => {
+        Encoding::Raw | Encoding::Gzip | Encoding::Zlib | Encoding::Hex => {
             source.check_declared("samples", layout.bytes(piece.holds), context)?;
             source.skip(layout.bytes(piece.skip), context)?;
             buffer.read(&mut source, piece.take, context)?;

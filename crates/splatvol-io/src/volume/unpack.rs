@@ -8,6 +8,7 @@ use std::path::Path;
 use super::data_files::Piece;
 use super::flat::{Flat, Tuple};
 use super::stored::{EXCESS, Encoding, Layout, Selection, Stored, decoded, skip_lines};
+use super::vtk_array::Component;
 use super::{Draft, Opened, ReadOptions};
 use crate::error::Context;
 use crate::samples::{TextNumbers, decode_text, for_each_little_endian_chunk};
@@ -18,8 +19,7 @@ use crate::{Endian, IoError, SampleType};
 const BUFFER: usize = 1 << 20;
 
 impl Stored<'_> {
-    /// The selected samples, unpacked; `None` where that is not allowed, or hexadecimal digits have to be
-    /// parsed, or one of several texts.
+    /// The selected samples, unpacked; `None` where that is not allowed, or one of several texts has to be parsed.
     pub(super) fn unpack(
         &self,
         attached: Source<'_>,
@@ -31,7 +31,7 @@ impl Stored<'_> {
             selection,
             files,
         } = self;
-        let is_parsed = matches!(layout.encoding, Encoding::Text | Encoding::Hex);
+        let is_parsed = layout.encoding == Encoding::Text;
         // Components of one sample may lie in two files.
         let is_torn = selection.components > 1 && files.count() > 1;
         let Some(folder) = options.unpack_in.as_deref() else {
@@ -84,20 +84,31 @@ impl Stored<'_> {
         context: &Context<'_>,
     ) -> Result<Option<Opened>, IoError> {
         let Selection {
-            components, volumes, ..
+            components,
+            component,
+            volume,
+            ..
         } = self.selection;
-        let is_one = [components, volumes, self.files.count()] == [1; 3];
-        if self.layout.encoding != Encoding::Text || !is_one {
+        let samples = draft.grid(context)?.sample_count();
+        let before = samples
+            .checked_mul(components)
+            .and_then(|one| one.checked_mul(volume));
+        let (Encoding::Text, 1, Some(before)) = (self.layout.encoding, self.files.count(), before) else {
             return Ok(None);
-        }
+        };
         let own = self.files.open(0, &mut draft.description, context)?;
         let mut source = own.unwrap_or(attached);
         skip_lines(&mut source, self.layout.skip_lines, context)?;
         source.skip(self.layout.skip_bytes.unwrap_or(0), context)?;
         let numbers = Numbers {
             sample_type: self.layout.sample_type,
+            tuple: Tuple {
+                components,
+                component: Component::Index(component),
+            },
+            before,
             start: self.layout.start,
-            may_be_followed: self.files.is_followed(),
+            may_be_followed: self.files.is_followed() || volume + 1 < self.selection.volumes,
             cut: None,
         };
         unpack_text(source, numbers, folder, (draft, context)).map(Some)
@@ -107,6 +118,9 @@ impl Stored<'_> {
 /// Numbers that are written as text.
 pub(super) struct Numbers {
     pub(super) sample_type: SampleType,
+    pub(super) tuple: Tuple,
+    /// Numbers before those of the volume.
+    pub(super) before: usize,
     /// Their place in the file.
     pub(super) start: u64,
     /// Whether anything may stand behind them.
@@ -126,7 +140,12 @@ pub(super) fn unpack_text(
     (mut draft, context): (Draft, &Context<'_>),
 ) -> Result<Opened, IoError> {
     let mut copy = Unpacked::new(folder)?;
-    let mut left = draft.grid(context)?.sample_count();
+    let own = draft
+        .grid(context)?
+        .sample_count()
+        .checked_mul(numbers.tuple.components);
+    let all = own.and_then(|own| own.checked_add(numbers.before));
+    let mut left = all.ok_or_else(|| context.limit(u64::MAX, u64::MAX))?;
     let (mut text, mut start) = (Vec::new(), numbers.start);
     let (mut warned, mut is_excess) = (None, false);
     while left > 0 {
@@ -162,15 +181,16 @@ pub(super) fn unpack_text(
         draft.warn(EXCESS);
     }
     warned.into_iter().for_each(|warning| draft.warn(warning));
+    let sample_type = match numbers.sample_type {
+        SampleType::U64 | SampleType::I64 => SampleType::F64,
+        sample_type => sample_type,
+    };
     let flat = Flat {
         path: context.path.to_owned(),
-        position: 0,
-        sample_type: match numbers.sample_type {
-            SampleType::U64 | SampleType::I64 => SampleType::F64,
-            sample_type => sample_type,
-        },
+        position: sample_type.byte_count(numbers.before),
+        sample_type,
         half: false,
-        tuple: Tuple::ONE,
+        tuple: numbers.tuple,
         endian: Endian::Little,
     };
     flat.of_file(copy.finish()?, draft, context)

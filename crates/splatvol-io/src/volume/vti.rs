@@ -11,7 +11,7 @@ use std::path::Path;
 
 use super::flat::{Flat, Tuple};
 #[cfg(not(target_family = "wasm"))]
-use super::unpack::Unpacked;
+use super::unpack::{Numbers, Unpacked, unpack_text};
 use super::vtk_array::Component;
 use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count, vtk_array};
 use crate::error::Context;
@@ -85,6 +85,18 @@ fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opene
     let Some(count) = samples.checked_mul(chosen.components) else {
         return Ok(None);
     };
+    if let Place::Ascii(text) = &chosen.place {
+        let numbers = Numbers {
+            sample_type: chosen.sample_type,
+            tuple: chosen.tuple(),
+            before: 0,
+            start: 0,
+            may_be_followed: false,
+            cut: None,
+        };
+        let text = Source::from_bytes(text.as_bytes());
+        return unpack_text(text, numbers, folder, (chosen.draft, context)).map(Some);
+    }
     let mut copy = Unpacked::new(folder)?;
     let width = chosen.sample_type.size();
     let take = |source: &mut Source<'_>, samples| {

@@ -87,6 +87,62 @@ pub(crate) fn npz(shorts: &[u8], kind: &str) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
+/// Digits, and numbers as text, several at each sample; runs of bytes.
+fn parsed_cases(folder: &Path, shorts: &[u8], text: &str) -> Vec<Case> {
+    let [nx, ny, _] = DIMS;
+    let of = |name: &str, parts: &[&[u8]], component: Option<usize>| Case {
+        path: write(folder, name, parts),
+        options: ReadOptions {
+            component,
+            ..ReadOptions::default()
+        },
+    };
+    let nrrd = |sizes: &str, more: &str| {
+        format!("NRRD0005\ntype: uint16\nsizes: {sizes}\nendian: big\n{more}\n\n").into_bytes()
+    };
+    let digits: String = shorts[..nx * ny * 22]
+        .iter()
+        .enumerate()
+        .map(|(i, byte)| format!("{byte:02x}{}", if i % 30 == 29 { "\n" } else { "" }))
+        .collect();
+    let vectors = format!("3 {nx} {ny} 11");
+    let words: Vec<&str> = text.split_ascii_whitespace().take(3 * nx * ny * 11).collect();
+    let words = words.join(" ") + "\n";
+    let vtk = format!(
+        "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {nx} {ny} 11\nPOINT_DATA {}\nVECTORS v unsigned_short\n",
+        nx * ny * 11
+    );
+    let extent = format!("0 {} 0 {} 0 10", nx - 1, ny - 1);
+    let vti = format!(
+        "<?xml version=\"1.0\"?><VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"1 1 2\"><Piece Extent=\"{extent}\"><PointData><DataArray type=\"UInt16\" Name=\"a\" NumberOfComponents=\"3\" format=\"ascii\">{words}</DataArray></PointData></Piece></ImageData></VTKFile>"
+    );
+    // Runs of three equal bytes, the last of fewer.
+    let runs: Vec<u8> = (0..(nx * ny).div_ceil(3))
+        .flat_map(|run| [(nx * ny - 3 * run).min(3) as u8, shorts[run]])
+        .collect();
+    let slc = format!("11111 {nx} {ny} 2 8 1 1 2 1 0 0 1 0 0 X");
+    let length = format!("{} X", runs.len());
+    let slices = [slc.as_bytes(), length.as_bytes(), &runs, length.as_bytes(), &runs];
+    let hex = nrrd(&format!("{nx} {ny} 11"), "dimension: 3\nencoding: hex");
+    let kinds = "dimension: 4\nkinds: vector space space space\nencoding: ascii";
+    let bytes = words.as_bytes();
+    // Vectors have to be named.
+    let named = |array: &str, case: Case| Case {
+        options: ReadOptions {
+            array: Some(array.to_owned()),
+            ..ReadOptions::default()
+        },
+        ..case
+    };
+    vec![
+        named("v:1", of("y.vtk", &[vtk.as_bytes(), bytes], None)),
+        named("a:magnitude", of("z.vti", &[vti.as_bytes()], None)),
+        of("w.nrrd", &[&hex, digits.as_bytes()], None),
+        of("x.nrrd", &[&nrrd(&vectors, kinds), bytes], Some(2)),
+        of("a.slc", &slices, None),
+    ]
+}
+
 /// Files whose samples are compressed, in several files, or between others.
 pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
     let [nx, ny, nz] = DIMS;
@@ -155,6 +211,7 @@ pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
     for (name, text) in [("u.vtk", &text[..]), ("v.vtk", text.trim_end())] {
         cases.push(plain(write(folder, name, &[head.as_bytes(), text.as_bytes()])));
     }
+    cases.extend(parsed_cases(folder, &shorts, &text));
     // Three numbers a sample, of which one is read.
     let colours = nrrd(
         4,
