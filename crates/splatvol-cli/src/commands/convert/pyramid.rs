@@ -47,7 +47,10 @@ fn open(args: &ConvertArgs, options: &mut PyramidOptions, terminal: &Terminal) -
             .parent()
             .filter(|folder| !folder.as_os_str().is_empty());
         read.unpack_in = Some(folder.unwrap_or(Path::new(".")).to_owned());
-        if let Some(opened) = open_volume(&args.input, &read).during(Step::Input)? {
+        let spinner = terminal.spinner(format!("Reading {}", args.input));
+        let opened = open_volume(&args.input, &read).during(Step::Input)?;
+        drop(spinner);
+        if let Some(opened) = opened {
             opened
                 .description
                 .warnings
