@@ -11,10 +11,10 @@ use glam::{DAffine3, DVec3};
 
 use super::data_files::DataFiles;
 use super::fields::{Field, Fields, HeaderLines, Line, normalised};
-use super::stored::{Encoding, Layout, Selection, Stored};
+use super::stored::{Encoding, FromStored, Layout, Selection, Stored};
 use super::{
-    Description, Draft, Loaded, Opened, ReadOptions, checked_dims, choose_component, choose_time,
-    complete_axes, length_unit, ras_from_lps,
+    Description, Draft, ReadOptions, checked_dims, choose_component, choose_time, complete_axes, length_unit,
+    ras_from_lps,
 };
 use crate::IoError;
 use crate::error::{Context, excerpt};
@@ -40,25 +40,7 @@ struct Header {
 ///
 /// # Errors
 /// See [`IoError`].
-pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.load(source, draft, (options, context))
-    })
-}
-
-/// Opens a file whose samples are not compressed.
-pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.open(source, draft, (options, context))
-    })
-}
-
-/// Reads a header, and passes on what it says of the samples.
-fn with<T>(
-    path: &Path,
-    options: &ReadOptions,
-    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
-) -> Result<T, IoError> {
+pub(super) fn read<T: FromStored>(path: &Path, options: &ReadOptions) -> Result<T, IoError> {
     let context = Context::new("MetaImage header", path).following(options);
     let mut source = Source::open(path)?;
     let mut header = Header::read(&mut source, &context)?;
@@ -91,7 +73,7 @@ fn with<T>(
     };
     let context = Context::new("MetaImage data", path).following(options);
     header.check_compressed_size(&mut draft);
-    then(&stored, source, draft, &context)
+    T::from_stored(&stored, source, draft, (options, &context))
 }
 
 impl Header {

@@ -10,8 +10,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::LengthUnit;
 
 use super::data_files::DataFiles;
-use super::stored::{Encoding, Layout, Selection, Stored};
-use super::{Description, Draft, Loaded, Opened, ReadOptions, axis_codes, checked_dims, choose_time};
+use super::stored::{Encoding, FromStored, Layout, Selection, Stored};
+use super::{Description, Draft, ReadOptions, axis_codes, checked_dims, choose_time};
 use crate::error::Context;
 use crate::source::{Codec, Source};
 use crate::{Endian, IoError, SampleType};
@@ -23,25 +23,7 @@ const HEADER: usize = 284;
 ///
 /// # Errors
 /// See [`IoError`].
-pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.load(source, draft, (options, context))
-    })
-}
-
-/// Opens a file, which is unpacked if it is compressed.
-pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.open(source, draft, (options, context))
-    })
-}
-
-/// Reads a header, and passes on what it says of the samples.
-fn with<T>(
-    path: &Path,
-    options: &ReadOptions,
-    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
-) -> Result<T, IoError> {
+pub(super) fn read<T: FromStored>(path: &Path, options: &ReadOptions) -> Result<T, IoError> {
     let context = &Context::new("MGH", path);
     let mut source = Source::open(path)?;
     let compressed = source.peek(context)?.starts_with(&[0x1f, 0x8b]);
@@ -105,7 +87,7 @@ fn with<T>(
         // Parameters of the scan may follow.
         files: DataFiles::attached("data").followed(),
     };
-    then(&stored, source, draft, context)
+    T::from_stored(&stored, source, draft, (options, context))
 }
 
 struct Header<'a> {

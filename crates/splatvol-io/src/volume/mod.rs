@@ -229,9 +229,9 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
     choices::check(format, options, &Context::new("volume", path))?;
     let opened = match format {
         Format::Zarr => Some(zarr::open(path, options)?),
-        Format::Nrrd => nrrd::open(path, options)?,
-        Format::MetaImage => metaimage::open(path, options)?,
-        Format::Nifti => nifti::open(path, options)?,
+        Format::Nrrd => nrrd::read(path, options)?,
+        Format::MetaImage => metaimage::read(path, options)?,
+        Format::Nifti => nifti::read(path, options)?,
         Format::Npy => npy::open(path)?,
         Format::Npz => npy::open_npz(path, options)?,
         Format::Raw => raw::open(path, options)?,
@@ -240,7 +240,7 @@ pub fn open_volume(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Opti
         Format::Dicom => Some(dicom::open(path, options)?),
         Format::Vti => vti::open(path, options)?,
         Format::LegacyVtk => legacy_vtk::open(path, options)?,
-        Format::Mgh => mgh::open(path, options)?,
+        Format::Mgh => mgh::read(path, options)?,
         Format::Slc => slc::open(path, options)?,
     };
     // Only a volume in memory can tell whether an integer was rounded.

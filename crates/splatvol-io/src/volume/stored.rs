@@ -88,6 +88,43 @@ impl Layout {
     }
 }
 
+/// What is made of stored samples: a volume in memory, or one that is read in parts.
+pub(super) trait FromStored: Sized {
+    /// `attached` is the header's file, past the header.
+    ///
+    /// # Errors
+    /// See [`IoError`].
+    fn from_stored(
+        stored: &Stored<'_>,
+        attached: Source<'_>,
+        draft: Draft,
+        how: (&ReadOptions, &Context<'_>),
+    ) -> Result<Self, IoError>;
+}
+
+impl FromStored for Loaded {
+    fn from_stored(
+        stored: &Stored<'_>,
+        attached: Source<'_>,
+        draft: Draft,
+        how: (&ReadOptions, &Context<'_>),
+    ) -> Result<Self, IoError> {
+        stored.load(attached, draft, how)
+    }
+}
+
+/// `None` where samples have to be unpacked, and may not be.
+impl FromStored for Option<Opened> {
+    fn from_stored(
+        stored: &Stored<'_>,
+        attached: Source<'_>,
+        draft: Draft,
+        how: (&ReadOptions, &Context<'_>),
+    ) -> Result<Self, IoError> {
+        stored.open(attached, draft, how)
+    }
+}
+
 /// Stored samples, and the selection to read.
 pub(super) struct Stored<'a> {
     pub(super) layout: Layout,
@@ -212,7 +249,7 @@ impl Stored<'_> {
     }
 
     /// The volume in memory; see [`Stored::read`].
-    pub(super) fn load(
+    fn load(
         &self,
         attached: Source<'_>,
         mut draft: Draft,

@@ -14,10 +14,8 @@ use splatvol_scene::{LengthUnit, Rescale};
 
 use super::data_files::DataFiles;
 use super::fields::Field;
-use super::stored::{Encoding, Layout, Selection, Stored};
-use super::{
-    Description, Draft, Loaded, Opened, ReadOptions, axis_codes, checked_dims, choose_component, choose_time,
-};
+use super::stored::{Encoding, FromStored, Layout, Selection, Stored};
+use super::{Description, Draft, ReadOptions, axis_codes, checked_dims, choose_component, choose_time};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::{Endian, SampleType};
@@ -28,25 +26,7 @@ use header::Header;
 ///
 /// # Errors
 /// See [`IoError`].
-pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.load(source, draft, (options, context))
-    })
-}
-
-/// Opens a file that is not compressed.
-pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.open(source, draft, (options, context))
-    })
-}
-
-/// Reads a header, and passes on what it says of the samples.
-fn with<T>(
-    path: &Path,
-    options: &ReadOptions,
-    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
-) -> Result<T, IoError> {
+pub(super) fn read<T: FromStored>(path: &Path, options: &ReadOptions) -> Result<T, IoError> {
     let path = &header_path(path);
     let context = Context::new("NIfTI header", path);
     let mut source = Source::open(path)?;
@@ -100,7 +80,7 @@ fn with<T>(
         },
     };
     let context = Context::new("NIfTI data", path);
-    then(&stored, source, draft, &context)
+    T::from_stored(&stored, source, draft, (options, &context))
 }
 
 /// The header of a pair, given either name.

@@ -11,8 +11,8 @@ mod write;
 
 use std::path::Path;
 
-use super::stored::Stored;
-use super::{Description, Draft, Loaded, Opened, ReadOptions};
+use super::stored::{FromStored, Stored};
+use super::{Description, Draft, ReadOptions};
 use crate::IoError;
 use crate::error::Context;
 use crate::source::Source;
@@ -26,25 +26,7 @@ pub use write::write;
 ///
 /// # Errors
 /// See [`IoError`].
-pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.load(source, draft, (options, context))
-    })
-}
-
-/// Opens a file whose samples are raw.
-pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
-    with(path, options, |stored, source, draft, context| {
-        stored.open(source, draft, (options, context))
-    })
-}
-
-/// Reads a header, and passes on what it says of the samples.
-fn with<T>(
-    path: &Path,
-    options: &ReadOptions,
-    then: impl FnOnce(&Stored<'_>, Source<'_>, Draft, &Context<'_>) -> Result<T, IoError>,
-) -> Result<T, IoError> {
+pub(super) fn read<T: FromStored>(path: &Path, options: &ReadOptions) -> Result<T, IoError> {
     let context = Context::new("NRRD header", path).following(options);
     let mut source = Source::open(path)?;
     let header = Header::read(&mut source, &context)?;
@@ -75,5 +57,5 @@ fn with<T>(
         files: header.files(&context)?,
     };
     let context = Context::new("NRRD data", path).following(options);
-    then(&stored, source, draft, &context)
+    T::from_stored(&stored, source, draft, (options, &context))
 }
