@@ -52,6 +52,10 @@ pub(super) fn read(
     });
     let mut index = MinMaxIndex::new(dims, block, 1);
     let layout = &smallest.layout;
+    // Stores that answer late are asked for all at once.
+    for end in [&smallest, &largest] {
+        end.will_need(layout.chunks_of(VoxelBox::whole(&layout.grid)));
+    }
     for piece in layout.chunks_of(VoxelBox::whole(&layout.grid)) {
         let region = layout.region(piece);
         let [nx, ny, _] = region.size;

@@ -9,8 +9,10 @@ use splatvol_scene::{ElementType, VoxelBox};
 /// Chunks of a task along x, y, z.
 const TASK: [usize; 3] = [16, 2, 2];
 
-/// Edge of a block of the index of smallest and largest samples, where it divides a chunk's edge.
+/// Smallest edge of a block of the index of smallest and largest samples.
 const BLOCK: usize = 16;
+/// Blocks that an index has at most, unless a block is a chunk: readers read it whole.
+const MOST_BLOCKS: usize = 1 << 21;
 
 /// A level of detail.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,22 +33,30 @@ impl LevelPlan {
         }
     }
 
-    /// Samples along x, y, z of the blocks of the level's index; they divide a chunk, if there are more than one.
+    /// Samples along x, y, z of the blocks of the level's index: cubes of 16, 32... along the axes where these divide a
+    /// chunk, or where there is one chunk alone.
     pub(super) fn block(&self) -> [usize; 3] {
-        std::array::from_fn(|axis| {
-            let (edge, dim) = (self.chunk[axis], self.dims[axis]);
-            if edge.is_multiple_of(BLOCK) || edge >= dim {
-                BLOCK
-            } else {
-                edge
-            }
-        })
+        let edges = std::iter::successors(Some(BLOCK), |edge| edge.checked_mul(2));
+        let block = |edge: usize| {
+            std::array::from_fn(|axis| {
+                let (chunk, dim) = (self.chunk[axis], self.dims[axis]);
+                let divides = chunk.is_multiple_of(edge) || (chunk >= dim && edge <= dim.max(BLOCK));
+                if divides { edge } else { chunk }
+            })
+        };
+        let longest = self.chunk.into_iter().fold(BLOCK, usize::max);
+        let mut blocks = edges.take_while(|edge| *edge <= longest).map(block);
+        let few = |block: &[usize; 3]| self.counts_of(*block).into_iter().product::<usize>() <= MOST_BLOCKS;
+        blocks.find(few).unwrap_or(self.chunk)
+    }
+
+    fn counts_of(&self, block: [usize; 3]) -> [usize; 3] {
+        std::array::from_fn(|axis| self.dims[axis].div_ceil(block[axis]))
     }
 
     /// Blocks of the index along x, y, z.
     pub(super) fn block_counts(&self) -> [usize; 3] {
-        let block = self.block();
-        std::array::from_fn(|axis| self.dims[axis].div_ceil(block[axis]))
+        self.counts_of(self.block())
     }
 
     /// The blocks of the index within a box that begins and ends with chunks, x fastest.
@@ -203,11 +213,25 @@ mod tests {
                 chunks.dedup();
                 let counts = (0..3).map(|axis| of.dims[axis].div_ceil(of.chunk[axis]));
                 assert_eq!(chunks.len(), counts.product::<usize>());
+                let blocks = tasks.iter().flat_map(|task| of.blocks_in(task.own));
+                let found: std::collections::BTreeSet<_> = blocks.collect();
+                assert_eq!(found.len(), of.block_counts().iter().product::<usize>());
                 if let Some(next) = plan.levels.get(level + 1) {
                     let made: u64 = tasks.iter().map(|task| task.next.unwrap().len() as u64).sum();
                     assert_eq!(made, next.samples(), "{dims:?} {level}");
                 }
             }
         }
+    }
+
+    #[test]
+    fn blocks_of_huge_levels_are_larger_and_divide_chunks() {
+        let block = |dims, edge| LevelPlan::new(dims, edge, [1; 3]).block();
+        assert_eq!(block([2048; 3], 64), [16; 3]);
+        assert_eq!(block([2049, 2048, 2048], 64), [32; 3]);
+        assert_eq!(block([10_240, 7680, 1356], 64), [64; 3]);
+        assert_eq!(block([100_000; 3], 64), [64; 3]);
+        assert_eq!(block([100, 400, 9], 40), [40, 40, 16]);
+        assert_eq!(block([30, 40, 50], 64), [16; 3]);
     }
 }
