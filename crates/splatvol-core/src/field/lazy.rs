@@ -2,7 +2,7 @@
 //!
 //! | when | is done | and kept |
 //! |---|---|---|
-//! | the transfer function is set | bounds of chunks are asked whether anything in them, or around them, can be visible | 4 bytes per chunk that may be |
+//! | the transfer function is set | an index is asked whether anything in chunks and their bricks, or around them, can be visible | 24 bytes per chunk that may be |
 //! | a picture is planned | bricks of these that the wanted pixels can show ([`FieldStore::restrict`]) | 8 bytes per brick |
 //! | a brick is opened | its chunk's visible cells, needed voxels and coefficients, from the samples | the chunks used last |
 //!

@@ -1,5 +1,5 @@
 //! What must be known of a level before it is drawn: the range of its values, whether samples are missing, and the
-//! samples from which the background is found. An index of bounds says it at once; otherwise all chunks are read once.
+//! samples from which the background is found. An index says it at once; otherwise all chunks are read once, and one is made of them.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

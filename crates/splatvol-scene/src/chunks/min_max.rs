@@ -36,7 +36,8 @@ impl MinMaxIndex {
         let few = |octaves: &u32| counts(*octaves).iter().product::<usize>() <= MOST_BLOCKS;
         let octaves = (0..usize::BITS).find(few).unwrap_or(0);
         Self {
-            block: block.map(|edge| edge << octaves),
+            // Files may say anything of their blocks.
+            block: block.map(|edge| edge.saturating_mul(1 << octaves)),
             counts: counts(octaves),
             border,
             octaves,
@@ -293,6 +294,17 @@ mod tests {
         };
         let [low, high] = index.within(region).unwrap();
         assert!(low <= 5000.0 && low > 4960.0 && (1e6 + 451.0..1e6 + 480.0).contains(&high));
+    }
+
+    #[test]
+    fn blocks_longer_than_any_level_are_one() {
+        let mut index = MinMaxIndex::new([3, 4000, 4000], [1 << (usize::BITS - 1), 1, 1], 1);
+        index.join([0, 3999, 3999], [1.0, 2.0]);
+        let last = VoxelBox {
+            first: [2, 3999, 3999],
+            size: [1; 3],
+        };
+        assert_eq!(index.within(last), Some([1.0, 2.0]));
     }
 
     #[test]
