@@ -5,7 +5,7 @@
 //! a hundred bytes that claim 17 GB are refused without an allocation.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
 use flate2::bufread::{GzDecoder, ZlibDecoder};
@@ -50,6 +50,11 @@ impl Source<'static> {
     /// Opens a regular file. Directories, FIFOs and devices are refused before they are opened, since opening one
     /// may block for ever.
     pub(crate) fn open(path: &Path) -> Result<Self, IoError> {
+        Self::open_at(path, 0)
+    }
+
+    /// The same from a position on; nothing where the file ends before it.
+    pub(crate) fn open_at(path: &Path, position: u64) -> Result<Self, IoError> {
         let open = |source| IoError::Open {
             source,
             path: path.to_owned(),
@@ -58,12 +63,16 @@ impl Source<'static> {
         if !metadata.is_file() {
             return Err(open(io::Error::other("not a regular file")));
         }
-        let file = File::open(path).map_err(open)?;
-        let at_most = metadata.len();
+        let mut file = File::open(path).map_err(open)?;
+        if position > 0 {
+            file.seek(SeekFrom::Start(position)).map_err(open)?;
+        }
+        let length = metadata.len();
+        let at_most = length.saturating_sub(position);
         Ok(Self {
             reader: Box::new(BufReader::with_capacity(1 << 16, file.take(at_most))),
             at_most,
-            length: Some(at_most),
+            length: Some(length),
         })
     }
 }
@@ -93,6 +102,26 @@ impl<'a> Source<'a> {
             reader: Box::new(BufReader::new(reader)),
             at_most,
             length: None,
+        }
+    }
+
+    /// The next bytes, at most as many, as a source of their own.
+    pub(crate) fn part(&mut self, length: u64) -> Source<'_> {
+        let at_most = self.at_most.min(length);
+        Source {
+            length: self.length.map(|_| at_most),
+            reader: Box::new(self.take(length)),
+            at_most,
+        }
+    }
+
+    /// This source, which ends after as many bytes.
+    pub(crate) fn first(self, length: u64) -> Self {
+        let at_most = self.at_most.min(length);
+        Self {
+            length: self.length.map(|_| at_most),
+            reader: Box::new(self.reader.take(length)),
+            at_most,
         }
     }
 

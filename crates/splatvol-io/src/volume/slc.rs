@@ -1,5 +1,6 @@
 //! SLC of `VolVis`: a text header, a preview, and 8-bit slices, plain or in runs (as VTK's `vtkSLCReader` reads them).
 
+use std::io::BufRead;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -13,9 +14,7 @@ use super::{Description, Draft, Loaded, Opened, ReadOptions, checked_dims, sampl
 #[cfg(not(target_family = "wasm"))]
 use crate::Endian;
 use crate::error::Context;
-#[cfg(not(target_family = "wasm"))]
 use crate::source::Source;
-use crate::source::read_file;
 use crate::{IoError, SampleType};
 
 /// First number of every file.
@@ -24,14 +23,16 @@ pub(super) const MAGIC: &[u8] = b"11111";
 /// Missing samples are forgiven up to this part of a slice.
 const MOST_MISSING: usize = 4;
 
+/// Digits of a number, at most.
+const LONGEST_WORD: usize = 40;
+
 /// Reads a file.
 ///
 /// # Errors
 /// See [`IoError`].
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("SLC", path);
-    let bytes = read_file(path, context)?;
-    let (mut slices, mut draft) = Slices::new(&bytes, context)?;
+    let (mut slices, mut draft) = Slices::new(Source::open(path)?, context)?;
     sample_count(draft.dims, 1, SampleType::U8, options, context)?;
     let mut samples = Vec::new();
     for _ in 0..draft.dims[2] {
@@ -41,7 +42,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(Samples::U8(samples.into()), context)
 }
 
-/// Unpacks the samples beside the output of a conversion, if that is allowed: the file's own bytes are in memory meanwhile.
+/// Unpacks the samples beside the output of a conversion, if that is allowed: one slice is in memory meanwhile.
 ///
 /// # Errors
 /// As [`read`]; [`IoError::Write`].
@@ -51,8 +52,7 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
         return Ok(None);
     };
     let context = &Context::new("SLC", path);
-    let bytes = read_file(path, context)?;
-    let (mut slices, mut draft) = Slices::new(&bytes, context)?;
+    let (mut slices, mut draft) = Slices::new(Source::open(path)?, context)?;
     let mut copy = Unpacked::new(folder)?;
     let mut samples = Vec::new();
     for _ in 0..draft.dims[2] {
@@ -94,12 +94,8 @@ struct Slices<'a> {
 
 impl<'a> Slices<'a> {
     /// Reads the header.
-    fn new(bytes: &'a [u8], context: &'a Context<'a>) -> Result<(Self, Draft), IoError> {
-        let mut text = Text {
-            bytes,
-            at: 0,
-            context,
-        };
+    fn new(source: Source<'a>, context: &'a Context<'a>) -> Result<(Self, Draft), IoError> {
+        let mut text = Text { source, context };
         text.number::<u32>("magic number")?;
         let mut sizes = [0i64; 3];
         for size in &mut sizes {
@@ -119,14 +115,14 @@ impl<'a> Slices<'a> {
         let compressed = match text.number::<u32>("compression")? {
             0 => false,
             1 => true,
-            other => return Err(context.field("compression", other, text.at as u64, "0 or 1")),
+            other => return Err(context.field("compression", other, text.position(), "0 or 1")),
         };
         let preview = [text.number::<u32>("preview")?, text.number::<u32>("preview")?];
         text.mark()?;
         let preview = u64::from(preview[0])
             .saturating_mul(preview[1].into())
             .saturating_mul(3);
-        text.take(preview, "preview")?;
+        text.source.skip(preview, context)?;
         let dims = checked_dims(&sizes, "size", 0, context)?;
         let mut draft = Draft::new(dims, Description::default());
         draft.world_from_voxel = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::from_array(spacing)));
@@ -160,10 +156,12 @@ impl<'a> Slices<'a> {
         if self.compressed {
             let length: u32 = text.number("length of a slice")?;
             text.mark()?;
-            let coded = text.take(length.into(), "slice")?;
-            unpack(coded, *size, samples);
+            let coded = text.source.read_bytes("slice", length.into(), text.context)?;
+            unpack(&coded, *size, samples);
         } else {
-            samples.extend_from_slice(text.take_up_to(*size));
+            let left = usize::try_from(text.source.at_most()).unwrap_or(usize::MAX);
+            samples.resize(start + left.min(*size), 0);
+            text.source.fill(&mut samples[start..], text.context)?;
         }
         self.missing += start + *size - samples.len();
         // A few samples may be missing at the end; much more is another file.
@@ -178,12 +176,12 @@ impl<'a> Slices<'a> {
     /// Warns of what was missing, and of bytes behind the last slice.
     fn end(self, draft: &mut Draft) {
         let Self { text, missing, .. } = self;
+        let excess = text.source.at_most();
         if missing > 0 {
             draft.warn(format!(
                 "{missing} samples are missing at the ends of slices, and taken as 0"
             ));
         }
-        let excess = text.bytes.len() - text.at;
         if excess > 0 {
             draft.warn(format!("{excess} more bytes than the header declares"));
         }
@@ -215,57 +213,54 @@ fn unpack(mut coded: &[u8], slice: usize, samples: &mut Vec<u8>) {
 
 /// Numbers and bytes in turn.
 struct Text<'a> {
-    bytes: &'a [u8],
-    at: usize,
+    source: Source<'a>,
     context: &'a Context<'a>,
 }
 
-impl<'a> Text<'a> {
+impl Text<'_> {
+    fn position(&self) -> u64 {
+        self.source.position().unwrap_or(0)
+    }
+
+    /// The next byte, if there is one.
+    fn byte(&mut self) -> Result<Option<u8>, IoError> {
+        let byte = self.source.peek(self.context)?.first().copied();
+        self.source.consume(usize::from(byte.is_some()));
+        Ok(byte)
+    }
+
+    /// The first byte that is no blank.
+    fn first(&mut self) -> Result<Option<u8>, IoError> {
+        loop {
+            match self.byte()? {
+                Some(byte) if byte.is_ascii_whitespace() => (),
+                byte => return Ok(byte),
+            }
+        }
+    }
+
+    /// The next word as a number; the blank behind it is taken, too.
     fn number<T: std::str::FromStr>(&mut self, field: &str) -> Result<T, IoError> {
-        let rest = &self.bytes[self.at..];
-        let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let length = rest[blank..]
-            .iter()
-            .take(40)
-            .take_while(|byte| !byte.is_ascii_whitespace())
-            .count();
-        let word = String::from_utf8_lossy(&rest[blank..blank + length]).into_owned();
-        let at = self.at as u64;
-        self.at += blank + length;
+        let mut word = Vec::new();
+        let mut next = self.first()?;
+        let at = self.position().saturating_sub(1);
+        while let Some(byte) = next.filter(|byte| !byte.is_ascii_whitespace() && word.len() < LONGEST_WORD) {
+            word.push(byte);
+            next = self.byte()?;
+        }
+        let word = String::from_utf8_lossy(&word).into_owned();
         word.parse()
             .map_err(|_| self.context.field(field, word, at, "a number"))
     }
 
     /// The X that ends a text part.
     fn mark(&mut self) -> Result<(), IoError> {
-        let rest = &self.bytes[self.at..];
-        let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        self.at += blank + 1;
-        match rest.get(blank) {
+        match self.first()? {
             Some(b'X') => Ok(()),
             other => {
                 let shown = other.map_or(String::new(), |byte| format!("{byte:#x}"));
-                Err(self.context.field("mark", shown, self.at as u64, "X"))
+                Err(self.context.field("mark", shown, self.position(), "X"))
             }
-        }
-    }
-
-    /// As many bytes as there are, at most `length`.
-    fn take_up_to(&mut self, length: usize) -> &'a [u8] {
-        let rest = self.bytes.get(self.at..).unwrap_or_default();
-        let taken = &rest[..length.min(rest.len())];
-        self.at += taken.len();
-        taken
-    }
-
-    fn take(&mut self, length: u64, what: &'static str) -> Result<&'a [u8], IoError> {
-        let rest = self.bytes.get(self.at..).unwrap_or_default();
-        match usize::try_from(length).ok().and_then(|length| rest.get(..length)) {
-            Some(taken) => {
-                self.at += taken.len();
-                Ok(taken)
-            }
-            None => Err(self.context.truncated(what, length, rest.len() as u64)),
         }
     }
 }

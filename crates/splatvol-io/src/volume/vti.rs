@@ -3,10 +3,14 @@
 //! All codings are read: ascii, inline base64, appended base64 and appended raw, header words of 32 and 64 bits,
 //! both byte orders, plain, zlib and LZ4. Other compressors, and images in several pieces, are refused.
 
+mod base64_text;
 pub(crate) mod document;
 pub(crate) mod payload;
+#[cfg(not(target_family = "wasm"))]
+mod skeleton;
 
 use std::fs::File;
+use std::ops::Range;
 use std::path::Path;
 
 use super::flat::{Flat, Tuple};
@@ -17,11 +21,13 @@ use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count, vtk_a
 use crate::error::Context;
 use crate::positioned::read_at;
 use crate::samples::Endian;
+use crate::source::{Source, read_file, start_of_file};
 #[cfg(not(target_family = "wasm"))]
-use crate::source::Source;
-use crate::source::{read_file, start_of_file};
+use crate::xml;
 use crate::{IoError, SampleType};
 use document::{Coding, Compressor, ImageFile, Place};
+#[cfg(not(target_family = "wasm"))]
+use skeleton::Skeleton;
 
 /// Reads a .vti file.
 ///
@@ -70,58 +76,96 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
     }
 }
 
-/// Unpacks the samples beside the output of a conversion, if that is allowed: the file's own bytes are in memory meanwhile.
+/// Unpacks the samples beside the output of a conversion, if that is allowed. Neither the file's text nor its blocks are in memory
+/// meanwhile.
 #[cfg(not(target_family = "wasm"))]
 fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opened>, IoError> {
     let Some(folder) = &options.unpack_in else {
         return Ok(None);
     };
-    let bytes = read_file(context.path, context)?;
-    let parts = document::split(&bytes, context)?;
-    let document = document::parse(&parts, context)?;
+    let skeleton = Skeleton::read(Source::open(context.path)?, context)?;
+    let document = xml::parse(&skeleton.xml, "XML", context)?;
     let file = ImageFile::from_xml(&document, context)?;
     let chosen = Chosen::new(&file, options, context)?;
     let samples = chosen.draft.grid(context)?.sample_count();
-    let Some(count) = samples.checked_mul(chosen.components) else {
+    let mut texts = skeleton.texts(chosen.element.clone());
+    let text = texts.next();
+    // Several long texts of one array: nobody writes that.
+    let (None, Some(count)) = (texts.next(), samples.checked_mul(chosen.components)) else {
         return Ok(None);
     };
-    if let Place::Ascii(text) = &chosen.place {
-        let numbers = Numbers {
-            sample_type: chosen.sample_type,
-            tuple: chosen.tuple(),
-            before: 0,
-            start: 0,
-            may_be_followed: false,
-            cut: None,
-        };
-        let text = Source::from_bytes(text.as_bytes());
-        return unpack_text(text, numbers, folder, (chosen.draft, context)).map(Some);
-    }
+    let coding = file.coding;
+    let encoded = match &chosen.place {
+        Place::Ascii(short) => {
+            let numbers = Numbers {
+                sample_type: chosen.sample_type,
+                tuple: chosen.tuple(),
+                before: 0,
+                start: text.as_ref().map_or(0, |text| text.start),
+                may_be_followed: false,
+                cut: None,
+            };
+            let source = of_text(text, short, context)?;
+            return unpack_text(source, numbers, folder, (chosen.draft, context)).map(Some);
+        }
+        Place::Base64(short) => payload::from_base64(of_text(text, short, context)?),
+        Place::Appended { offset, next } => {
+            let base64 = next.filter(|_| coding.appended_base64);
+            coding.unwrap(appended(&skeleton, *offset, base64, context)?)
+        }
+    };
     let mut copy = Unpacked::new(folder)?;
     let width = chosen.sample_type.size();
     let take = |source: &mut Source<'_>, samples| {
         let bytes = chosen.sample_type.byte_count(samples);
         copy.take(source, bytes, (width, 1, 0), context)
     };
-    let found = payload::each_part(
-        &chosen.place,
-        (chosen.sample_type, count),
-        file.coding,
-        parts.appended,
-        (context, take),
-    )?;
+    payload::each_part(encoded, (chosen.sample_type, count), coding, (context, take))?;
     let flat = Flat {
         path: context.path.to_owned(),
         position: 0,
         sample_type: chosen.sample_type,
         half: false,
         tuple: chosen.tuple(),
-        endian: file.coding.endian,
+        endian: coding.endian,
     };
-    match found {
-        Some(()) => flat.of_file(copy.finish()?, chosen.draft, context).map(Some),
-        None => Ok(None),
+    flat.of_file(copy.finish()?, chosen.draft, context).map(Some)
+}
+
+/// A text of the file, or a short one.
+#[cfg(not(target_family = "wasm"))]
+fn of_text<'a>(
+    text: Option<Range<u64>>,
+    short: &'a str,
+    context: &Context<'_>,
+) -> Result<Source<'a>, IoError> {
+    match text {
+        Some(text) => Ok(Source::open_at(context.path, text.start)?.first(text.end - text.start)),
+        None => Ok(Source::from_bytes(short.as_bytes())),
     }
+}
+
+/// The appended data from an offset on, to the next one where that is given.
+#[cfg(not(target_family = "wasm"))]
+fn appended(
+    skeleton: &Skeleton,
+    offset: u64,
+    next: Option<u64>,
+    context: &Context<'_>,
+) -> Result<Source<'static>, IoError> {
+    let start = skeleton
+        .appended
+        .ok_or_else(|| context.field("AppendedData", "", None, "an <AppendedData> element"))?;
+    let position = start.saturating_add(offset);
+    let source = Source::open_at(context.path, position)?;
+    if source.at_most() == 0 {
+        let expected = "an offset inside the appended data";
+        return Err(context.field("offset", offset, None, expected));
+    }
+    Ok(match next {
+        Some(next) => source.first(next - offset),
+        None => source,
+    })
 }
 
 /// Nothing is unpacked where there are no files.
@@ -157,7 +201,7 @@ fn located(bytes: &[u8], options: &ReadOptions, context: &Context<'_>) -> Option
         tuple: chosen.tuple(),
         endian: coding.endian,
     };
-    let declared = payload::number(&word, coding, context).ok()?;
+    let declared = payload::number(&mut Source::from_bytes(&word), coding, context).ok()?;
     (declared == chosen.sample_type.byte_count(count)).then_some((flat, chosen.draft))
 }
 
@@ -168,6 +212,8 @@ struct Chosen<'a> {
     components: usize,
     component: Component,
     draft: Draft,
+    /// The array's element in the document.
+    element: Range<usize>,
 }
 
 impl<'a> Chosen<'a> {
@@ -197,6 +243,7 @@ impl<'a> Chosen<'a> {
             components: head.components,
             component,
             draft: file.geometry.draft(head.association, description, context)?,
+            element: file.arrays.range(index),
         })
     }
 }

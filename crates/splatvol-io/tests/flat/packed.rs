@@ -44,8 +44,38 @@ pub(crate) fn packed_vti(folder: &Path, shorts: &[u8]) -> Vec<PathBuf> {
     ]
     .concat();
     let plain = [&(shorts.len() as u64).to_be_bytes(), shorts].concat();
-    let text = base64::engine::general_purpose::STANDARD.encode(plain);
+    let encode = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
+    let text = encode(&plain);
+    // Another array behind it; the header is encoded by itself.
+    let (header, data) = (encode(&words), encode(&blocks.concat()));
+    let other = format!(
+        "format=\"appended\" offset=\"0\"/><DataArray type=\"UInt16\" Name=\"b\" format=\"appended\" offset=\"{}\">",
+        header.len() + data.len()
+    );
+    let both = format!("<AppendedData encoding=\"base64\">\n _{header}{data}{text}</AppendedData>");
+    let lz4: Vec<Vec<u8>> = shorts.chunks(size).map(lz4_flex::block::compress).collect();
+    let numbers = [2, size, shorts.len() - size, lz4[0].len(), lz4[1].len()];
+    let words = numbers.map(|number| (number as u64).to_be_bytes()).concat();
+    let inline = encode(&[words, lz4.concat()].concat());
     vec![
+        write(
+            folder,
+            "base64.vti",
+            &[&document(
+                " compressor=\"vtkZLibDataCompressor\"",
+                &other,
+                both.as_bytes(),
+            )],
+        ),
+        write(
+            folder,
+            "lz4.vti",
+            &[&document(
+                " compressor=\"vtkLZ4DataCompressor\"",
+                &format!("format=\"binary\">{inline}"),
+                b"",
+            )],
+        ),
         write(
             folder,
             "q.vti",

@@ -1,13 +1,13 @@
 //! DICOM's data elements: tag, value representation, length, value (PS3.5, sections 7 and A; PS3.10, section 7).
 //!
-//! A data set is a view of the bytes of its file: nothing is copied, and a declared length is checked against the
-//! bytes present before anything else happens. That is why no crate does this: those found allocate what a header
-//! declares, up to 4 GB.
+//! A data set is a view of the first bytes of its file, and says where the pixels are: nothing is copied, and a declared length
+//! is checked against the bytes present before anything else happens. That is why no crate does this: those found
+//! allocate what a header declares, up to 4 GB.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::syntax::Syntax;
+use super::contents::Contents;
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
@@ -48,14 +48,14 @@ pub(super) struct Dataset<'a> {
 pub(super) struct Element<'a> {
     pub(super) tag: Tag,
     pub(super) value: Value<'a>,
-    /// Offset of the value.
-    pub(super) offset: u64,
 }
 
 #[derive(Debug)]
 pub(super) enum Value<'a> {
     Bytes(&'a [u8]),
     Items(Vec<Dataset<'a>>),
+    /// Byte range of the pixels in the file.
+    Pixels(Range<usize>),
     /// Byte ranges of the encapsulated pixels in the file; the first fragment is the table of offsets.
     Fragments(Vec<Range<usize>>),
 }
@@ -91,10 +91,12 @@ pub(super) struct Coding {
     pub(super) endian: Endian,
 }
 
-/// A position in the bytes of a file.
+/// A position in a file.
 pub(super) struct Reader<'a, 'c> {
-    bytes: &'a [u8],
+    contents: &'a Contents,
     at: usize,
+    /// First bytes of the file that would have to be in memory for what was read last.
+    wanted: usize,
     coding: Coding,
     context: &'c Context<'c>,
 }
@@ -107,10 +109,11 @@ struct Head {
 }
 
 impl<'a, 'c> Reader<'a, 'c> {
-    pub(super) fn new(bytes: &'a [u8], at: usize, coding: Coding, context: &'c Context<'c>) -> Self {
+    pub(super) fn new(contents: &'a Contents, at: usize, coding: Coding, context: &'c Context<'c>) -> Self {
         Self {
-            bytes,
+            contents,
             at,
+            wanted: 0,
             coding,
             context,
         }
@@ -123,16 +126,21 @@ impl<'a, 'c> Reader<'a, 'c> {
     /// The file meta information: elements of group 2, always explicit and little-endian.
     pub(super) fn meta(&mut self) -> Result<Dataset<'a>, IoError> {
         let mut dataset = Dataset::default();
-        while self.bytes.get(self.at..self.at + 2) == Some(&[2, 0]) {
+        while self.at + 2 <= self.contents.length() && self.view(self.at..self.at + 2)? == [2, 0] {
             dataset.push(self.element(0)?);
         }
         Ok(dataset)
     }
 
+    /// The first bytes of the file that an error was about.
+    pub(super) fn wanted(&self) -> usize {
+        self.wanted
+    }
+
     /// All elements up to and including the pixels; padding or a signature may follow.
     pub(super) fn image(&mut self) -> Result<Dataset<'a>, IoError> {
         let mut dataset = Dataset::default();
-        while self.at < self.bytes.len() {
+        while self.at < self.contents.length() {
             let element = self.element(0)?;
             let last = element.tag == PIXEL_DATA;
             dataset.push(element);
@@ -149,7 +157,6 @@ impl<'a, 'c> Reader<'a, 'c> {
     }
 
     fn value(&mut self, head: &Head, depth: usize) -> Result<Element<'a>, IoError> {
-        let offset = self.at as u64;
         let sequence = &head.representation == b"SQ" || SEQUENCES.contains(&head.tag);
         let value = if head.length == UNDEFINED && head.tag == PIXEL_DATA {
             Value::Fragments(self.fragments()?)
@@ -168,14 +175,14 @@ impl<'a, 'c> Reader<'a, 'c> {
         } else if sequence {
             let end = self.end(head.length)?;
             Value::Items(self.items(Some(end), depth + 1)?)
+        } else if head.tag == PIXEL_DATA && depth == 0 {
+            let start = self.at;
+            self.at = self.end(head.length)?;
+            Value::Pixels(start..self.at)
         } else {
             Value::Bytes(self.take(head.length)?)
         };
-        Ok(Element {
-            tag: head.tag,
-            value,
-            offset,
-        })
+        Ok(Element { tag: head.tag, value })
     }
 
     fn items(&mut self, end: Option<usize>, depth: usize) -> Result<Vec<Dataset<'a>>, IoError> {
@@ -212,14 +219,18 @@ impl<'a, 'c> Reader<'a, 'c> {
     }
 
     fn fragments(&mut self) -> Result<Vec<Range<usize>>, IoError> {
+        let endian = self.coding.endian;
         let mut fragments = Vec::new();
         loop {
-            let tag = self.tag()?;
-            let length = self.number()?;
+            let start = self.end(8)?;
+            let head = self.contents.read(self.at..start, self.context)?;
+            let half = |bytes| unsigned(bytes, endian);
+            let (tag, length) = (half(&head[..2]) << 16 | half(&head[2..4]), half(&head[4..]));
+            self.at = start;
             match tag {
                 ITEM => {
-                    self.take(length)?;
-                    fragments.push(self.at - length as usize..self.at);
+                    self.at = self.end(length)?;
+                    fragments.push(start..self.at);
                 }
                 SEQUENCE_END => return Ok(fragments),
                 _ => return Err(self.bad("item tag", name(tag), "a fragment or the end of the pixels")),
@@ -277,7 +288,7 @@ impl<'a, 'c> Reader<'a, 'c> {
     }
 
     fn end(&self, length: u32) -> Result<usize, IoError> {
-        let found = self.bytes.len() - self.at;
+        let found = self.contents.length() - self.at;
         match length as usize <= found {
             true => Ok(self.at + length as usize),
             false => Err(self
@@ -288,9 +299,19 @@ impl<'a, 'c> Reader<'a, 'c> {
 
     fn take(&mut self, length: u32) -> Result<&'a [u8], IoError> {
         let end = self.end(length)?;
-        let bytes = &self.bytes[self.at..end];
+        let bytes = self.view(self.at..end)?;
         self.at = end;
         Ok(bytes)
+    }
+
+    /// Bytes of the file that are in memory.
+    fn view(&mut self, range: Range<usize>) -> Result<&'a [u8], IoError> {
+        self.wanted = range.end;
+        let start = self.contents.start();
+        start.get(range.clone()).ok_or_else(|| {
+            self.context
+                .truncated("data elements", range.end as u64, start.len() as u64)
+        })
     }
 
     fn bad(&self, field: &str, value: String, expected: &str) -> IoError {
@@ -310,31 +331,6 @@ pub(super) fn unsigned(bytes: &[u8], endian: Endian) -> u32 {
 /// `(0028,0010)`.
 pub(super) fn name(tag: Tag) -> String {
     format!("({:04X},{:04X})", tag >> 16, tag & 0xffff)
-}
-
-/// Offset of a file's first element, and the coding of the elements.
-pub(super) fn start(bytes: &[u8], context: &Context<'_>) -> Result<(usize, Syntax), IoError> {
-    let explicit = Coding {
-        explicit: true,
-        endian: Endian::Little,
-    };
-    let preamble = if bytes.get(128..132) == Some(b"DICM") {
-        132
-    } else {
-        0
-    };
-    let mut reader = Reader::new(bytes, preamble, explicit, context);
-    let meta = reader.meta()?;
-    let position = reader.position();
-    if let Some(uid) = meta.bytes(0x0002_0010) {
-        let syntax = Syntax::from_uid(&text(uid));
-        return Ok((position, syntax.of_elements(&bytes[position..])));
-    }
-    // Files from before PS3.10 do not say; an explicit representation is one of a few pairs of letters.
-    let explicit = bytes
-        .get(position + 4..position + 6)
-        .is_some_and(|letters| letters.iter().all(u8::is_ascii_uppercase));
-    Ok((position, Syntax::plain(explicit)))
 }
 
 /// Text without the padding of its end. Only ASCII matters here; other characters are shown as they come.

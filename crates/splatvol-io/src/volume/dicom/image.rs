@@ -179,7 +179,7 @@ impl<'a> Elements<'_, 'a, '_> {
                 })?,
         };
         let (what, found, need) = match &pixels.value {
-            Value::Bytes(bytes) => ("pixels", bytes.len(), form.native_bytes(count)),
+            Value::Pixels(pixels) => ("pixels", pixels.len(), form.native_bytes(count)),
             // The first fragment is the table of offsets. A frame has at least the header of its coding.
             Value::Fragments(fragments) => {
                 let bytes: usize = fragments.iter().skip(1).map(ExactSizeIterator::len).sum();
@@ -189,7 +189,7 @@ impl<'a> Elements<'_, 'a, '_> {
                 }
                 ("fragments", fragments.len().saturating_sub(1), count)
             }
-            Value::Items(_) => ("pixels", 0, 1),
+            Value::Items(_) | Value::Bytes(_) => ("pixels", 0, 1),
         };
         if found < need {
             return Err(self.context.truncated(what, need as u64, found as u64));

@@ -10,6 +10,7 @@
 
 mod arrange;
 mod colors;
+mod contents;
 mod element;
 mod image;
 mod jpeg_12;
@@ -26,7 +27,6 @@ mod uneven;
 
 use std::path::{Path, PathBuf};
 
-use flate2::bufread::DeflateDecoder;
 use splatvol_scene::LengthUnit;
 
 use super::planes::component_names;
@@ -37,12 +37,11 @@ use super::{
 };
 use crate::error::Context;
 use crate::samples::SampleType;
-use crate::source::{Source, read_file};
+use crate::source::Source;
 use crate::{IoError, axis_codes};
-use element::Reader;
+use contents::Contents;
 use image::{Elements, Form, FrameHead, ImageHead, Series};
 use series::{SeriesSlices, Slice};
-use syntax::Syntax;
 
 /// Directions and spacing of slices of one volume agree up to this.
 const ALIKE: f64 = 1e-3;
@@ -84,7 +83,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     draft.finish(samples, context)
 }
 
-/// Opens a folder or a file, whose slices are read when they are asked for. The bytes of a file of several are kept.
+/// Opens a folder or a file, whose slices are read when they are asked for.
 ///
 /// # Errors
 /// As [`read`].
@@ -184,35 +183,13 @@ fn orientation(placed: bool, codes: &str, tilt: f64) -> String {
     }
 }
 
-/// The bytes behind the file meta information, and how they are coded.
-fn contents(path: &Path, context: &Context<'_>) -> Result<(Vec<u8>, usize, Syntax), IoError> {
-    let bytes = read_file(path, context)?;
-    let (start, syntax) = element::start(&bytes, context)?;
-    if !syntax.deflated {
-        return Ok((bytes, start, syntax));
-    }
-    let limit = pixels::plausible(bytes.len());
-    let decoder = DeflateDecoder::new(&bytes[start..]);
-    let mut source = Source::from_decoder(decoder, bytes.len() as u64, limit);
-    let mut inflated = Vec::new();
-    std::io::Read::read_to_end(&mut std::io::Read::take(&mut source, limit), &mut inflated)
-        .map_err(|error| context.read(error))?;
-    Ok((inflated, 0, syntax))
-}
-
 fn heads(files: Vec<PathBuf>, folder: &Context<'_>) -> Result<Vec<ImageHead>, IoError> {
     let mut images = Vec::new();
     for path in files {
         let context = &Context::new("DICOM", &path);
-        let (bytes, start, syntax) = contents(&path, context)?;
-        let dataset = Reader::new(&bytes, start, syntax.coding(), context).image()?;
-        let endian = syntax.endian();
-        let elements = Elements {
-            dataset: &dataset,
-            endian,
-            context,
-        };
-        images.extend(elements.image(&path, &syntax)?);
+        let head = |_: &_, elements: &Elements<'_, '_, '_>, syntax: &_| elements.image(&path, syntax);
+        let (_, _, image) = Contents::open(&path, context, head)?;
+        images.extend(image);
     }
     match images.is_empty() {
         true => Err(folder.unsupported("no image (element (7FE0,0010) is missing)")),

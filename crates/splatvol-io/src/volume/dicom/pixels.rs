@@ -2,16 +2,18 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
 use splatvol_scene::Samples;
 
 use super::colors::{self, Colors};
-use super::element::{Reader, Value, unsigned};
+use super::contents::Contents;
+use super::element::{Value, unsigned};
 use super::image::{Elements, Form};
 use super::syntax::{Pixels, Syntax};
-use super::{contents, jpeg_12, jpeg_ls};
+use super::{jpeg_12, jpeg_ls};
 use crate::IoError;
 use crate::error::Context;
 use crate::samples::Endian;
@@ -33,7 +35,7 @@ pub(super) struct SliceReader<'a> {
     channel: usize,
     words: Words,
     /// Frames of a file often follow each other.
-    file: Option<OpenFile>,
+    file: Option<Arc<OpenFile>>,
 }
 
 /// Samples as they are stored, in native order.
@@ -43,59 +45,87 @@ enum Words {
     Four(Vec<u32>),
 }
 
-/// A file's bytes, and where its frames are.
+/// A file, and where its frames are.
 #[derive(Debug)]
 pub(super) struct OpenFile {
     path: PathBuf,
-    bytes: Vec<u8>,
+    contents: Contents,
     syntax: Syntax,
-    /// Parts of `bytes` that make up each frame.
+    /// Byte ranges that make up each frame.
     frames: Vec<Vec<Range<usize>>>,
+    /// Bytes that were written as words, the higher one first.
+    swapped: Option<Range<usize>>,
 }
 
 impl OpenFile {
     fn new(path: &Path, form: &Form, context: &Context<'_>) -> Result<Self, IoError> {
-        let (mut bytes, start, syntax) = contents(path, context)?;
-        let (frames, native) = {
-            let dataset = Reader::new(&bytes, start, syntax.coding(), context).image()?;
-            let elements = Elements {
-                dataset: &dataset,
-                endian: syntax.endian(),
-                context,
-            };
-            let count = elements
-                .image(path, &syntax)?
-                .map_or(0, |image| image.frames.len());
-            match elements
-                .pixels()
-                .map(|pixels| (&pixels.value, pixels.offset as usize))
-            {
-                Some((Value::Bytes(value), offset)) => {
+        let located = |contents: &Contents, elements: &Elements<'_, '_, '_>, syntax: &Syntax| {
+            let image = elements.image(path, syntax)?;
+            let count = image.map_or(0, |image| image.frames.len());
+            Ok(match elements.pixels().map(|pixels| &pixels.value) {
+                Some(Value::Pixels(native)) => {
                     let frame = |i: usize| {
                         let start = match form.packed {
                             true => i * form.samples() / 8,
                             false => form.native_bytes(i),
                         };
-                        offset + start..offset + form.native_bytes(i + 1)
+                        native.start + start..native.start + form.native_bytes(i + 1)
                     };
+                    // Bytes that are written as words stand in their order (PS3.5, annex A.3). The representation is eight
+                    // bytes ahead.
+                    let representation = native.start.saturating_sub(8)..native.start.saturating_sub(6);
+                    let words = contents.start().get(representation) == Some(b"OW");
+                    let is_swapped = words && syntax.endian() == Endian::Big && form.allocated == 8;
                     let frames = (0..count).map(|i| vec![frame(i)]).collect();
-                    (frames, offset..offset + value.len())
+                    (frames, is_swapped.then(|| native.clone()))
                 }
-                Some((Value::Fragments(fragments), _)) => (frames(fragments, count, &bytes, context)?, 0..0),
-                _ => (Vec::new(), 0..0),
-            }
+                Some(Value::Fragments(fragments)) => (frames(fragments, count, contents, context)?, None),
+                _ => (Vec::new(), None),
+            })
         };
-        // Bytes that are written as words stand in their order (PS3.5, annex A.3). The representation is eight bytes ahead.
-        let words = native.start >= 8 && bytes.get(native.start - 8..native.start - 6) == Some(b"OW");
-        if words && syntax.endian() == Endian::Big && form.allocated == 8 {
-            bytes[native].chunks_exact_mut(2).for_each(|pair| pair.swap(0, 1));
-        }
+        let (contents, syntax, (frames, swapped)) = Contents::open(path, context, located)?;
         Ok(Self {
             path: path.to_owned(),
-            bytes,
+            contents,
             syntax,
             frames,
+            swapped,
         })
+    }
+
+    /// The bytes of a frame, in one piece.
+    fn frame(&self, index: usize, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
+        let parts = self.frames.get(index).map_or(&[][..], Vec::as_slice);
+        let mut coded = Vec::new();
+        for part in parts {
+            let bytes = match &self.swapped {
+                Some(words) => self.of_words(part, words, context)?,
+                None => self.contents.read(part.clone(), context)?,
+            };
+            // Most frames have one part.
+            match coded.is_empty() {
+                true => coded = bytes,
+                false => coded.extend(bytes),
+            }
+        }
+        Ok(coded)
+    }
+
+    /// Bytes of words, in their own order.
+    fn of_words(
+        &self,
+        part: &Range<usize>,
+        words: &Range<usize>,
+        context: &Context<'_>,
+    ) -> Result<Vec<u8>, IoError> {
+        let before = (part.start - words.start) % 2;
+        let after = (part.end - words.start) % 2;
+        let whole = part.start - before..(part.end + after).min(words.end);
+        let mut bytes = self.contents.read(whole, context)?;
+        bytes.chunks_exact_mut(2).for_each(|pair| pair.swap(0, 1));
+        bytes.drain(..before);
+        bytes.truncate(part.len());
+        Ok(bytes)
     }
 }
 
@@ -103,7 +133,7 @@ impl OpenFile {
 fn frames(
     fragments: &[Range<usize>],
     count: usize,
-    bytes: &[u8],
+    contents: &Contents,
     context: &Context<'_>,
 ) -> Result<Vec<Vec<Range<usize>>>, IoError> {
     let Some((table, fragments)) = fragments.split_first() else {
@@ -115,7 +145,8 @@ fn frames(
     if fragments.len() == count {
         return Ok(fragments.iter().map(|fragment| vec![fragment.clone()]).collect());
     }
-    let offsets: Vec<usize> = bytes[table.clone()]
+    let offsets: Vec<usize> = contents
+        .read(table.clone(), context)?
         .chunks_exact(4)
         .map(|offset| unsigned(offset, Endian::Little) as usize)
         .collect();
@@ -145,7 +176,7 @@ fn frames(
 
 impl<'a> SliceReader<'a> {
     /// `file`: one that is open already.
-    pub(super) fn new(form: &'a Form, channel: usize, file: Option<OpenFile>) -> Self {
+    pub(super) fn new(form: &'a Form, channel: usize, file: Option<Arc<OpenFile>>) -> Self {
         let words = match bits_of_values(form) {
             8 => Words::One(Vec::new()),
             16 => Words::Two(Vec::new()),
@@ -160,7 +191,7 @@ impl<'a> SliceReader<'a> {
     }
 
     /// The file that was read last.
-    pub(super) fn take_file(&mut self) -> Option<OpenFile> {
+    pub(super) fn take_file(&mut self) -> Option<Arc<OpenFile>> {
         self.file.take()
     }
 
@@ -169,22 +200,10 @@ impl<'a> SliceReader<'a> {
         let context = &Context::new("DICOM", path);
         let file = match self.file.take().filter(|file| file.path == path) {
             Some(file) => file,
-            None => OpenFile::new(path, self.form, context)?,
+            None => Arc::new(OpenFile::new(path, self.form, context)?),
         };
-        let parts = file.frames.get(frame).map_or(&[][..], Vec::as_slice);
-        let joined: Vec<u8>;
-        let coded = match parts {
-            [part] => &file.bytes[part.clone()],
-            parts => {
-                joined = parts
-                    .iter()
-                    .flat_map(|part| &file.bytes[part.clone()])
-                    .copied()
-                    .collect();
-                &joined
-            }
-        };
-        self.decode((coded, frame), &file.syntax, context)?;
+        let coded = file.frame(frame, context)?;
+        self.decode((&coded, frame), &file.syntax, context)?;
         self.file = Some(file);
         Ok(())
     }

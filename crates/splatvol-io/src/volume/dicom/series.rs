@@ -1,6 +1,6 @@
 //! The slices of a series, in order: read one by one, or all.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use splatvol_scene::{Rescale, Samples, with_samples};
 
@@ -42,8 +42,8 @@ pub(super) struct SeriesSlices {
     scaling: Scaling,
     /// How they are resampled, if they must be.
     uneven: Option<Uneven>,
-    /// The file of several slices that was read last, with its bytes: they would be read again for each slice.
-    opened: Mutex<Option<OpenFile>>,
+    /// The file of several slices that was read last: its header would be read again for each slice.
+    opened: Mutex<Option<Arc<OpenFile>>>,
 }
 
 impl SeriesSlices {
@@ -110,16 +110,15 @@ impl SeriesSlices {
     fn stored(&self, slices: &[Slice]) -> Result<Samples, IoError> {
         let form = self.form();
         let has_several = |slice: &Slice| self.images[slice.image].frames.len() > 1;
-        let mut kept = slices
-            .iter()
-            .any(has_several)
-            .then(|| self.opened.lock().unwrap_or_else(PoisonError::into_inner));
-        let mut reader = SliceReader::new(form, self.channel, kept.as_mut().and_then(|kept| kept.take()));
+        let kept = || self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_kept = slices.iter().any(has_several);
+        let file = if is_kept { kept().clone() } else { None };
+        let mut reader = SliceReader::new(form, self.channel, file);
         for slice in slices {
             reader.append(&self.images[slice.image].path, slice.frame)?;
         }
-        if let Some(kept) = &mut kept {
-            **kept = reader.take_file();
+        if is_kept {
+            *kept() = reader.take_file();
         }
         let samples = reader.finish();
         let table = |slice: &Slice| self.images[slice.image].lookup_table.as_ref();

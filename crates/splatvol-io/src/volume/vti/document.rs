@@ -211,6 +211,11 @@ impl<'a> Arrays<'a> {
         Ok(())
     }
 
+    /// The element of array `index` in the document.
+    pub(crate) fn range(&self, index: usize) -> std::ops::Range<usize> {
+        self.elements[index].range()
+    }
+
     /// Location of the numbers of array `index`.
     pub(crate) fn place(&self, index: usize, context: &Context<'_>) -> Result<Place<'a>, IoError> {
         self.place_of(self.elements[index], context)
