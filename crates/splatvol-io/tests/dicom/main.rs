@@ -10,6 +10,7 @@ mod colors;
 mod common;
 #[path = "file.rs"]
 mod dicom_file;
+mod large;
 mod run_length;
 mod uneven;
 

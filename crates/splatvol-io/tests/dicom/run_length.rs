@@ -37,7 +37,7 @@ fn packed(plane: &[u8]) -> Vec<u8> {
 }
 
 /// A frame: the number of planes, where they begin, and the planes, the highest byte first.
-fn frame(words: &[u16]) -> Vec<u8> {
+pub(crate) fn frame(words: &[u16]) -> Vec<u8> {
     let planes = [1, 0].map(|byte| {
         packed(
             &words
