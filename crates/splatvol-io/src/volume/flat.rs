@@ -43,6 +43,14 @@ impl Tuple {
         components: 1,
         component: Component::Index(0),
     };
+
+    /// One of so many.
+    pub(super) fn of(components: usize, component: usize) -> Self {
+        Self {
+            components,
+            component: Component::Index(component),
+        }
+    }
 }
 
 /// Place and type of a volume's samples.

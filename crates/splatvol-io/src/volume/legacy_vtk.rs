@@ -118,7 +118,6 @@ fn unpacked(
     let numbers = Numbers {
         sample_type: array.sample_type,
         tuple: array.tuple,
-        before: 0,
         start: array.start,
         may_be_followed: true,
         cut: Some(CUT),

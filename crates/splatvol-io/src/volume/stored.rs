@@ -6,7 +6,6 @@ use splatvol_scene::Samples;
 
 use super::data_files::{DataFiles, Piece};
 use super::flat::{Flat, Tuple};
-use super::vtk_array::Component;
 use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
 use crate::IoError;
 use crate::error::Context;
@@ -228,10 +227,7 @@ impl Stored<'_> {
             position: position + skipped + one * selection.volume as u64,
             sample_type: layout.sample_type,
             half: layout.half,
-            tuple: Tuple {
-                components: selection.components,
-                component: Component::Index(selection.component),
-            },
+            tuple: Tuple::of(selection.components, selection.component),
             endian: layout.endian,
         };
         flat.open(draft, context).map(Some)

@@ -7,8 +7,7 @@ use std::path::Path;
 
 use super::data_files::Piece;
 use super::flat::{Flat, Tuple};
-use super::stored::{EXCESS, Encoding, Layout, Selection, Stored, decoded, skip_lines};
-use super::vtk_array::Component;
+use super::stored::{EXCESS, Encoding, Layout, Stored, decoded};
 use super::{Draft, Opened, ReadOptions};
 use crate::error::Context;
 use crate::samples::{TextNumbers, decode_text, for_each_little_endian_chunk};
@@ -19,7 +18,7 @@ use crate::{Endian, IoError, SampleType};
 const BUFFER: usize = 1 << 20;
 
 impl Stored<'_> {
-    /// The selected samples, unpacked; `None` where that is not allowed, or one of several texts has to be parsed.
+    /// The selected samples, unpacked; `None` where that is not allowed.
     pub(super) fn unpack(
         &self,
         attached: Source<'_>,
@@ -31,14 +30,11 @@ impl Stored<'_> {
             selection,
             files,
         } = self;
-        let is_parsed = layout.encoding == Encoding::Text;
-        // Components of one sample may lie in two files.
-        let is_torn = selection.components > 1 && files.count() > 1;
         let Some(folder) = options.unpack_in.as_deref() else {
             return Ok(None);
         };
-        if is_parsed || is_torn {
-            return self.unpack_text(attached, folder, draft, context);
+        if layout.encoding == Encoding::Text {
+            return self.unpack_text(attached, folder, draft, context).map(Some);
         }
         let one = selection
             .dims
@@ -47,6 +43,12 @@ impl Stored<'_> {
         let total = one.and_then(|one| Some((one, one.checked_mul(selection.volumes)?)));
         let (one, total) = total.ok_or_else(|| context.limit(u64::MAX, u64::MAX))?;
         let wanted = one * selection.volume..one * (selection.volume + 1);
+        // Components of one sample may lie in two files: then all are copied.
+        let (components, component) = (selection.components, selection.component);
+        let (picked, tuple) = match files.count() {
+            1 => ((components, component), Tuple::ONE),
+            _ => ((1, 0), Tuple::of(components, component)),
+        };
         let mut copy = Unpacked::new(folder)?;
         let mut attached = Some(attached);
         for piece in files.pieces(total, wanted, context)? {
@@ -55,8 +57,7 @@ impl Stored<'_> {
                 None => attached.take().ok_or_else(|| context.truncated("data", 1, 0))?,
             };
             let source = decoded(source, layout, &piece, context)?;
-            let components = (selection.components, selection.component);
-            let rest = copy.piece(source, (layout, components), &piece, context)?;
+            let rest = copy.piece(source, (layout, picked), &piece, context)?;
             if rest == Rest::Excess && !files.is_followed() {
                 draft.warn(EXCESS);
             }
@@ -67,7 +68,7 @@ impl Stored<'_> {
             position: 0,
             sample_type: layout.sample_type,
             half: layout.half,
-            tuple: Tuple::ONE,
+            tuple,
             endian: layout.endian,
         };
         flat.of_file(file, draft, context).map(Some)
@@ -75,43 +76,47 @@ impl Stored<'_> {
 }
 
 impl Stored<'_> {
-    /// The samples of one file of text; `None` where there is more to choose from.
+    /// The selected numbers of texts.
     fn unpack_text(
         &self,
         attached: Source<'_>,
         folder: &Path,
         mut draft: Draft,
         context: &Context<'_>,
-    ) -> Result<Option<Opened>, IoError> {
-        let Selection {
-            components,
-            component,
-            volume,
-            ..
-        } = self.selection;
-        let samples = draft.grid(context)?.sample_count();
-        let before = samples
-            .checked_mul(components)
-            .and_then(|one| one.checked_mul(volume));
-        let (Encoding::Text, 1, Some(before)) = (self.layout.encoding, self.files.count(), before) else {
-            return Ok(None);
+    ) -> Result<Opened, IoError> {
+        let Self {
+            layout,
+            selection,
+            files,
+        } = self;
+        let own = draft
+            .grid(context)?
+            .sample_count()
+            .checked_mul(selection.components);
+        let before = own.and_then(|own| own.checked_mul(selection.volume));
+        let (Some(own), Some(before)) = (own, before) else {
+            return Err(context.limit(u64::MAX, u64::MAX));
         };
-        let own = self.files.open(0, &mut draft.description, context)?;
-        let mut source = own.unwrap_or(attached);
-        skip_lines(&mut source, self.layout.skip_lines, context)?;
-        source.skip(self.layout.skip_bytes.unwrap_or(0), context)?;
-        let numbers = Numbers {
-            sample_type: self.layout.sample_type,
-            tuple: Tuple {
-                components,
-                component: Component::Index(component),
-            },
-            before,
-            start: self.layout.start,
-            may_be_followed: self.files.is_followed() || volume + 1 < self.selection.volumes,
-            cut: None,
-        };
-        unpack_text(source, numbers, folder, (draft, context)).map(Some)
+        let all = own.checked_mul(selection.volumes);
+        let all = all.ok_or_else(|| context.limit(u64::MAX, u64::MAX))?;
+        let mut copy = Unpacked::new(folder)?;
+        let mut attached = Some(attached);
+        for piece in files.pieces(all, before..before + own, context)? {
+            let source = match files.open(piece.file, &mut draft.description, context)? {
+                Some(source) => source,
+                None => attached.take().ok_or_else(|| context.truncated("data", 1, 0))?,
+            };
+            let source = decoded(source, layout, &piece, context)?;
+            let text = (layout.sample_type, layout.start);
+            let parsed = copy.numbers(source, text, (piece.skip, piece.take), context)?;
+            if parsed.is_followed && piece.ends_file() && !files.is_followed() {
+                draft.warn(EXCESS);
+            }
+            parsed.warning.into_iter().for_each(|warning| draft.warn(warning));
+        }
+        draft.description.warnings.dedup();
+        let tuple = Tuple::of(selection.components, selection.component);
+        copy.of_numbers((layout.sample_type, tuple), draft, context)
     }
 }
 
@@ -119,8 +124,6 @@ impl Stored<'_> {
 pub(super) struct Numbers {
     pub(super) sample_type: SampleType,
     pub(super) tuple: Tuple,
-    /// Numbers before those of the volume.
-    pub(super) before: usize,
     /// Their place in the file.
     pub(super) start: u64,
     /// Whether anything may stand behind them.
@@ -129,71 +132,39 @@ pub(super) struct Numbers {
     pub(super) cut: Option<&'static str>,
 }
 
+/// What was found in a text.
+struct Parsed {
+    /// Whether more than blanks stands behind the numbers.
+    is_followed: bool,
+    /// Whether the text ends with the last of them.
+    is_cut: bool,
+    warning: Option<String>,
+}
+
 /// The volume of a text's numbers, parsed piece by piece.
 ///
 /// # Errors
 /// What is no number of the type, fewer of them than the volume has samples; [`IoError::Write`].
 pub(super) fn unpack_text(
-    mut source: Source<'_>,
+    source: Source<'_>,
     numbers: Numbers,
     folder: &Path,
     (mut draft, context): (Draft, &Context<'_>),
 ) -> Result<Opened, IoError> {
     let mut copy = Unpacked::new(folder)?;
-    let own = draft
-        .grid(context)?
-        .sample_count()
-        .checked_mul(numbers.tuple.components);
-    let all = own.and_then(|own| own.checked_add(numbers.before));
-    let mut left = all.ok_or_else(|| context.limit(u64::MAX, u64::MAX))?;
-    let (mut text, mut start) = (Vec::new(), numbers.start);
-    let (mut warned, mut is_excess) = (None, false);
-    while left > 0 {
-        let known = text.len();
-        text.resize(known + BUFFER, 0);
-        let read = source.fill(&mut text[known..], context)?;
-        text.truncate(known + read);
-        let is_last = read < BUFFER;
-        // The last number may go on in the next piece.
-        let whole = match text.iter().rposition(u8::is_ascii_whitespace) {
-            _ if is_last => text.len(),
-            Some(blank) => blank,
-            None => continue,
-        };
-        let own = &text[..whole];
-        let count = match is_last {
-            true => left,
-            false => TextNumbers { text: own, start }.count().min(left),
-        };
-        let (samples, warning, used) = decode_text(own, numbers.sample_type, count, start, context)?;
-        warned = warned.or(warning);
-        is_excess = !TextNumbers { text: own, start }.ends_at(used);
-        if let Some(cut) = numbers.cut.filter(|_| is_last && used == own.len()) {
-            draft.warn(cut);
-        }
-        for_each_little_endian_chunk(&samples, |bytes| copy.file.write_all(bytes))
-            .map_err(|error| writing(error, folder))?;
-        left -= count;
-        start += whole as u64;
-        text.drain(..whole);
+    let samples = draft.grid(context)?.sample_count();
+    let all = samples.checked_mul(numbers.tuple.components);
+    let all = all.ok_or_else(|| context.limit(u64::MAX, u64::MAX))?;
+    let text = (numbers.sample_type, numbers.start);
+    let parsed = copy.numbers(source, text, (0, all), context)?;
+    if let Some(cut) = numbers.cut.filter(|_| parsed.is_cut) {
+        draft.warn(cut);
     }
-    if is_excess && !numbers.may_be_followed {
+    if parsed.is_followed && !numbers.may_be_followed {
         draft.warn(EXCESS);
     }
-    warned.into_iter().for_each(|warning| draft.warn(warning));
-    let sample_type = match numbers.sample_type {
-        SampleType::U64 | SampleType::I64 => SampleType::F64,
-        sample_type => sample_type,
-    };
-    let flat = Flat {
-        path: context.path.to_owned(),
-        position: sample_type.byte_count(numbers.before),
-        sample_type,
-        half: false,
-        tuple: numbers.tuple,
-        endian: Endian::Little,
-    };
-    flat.of_file(copy.finish()?, draft, context)
+    parsed.warning.into_iter().for_each(|warning| draft.warn(warning));
+    copy.of_numbers((numbers.sample_type, numbers.tuple), draft, context)
 }
 
 fn writing(source: std::io::Error, folder: &Path) -> IoError {
@@ -220,6 +191,84 @@ impl<'a> Unpacked<'a> {
             folder,
             file: BufWriter::new(file),
         })
+    }
+
+    /// Parses numbers of a text, of a type and from a place in its file on: as many are skipped, and taken.
+    ///
+    /// # Errors
+    /// What is no number of the type, fewer numbers; [`IoError::Write`].
+    fn numbers(
+        &mut self,
+        mut source: Source<'_>,
+        (sample_type, mut start): (SampleType, u64),
+        (skip, take): (usize, usize),
+        context: &Context<'_>,
+    ) -> Result<Parsed, IoError> {
+        let mut text = Vec::new();
+        let mut left = skip.saturating_add(take);
+        let mut hidden = skip.saturating_mul(sample_type.size());
+        let mut parsed = Parsed {
+            is_followed: false,
+            is_cut: false,
+            warning: None,
+        };
+        while left > 0 {
+            let known = text.len();
+            text.resize(known + BUFFER, 0);
+            let read = source.fill(&mut text[known..], context)?;
+            text.truncate(known + read);
+            let is_last = read < BUFFER;
+            // The last number may go on in the next piece.
+            let whole = match text.iter().rposition(u8::is_ascii_whitespace) {
+                _ if is_last => text.len(),
+                Some(blank) => blank,
+                None => continue,
+            };
+            let own = &text[..whole];
+            let count = match is_last {
+                true => left,
+                false => TextNumbers { text: own, start }.count().min(left),
+            };
+            let (samples, warning, used) = decode_text(own, sample_type, count, start, context)?;
+            parsed.warning = parsed.warning.or(warning);
+            parsed.is_followed = !TextNumbers { text: own, start }.ends_at(used);
+            parsed.is_cut = is_last && used == own.len();
+            let write = |bytes: &[u8]| {
+                let (_, shown) = bytes.split_at(hidden.min(bytes.len()));
+                hidden -= bytes.len() - shown.len();
+                self.file.write_all(shown)
+            };
+            for_each_little_endian_chunk(&samples, write).map_err(|error| writing(error, self.folder))?;
+            left -= count;
+            start += whole as u64;
+            text.drain(..whole);
+        }
+        Ok(parsed)
+    }
+
+    /// The volume of parsed numbers.
+    ///
+    /// # Errors
+    /// See [`IoError`].
+    fn of_numbers(
+        self,
+        (sample_type, tuple): (SampleType, Tuple),
+        draft: Draft,
+        context: &Context<'_>,
+    ) -> Result<Opened, IoError> {
+        let sample_type = match sample_type {
+            SampleType::U64 | SampleType::I64 => SampleType::F64,
+            sample_type => sample_type,
+        };
+        let flat = Flat {
+            path: context.path.to_owned(),
+            position: 0,
+            sample_type,
+            half: false,
+            tuple,
+            endian: Endian::Little,
+        };
+        flat.of_file(self.finish()?, draft, context)
     }
 
     /// The file, with all that was copied.

@@ -100,7 +100,6 @@ fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opene
             let numbers = Numbers {
                 sample_type: chosen.sample_type,
                 tuple: chosen.tuple(),
-                before: 0,
                 start: text.as_ref().map_or(0, |text| text.start),
                 may_be_followed: false,
                 cut: None,

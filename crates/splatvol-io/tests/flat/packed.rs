@@ -173,6 +173,40 @@ fn parsed_cases(folder: &Path, shorts: &[u8], text: &str) -> Vec<Case> {
     ]
 }
 
+/// Text in several files, and components of samples in two.
+fn torn_cases(folder: &Path, shorts: &[u8], text: &str) -> Vec<Case> {
+    let [nx, ny, _] = DIMS;
+    let of = |name: &str, header: &str, parts: Vec<Vec<u8>>, component: Option<usize>| {
+        let mut list = String::new();
+        for (part, bytes) in parts.iter().enumerate() {
+            let own = format!("{name}.{part}");
+            write(folder, &own, &[bytes]);
+            list += &format!("{own}\n");
+        }
+        let header = format!("NRRD0005\ntype: uint16\nendian: big\n{header}\ndata file: LIST\n{list}");
+        Case {
+            path: write(folder, name, &[header.as_bytes()]),
+            options: ReadOptions {
+                component,
+                ..ReadOptions::default()
+            },
+        }
+    };
+    // Four files for three volumes; two files, the first of which ends within a sample's four numbers.
+    let (written, torn) = (3 * nx * ny * 8, 4 * nx * ny * 7);
+    let words: Vec<&str> = text.split_ascii_whitespace().take(written).collect();
+    let texts = words.chunks(written / 4).map(|part| part.join("\n").into_bytes());
+    let halves = shorts[..2 * torn].chunks(torn).map(<[u8]>::to_vec);
+    let volumes =
+        format!("encoding: ascii\ndimension: 4\nsizes: {nx} {ny} 8 3\nkinds: space space space vector");
+    let vectors =
+        format!("encoding: raw\ndimension: 4\nsizes: 4 {nx} {ny} 7\nkinds: vector space space space");
+    vec![
+        of("texts.nhdr", &volumes, texts.collect(), Some(1)),
+        of("torn.nhdr", &vectors, halves.collect(), Some(2)),
+    ]
+}
+
 /// Files whose samples are compressed, in several files, or between others.
 pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
     let [nx, ny, nz] = DIMS;
@@ -242,6 +276,7 @@ pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
         cases.push(plain(write(folder, name, &[head.as_bytes(), text.as_bytes()])));
     }
     cases.extend(parsed_cases(folder, &shorts, &text));
+    cases.extend(torn_cases(folder, &shorts, &text));
     // Three numbers a sample, of which one is read.
     let colours = nrrd(
         4,
