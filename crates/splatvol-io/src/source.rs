@@ -327,13 +327,13 @@ pub(crate) fn read_file(path: &Path, context: &Context<'_>) -> Result<Vec<u8>, I
     Source::open(path)?.all_bytes(context)
 }
 
-/// Most bytes of [`start_of_file`].
-const START: usize = 1 << 20;
+/// First bytes of a file in which the headers of most are.
+pub(crate) const START: usize = 1 << 20;
 
-/// Reads the first bytes of a regular file, in which the headers of most are.
-pub(crate) fn start_of_file(path: &Path, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
+/// Reads the first bytes of a regular file: as many, or all.
+pub(crate) fn start_of_file(path: &Path, most: usize, context: &Context<'_>) -> Result<Vec<u8>, IoError> {
     let mut source = Source::open(path)?;
-    let mut bytes = vec![0; START.min(usize::try_from(source.at_most()).unwrap_or(START))];
+    let mut bytes = vec![0; most.min(usize::try_from(source.at_most()).unwrap_or(most))];
     let length = source.fill(&mut bytes, context)?;
     bytes.truncate(length);
     Ok(bytes)

@@ -1,10 +1,13 @@
 //! Builds a [`Loaded`] volume from a parsed header and decoded samples, with the checks common to all formats.
 
+use std::path::Path;
+
 use glam::{DAffine3, DMat3, DVec3};
 use splatvol_scene::{Grid, LengthUnit, Rescale, Samples, Volume};
 
 use super::{Description, Loaded, ReadOptions};
 use crate::error::Context;
+use crate::source::Source;
 use crate::{IoError, SampleType};
 
 /// All data that a reader has gathered, before validation.
@@ -98,6 +101,26 @@ pub(crate) fn sample_count(
     match count {
         Some(count) if bytes <= options.max_bytes => Ok(count),
         _ => Err(context.limit(bytes, options.max_bytes)),
+    }
+}
+
+/// All bytes of a file, and the options for samples beside them in memory.
+pub(crate) fn read_whole(
+    path: &Path,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<(Vec<u8>, ReadOptions), IoError> {
+    let mut source = Source::open(path)?;
+    let length = source.at_most();
+    match options.max_bytes.checked_sub(length) {
+        None => Err(context.limit(length, options.max_bytes)),
+        Some(left) => {
+            let options = ReadOptions {
+                max_bytes: left,
+                ..options.clone()
+            };
+            Ok((source.all_bytes(context)?, options))
+        }
     }
 }
 

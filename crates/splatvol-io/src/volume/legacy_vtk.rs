@@ -14,15 +14,17 @@ use super::flat::{Flat, Tuple};
 #[cfg(not(target_family = "wasm"))]
 use super::unpack::{Numbers, unpack_text};
 use super::vtk_array::{self, Association, ImageGeometry};
-use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count};
+use super::{Description, Draft, Loaded, Opened, ReadOptions, read_whole, sample_count};
 use crate::error::Context;
 use crate::samples::{SampleBuffer, decode_text};
-use crate::source::{Source, read_file, start_of_file};
+use crate::source::{START, Source, start_of_file};
 use crate::{Endian, IoError, SampleType};
 use attributes::{Array, Attributes, Coding, ElementType, Scan};
 use cursor::Cursor;
 
 const MAGIC: &str = "# vtk DataFile Version";
+/// Eight times what is searched at least, bytes.
+const MOST_SEARCHED: u64 = 64 << 20;
 /// Warning about text.
 const CUT: &str = "the file ends right after the last number, which may be cut short";
 
@@ -33,8 +35,8 @@ const CUT: &str = "the file ends right after the last number, which may be cut s
 /// is absent or not scalar (see [`ReadOptions::array`]), or too few data.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("legacy VTK", path);
-    let bytes = read_file(path, context)?;
-    let mut cursor = Cursor::new(&bytes, context);
+    let (bytes, options) = &read_whole(path, options, context)?;
+    let mut cursor = Cursor::new(bytes, context);
     let (version, coding) = header(&mut cursor)?;
     let geometry = geometry(&mut cursor, coding)?;
     let wanted = options.array.as_deref();
@@ -71,20 +73,19 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     };
     let mut draft = geometry.draft(head.association, description, context)?;
     let count = sample_count(draft.dims, head.components, sample_type, options, context)?;
-    let (samples, warning) = decode(array, &bytes, (sample_type, count), coding, context)?;
+    let (samples, warning) = decode(array, bytes, (sample_type, count), coding, context)?;
     draft.description.warnings.extend(warning);
     draft.finish(vtk_array::pick(samples, head.components, component), context)
 }
 
-/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others, and
-/// where the header is wrong, which [`read`] says.
+/// Opens a binary file, or text that may be unpacked; `None` for arrays that lie behind others, which take more than an eighth of
+/// the memory, and where the header is wrong, which [`read`] says.
 ///
 /// # Errors
 /// Files that cannot be read.
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     let context = &Context::new("legacy VTK", path);
-    let bytes = start_of_file(path, context)?;
-    let Some((array, draft)) = located(&bytes, options, context) else {
+    let Some((array, draft)) = search(path, options, context)? else {
         return Ok(None);
     };
     match array.coding {
@@ -137,6 +138,24 @@ struct Located {
     sample_type: SampleType,
     tuple: Tuple,
     coding: Coding,
+}
+
+/// The array that is read, searched in the file's first bytes; in more and more of them where it need not fit into memory.
+fn search(
+    path: &Path,
+    options: &ReadOptions,
+    context: &Context<'_>,
+) -> Result<Option<(Located, Draft)>, IoError> {
+    let mut length = START;
+    loop {
+        let bytes = start_of_file(path, length, context)?;
+        let found = located(&bytes, options, context);
+        let is_last = bytes.len() < length || options.unpack_in.is_none();
+        length = length.saturating_mul(8);
+        if found.is_some() || is_last || length as u64 > options.max_bytes.max(MOST_SEARCHED) / 8 {
+            return Ok(found);
+        }
+    }
 }
 
 /// The array that is read, if it is the last of those that the file's first bytes have.

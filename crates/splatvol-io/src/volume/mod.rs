@@ -38,7 +38,7 @@ use splatvol_scene::{ChunkSource, LengthUnit, Volume};
 pub use assemble::axis_codes;
 pub(crate) use assemble::{
     Draft, checked_dims, choose_channel, choose_component, choose_time, complete_axes, length_unit,
-    ras_from_lps, sample_count,
+    ras_from_lps, read_whole, sample_count,
 };
 
 use crate::error::Context;

@@ -17,11 +17,11 @@ use super::flat::{Flat, Tuple};
 #[cfg(not(target_family = "wasm"))]
 use super::unpack::{Numbers, Unpacked, unpack_text};
 use super::vtk_array::Component;
-use super::{Description, Draft, Loaded, Opened, ReadOptions, sample_count, vtk_array};
+use super::{Description, Draft, Loaded, Opened, ReadOptions, read_whole, sample_count, vtk_array};
 use crate::error::Context;
 use crate::positioned::read_at;
 use crate::samples::Endian;
-use crate::source::{Source, read_file, start_of_file};
+use crate::source::{START, Source, start_of_file};
 #[cfg(not(target_family = "wasm"))]
 use crate::xml;
 use crate::{IoError, SampleType};
@@ -36,8 +36,8 @@ use skeleton::Skeleton;
 /// that is absent or not scalar (see [`ReadOptions::array`]), or data that do not fit their declaration.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
     let context = &Context::new("VTI", path);
-    let bytes = read_file(path, context)?;
-    let parts = document::split(&bytes, context)?;
+    let (bytes, options) = &read_whole(path, options, context)?;
+    let parts = document::split(bytes, context)?;
     let document = document::parse(&parts, context)?;
     let file = ImageFile::from_xml(&document, context)?;
     let chosen = Chosen::new(&file, options, context)?;
@@ -69,7 +69,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Loaded, IoError> {
 /// Files that cannot be read; those that are unpacked, as [`read`].
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>, IoError> {
     let context = &Context::new("VTI", path);
-    let bytes = start_of_file(path, context)?;
+    let bytes = start_of_file(path, START, context)?;
     match located(&bytes, options, context) {
         Some((flat, draft)) => flat.open(draft, context).map(Some),
         None => unpacked(options, context),

@@ -240,7 +240,9 @@ fn packed_samples_that_are_damaged_are_refused() {
             true => std::fs::remove_file(damaged).unwrap(),
             false => {
                 let whole = std::fs::read(&damaged).unwrap();
-                std::fs::write(&damaged, &whole[..whole.len() / 2]).unwrap();
+                // Some have other arrays first, or volumes behind.
+                let eighths = if damaged.ends_with("far.vtk") { 5 } else { 4 };
+                std::fs::write(&damaged, &whole[..whole.len() / 8 * eighths]).unwrap();
             }
         }
         let error = open_volume(&path, &allowed).err().map(|error| error.to_string());

@@ -275,6 +275,23 @@ pub(crate) fn packed_cases(folder: &Path) -> Vec<Case> {
     for (name, text) in [("u.vtk", &text[..]), ("v.vtk", text.trim_end())] {
         cases.push(plain(write(folder, name, &[head.as_bytes(), text.as_bytes()])));
     }
+    // Behind an array of more than is searched at first.
+    let (count, far) = (nx * ny * nz, vec![0; 3 * nx * ny * nz]);
+    let head = format!(
+        "# vtk DataFile Version 2.0\ntitle\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS {whole}\nPOINT_DATA {count}\nFIELD all 2\nfar 3 {count} unsigned_char\n"
+    );
+    let wanted = format!("\nb 1 {count} unsigned_short\n");
+    cases.push(Case {
+        path: write(
+            folder,
+            "far.vtk",
+            &[head.as_bytes(), &far, wanted.as_bytes(), &shorts],
+        ),
+        options: ReadOptions {
+            array: Some("b".to_owned()),
+            ..ReadOptions::default()
+        },
+    });
     cases.extend(parsed_cases(folder, &shorts, &text));
     cases.extend(torn_cases(folder, &shorts, &text));
     // Three numbers a sample, of which one is read.
