@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use splatvol_scene::{
     ChunkBuffer, ChunkContent, ChunkFault, ChunkSource, ElementType, LevelLayout, Samples, SourceError,
-    SourceIdentity,
+    SourceIdentity, chunks::copy_box,
 };
 
 use super::{Draft, Opened};
@@ -87,7 +87,10 @@ impl<S: Slices> ChunkSource for Stack<S> {
             );
             return Err(SourceError::Corrupt(fault(reason)));
         }
-        into.samples = samples;
+        // Copied into memory that is used again: slices come and go in a cache, whose memory would be torn to pieces.
+        let region = layout.region(chunk);
+        into.samples.refill(layout.element, wanted, 0.0);
+        copy_box(&samples, region, &mut into.samples, region);
         Ok(ChunkContent::Samples)
     }
 

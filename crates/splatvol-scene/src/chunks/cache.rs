@@ -154,11 +154,16 @@ impl CachedSource {
     }
 
     fn chunk(&self, key: Key, buffer: &mut ChunkBuffer) -> Result<Chunk, SourceError> {
-        let chunk = self.kept.get_or_make(key, || {
+        let (chunk, freed) = self.kept.get_or_replace(key, || {
             let chunk = self.read_chunk(key, buffer)?;
             let bytes = chunk.bytes();
             Ok((chunk, bytes))
         })?;
+        // The next chunk is read into the memory of one that had to go.
+        if let Some(Chunk::Samples(samples)) = freed {
+            buffer.samples =
+                Arc::try_unwrap(samples).unwrap_or_else(|_| buffer.samples.element_type().filled(0, 0.0));
+        }
         Ok(match chunk {
             Chunk::Hole => Chunk::Constant(f64::from_bits(self.hole.load(Ordering::Relaxed))),
             other => other,

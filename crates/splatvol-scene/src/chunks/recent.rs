@@ -38,30 +38,31 @@ impl<K: Copy + Eq + Hash, V: Clone> State<K, V> {
         Some(kept.value.clone())
     }
 
-    fn insert(&mut self, key: K, (value, bytes): (V, u64)) {
+    /// Keeps a value, if it fits; one of those that had to go for it.
+    fn insert(&mut self, key: K, (value, bytes): (V, u64)) -> Option<V> {
         if bytes > self.memory.bytes() {
-            return;
+            return None;
         }
-        self.shrink_to(self.memory.bytes() - bytes);
+        let freed = self.shrink_to(self.memory.bytes() - bytes);
         self.uses += 1;
         self.bytes += bytes;
         let used = self.uses;
         if let Some(old) = self.values.insert(key, Kept { value, bytes, used }) {
             self.bytes -= old.bytes;
         }
+        freed
     }
 
-    /// Frees the values that were used longest ago.
-    fn shrink_to(&mut self, bytes: u64) {
+    /// Frees the values that were used longest ago; the last of them.
+    fn shrink_to(&mut self, bytes: u64) -> Option<V> {
+        let mut freed = None;
         while self.bytes > bytes {
             let oldest = self.values.iter().min_by_key(|(_, kept)| kept.used);
-            let Some(key) = oldest.map(|(key, _)| *key) else {
-                return;
-            };
-            if let Some(old) = self.values.remove(&key) {
-                self.bytes -= old.bytes;
-            }
+            let old = self.values.remove(&oldest.map(|(key, _)| *key)?)?;
+            self.bytes -= old.bytes;
+            freed = Some(old.value);
         }
+        freed
     }
 }
 
@@ -103,7 +104,7 @@ impl<K: Copy + Eq + Hash, V: Clone> Recent<K, V> {
     /// More than the budget has left.
     pub fn resize(&self, bytes: u64) -> Result<(), OverBudget> {
         let mut state = self.state();
-        state.shrink_to(bytes);
+        drop(state.shrink_to(bytes));
         state.memory.resize(bytes)
     }
 
@@ -115,7 +116,7 @@ impl<K: Copy + Eq + Hash, V: Clone> Recent<K, V> {
 
     /// Frees all values.
     pub fn clear(&self) {
-        self.state().shrink_to(0);
+        drop(self.state().shrink_to(0));
     }
 
     /// Bytes of the values.
@@ -134,10 +135,22 @@ impl<K: Copy + Eq + Hash, V: Clone> Recent<K, V> {
     /// # Errors
     /// Those of `make`.
     pub fn get_or_make<E>(&self, key: K, make: impl FnOnce() -> Result<(V, u64), E>) -> Result<V, E> {
+        self.get_or_replace(key, make).map(|(value, _)| value)
+    }
+
+    /// The same, and one of the values that had to go for it, whose memory may serve for the next.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    pub fn get_or_replace<E>(
+        &self,
+        key: K,
+        make: impl FnOnce() -> Result<(V, u64), E>,
+    ) -> Result<(V, Option<V>), E> {
         let mut state = self.state();
         loop {
             if let Some(value) = state.get(key) {
-                return Ok(value);
+                return Ok((value, None));
             }
             if state.making.insert(key) {
                 break;
@@ -147,9 +160,9 @@ impl<K: Copy + Eq + Hash, V: Clone> Recent<K, V> {
         drop(state);
         let making = Making { recent: self, key };
         let (value, bytes) = make()?;
-        self.state().insert(key, (value.clone(), bytes));
+        let freed = self.state().insert(key, (value.clone(), bytes));
         drop(making);
-        Ok(value)
+        Ok((value, freed))
     }
 }
 
@@ -181,6 +194,11 @@ mod tests {
         assert_eq!((recent.bytes(), get(2)), (10, 5));
         assert!(recent.resize(101).is_err());
         assert_eq!(recent.get_or_make(9, || Err((7, ()))), Err((7, ())));
+        let replace = |key: usize| recent.get_or_replace(key, || Ok::<_, ()>((key * 2, 10)));
+        assert_eq!(
+            [replace(2), replace(7), replace(7)],
+            [Ok((4, None)), Ok((14, Some(4))), Ok((14, None))]
+        );
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| (0..50).for_each(|_| assert!(get(8) > 4)));
