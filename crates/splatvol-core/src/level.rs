@@ -431,7 +431,7 @@ impl Pyramid {
     /// Frees all that pictures have left, where samples are read in chunks, but for those themselves: another pyramid of
     /// the same volume may need their memory.
     pub fn rest(&self) {
-        self.keep_only(0..0);
+        self.free_solved();
         let made = self.sources.iter().skip(self.finest() + 1);
         for chunks in made.filter_map(SourceLevel::chunks) {
             // No bytes are always granted.
@@ -439,17 +439,28 @@ impl Pyramid {
         }
     }
 
-    /// Frees what levels other than these have solved, where they are solved as pictures need them.
-    pub fn keep_only(&self, levels: std::ops::Range<usize>) {
-        let others = self
-            .levels
-            .iter()
-            .enumerate()
-            .filter(|(at, _)| !levels.contains(at));
-        for (_, level) in others {
-            // No bytes are always granted.
-            let _ = level.as_ref().map(|level| level.field.keep(0));
+    /// Frees what all levels have solved, where they are solved as pictures need them.
+    pub fn free_solved(&self) {
+        self.lend(0..0, 0);
+    }
+
+    /// Lets the levels beside these keep what they have solved, of so many bytes for all of them: the finer one three
+    /// quarters of them at most, the coarser one, which has a quarter of its voxels at a surface, one quarter. Others are
+    /// freed. The bytes that are kept.
+    pub fn lend(&self, levels: std::ops::Range<usize>, bytes: u64) -> u64 {
+        let mut kept = 0;
+        for (at, level) in self.levels.iter().enumerate() {
+            let most = match at {
+                _ if levels.contains(&at) => continue,
+                _ if at + 1 == levels.start => bytes / 4 * 3,
+                _ if at == levels.end => bytes / 4,
+                _ => 0,
+            };
+            if let Some(level) = level {
+                kept += level.field.keep_at_most(most);
+            }
         }
+        kept
     }
 }
 

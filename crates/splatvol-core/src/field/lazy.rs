@@ -109,6 +109,15 @@ impl FieldStore {
             .map_or(Ok(()), |lazy| lazy.solved.resize(bytes))
     }
 
+    /// Keeps at most so many bytes of what was solved, and no room for more; the bytes that are kept.
+    pub(crate) fn keep_at_most(&self, bytes: u64) -> u64 {
+        let Some(lazy) = &self.lazy else { return 0 };
+        let kept = bytes.min(lazy.solved.bytes());
+        // No more than is held already.
+        let _ = lazy.solved.resize(kept);
+        kept
+    }
+
     /// Bricks solved by decoding since the last call.
     pub fn take_solved(&self) -> usize {
         self.lazy

@@ -96,8 +96,9 @@ pub(crate) struct Room {
 }
 
 impl Room {
-    /// Divides the budget of a volume, if it is read in chunks, for a picture of some of its levels; what others solved
-    /// is freed. Where the picture before had another division, so is what it solved.
+    /// Divides the budget of a volume, if it is read in chunks, for a picture of some of its levels; what those beside them
+    /// solved is kept as far as there is room, as they may be drawn again. Where the picture before had another division,
+    /// it is freed.
     ///
     /// # Errors
     /// A budget that is too small, with the one that would be enough; a level that cannot be made.
@@ -109,16 +110,15 @@ impl Room {
     ) -> Result<Option<Self>, SceneError> {
         let last = levels.end - 1;
         pyramid.grid(last)?;
-        pyramid.keep_only(levels);
-        Self::new(volume, (pyramid, last), needs, wanted).or_else(|_| {
-            pyramid.keep_only(0..0);
-            Self::new(volume, (pyramid, last), needs, wanted)
+        Self::new(volume, (pyramid, levels.clone()), needs, wanted).or_else(|_| {
+            pyramid.free_solved();
+            Self::new(volume, (pyramid, levels), needs, wanted)
         })
     }
 
     fn new(
         volume: &Volume,
-        (pyramid, level): (&Pyramid, usize),
+        (pyramid, levels): (&Pyramid, Range<usize>),
         needs: Needs,
         wanted: Wanted,
     ) -> Result<Option<Self>, SceneError> {
@@ -157,13 +157,16 @@ impl Room {
         };
         let samples = rest - plan - field;
         let enough = taken + least + least / 2;
-        pyramid.give(level, samples).map_err(|_| too_small(enough))?;
+        let lent = pyramid.lend(levels.clone(), field);
+        pyramid
+            .give(levels.end - 1, samples)
+            .map_err(|_| too_small(enough))?;
         Ok(Some(Self {
             _picture: budget
                 .try_reserve(picture + plan)
                 .ok_or_else(|| too_small(enough))?,
             volume: Arc::clone(volume),
-            field: field / needs.levels as u64,
+            field: (field - lent) / needs.levels as u64,
             plan: plan / needs.levels as u64,
         }))
     }

@@ -405,6 +405,33 @@ fn looks_and_cameras_change_without_traces() {
 }
 
 #[test]
+fn a_picture_that_is_made_again_solves_nothing() {
+    let mut blended = 0;
+    for case in cases() {
+        let scene = case.scene(|volume| in_chunks(volume, 1 << 27, USUAL));
+        for size in [[176, 144], [90, 70], [61, 50]] {
+            let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
+            let settings = RenderSettings {
+                size: ImageSize::new(size[0], size[1]).unwrap(),
+                ..case.settings.clone()
+            };
+            let mut solved = || {
+                renderer.render(&scene, &case.camera, &settings).unwrap();
+                let statistics = renderer.statistics();
+                (statistics.solved_bricks, statistics.levels)
+            };
+            let (first, levels) = solved();
+            blended += usize::from(levels == 2 && first > 0);
+            // More levels than two need not have room beside each other.
+            if levels <= 2 {
+                assert_eq!(solved(), (0, levels), "{} at {size:?}", case.name);
+            }
+        }
+    }
+    assert!(blended > 2, "levels are blended somewhere");
+}
+
+#[test]
 fn faults_name_their_place_and_holes_are_counted() {
     let case = &cases()[1];
     let with = |fault| With { fault, ..USUAL };
