@@ -115,16 +115,6 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// This source, which ends after as many bytes.
-    pub(crate) fn first(self, length: u64) -> Self {
-        let at_most = self.at_most.min(length);
-        Self {
-            length: self.length.map(|_| at_most),
-            reader: Box::new(self.reader.take(length)),
-            at_most,
-        }
-    }
-
     /// The decompressed bytes of this source.
     pub(crate) fn inflate(self, codec: Codec) -> Self {
         let Self { reader, at_most, .. } = self;

@@ -8,26 +8,23 @@ pub(crate) mod document;
 pub(crate) mod payload;
 #[cfg(not(target_family = "wasm"))]
 mod skeleton;
+#[cfg(not(target_family = "wasm"))]
+mod unpack;
 
 use std::fs::File;
-use std::ops::Range;
 use std::path::Path;
 
 use super::flat::{Flat, Tuple};
-#[cfg(not(target_family = "wasm"))]
-use super::unpack::{Numbers, Unpacked, unpack_text};
 use super::vtk_array::Component;
 use super::{Description, Draft, Loaded, Opened, ReadOptions, read_whole, sample_count, vtk_array};
 use crate::error::Context;
 use crate::positioned::read_at;
 use crate::samples::Endian;
 use crate::source::{START, Source, start_of_file};
-#[cfg(not(target_family = "wasm"))]
-use crate::xml;
 use crate::{IoError, SampleType};
 use document::{Coding, Compressor, ImageFile, Place};
 #[cfg(not(target_family = "wasm"))]
-use skeleton::Skeleton;
+use unpack::unpacked;
 
 /// Reads a .vti file.
 ///
@@ -76,97 +73,6 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Option<Opened>,
     }
 }
 
-/// Unpacks the samples beside the output of a conversion, if that is allowed. Neither the file's text nor its blocks are in memory
-/// meanwhile.
-#[cfg(not(target_family = "wasm"))]
-fn unpacked(options: &ReadOptions, context: &Context<'_>) -> Result<Option<Opened>, IoError> {
-    let Some(folder) = &options.unpack_in else {
-        return Ok(None);
-    };
-    let skeleton = Skeleton::read(Source::open(context.path)?, context)?;
-    let document = xml::parse(&skeleton.xml, "XML", context)?;
-    let file = ImageFile::from_xml(&document, context)?;
-    let chosen = Chosen::new(&file, options, context)?;
-    let samples = chosen.draft.grid(context)?.sample_count();
-    let mut texts = skeleton.texts(chosen.element.clone());
-    let text = texts.next();
-    // Several long texts of one array: nobody writes that.
-    let (None, Some(count)) = (texts.next(), samples.checked_mul(chosen.components)) else {
-        return Ok(None);
-    };
-    let coding = file.coding;
-    let encoded = match &chosen.place {
-        Place::Ascii(short) => {
-            let numbers = Numbers {
-                sample_type: chosen.sample_type,
-                tuple: chosen.tuple(),
-                start: text.as_ref().map_or(0, |text| text.start),
-                may_be_followed: false,
-                cut: None,
-            };
-            let source = of_text(text, short, context)?;
-            return unpack_text(source, numbers, folder, (chosen.draft, context)).map(Some);
-        }
-        Place::Base64(short) => payload::from_base64(of_text(text, short, context)?),
-        Place::Appended { offset, next } => {
-            let base64 = next.filter(|_| coding.appended_base64);
-            coding.unwrap(appended(&skeleton, *offset, base64, context)?)
-        }
-    };
-    let mut copy = Unpacked::new(folder)?;
-    let width = chosen.sample_type.size();
-    let take = |source: &mut Source<'_>, samples| {
-        let bytes = chosen.sample_type.byte_count(samples);
-        copy.take(source, bytes, (width, 1, 0), context)
-    };
-    payload::each_part(encoded, (chosen.sample_type, count), coding, (context, take))?;
-    let flat = Flat {
-        path: context.path.to_owned(),
-        position: 0,
-        sample_type: chosen.sample_type,
-        half: false,
-        tuple: chosen.tuple(),
-        endian: coding.endian,
-    };
-    flat.of_file(copy.finish()?, chosen.draft, context).map(Some)
-}
-
-/// A text of the file, or a short one.
-#[cfg(not(target_family = "wasm"))]
-fn of_text<'a>(
-    text: Option<Range<u64>>,
-    short: &'a str,
-    context: &Context<'_>,
-) -> Result<Source<'a>, IoError> {
-    match text {
-        Some(text) => Ok(Source::open_at(context.path, text.start)?.first(text.end - text.start)),
-        None => Ok(Source::from_bytes(short.as_bytes())),
-    }
-}
-
-/// The appended data from an offset on, to the next one where that is given.
-#[cfg(not(target_family = "wasm"))]
-fn appended(
-    skeleton: &Skeleton,
-    offset: u64,
-    next: Option<u64>,
-    context: &Context<'_>,
-) -> Result<Source<'static>, IoError> {
-    let start = skeleton
-        .appended
-        .ok_or_else(|| context.field("AppendedData", "", None, "an <AppendedData> element"))?;
-    let position = start.saturating_add(offset);
-    let source = Source::open_at(context.path, position)?;
-    if source.at_most() == 0 {
-        let expected = "an offset inside the appended data";
-        return Err(context.field("offset", offset, None, expected));
-    }
-    Ok(match next {
-        Some(next) => source.first(next - offset),
-        None => source,
-    })
-}
-
 /// Nothing is unpacked where there are no files.
 #[cfg(target_family = "wasm")]
 fn unpacked(_: &ReadOptions, _: &Context<'_>) -> Result<Option<Opened>, IoError> {
@@ -211,8 +117,6 @@ struct Chosen<'a> {
     components: usize,
     component: Component,
     draft: Draft,
-    /// The array's element in the document.
-    element: Range<usize>,
 }
 
 impl<'a> Chosen<'a> {
@@ -242,7 +146,6 @@ impl<'a> Chosen<'a> {
             components: head.components,
             component,
             draft: file.geometry.draft(head.association, description, context)?,
-            element: file.arrays.range(index),
         })
     }
 }

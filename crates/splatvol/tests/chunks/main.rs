@@ -413,7 +413,7 @@ fn a_picture_that_is_made_again_solves_nothing() {
             let mut renderer = Renderer::new(EngineConfig::default()).unwrap();
             let settings = RenderSettings {
                 size: ImageSize::new(size[0], size[1]).unwrap(),
-                ..case.settings.clone()
+                ..case.settings
             };
             let mut solved = || {
                 renderer.render(&scene, &case.camera, &settings).unwrap();

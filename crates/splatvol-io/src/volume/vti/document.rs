@@ -212,6 +212,7 @@ impl<'a> Arrays<'a> {
     }
 
     /// The element of array `index` in the document.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn range(&self, index: usize) -> std::ops::Range<usize> {
         self.elements[index].range()
     }
