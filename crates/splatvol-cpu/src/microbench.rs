@@ -127,3 +127,25 @@ impl FourSheets {
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A zone's first planes meet voxels far before them, whose profiles there are far below the smallest float.
+    #[test]
+    fn voxels_far_from_the_sheets_add_nothing() {
+        for (name, level) in levels() {
+            for ellipses in [false, true] {
+                let mut sheets = FourSheets::new([&[20.3; 64], &[17.6; 64]], 1.2, 4.5, ellipses);
+                for (n, z) in sheets.records.z.iter_mut().enumerate() {
+                    *z = -8.0 - 0.5 * n as f32;
+                }
+                sheets.splat(level);
+                let sums = sheets.rows.iter().flat_map(|row| &row.0);
+                let none = sums.flat_map(|block| block.0).all(|sum| sum == 0.0);
+                assert!(none, "{name}, ellipses: {ellipses}");
+            }
+        }
+    }
+}

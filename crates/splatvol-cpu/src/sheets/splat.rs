@@ -23,7 +23,7 @@ use splatvol_core::plan::{MAX_BLOCKS, SplatConstants};
 use super::needed::{Footprints, Needed};
 use super::ring::{Area, Block, PITCH, Row};
 use super::sheet::{GroupShape, Lanes16};
-use crate::simd::math::{exp2, exp2_quick};
+use crate::simd::math::{LEAST_NORMAL, exp2, exp2_quick};
 
 /// Voxels buffered for splatting.
 pub(crate) const CAPACITY: usize = 1024;
@@ -346,12 +346,14 @@ pub(crate) fn splat<S: Simd, P: Payload<N>, const N: usize, const SIZE: usize, c
     rings: &mut [&mut [Row]; N],
 ) {
     let total = records.len.min(CAPACITY);
+    // Voxels far before a zone's first plane are splatted into it, with powers that no number holds.
+    let least = f32x16::splat(simd, LEAST_NORMAL);
     let mut first = 0;
     while first < total {
         let count = (total - first).min(BATCH);
         exponents::<S, ELLIPSES>(simd, (constants, shape, stencil), (records, first, count), powers);
         for lanes in &mut powers.0[..count] {
-            exp2_quick(simd, load(simd, lanes)).store_slice(&mut lanes.0);
+            exp2_quick(simd, load(simd, lanes).max(least)).store_slice(&mut lanes.0);
         }
         for n in 0..count {
             let (bases, weights) = load(simd, &powers.0[n]).split();

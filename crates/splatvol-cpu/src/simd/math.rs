@@ -9,7 +9,7 @@ pub(crate) use splatvol_core::exponential::{exp2_of, exp2_quick};
 /// few products.
 pub(crate) const LEAST_EXPONENT: f32 = -100.0;
 /// Least exponent, to base 2, of a normal number.
-const LEAST_NORMAL: f32 = -126.0;
+pub(crate) const LEAST_NORMAL: f32 = -126.0;
 
 /// `2^max(x, -126)` per lane for x up to 126; relative error 2e-7.
 #[inline(always)]
