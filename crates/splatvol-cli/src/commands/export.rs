@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::Serialize;
-use splatvol::{Content, Frame, Gradient, Volume};
+use splatvol::{Content, Frame, Volume};
 use splatvol_document::keys::ItemKeys;
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, Document, Held, Picture, Resolving, Silent};
@@ -334,22 +334,11 @@ fn refuse(picture: &Picture) -> Result<(), Failure> {
         (effects.tf2d.is_some(), "--tf2d"),
         (moves, "motion blur"),
         (picture.bits() == 16, "--bits 16"),
-        (
-            has_analytic_gradients(picture),
-            "--gradient analytic (of --preset best)",
-        ),
     ];
     match asked.iter().find(|(asked, _)| *asked) {
         Some((_, what)) => no(what),
         None => Ok(()),
     }
-}
-
-/// Whether gradients are footprints' derivatives: WebAssembly's `min` and `max` keep a NaN that those of other processors
-/// drop, and pixels of these pictures depend on it.
-fn has_analytic_gradients(picture: &Picture) -> bool {
-    let sheets = picture.settings.method.sheets();
-    sheets.is_some_and(|sheets| sheets.gradient == Gradient::Analytic)
 }
 
 fn described(title: &str) -> String {

@@ -49,10 +49,6 @@ fn what_a_page_cannot_show_is_refused_by_name() {
         ("points.csv --kind points", ["points.csv, points", "volumes only"]),
         ("sample:head:16 --bits 16", ["--bits 16", "cannot show"]),
         (
-            "sample:head:16 --preset best",
-            ["--gradient analytic", "cannot show"],
-        ),
-        (
             "sample:head:16 --spin 20 --classification pre --motion-blur exact",
             ["motion blur", "cannot show"],
         ),
@@ -241,7 +237,7 @@ fn a_page_shows_where_workers_are_blocked() {
 }
 
 #[test]
-fn eight_scenes_are_the_commands_to_the_byte() {
+fn twelve_scenes_are_the_commands_to_the_byte() {
     if !has_engine() {
         return;
     }
@@ -263,6 +259,10 @@ fn eight_scenes_are_the_commands_to_the_byte() {
         "sample:head:40 --classification pre --no-shade",
         "sample:head:40 --clip-plane 0,0,20:0,0,-1 --coverage adaptive",
         "two.toml --preset fast",
+        "sample:tomato:32 --preset best",
+        "sample:head:40 --preset best",
+        "sample:nerve:32 --preset best --orthographic --view top",
+        "sample:shells:40 --gradient analytic --preset fast",
     ] {
         sandbox
             .run(&format!("render {scene} --size 150x110 -o made.png -w"))
