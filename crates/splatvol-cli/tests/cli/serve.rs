@@ -3,7 +3,7 @@
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::browser::Browser;
+use crate::browser::{Browser, Kind};
 use crate::sandbox::{Sandbox, png};
 
 /// A server that ends with the test.
@@ -44,11 +44,15 @@ impl Serving {
 }
 
 #[test]
-fn a_browser_sees_the_commands_picture_and_turns_it() {
-    let Some(browser) = Browser::start([900, 700]) else {
-        splatvol_recorded::skip("Chromium and its driver are not installed");
-        return;
-    };
+fn browsers_see_the_commands_picture_and_turn_it() {
+    for kind in Kind::ALL {
+        if let Some(browser) = Browser::start(kind, [900, 700]) {
+            sees_the_commands_picture_and_turns_it(&browser);
+        }
+    }
+}
+
+fn sees_the_commands_picture_and_turns_it(browser: &Browser) {
     let sandbox = Sandbox::new();
     sandbox
         .run("render sample:head:64 --view front --size 240x200 -o head.png")
