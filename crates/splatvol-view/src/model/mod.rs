@@ -5,6 +5,7 @@
 //! | [`session`] | the document that is shown, its edits and gestures |
 //! | [`navigate`], [`curve`] | gestures of the camera; edits of a transfer function |
 //! | [`opening`] | from paths to documents |
+//! | [`looks`] | two looks, to compare |
 //! | [`engine`] | the engine's thread, with `mailbox`, `draft` and `store`: the latest view wins, drafts, data in memory |
 //! | `saving` | pictures written in the background |
 //! | [`probe`] | what a ray meets |
@@ -12,6 +13,7 @@
 pub mod curve;
 mod draft;
 pub mod engine;
+pub mod looks;
 mod mailbox;
 pub mod navigate;
 pub mod opening;
@@ -32,6 +34,7 @@ use splatvol_document::{Document, DocumentError, Edit, ReadRules, Record};
 
 use engine::{Asked, Engine, Reporter, View};
 pub use engine::{News, Shown, Wake};
+use looks::{Look, Looks};
 use opening::Opening;
 use saving::Saving;
 use session::Session;
@@ -88,6 +91,7 @@ pub struct Model {
     rules: ReadRules,
     command: String,
     earlier: Option<Record>,
+    looks: Looks,
     facts: Vec<(ItemKeys, Facts)>,
     asked: Option<(u64, Becomes, Instant)>,
     requests: u64,
@@ -120,6 +124,7 @@ impl Model {
             rules: start.rules,
             command: start.command,
             earlier: None,
+            looks: Looks::default(),
             facts: Vec::new(),
             asked: None,
             requests: 0,
@@ -313,14 +318,36 @@ impl Model {
 
     /// Undoes a step.
     pub fn undo(&mut self) {
-        let done = self.session.undo().map(drop);
-        self.report(done);
+        self.walk(Session::undo);
     }
 
     /// Repeats a step.
     pub fn redo(&mut self) {
-        let done = self.session.redo().map(drop);
+        self.walk(Session::redo);
+    }
+
+    /// Walks a step through the history.
+    fn walk(&mut self, step: impl FnOnce(&mut Session) -> Result<bool, DocumentError>) {
+        let before = Look::of(self.document());
+        let done = step(&mut self.session).map(drop);
+        self.looks.follow(before, self.session.document());
         self.report(done);
+    }
+
+    /// Both looks.
+    pub fn looks(&self) -> &Looks {
+        &self.looks
+    }
+
+    /// Shows the other look, as a step. At first B is a copy of A.
+    pub fn change_looks(&mut self) {
+        match self.looks.change(self.session.document()) {
+            Some(document) => self.edit(Edit::Replace(Box::new(document))),
+            None => self.say(
+                "This is look B, a copy of A: change it, and compare them by the key B.",
+                false,
+            ),
+        }
     }
 
     fn report(&mut self, done: Result<(), DocumentError>) {
@@ -437,6 +464,7 @@ impl Model {
                 match becomes {
                     Becomes::Session(record) => {
                         self.session = Session::continuing(*document, &self.session);
+                        self.looks = Looks::default();
                         self.earlier = record.map(|record| *record);
                         self.sent = None;
                     }

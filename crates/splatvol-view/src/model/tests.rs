@@ -361,3 +361,47 @@ fn ten_thousand_random_edits_are_undone_to_the_same_document() {
     while session.redo().unwrap() {}
     assert_eq!(session.document(), &end);
 }
+
+#[test]
+fn two_looks_change_places_and_keep_everything_else() {
+    let mut model = opened(&["sample:head:16"]);
+    let keys = |name: &str| ItemKeys {
+        cmap: Some(name.to_owned()),
+        ..ItemKeys::default()
+    };
+    let a = model.document().clone();
+    assert_eq!(model.looks().letter(), None);
+    model.change_looks();
+    assert_eq!((model.looks().letter(), model.document()), (Some('B'), &a));
+    model.change_look(0, keys("viridis"));
+    wait(&mut model, "another look", |model| model.asked_since().is_none());
+    model.change_settings(SettingKeys {
+        preset: Some(PresetName::Fast),
+        ..SettingKeys::default()
+    });
+    wait(&mut model, "a preset", |model| model.asked_since().is_none());
+    let b = model.document().clone();
+    assert_ne!(a.items, b.items);
+    model.change_looks();
+    assert_eq!((model.looks().letter(), model.document()), (Some('A'), &a));
+    // The camera and the place belong to both.
+    model.move_camera(|camera| navigate::orbit(camera, 20.0, 0.0));
+    model.end_gesture();
+    model.edit(Edit::set("item[0].translate", serde_json::json!([1.0, 2.0, 3.0])));
+    let moved = model.document().clone();
+    model.change_looks();
+    let (items, settings) = (&model.document().items, &model.document().settings);
+    assert_eq!((&model.document().camera, settings), (&moved.camera, &b.settings));
+    assert_eq!(items[0].translate, Some([1.0, 2.0, 3.0]));
+    assert_eq!(items[0].transfer_function, b.items[0].transfer_function);
+    // A step back is the other look, and neither is lost.
+    model.undo();
+    assert_eq!((model.looks().letter(), model.document()), (Some('A'), &moved));
+    model.change_looks();
+    assert_eq!(model.document().settings, b.settings);
+    assert_eq!(model.looks().letter(), Some('B'));
+    // Other data have one look.
+    model.open(&["sample:ball:8".to_owned()]);
+    wait(&mut model, "another file", |model| model.asked_since().is_none());
+    assert_eq!(model.looks().letter(), None);
+}

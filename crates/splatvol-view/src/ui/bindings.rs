@@ -26,6 +26,8 @@ pub enum Action {
     Undo,
     /// Repeats a step.
     Redo,
+    /// Shows the other of two looks.
+    OtherLook,
     /// Opens a file.
     Open,
     /// Saves a picture.
@@ -181,6 +183,11 @@ pub const KEYS: &[Binding] = &[
         Action::Pin,
         &[plain(Key::P)],
         "pin value and profile of the ray under the pointer",
+    ),
+    line(
+        Action::OtherLook,
+        &[plain(Key::B)],
+        "from look A to look B, and back: B begins as a copy of A",
     ),
     line(Action::Panels, &[plain(Key::F9)], "show or hide the panels"),
     line(

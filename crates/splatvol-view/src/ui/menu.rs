@@ -36,6 +36,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
             let session = model.session();
             entry(ui, ("Undo", Action::Undo), (session.can_undo(), &mut chosen));
             entry(ui, ("Redo", Action::Redo), (session.can_redo(), &mut chosen));
+            ui.separator();
+            entry(
+                ui,
+                ("Other look (A, B)", Action::OtherLook),
+                (has_items, &mut chosen),
+            );
         });
         ui.menu_button("View", |ui| {
             for view in VIEWS {

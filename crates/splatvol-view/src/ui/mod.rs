@@ -163,6 +163,7 @@ impl Viewer {
             Action::Pivot => self.picture.pivot(model),
             Action::Undo => model.undo(),
             Action::Redo => model.redo(),
+            Action::OtherLook => model.change_looks(),
             Action::Open => self.dialogs.open_file(false),
             Action::Save => self.dialogs.save_picture(model),
             Action::Pin => self.pins.pin(self.picture.hovered.as_ref(), model),

@@ -20,6 +20,10 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, hovered: Option<&Probe>) {
         });
     }
     ui.horizontal(|ui| {
+        if let Some(letter) = model.looks().letter() {
+            ui.label(RichText::new(format!("Look {letter}")).color(style::ACCENT));
+            ui.separator();
+        }
         ui.label(state(model));
         if let Some(share) = model.progress().filter(|share| *share < 1.0) {
             bar(ui, share);

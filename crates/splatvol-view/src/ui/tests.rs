@@ -225,6 +225,17 @@ fn a_point_of_the_curve_is_dragged_and_removed() {
 }
 
 #[test]
+fn the_status_line_names_the_look() {
+    let mut window = window(&["sample:head:16"]);
+    for look in ["Look B", "Look A"] {
+        window.key_press(Key::B);
+        window.step();
+        window.step();
+        window.get_by_label(look);
+    }
+}
+
+#[test]
 fn the_help_shows_all_keys_and_text_grows() {
     let mut window = window(&["sample:head:16"]);
     window.key_press(Key::F1);
