@@ -9,6 +9,7 @@
 //! | [`engine`] | the engine's thread, with `mailbox`, `draft` and `store`: the latest view wins, drafts, data in memory |
 //! | `saving` | pictures written in the background |
 //! | [`probe`] | what a ray meets |
+//! | [`slice`](mod@slice) | samples in a plane of voxels |
 
 pub mod curve;
 mod draft;
@@ -20,6 +21,7 @@ pub mod opening;
 pub mod probe;
 mod saving;
 pub mod session;
+pub mod slice;
 mod store;
 
 use std::path::PathBuf;

@@ -26,6 +26,8 @@ pub enum Action {
     Undo,
     /// Repeats a step.
     Redo,
+    /// Shows or hides the slices.
+    Slices,
     /// Shows the other of two looks.
     OtherLook,
     /// Opens a file.
@@ -183,6 +185,11 @@ pub const KEYS: &[Binding] = &[
         Action::Pin,
         &[plain(Key::P)],
         "pin value and profile of the ray under the pointer",
+    ),
+    line(
+        Action::Slices,
+        &[plain(Key::S)],
+        "three slices of the selected volume; a pin moves them",
     ),
     line(
         Action::OtherLook,

@@ -48,6 +48,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
                 entry(ui, view, (has_items, &mut chosen));
             }
             ui.separator();
+            entry(ui, ("Slices", Action::Slices), (has_items, &mut chosen));
             entry(ui, ("Panels", Action::Panels), (has_items, &mut chosen));
             ui.menu_button("Text size", |ui| {
                 for size in TEXT_SIZES {

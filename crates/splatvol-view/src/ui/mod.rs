@@ -11,6 +11,7 @@ mod method;
 mod picture;
 mod profile;
 mod scene;
+mod slices;
 mod status;
 mod style;
 
@@ -26,6 +27,7 @@ use curve::CurveState;
 use dialogs::Dialogs;
 use picture::PicturePanel;
 use profile::Pins;
+use slices::Slices;
 
 /// The viewer in a window.
 pub struct Viewer {
@@ -34,6 +36,7 @@ pub struct Viewer {
     curve: CurveState,
     dialogs: Dialogs,
     pins: Pins,
+    slices: Slices,
     /// Number of the item whose look is edited.
     selected: usize,
     hides_panels: bool,
@@ -54,6 +57,7 @@ impl Viewer {
             curve: CurveState::default(),
             dialogs: Dialogs::default(),
             pins: Pins::default(),
+            slices: Slices::default(),
             selected: 0,
             hides_panels: false,
         })
@@ -85,6 +89,8 @@ impl Viewer {
             .frame(Frame::NONE)
             .show(ui, |ui| self.picture.show(ui, &mut self.model));
         self.pins.show(ui.ctx(), &self.model, &self.picture);
+        self.slices
+            .show(ui.ctx(), (&self.model, self.selected), &self.picture);
         self.dialogs.show(ui.ctx(), &mut self.model);
         let rests = ui.input(|input| !input.pointer.any_down() && input.keys_down.is_empty());
         if rests {
@@ -166,7 +172,12 @@ impl Viewer {
             Action::OtherLook => model.change_looks(),
             Action::Open => self.dialogs.open_file(false),
             Action::Save => self.dialogs.save_picture(model),
-            Action::Pin => self.pins.pin(self.picture.hovered.as_ref(), model),
+            Action::Pin => {
+                let hovered = self.picture.hovered.as_ref();
+                self.slices.follow(hovered, (&*model, self.selected));
+                self.pins.pin(hovered, model);
+            }
+            Action::Slices => self.slices.toggle(),
             Action::Escape => {
                 self.dialogs.close();
                 self.pins.clear();

@@ -236,6 +236,48 @@ fn the_status_line_names_the_look() {
 }
 
 #[test]
+fn slices_meet_where_one_is_clicked_and_follow_pins() {
+    let mut window = window(&["sample:head:16"]);
+    window.key_press(Key::S);
+    window.step();
+    window.step();
+    let dims = model(&window).shown().unwrap().scene.items[0]
+        .as_volume()
+        .unwrap()
+        .volume
+        .grid()
+        .dims();
+    let rect = window
+        .get_by_label(&format!("Slice across z at {}", dims[2] / 2))
+        .rect();
+    // The lower left corner: the first voxel along x and y.
+    let corner = rect.left_bottom() + Vec2::new(2.0, -2.0);
+    window.drag_at(corner);
+    window.step();
+    window.drop_at(corner);
+    window.step();
+    window.step();
+    window.get_by_label("Slice across x at 0");
+    window.get_by_label("Slice across y at 0");
+    let voxel = format!("at voxel 0, 0, {}", dims[2] / 2);
+    window.get_by_label_contains(&voxel);
+    window.check_accessibility();
+    click(&mut window, "In the colours of the look");
+    // What is pinned lies inside.
+    window.hover_at(Pos2::new(640.0, 640.0));
+    window.step();
+    window.key_press(Key::P);
+    window.step();
+    window.step();
+    window.get_by_label("Profile along the ray");
+    assert!(window.query_by_label_contains(&voxel).is_none());
+    window.key_press(Key::S);
+    window.step();
+    window.step();
+    assert!(window.query_by_label_contains("Slice across").is_none());
+}
+
+#[test]
 fn the_help_shows_all_keys_and_text_grows() {
     let mut window = window(&["sample:head:16"]);
     window.key_press(Key::F1);
