@@ -112,6 +112,44 @@ impl AnimationKeys {
     }
 }
 
+impl CameraFrame {
+    /// The key frame's camera; what it leaves out is that of `start`.
+    ///
+    /// # Errors
+    /// See [`Camera::new`].
+    pub fn camera(&self, start: &Camera) -> Result<Camera, SceneError> {
+        let projection = match (self.fov, self.height) {
+            (Some(fov_degrees), _) => Projection::Perspective { fov_degrees },
+            (None, Some(height)) => Projection::Orthographic { height },
+            (None, None) => start.projection(),
+        };
+        Camera::new(
+            DVec3::from_array(self.position),
+            self.target.map_or(start.target(), DVec3::from_array),
+            self.up.map_or(start.up(), DVec3::from_array),
+            projection,
+        )
+    }
+}
+
+impl From<&Camera> for CameraFrame {
+    /// A key frame that leaves out nothing but its time.
+    fn from(camera: &Camera) -> Self {
+        let (fov, height) = match camera.projection() {
+            Projection::Perspective { fov_degrees } => (Some(fov_degrees), None),
+            Projection::Orthographic { height } => (None, Some(height)),
+        };
+        Self {
+            time: None,
+            position: camera.position().to_array(),
+            target: Some(camera.target().to_array()),
+            up: Some(camera.up().to_array()),
+            fov,
+            height,
+        }
+    }
+}
+
 impl Plan {
     /// For key frames that have been read ([`AnimationKeys::loaded`]), or for a turntable that starts at the camera
     /// `start`, which also gives what key frames leave out. `blur` is how footprints are blurred.
@@ -285,17 +323,7 @@ fn through(
     };
     let mut cameras = Vec::with_capacity(frames.len());
     for (i, frame) in frames.iter().enumerate() {
-        let projection = match (frame.fov, frame.height) {
-            (Some(fov_degrees), _) => Projection::Perspective { fov_degrees },
-            (None, Some(height)) => Projection::Orthographic { height },
-            (None, None) => start.projection(),
-        };
-        let camera = Camera::new(
-            DVec3::from_array(frame.position),
-            frame.target.map_or(start.target(), DVec3::from_array),
-            frame.up.map_or(start.up(), DVec3::from_array),
-            projection,
-        );
+        let camera = frame.camera(start);
         cameras.push(CameraKey {
             time: frame.time.unwrap_or(i as f64),
             camera: camera.map_err(|error| refused(format!("key[{i}] makes no camera"), error))?,

@@ -1,5 +1,5 @@
 //! Writing pictures, in the background: each at its document's size and quality, with its document in its text, so that
-//! `splatvol render --like` makes the same bytes.
+//! `splatvol render --like` makes the same bytes; and scene files, which are the document alone.
 
 use std::fs::File;
 use std::io::Write;
@@ -57,9 +57,15 @@ fn save(
     (stop, progress): (&AtomicBool, &(dyn Fn(f64) + Sync)),
 ) -> Result<(), String> {
     let path = &saving.path;
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+    {
+        return save_scene(saving);
+    }
     let Some(format) = ImageFormat::from_path(path) else {
         return Err(format!(
-            "{}: no picture format has this extension (.png and .exr)",
+            "{}: no picture format has this extension (.png and .exr), and .toml is a scene's",
             path.display()
         ));
     };
@@ -89,6 +95,25 @@ fn save(
     );
     let bytes = encode(&frame, &picture, (format, &record))?;
     write(path, &bytes, saving.overwrite)
+}
+
+/// Writes the document as a scene file, with its animation: at the size that it asks for, and with paths from the file's folder.
+fn save_scene(saving: &Saving) -> Result<(), String> {
+    let path = &saving.path;
+    if path.exists() && !saving.overwrite {
+        return Err(format!("{} already exists", path.display()));
+    }
+    let record = Record {
+        document: saving.document.clone(),
+        command: String::new(),
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let text = record.shortened(folder).document.to_toml();
+    write(
+        path,
+        text.map_err(|error| error.to_string())?.as_bytes(),
+        saving.overwrite,
+    )
 }
 
 /// The record of a picture; one that is made as it was opened keeps its own.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 use splatvol::{Camera, Projection};
-use splatvol_document::keys::{CameraKeys, EffectKeys, ItemKeys, Parallel};
+use splatvol_document::keys::{AnimationKeys, CameraKeys, EffectKeys, ItemKeys, Parallel};
 use splatvol_document::{CameraPose, Document, DocumentError, Edit, History};
 
 /// A document, the edits that led to it, and the gesture that is being made.
@@ -133,11 +133,15 @@ impl Session {
     /// # Errors
     /// See [`History::edit`].
     pub fn adjust_effects(&mut self, effects: &EffectKeys) -> Result<(), DocumentError> {
-        let edit = match effects.is_empty() {
-            true => Edit::unset("effects"),
-            false => Edit::set("effects", json(effects)?),
-        };
-        self.adjust(edit)
+        self.adjust(table("effects", effects.is_empty(), effects)?)
+    }
+
+    /// Changes the animation, as a part of a gesture.
+    ///
+    /// # Errors
+    /// See [`History::edit`].
+    pub fn adjust_animation(&mut self, animation: &AnimationKeys) -> Result<(), DocumentError> {
+        self.adjust(table("animation", animation.is_empty(), animation)?)
     }
 
     /// The items.
@@ -169,6 +173,14 @@ fn camera_edit(camera: &Camera) -> Result<Edit, DocumentError> {
         "camera",
         json(&CameraKeys::from(&CameraPose::from(camera)))?,
     ))
+}
+
+/// The edit that sets a table, or takes an empty one away.
+fn table(name: &str, is_empty: bool, value: &impl Serialize) -> Result<Edit, DocumentError> {
+    Ok(match is_empty {
+        true => Edit::unset(name),
+        false => Edit::set(name, json(value)?),
+    })
 }
 
 /// A value as edits have it.

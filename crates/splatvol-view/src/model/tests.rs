@@ -405,3 +405,35 @@ fn two_looks_change_places_and_keep_everything_else() {
     wait(&mut model, "another file", |model| model.asked_since().is_none());
     assert_eq!(model.looks().letter(), None);
 }
+
+#[test]
+fn a_saved_scene_is_the_document_with_its_animation() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut model = opened(&["sample:head:16"]);
+    let frame = splatvol_document::keys::CameraFrame::from(&model.session().camera().unwrap());
+    let animation = splatvol_document::keys::AnimationKeys {
+        keys: Some(vec![frame; 2]),
+        frames: Some(7),
+        ..Default::default()
+    };
+    model.gesture(|session| session.adjust_animation(&animation));
+    let path = folder.path().join("scene.toml");
+    let size = ImageSize::new(40, 30).unwrap();
+    for says in ["wrote", "already exists"] {
+        model.save(path.clone(), Some(size), false);
+        wait(&mut model, "the scene", |model| {
+            model.writing().is_none() && model.message().is_some()
+        });
+        let said = model.message().unwrap().text.clone();
+        assert!(said.contains(says), "{said}");
+        model.dismiss();
+    }
+    let read = splatvol_document::format::read_scene(&path).unwrap();
+    let wanted = Document {
+        name: read.name.clone(),
+        size: Some(PictureSize(size)),
+        ..model.document().clone()
+    };
+    assert_eq!(read, wanted);
+    assert_eq!(rendered(&read), rendered(&wanted));
+}

@@ -97,7 +97,7 @@ impl Dialogs {
                 path,
                 size,
                 overwrite,
-            } => dialog(context, "Save a picture", |ui| {
+            } => dialog(context, "Save a picture or the scene", |ui| {
                 picture(ui, (path, focuses), (size, overwrite), model)
             }),
             Open::Help => dialog(context, "Keys and gestures", help),
@@ -159,7 +159,7 @@ fn picture(
     (size, overwrite): (&mut [u32; 2], &mut bool),
     model: &mut Model,
 ) -> bool {
-    let entered = path_field(ui, "Picture, .png or .exr", path, focuses);
+    let entered = path_field(ui, "Picture, .png or .exr; or scene, .toml", path, focuses);
     ui.horizontal(|ui| {
         for (side, name) in size.iter_mut().zip(["Width", "Height"]) {
             let label = ui.label(name);
@@ -170,7 +170,8 @@ fn picture(
     });
     ui.label(
         RichText::new(
-            "It is rendered at this size and carries its settings: dropped here, it restores everything.",
+            "A picture is rendered at this size and carries its settings: dropped here, it restores everything. A scene is the document \
+             alone, with its animation.",
         )
         .weak(),
     );

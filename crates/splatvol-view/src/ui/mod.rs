@@ -14,6 +14,7 @@ mod scene;
 mod slices;
 mod status;
 mod style;
+mod timeline;
 
 use std::sync::Arc;
 
@@ -28,6 +29,7 @@ use dialogs::Dialogs;
 use picture::PicturePanel;
 use profile::Pins;
 use slices::Slices;
+use timeline::Timeline;
 
 /// The viewer in a window.
 pub struct Viewer {
@@ -37,6 +39,7 @@ pub struct Viewer {
     dialogs: Dialogs,
     pins: Pins,
     slices: Slices,
+    timeline: Timeline,
     /// Number of the item whose look is edited.
     selected: usize,
     hides_panels: bool,
@@ -58,6 +61,7 @@ impl Viewer {
             dialogs: Dialogs::default(),
             pins: Pins::default(),
             slices: Slices::default(),
+            timeline: Timeline::default(),
             selected: 0,
             hides_panels: false,
         })
@@ -109,6 +113,7 @@ impl Viewer {
                     if scene::show(ui, &mut self.model, &mut self.selected) {
                         self.dialogs.open_file(true);
                     }
+                    self.timeline.show(ui, &mut self.model);
                 });
             });
         Panel::right("look")

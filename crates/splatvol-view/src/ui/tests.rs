@@ -278,6 +278,48 @@ fn slices_meet_where_one_is_clicked_and_follow_pins() {
 }
 
 #[test]
+fn views_become_key_frames_and_the_preview_goes_between_them() {
+    let mut window = window(&["sample:head:16"]);
+    let camera = |window: &Window<'_>| model(window).session().camera().unwrap();
+    let keys = |window: &Window<'_>| model(window).document().animation.keys.clone();
+    click(&mut window, "Animation");
+    window.get_by_label("Two views or more make a way.");
+    click(&mut window, "Add this view");
+    let first = camera(&window);
+    for _ in 0..4 {
+        window.key_press(Key::ArrowLeft);
+        window.step();
+        window.step();
+    }
+    let second = camera(&window);
+    click(&mut window, "Add this view");
+    assert_eq!(keys(&window).map(|keys| keys.len()), Some(2));
+    window.check_accessibility();
+    // Back at the first key, then a frame on.
+    click(&mut window, "Go to key 1");
+    assert_eq!(camera(&window), first);
+    let slider = window.get_all_by_label("Frame").next().unwrap();
+    slider.focus();
+    window.step();
+    for _ in 0..3 {
+        window.key_press(Key::ArrowRight);
+        window.step();
+        window.step();
+    }
+    let between = camera(&window);
+    let [from_first, from_second] = [first, second].map(|end| (between.position() - end.position()).length());
+    assert!(
+        from_first > 0.0 && from_first < from_second,
+        "{from_first} {from_second}"
+    );
+    click(&mut window, "Set key 2 to this view");
+    assert_eq!(keys(&window).unwrap()[1].camera(&first).unwrap(), between);
+    click(&mut window, "Remove key 1");
+    click(&mut window, "Remove key 1");
+    assert!(model(&window).document().animation.is_empty());
+}
+
+#[test]
 fn the_help_shows_all_keys_and_text_grows() {
     let mut window = window(&["sample:head:16"]);
     window.key_press(Key::F1);
