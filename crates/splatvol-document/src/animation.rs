@@ -16,7 +16,7 @@ use crate::motion::{self, named_blur};
 use crate::{Document, DocumentError};
 
 /// Frames unless asked otherwise.
-const FRAMES: u32 = 90;
+pub const FRAMES: u32 = 90;
 /// Frames per second unless asked otherwise.
 const RATE: f64 = 30.0;
 /// Frames at most.

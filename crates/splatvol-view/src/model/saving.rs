@@ -57,21 +57,22 @@ fn save(
     (stop, progress): (&AtomicBool, &(dyn Fn(f64) + Sync)),
 ) -> Result<(), String> {
     let path = &saving.path;
-    if path
+    let format = ImageFormat::from_path(path);
+    let is_scene = path
         .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
-    {
-        return save_scene(saving);
-    }
-    let Some(format) = ImageFormat::from_path(path) else {
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    if format.is_none() && !is_scene {
         return Err(format!(
             "{}: no picture format has this extension (.png and .exr), and .toml is a scene's",
             path.display()
         ));
-    };
+    }
     if path.exists() && !saving.overwrite {
         return Err(format!("{} already exists", path.display()));
     }
+    let Some(format) = format else {
+        return save_scene(saving);
+    };
     let of = (&saving.document, saving.size);
     let mut picture = resolve(store, of, (saving.rules, &Warnings::default())).map_err(|e| e.to_string())?;
     if format == ImageFormat::Exr {
@@ -100,9 +101,6 @@ fn save(
 /// Writes the document as a scene file, with its animation: at the size that it asks for, and with paths from the file's folder.
 fn save_scene(saving: &Saving) -> Result<(), String> {
     let path = &saving.path;
-    if path.exists() && !saving.overwrite {
-        return Err(format!("{} already exists", path.display()));
-    }
     let record = Record {
         document: saving.document.clone(),
         command: String::new(),

@@ -88,6 +88,8 @@ impl Viewer {
         });
         if !self.hides_panels && items > 0 {
             self.panels(ui);
+        } else {
+            self.timeline.stop();
         }
         CentralPanel::default()
             .frame(Frame::NONE)
@@ -97,7 +99,7 @@ impl Viewer {
             .show(ui.ctx(), (&self.model, self.selected), &self.picture);
         self.dialogs.show(ui.ctx(), &mut self.model);
         let rests = ui.input(|input| !input.pointer.any_down() && input.keys_down.is_empty());
-        if rests {
+        if rests && !self.timeline.is_playing() {
             self.model.end_gesture();
         }
     }

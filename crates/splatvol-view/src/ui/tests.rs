@@ -312,6 +312,18 @@ fn views_become_key_frames_and_the_preview_goes_between_them() {
         from_first > 0.0 && from_first < from_second,
         "{from_first} {from_second}"
     );
+    // Played to its end, and undone in one step.
+    click(&mut window, "Play");
+    let start = Instant::now();
+    while window.query_by_label("Stop").is_some() {
+        assert!(start.elapsed() < Duration::from_secs(60), "it plays on");
+        window.step();
+    }
+    assert!((camera(&window).position() - second.position()).length() < 1e-6);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.step();
+    window.step();
+    assert_eq!(camera(&window), between);
     click(&mut window, "Set key 2 to this view");
     assert_eq!(keys(&window).unwrap()[1].camera(&first).unwrap(), between);
     click(&mut window, "Remove key 1");

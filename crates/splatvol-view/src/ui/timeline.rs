@@ -2,25 +2,39 @@
 
 use eframe::egui::{CollapsingHeader, DragValue, Slider, Ui};
 use splatvol::{Camera, MotionBlur};
+use splatvol_document::Plan;
+use splatvol_document::animation::FRAMES;
 use splatvol_document::keys::{AnimationKeys, CameraFrame};
-use splatvol_document::{DocumentError, Plan};
 
 use crate::model::Model;
 
-/// Frames of `splatvol animate` unless asked otherwise.
-const FRAMES: u32 = 90;
 /// Frames at most that the panel offers.
 const MOST_FRAMES: u32 = 100_000;
 
 /// Where the preview is.
 #[derive(Debug, Default)]
 pub(super) struct Timeline {
+    /// The way through the key frames, and the keys of which it was made.
+    planned: Option<(AnimationKeys, Planned)>,
     frame: u32,
     /// The window's time and the frame at which the preview was started, while it runs.
     playing: Option<(f64, u32)>,
 }
 
+/// A way; `None` where there are too few key frames, or why there is none.
+type Planned = Result<Option<Plan>, String>;
+
 impl Timeline {
+    /// Whether the preview runs: it is one step of the history.
+    pub(super) fn is_playing(&self) -> bool {
+        self.playing.is_some()
+    }
+
+    /// Stops the preview.
+    pub(super) fn stop(&mut self) {
+        self.playing = None;
+    }
+
     pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model) {
         let opened = CollapsingHeader::new("Animation").show(ui, |ui| {
             let Some(camera) = model.session().camera() else {
@@ -34,24 +48,37 @@ impl Timeline {
                 }
                 None => key_frames(ui, model, (&mut new, &camera)),
             }
-            let planned = plan(&new, &camera).ok().flatten();
-            pace(ui, &mut new, planned.map_or(FRAMES, |plan| plan.frames()));
+            let planned = self.plan(&old, &camera);
+            let frames = planned.as_ref().ok().and_then(Option::as_ref).map(Plan::frames);
+            pace(ui, &mut new, frames.unwrap_or(FRAMES));
             if new != old {
                 model.gesture(|session| session.adjust_animation(&new));
             }
-            match plan(&new, &camera) {
-                Ok(Some(plan)) => self.preview(ui, model, (&plan, new.rate())),
+            match &planned {
+                Ok(Some(plan)) => self.preview(ui, model, (plan, old.rate())),
                 Ok(None) => {
                     ui.label("Two views or more make a way.");
                 }
                 Err(error) => {
-                    ui.label(error.to_string());
+                    ui.label(error);
                 }
             }
             ui.label("Save the scene as SCENE.toml; splatvol animate SCENE.toml makes the film.");
         });
         if opened.fully_closed() {
-            self.playing = None;
+            self.stop();
+        }
+    }
+
+    /// The way through key frames, planned anew when they change: it takes as long as there are frames.
+    fn plan(&mut self, keys: &AnimationKeys, camera: &Camera) -> Planned {
+        match &self.planned {
+            Some((of, planned)) if of == keys => planned.clone(),
+            _ => {
+                let planned = plan(keys, camera);
+                self.planned = Some((keys.clone(), planned.clone()));
+                planned
+            }
         }
     }
 
@@ -84,7 +111,7 @@ impl Timeline {
 }
 
 /// The way through the key frames; `None` where there are too few. The preview knows no shutter.
-fn plan(keys: &AnimationKeys, camera: &Camera) -> Result<Option<Plan>, DocumentError> {
+fn plan(keys: &AnimationKeys, camera: &Camera) -> Planned {
     if keys.keys.as_ref().is_none_or(|frames| frames.len() < 2) {
         return Ok(None);
     }
@@ -92,7 +119,9 @@ fn plan(keys: &AnimationKeys, camera: &Camera) -> Result<Option<Plan>, DocumentE
         shutter: None,
         ..keys.clone()
     };
-    Plan::new(&keys, &Default::default(), (camera, MotionBlur::None)).map(Some)
+    Plan::new(&keys, &Default::default(), (camera, MotionBlur::None))
+        .map(Some)
+        .map_err(|error| error.to_string())
 }
 
 /// The key frames, and the views that become some.
@@ -138,7 +167,7 @@ fn named(name: String) -> eframe::egui::WidgetInfo {
     eframe::egui::WidgetInfo::labeled(eframe::egui::Role::Button, true, name)
 }
 
-/// Number of frames, if the document plans them but does not name it, their rate, and whether the ends are gentle.
+/// Number of frames, which is the planned one where the document names none, their rate, and whether the ends are gentle.
 fn pace(ui: &mut Ui, keys: &mut AnimationKeys, planned: u32) {
     let mut frames = keys.frames.unwrap_or(planned);
     ui.horizontal(|ui| {
