@@ -36,7 +36,7 @@ fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
 }
 
 // Pixels need no neighbours.
-fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {}
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: vec2<u32>, is_filled: bool) {}
 
 // Takes a plane's sums at a pixel.
 fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {

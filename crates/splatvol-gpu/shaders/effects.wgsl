@@ -232,7 +232,7 @@ fn show_parts(pixel: ptr<function, Pixel>, own: Between, near: u32) {
 // Shades the interval between planes `near` and `near + 1`.
 fn shade(pixel: ptr<function, Pixel>, near: u32) {
     let found = around(pixel, near);
-    let is_invisible = (found.is_untouched && frame.shows_background == 0u) || all((*pixel).coverage.yz == vec2(0.0));
+    let is_invisible = (found.is_untouched && frame.shows_background == 0u) || all(found.coverage <= vec2(0.0));
     if (*pixel).ink.transmittance < frame.termination || is_invisible {
         return;
     }

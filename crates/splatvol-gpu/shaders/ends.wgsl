@@ -2,6 +2,7 @@
 // (`splatvol_cpu::sheets::hermite`).
 
 const LAG: u32 = 1u;
+const LEAD: u32 = LAG;
 // Shares below which values are those of the other plane.
 const FADED: f32 = 0.15;
 const LEAST_SHARE: f32 = 0.01;
@@ -41,12 +42,15 @@ const JET_PITCH: u32 = TILE_WIDTH + 2u * REACH;
 const JETS: u32 = JET_PITCH * (TILE_HEIGHT + 2u * REACH);
 
 var<workgroup> jets: array<vec4<f32>, JETS>;
+// The same, low-passed along x.
+const ROWS: u32 = TILE_WIDTH * (TILE_HEIGHT + 2u * REACH);
+var<workgroup> jet_rows: array<vec4<f32>, ROWS>;
 
 fn is_on_pixels(sheet: u32) -> bool {
     return HAS_LOW_PASS && !HAS_HOLES && sheets[sheet].low_pass_pixels.x > 0.0;
 }
 
-fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: vec2<u32>, is_filled: bool) {
     if !HAS_LOW_PASS || HAS_HOLES {
         return;
     }
@@ -54,9 +58,16 @@ fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: b
     workgroupBarrier();
     if is_filled && is_on_pixels(sheet) {
         let first = vec2<f32>(corner) + 0.5 - f32(REACH) - frame.principal;
-        for (var point = thread; point < JETS; point += 256u) {
+        for (var point = thread.x; point < JETS; point += 256u) {
             let jet = jet_at(place_on(sheet, first + vec2<f32>(vec2(point % JET_PITCH, point / JET_PITCH))), 0);
             jets[point] = vec4(jet.sum, jet.slope);
+        }
+    }
+    workgroupBarrier();
+    if is_filled && is_on_pixels(sheet) {
+        let w = sheets[sheet].low_pass_pixels;
+        for (var i = thread.x; i < ROWS; i += 256u) {
+            jet_rows[i] = row_of_jets(i / TILE_WIDTH * JET_PITCH + i % TILE_WIDTH + REACH, w);
         }
     }
     workgroupBarrier();
@@ -69,17 +80,16 @@ fn row_of_jets(middle: u32, w: vec4<f32>) -> vec4<f32> {
 }
 
 // Two rows at the same distance.
-fn rows_of_jets(middle: u32, distance: u32, w: vec4<f32>) -> vec4<f32> {
-    return row_of_jets(middle - distance * JET_PITCH, w) + row_of_jets(middle + distance * JET_PITCH, w);
+fn rows_beside(middle: u32, distance: u32) -> vec4<f32> {
+    return jet_rows[middle - distance * TILE_WIDTH] + jet_rows[middle + distance * TILE_WIDTH];
 }
 
 // Sum and slope of a pixel, whose place in the tile is that of `point`.
 fn jet_of_pixels(sheet: u32, point: u32) -> vec4<f32> {
     let own = point % POINTS;
-    let middle = (own / PITCH - 1u + REACH) * JET_PITCH + own % PITCH - 1u + REACH;
+    let middle = (own / PITCH - 1u + REACH) * TILE_WIDTH + own % PITCH - 1u;
     let w = sheets[sheet].low_pass_pixels;
-    return w.x * row_of_jets(middle, w) + w.y * rows_of_jets(middle, 1u, w) + w.z * rows_of_jets(middle, 2u, w)
-        + w.w * rows_of_jets(middle, 3u, w);
+    return w.x * jet_rows[middle] + w.y * rows_beside(middle, 1u) + w.z * rows_beside(middle, 2u) + w.w * rows_beside(middle, 3u);
 }
 
 // Share on the volume's own box of the kernel with a low-pass of this deviation, pixels.

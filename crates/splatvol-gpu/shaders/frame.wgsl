@@ -64,6 +64,11 @@ struct Frame {
     gradient_from_lattice: mat3x3<f32>,
     // Of the kernel: `log2(e) / sigma^2`, and its values at distances of 1, 2 and 3 voxels.
     falls: vec4<f32>,
+    // Middle of the lattice; distances from it within which all weights lie on the lattice, and coverage is one.
+    middle: vec3<f32>,
+    unused_0: u32,
+    interior: vec3<f32>,
+    unused_1: u32,
 }
 
 struct Sheet {
@@ -84,7 +89,7 @@ struct Sheet {
     low_pass_pixels: vec4<f32>,
 }
 
-const TILE_WIDTH: u32 = 32u;
+const TILE_WIDTH: u32 = 16u;
 const TILE_HEIGHT: u32 = 16u;
 
 // Pages of 16^3 cells. Lattice coordinates are counted from four cells before the first, so that taps before it are in

@@ -1,6 +1,7 @@
-// March: a workgroup takes a tile through all planes, front to back, until its pixels are finished. A thread has two
-// pixels. The mode says what a pixel keeps of planes: `Pixel`, `fresh`, `exchange`, `enter`, `shade`, and `LAG`, the planes
-// from an interval's nearer one to the one with which it is shaded. `direct` or `gather` says where shaded intervals go.
+// March: a workgroup takes a tile through all planes, front to back, until its pixels are finished. A thread has a pixel: the
+// registers of two would leave room for fewer workgroups. The mode says what a pixel keeps of planes: `Pixel`, `fresh`,
+// `exchange`, `enter`, `shade`; `LAG`, the planes from an interval's nearer one to the one with which it is shaded; and `LEAD`,
+// the planes before one with material that a pixel must have seen. `direct` or `gather` says where shaded intervals go.
 
 @group(0) @binding(3) var<storage, read> tile_sheets: array<u32>;
 // Linear premultiplied colour and transmittance.
@@ -12,8 +13,9 @@ var<workgroup> any_open: u32;
 // Planes after which pixels are counted.
 const PATIENCE: u32 = 4u;
 
-fn has_material(tile: u32, sheet: u32) -> bool {
-    return sheet < frame.planes && ((tile_sheets[tile * frame.words + sheet / 32u] >> (sheet % 32u)) & 1u) != 0u;
+// A bit for each of 32 planes that may hold something.
+fn planes_with_material(tile: u32, word: u32) -> u32 {
+    return tile_sheets[tile * frame.words + min(word, frame.words - 1u)];
 }
 
 // The first plane from this one on that may hold something.
@@ -34,12 +36,11 @@ fn begin(at: vec2<u32>) -> Pixel {
     return fresh(vec2<f32>(at) + 0.5 - frame.principal, ink_at(at.y * frame.size.x + at.x));
 }
 
-// Keeps whether a thread's pixels are open; returns whether any of the tile is.
-fn any_is_open(thread: u32, points: vec2<u32>, left: vec2<f32>) -> bool {
-    let open = left >= vec2(frame.termination);
-    is_open[points.x] = u32(open.x);
-    is_open[points.y] = u32(open.y);
-    if any(open) {
+// Keeps whether a thread's pixel is open; returns whether any of the tile is.
+fn any_is_open(thread: u32, point: u32, left: f32) -> bool {
+    let open = left >= frame.termination;
+    is_open[point] = u32(open);
+    if open {
         atomicOr(&open_pixels, 1u);
     }
     workgroupBarrier();
@@ -55,60 +56,54 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     let tile = row * frame.tiles.x + group.x;
     let corner = vec2(group.x * TILE_WIDTH, row * TILE_HEIGHT);
     let own = vec2(thread % TILE_WIDTH, thread / TILE_WIDTH);
-    let first_at = corner + own;
-    let second_at = first_at + vec2(0u, TILE_HEIGHT / 2u);
-    let first_point = (own.y + 1u) * PITCH + own.x + 1u;
-    let second_point = first_point + TILE_HEIGHT / 2u * PITCH;
-    let first_exists = all(first_at < frame.size);
-    let second_exists = all(second_at < frame.size);
-    var first = begin(min(first_at, frame.size - 1u));
-    var second = begin(min(second_at, frame.size - 1u));
-    if !first_exists {
-        first.ink.transmittance = -1.0;
+    let at = corner + own;
+    let point = (own.y + 1u) * PITCH + own.x + 1u;
+    let exists = all(at < frame.size);
+    var pixel = begin(min(at, frame.size - 1u));
+    if !exists {
+        pixel.ink.transmittance = -1.0;
     }
-    if !second_exists {
-        second.ink.transmittance = -1.0;
-    }
-
-    let points = vec2(first_point, second_point);
-    if !any_is_open(thread, points, vec2(first.ink.transmittance, second.ink.transmittance)) {
+    if !any_is_open(thread, point, pixel.ink.transmittance) {
         return;
     }
     let last = frame.to_interval + LAG - 1u;
     var sheet = frame.from_interval - min(frame.from_interval, LAG - 1u);
+    var wanted = wanted_points(thread);
     var idle = 4u;
     var steps = 0u;
+    var word = frame.words;
+    var bits = 0u;
     loop {
         if idle >= 4u {
-            sheet = next_with_material(tile, min(sheet, frame.planes - 1u));
+            let next = next_with_material(tile, min(sheet, frame.planes - 1u));
+            sheet = max(max(next, LEAD) - LEAD, sheet);
             idle = 0u;
         }
         if sheet > last {
             break;
         }
-        let is_filled = has_material(tile, sheet);
+        if sheet / 32u != word {
+            word = sheet / 32u;
+            bits = planes_with_material(tile, word);
+        }
+        let is_filled = sheet < frame.planes && ((bits >> (sheet % 32u)) & 1u) != 0u;
         let plane = (steps & 1u) * POINTS;
-        exchange(sheet, plane, corner, thread, is_filled);
-        enter(&first, sheet, plane + first_point, is_filled);
-        enter(&second, sheet, plane + second_point, is_filled);
+        exchange(sheet, plane, corner, vec2(thread, wanted), is_filled);
+        enter(&pixel, sheet, plane + point, is_filled);
         if sheet >= frame.from_interval + LAG && sheet - LAG < frame.to_interval {
-            show(&first, sheet - LAG);
-            show(&second, sheet - LAG);
+            show(&pixel, sheet - LAG);
         }
         if steps % PATIENCE == PATIENCE - 1u {
-            let left = vec2(first.ink.transmittance, second.ink.transmittance);
-            if !any_is_open(thread, points, left) {
+            if !any_is_open(thread, point, pixel.ink.transmittance) {
                 break;
             }
+            wanted = wanted_points(thread);
         }
         idle = select(idle + 1u, 0u, is_filled);
         steps += 1u;
         sheet += 1u;
     }
-    if first_exists {
-        finish(first_at.y * frame.size.x + first_at.x, first.ink);
-    }
-    if second_exists {
-        finish(second_at.y * frame.size.x + second_at.x, second.ink);
+    if exists {
+        finish(at.y * frame.size.x + at.x, pixel.ink);
     }
 }

@@ -8,9 +8,8 @@ struct Pixel {
     sums: vec4<f32>,
     // Weights of missing samples, likewise.
     missing: vec4<f32>,
-    // Shares of the weights that lie on the lattice, and coverage, on the same planes.
-    shares: vec4<f32>,
-    coverage: vec4<f32>,
+    // What a field says of the same planes, two bits each, the last plane's the lowest.
+    marks: u32,
     // Differences across on the second, the third and the last plane, per world length.
     across_before: vec2<f32>,
     across: vec2<f32>,
@@ -21,9 +20,11 @@ struct Pixel {
 }
 
 const LAG: u32 = 2u;
+// Planes without material are all alike.
+const LEAD: u32 = 0u;
 
 fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
-    return Pixel(vec4(0.0), vec4(0.0), vec4(1.0), vec4(1.0), vec2(0.0), vec2(0.0), vec2(0.0), offset, ink);
+    return Pixel(vec4(0.0), vec4(0.0), 0u, vec2(0.0), vec2(0.0), vec2(0.0), offset, ink);
 }
 
 // Slope per interval, at u between the second and the third of four values.

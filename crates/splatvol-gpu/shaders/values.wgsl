@@ -1,6 +1,7 @@
 // Values: one value of each ray, from sums on four planes.
 
 const LAG: u32 = 2u;
+const LEAD: u32 = LAG;
 const FADED: f32 = 0.15;
 
 // A pixel on its way through the planes.
@@ -22,7 +23,7 @@ fn fresh(offset: vec2<f32>, ink: Ink) -> Pixel {
 }
 
 // Pixels need no neighbours.
-fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {}
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: vec2<u32>, is_filled: bool) {}
 
 // Takes a plane's value at a pixel.
 fn enter(pixel: ptr<function, Pixel>, sheet: u32, point: u32, is_filled: bool) {

@@ -2,6 +2,8 @@
 // voxel by voxel.
 
 const LAG: u32 = 2u;
+// Planes without material are all alike.
+const LEAD: u32 = 0u;
 
 // Adds the interval between planes `near` and `near + 1`. Kernels' sums over planes are their integrals, to rounding; at the
 // eye, where they begin, the rule for a line is. Extinction is kept above a transmittance of one.

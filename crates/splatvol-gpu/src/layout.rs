@@ -9,7 +9,7 @@ use splatvol_scene::{Lighting, RenderSettings, SheetSettings};
 use crate::effects::Effects;
 
 /// Pixels of a tile, along x and y.
-pub(crate) const TILE: [u32; 2] = [32, 16];
+pub(crate) const TILE: [u32; 2] = [16, 16];
 
 /// View-dependent and sample-independent data of a frame: `Frame` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -60,6 +60,10 @@ pub(crate) struct FrameData {
     pub gathered_intervals: u32,
     pub gradient_from_lattice: [[f32; 4]; 3],
     pub falls: [f32; 4],
+    pub middle: [f32; 3],
+    pub unused_0: u32,
+    pub interior: [f32; 3],
+    pub unused_1: u32,
 }
 
 /// A plane: `Sheet` in WGSL.
@@ -154,6 +158,8 @@ impl Picture<'_> {
             first_isosurface: effects.first_isosurface,
             gradient_from_lattice: gradients(&view.camera_from_lattice()),
             falls: falls(kernel.sigma),
+            middle: store.dims().map(|n| 0.5 * (n as f32 - 1.0)),
+            interior: interior(store.dims(), store.margin(), kernel.sigma),
             ..FrameData::seen(settings, &view.rays())
         }
     }
@@ -311,6 +317,19 @@ fn falls(sigma: f64) -> [f32; 4] {
     let per_voxel = 1.0 / (sigma * sigma);
     let at = |distance: f64| (-0.5 * distance * distance * per_voxel).exp();
     [std::f64::consts::LOG2_E * per_voxel, at(1.0), at(2.0), at(3.0)].map(|number| number as f32)
+}
+
+/// Voxels from the lattice's first and last within which some weights lie beyond it.
+const BESIDE: f64 = 2.0;
+/// Deviations of the kernel from a face within which it takes coverage away: `FAR` in WGSL.
+const FAR: f64 = 3.4;
+
+/// Distances from the lattice's middle within which all weights lie on the lattice, and coverage is one, less rounding.
+fn interior(dims: [usize; 3], margin: [usize; 3], sigma: f64) -> [f32; 3] {
+    std::array::from_fn(|axis| {
+        let from_face = BESIDE.max(margin[axis] as f64 - 0.5 + FAR * sigma);
+        (0.5 * (dims[axis] as f64 - 1.0) - from_face - 0.01) as f32
+    })
 }
 
 /// Columns of the map of gradients from the space of a map's input to that of its output.

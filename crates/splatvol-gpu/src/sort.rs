@@ -1,4 +1,4 @@
-//! Sort: keys with values, stably, by digits of four bits; and running sums.
+//! Sort: keys with values, stably, by digits of seven bits; and running sums.
 //!
 //! Counts of digits per block of 1,024 keys, their running sums, and a scatter: three dispatches that wait for nothing but
 //! the one before. So the result does not depend on the order in which a device runs workgroups.
@@ -15,8 +15,8 @@ pub(crate) const LISTS: &str = include_str!("../shaders/sort/lists.wgsl");
 
 /// Keys, or numbers, of a workgroup.
 const BLOCK: u32 = 1024;
-/// Bits of a digit.
-const DIGIT: u32 = 4;
+/// Bits of a digit: `DIGIT_BITS` in WGSL.
+const DIGIT: u32 = 7;
 
 /// A digit to sort by: `Digit` in WGSL.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

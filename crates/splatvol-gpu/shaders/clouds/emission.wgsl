@@ -3,6 +3,8 @@
 
 // Planes from an interval's nearer one to the one with which it is shaded.
 const LAG: u32 = 1u;
+// Planes without material are all alike.
+const LEAD: u32 = 0u;
 
 // A pixel on its way through the planes.
 struct Pixel {

@@ -14,4 +14,4 @@ fn sums_at_point(sheet: u32, point: u32) -> Sums {
 }
 
 // Pixels read their neighbours from the ring.
-fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: u32, is_filled: bool) {}
+fn exchange(sheet: u32, plane: u32, corner: vec2<u32>, thread: vec2<u32>, is_filled: bool) {}

@@ -1,9 +1,10 @@
 // Composite: a workgroup takes a tile of the published renderer through its list, front to back; a pixel per invocation.
-// Splats are brought to workgroup memory, those that miss the tile left out.
+// Splats are brought to workgroup memory. Each part of the tile has a bit for those that may show there, so that its pixels
+// see no other: splats are small, two or three pixels wide in the middle of trained scenes.
 
 struct Picture {
     size: vec2<u32>,
-    // Tiles with lists along x.
+    // Tiles along x.
     columns: u32,
     unused: u32,
     // Background: straight display colour and opacity.
@@ -23,16 +24,15 @@ override LEAST_TRANSMITTANCE: f32;
 
 const BATCH: u32 = 256u;
 const WORDS: u32 = BATCH / 32u;
-const ENDED: u32 = 0xffffffffu;
+// Parts of a tile, 8 by 4 pixels: as many as devices run together at least.
+const PART: vec2<u32> = vec2(8u, 4u);
+const PARTS: u32 = 8u;
 
 var<workgroup> batch: array<Splat, BATCH>;
-// Of each of these: row of its centre, and rows around it in which it is not below what is drawn.
-var<workgroup> rows: array<vec2<f32>, BATCH>;
-// A bit for each splat of a batch, set for those that reach the tile.
-var<workgroup> kept: array<atomic<u32>, WORDS>;
+// For each part of the tile, a bit for each splat of a batch that may show there.
+var<workgroup> marks: array<atomic<u32>, PARTS * WORDS>;
 var<workgroup> open_pixels: atomic<u32>;
-// How many splats are kept; ENDED if no pixel is open.
-var<workgroup> kept_count: u32;
+var<workgroup> is_ended: u32;
 
 // 2^x, for x from -126 to 126: `splatvol_core::exponential`, the short polynomial.
 fn exp2_quick(x: f32) -> f32 {
@@ -57,39 +57,44 @@ fn shown(color: vec3<f32>, through: f32) -> vec3<f32> {
     return linear_from_srgb((color + behind * picture.background.rgb) / alpha) * alpha;
 }
 
-fn meets(range: u32, tile: u32) -> bool {
-    return tile >= first_of(range) && tile < past_of(range);
-}
-
-// Rows from a splat's centre beyond which its exponent is below -LOG2_255 in every column, rounded up. Along its ridge the
-// exponent is `peak + (yy - xy^2 / 4 xx) dy^2`.
-fn rows_of(splat: Splat) -> f32 {
-    let fall = splat.conic_xx_xy.y * splat.conic_xx_xy.y / (4.0 * splat.conic_xx_xy.x) - splat.conic_yy;
+// Distances along x and y from a splat's centre beyond which its exponent is below -LOG2_255, rounded up. Along its ridge
+// the exponent is `peak + (yy - xy^2 / 4 xx) dy^2`.
+fn reach_of(splat: Splat) -> vec2<f32> {
+    let conic = vec2(splat.conic_xx_xy.x, splat.conic_yy);
+    let mixed = 0.25 * splat.conic_xx_xy.y * splat.conic_xx_xy.y;
+    let fall = mixed / conic.yx - conic;
     let squared = (splat.peak + LOG2_255) / fall;
-    // Neither a flat ridge nor one that rounding turned upwards ends.
-    return select(3e38, sqrt(max(squared, 0.0)) * 1.001 + 0.01, fall > 0.0);
+    return select(vec2(3e38), sqrt(max(squared, vec2(0.0))) * 1.001 + 0.01, fall > vec2(0.0));
 }
 
-// Splats of the batch that are kept and come before a lane's.
-fn kept_before(lane: u32) -> u32 {
-    var count = 0u;
-    for (var word = 0u; word < lane / 32u; word++) {
-        count += countOneBits(atomicLoad(&kept[word]));
-    }
-    if lane % 32u != 0u {
-        count += countOneBits(atomicLoad(&kept[lane / 32u]) & ((1u << (lane % 32u)) - 1u));
-    }
-    return count;
+// The place of a part in its tile, pixels.
+fn corner_of(part: u32) -> vec2<u32> {
+    return vec2(part % 2u, part / 2u) * PART;
 }
 
-@compute @workgroup_size(16, 16)
-fn composite(
-    @builtin(workgroup_id) tile: vec3<u32>,
-    @builtin(local_invocation_id) local: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let list = ranges[(tile.y / LIST_TILE) * picture.columns + tile.x / LIST_TILE];
-    let at = tile.xy * REFERENCE_TILE + local.xy;
+// Brings a splat to a place of the batch, and marks the parts of the tile in which it may show.
+fn bring(entry: u32, place: u32, tile_corner: vec2<u32>) {
+    let splat = splats[entry];
+    batch[place] = splat;
+    let reach = reach_of(splat);
+    // In pixels from the middle of the tile's first one.
+    let centre = splat.centre - vec2<f32>(tile_corner) - 0.5;
+    for (var part = 0u; part < PARTS; part++) {
+        let first = vec2<f32>(corner_of(part));
+        let last = first + vec2<f32>(PART - 1u);
+        if all(centre - reach <= last) && all(centre + reach >= first) {
+            atomicOr(&marks[part * WORDS + place / 32u], 1u << (place % 32u));
+        }
+    }
+}
+
+@compute @workgroup_size(256)
+fn composite(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    let list = ranges[tile.y * picture.columns + tile.x];
+    let part = lane / (PART.x * PART.y);
+    let within = lane % (PART.x * PART.y);
+    let corner = tile.xy * REFERENCE_TILE;
+    let at = corner + corner_of(part) + vec2(within % PART.x, within / PART.x);
     let is_inside = all(at < picture.size);
     let pixel = vec2<f32>(at) + 0.5;
     var color = vec3(0.0);
@@ -97,8 +102,8 @@ fn composite(
     var depth_sum = 0.0;
     var is_open = is_inside;
     for (var first = list.x; first < list.y; first += BATCH) {
-        if lane < WORDS {
-            atomicStore(&kept[lane], 0u);
+        if lane < PARTS * WORDS {
+            atomicStore(&marks[lane], 0u);
         }
         if lane == 0u {
             atomicStore(&open_pixels, 0u);
@@ -107,33 +112,21 @@ fn composite(
         if is_open {
             atomicOr(&open_pixels, 1u);
         }
-        var entry = 0u;
-        var is_kept = false;
         if first + lane < list.y {
-            entry = entries[first + lane];
-            is_kept = meets(splats[entry].columns, tile.x) && meets(splats[entry].rows, tile.y);
-        }
-        if is_kept {
-            atomicOr(&kept[lane / 32u], 1u << (lane % 32u));
+            bring(entries[first + lane], lane, corner);
         }
         workgroupBarrier();
-        if is_kept {
-            let place = kept_before(lane);
-            batch[place] = splats[entry];
-            rows[place] = vec2(splats[entry].centre.y, rows_of(splats[entry]));
-        }
         if lane == 0u {
-            kept_count = select(ENDED, kept_before(BATCH), atomicLoad(&open_pixels) != 0u);
+            is_ended = u32(atomicLoad(&open_pixels) == 0u);
         }
-        let count = workgroupUniformLoad(&kept_count);
-        if count == ENDED {
+        if workgroupUniformLoad(&is_ended) != 0u {
             break;
         }
-        if is_open {
-            for (var i = 0u; i < count; i++) {
-                if abs(pixel.y - rows[i].x) > rows[i].y {
-                    continue;
-                }
+        for (var word = 0u; word < WORDS && is_open; word++) {
+            var bits = atomicLoad(&marks[part * WORDS + word]);
+            while bits != 0u {
+                let i = word * 32u + firstTrailingBit(bits);
+                bits &= bits - 1u;
                 let d = pixel - batch[i].centre;
                 let exponent = (d.x * batch[i].conic_xx_xy.x + d.y * batch[i].conic_xx_xy.y) * d.x
                     + (d.y * d.y * batch[i].conic_yy + batch[i].peak);

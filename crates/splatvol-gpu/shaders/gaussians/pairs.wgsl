@@ -4,9 +4,11 @@
 // Splats by depth.
 @group(0) @binding(2) var<storage, read> order: array<u32>;
 
-// Tiles with lists from those of the published renderer: first, and past the last.
-fn list_tiles(range: u32) -> vec2<u32> {
-    return vec2(first_of(range) / LIST_TILE, (past_of(range) + LIST_TILE - 1u) / LIST_TILE);
+// How many tiles of the published renderer a splat may touch.
+fn tiles_of(splat: u32) -> u32 {
+    let columns = splats[splat].columns;
+    let rows = splats[splat].rows;
+    return (past_of(columns) - first_of(columns)) * (past_of(rows) - first_of(rows));
 }
 
 @compute @workgroup_size(256)
@@ -15,10 +17,7 @@ fn count_tiles(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     if at >= lists.splats {
         return;
     }
-    let splat = order[at];
-    let columns = list_tiles(splats[splat].columns);
-    let rows = list_tiles(splats[splat].rows);
-    counts[at] = (columns.y - columns.x) * (rows.y - rows.x);
+    counts[at] = tiles_of(order[at]);
 }
 
 @compute @workgroup_size(256)
@@ -28,11 +27,11 @@ fn emit(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         return;
     }
     let splat = order[at];
-    let columns = list_tiles(splats[splat].columns);
-    let rows = list_tiles(splats[splat].rows);
+    let columns = splats[splat].columns;
+    let rows = splats[splat].rows;
     var place = counts[at];
-    for (var row = rows.x; row < rows.y; row++) {
-        for (var column = columns.x; column < columns.y; column++) {
+    for (var row = first_of(rows); row < past_of(rows); row++) {
+        for (var column = first_of(columns); column < past_of(columns); column++) {
             keys[place] = row * lists.columns + column;
             entries[place] = splat;
             place++;

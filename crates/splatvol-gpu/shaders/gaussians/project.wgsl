@@ -23,6 +23,10 @@ struct View {
     // Gaussians of this page, and how many are before them.
     count: u32,
     before: u32,
+    // Bits of the smallest depth that there may be, and the key of what is not seen: larger than any other.
+    first_key: u32,
+    unseen_key: u32,
+    unused: vec2<u32>,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -30,8 +34,9 @@ struct View {
 @group(0) @binding(1) var<storage, read> means: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read> rotations: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> scales: array<vec4<f32>>;
-// Coefficients of harmonics, (degree + 1)^2 times three per Gaussian.
-@group(0) @binding(4) var<storage, read> harmonics: array<f32>;
+// Coefficients of harmonics, (degree + 1)^2 times three per Gaussian, and zeros up to a whole vector: the first vector of
+// all Gaussians, then the second, so that neighbours read what lies beside each other.
+@group(0) @binding(4) var<storage, read> harmonics: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> splats: array<Splat>;
 @group(0) @binding(6) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(7) var<storage, read_write> places: array<u32>;
@@ -46,7 +51,6 @@ const SMALLEST: f32 = 1.1754944e-38;
 const LOG2_E: f32 = 1.442695041;
 // Pixels by which the ellipse may be larger than computed.
 const ROUNDING: f32 = 0.01;
-const UNSEEN_KEY: u32 = 0xffffffffu;
 const BRIGHTEST: f32 = 1e4;
 
 // Rows of A = J M R S.
@@ -74,16 +78,29 @@ fn screen_axes(row_x: vec3<f32>, row_y: vec3<f32>, rotation: vec4<f32>, scale: v
     );
 }
 
-fn coefficient(first: u32, n: u32) -> vec3<f32> {
-    let at = first + 3u * n;
-    return vec3(harmonics[at], harmonics[at + 1u], harmonics[at + 2u]);
+// Four coefficients after each other.
+struct Four {
+    a: vec3<f32>,
+    b: vec3<f32>,
+    c: vec3<f32>,
+    d: vec3<f32>,
+}
+
+fn vector_of(index: u32, n: u32) -> vec4<f32> {
+    return harmonics[n * view.count + index];
+}
+
+fn four_from(index: u32, first: u32) -> Four {
+    let x = vector_of(index, first);
+    let y = vector_of(index, first + 1u);
+    let z = vector_of(index, first + 2u);
+    return Four(x.xyz, vec3(x.w, y.xy), vec3(y.zw, z.x), z.yzw);
 }
 
 // Display colour from a direction: `splatvol_scene::harmonics`.
 fn color_of(index: u32, d: vec3<f32>) -> vec3<f32> {
     let degree = view.degree;
-    let first = index * 3u * (degree + 1u) * (degree + 1u);
-    var sum = 0.5 + 0.2820948 * coefficient(first, 0u);
+    var sum = 0.5 + 0.2820948 * vector_of(index, 0u).xyz;
     let x = d.x;
     let y = d.y;
     let z = d.z;
@@ -92,21 +109,22 @@ fn color_of(index: u32, d: vec3<f32>) -> vec3<f32> {
     let zz = z * z;
     if degree >= 1u {
         const C: f32 = 0.48860252;
-        sum += -C * y * coefficient(first, 1u) + C * z * coefficient(first, 2u) - C * x * coefficient(first, 3u);
+        let k = four_from(index, 0u);
+        sum += -C * y * k.b + C * z * k.c - C * x * k.d;
     }
     if degree >= 2u {
         const C: f32 = 1.0925485;
-        sum += C * x * y * coefficient(first, 4u) - C * y * z * coefficient(first, 5u)
-            + 0.31539157 * (2.0 * zz - xx - yy) * coefficient(first, 6u) - C * x * z * coefficient(first, 7u)
-            + 0.54627424 * (xx - yy) * coefficient(first, 8u);
+        let k = four_from(index, 3u);
+        sum += C * x * y * k.a - C * y * z * k.b + 0.31539157 * (2.0 * zz - xx - yy) * k.c - C * x * z * k.d
+            + 0.54627424 * (xx - yy) * vector_of(index, 6u).xyz;
     }
     if degree >= 3u {
         let ring = 4.0 * zz - xx - yy;
-        sum += -0.5900436 * y * (3.0 * xx - yy) * coefficient(first, 9u) + 2.8906114 * x * y * z * coefficient(first, 10u)
-            - 0.4570458 * y * ring * coefficient(first, 11u)
-            + 0.37317634 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy) * coefficient(first, 12u)
-            - 0.4570458 * x * ring * coefficient(first, 13u) + 1.4453057 * z * (xx - yy) * coefficient(first, 14u)
-            - 0.5900436 * x * (xx - 3.0 * yy) * coefficient(first, 15u);
+        let k = four_from(index, 6u);
+        let l = four_from(index, 9u);
+        sum += -0.5900436 * y * (3.0 * xx - yy) * k.b + 2.8906114 * x * y * z * k.c - 0.4570458 * y * ring * k.d
+            + 0.37317634 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy) * l.a - 0.4570458 * x * ring * l.b
+            + 1.4453057 * z * (xx - yy) * l.c - 0.5900436 * x * (xx - 3.0 * yy) * l.d;
     }
     // What is not above 0 is 0, whatever it is.
     return select(vec3(0.0), min(sum, vec3(BRIGHTEST)), sum > vec3(0.0));
@@ -122,7 +140,7 @@ fn range_of(place: f32, half_square: f32, reach: f32, past: f32) -> vec2<f32> {
 }
 
 fn leave_out(at: u32) {
-    keys[at] = UNSEEN_KEY;
+    keys[at] = view.unseen_key;
     splats[at].columns = 0u;
     splats[at].rows = 0u;
 }
@@ -195,5 +213,5 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
         u32(columns.x) | (u32(columns.y) << 16u),
         u32(rows.x) | (u32(rows.y) << 16u),
     );
-    keys[at] = bitcast<u32>(depth);
+    keys[at] = min(max(bitcast<u32>(depth), view.first_key) - view.first_key, view.unseen_key - 1u);
 }

@@ -17,9 +17,8 @@ struct Splat {
     rows: u32,
 }
 
-// Pixels along an edge of the published renderer's tiles, and of these tiles along an edge of those that have lists.
+// Pixels along an edge of the published renderer's tiles, each of which has a list.
 override REFERENCE_TILE: u32 = 16u;
-override LIST_TILE: u32 = 2u;
 // log2(255).
 override LOG2_255: f32;
 

@@ -1,4 +1,4 @@
-// Radix sort: keys with values by one digit of four bits, stably, by counts, their running sum and a scatter: no workgroup
+// Radix sort: keys with values by one digit of DIGIT_BITS, stably, by counts, their running sum and a scatter: no workgroup
 // waits for another one (Merrill and Grimshaw 2011 sum up what others do; WebGPU does not promise forward progress).
 
 struct Digit {
@@ -19,13 +19,14 @@ struct Digit {
 
 const LANES: u32 = 256u;
 const ROUNDS: u32 = 4u;
-const DIGITS: u32 = 16u;
+const DIGIT_BITS: u32 = 7u;
+const DIGITS: u32 = 1u << DIGIT_BITS;
 // Words of a bit for each lane.
 const WORDS: u32 = LANES / 32u;
 
 // Keys of a block with each digit.
 var<workgroup> histogram: array<atomic<u32>, DIGITS>;
-// Lanes whose key of a round has a digit, as bits.
+// Lanes whose key of a round has a digit, as bits; word by word, so that digits lie in different banks.
 var<workgroup> marks: array<atomic<u32>, DIGITS * WORDS>;
 // Place of the round's first key with each digit.
 var<workgroup> places: array<u32, DIGITS>;
@@ -65,10 +66,10 @@ fn count(
 fn marked_before(d: u32, lane: u32) -> u32 {
     var count = 0u;
     for (var word = 0u; word < lane / 32u; word++) {
-        count += countOneBits(atomicLoad(&marks[d * WORDS + word]));
+        count += countOneBits(atomicLoad(&marks[word * DIGITS + d]));
     }
     if lane % 32u != 0u {
-        count += countOneBits(atomicLoad(&marks[d * WORDS + lane / 32u]) & ((1u << (lane % 32u)) - 1u));
+        count += countOneBits(atomicLoad(&marks[lane / 32u * DIGITS + d]) & ((1u << (lane % 32u)) - 1u));
     }
     return count;
 }
@@ -84,15 +85,15 @@ fn scatter(
         places[lane] = counts[lane * digit.blocks + block];
     }
     for (var round = 0u; round < ROUNDS; round++) {
-        if lane < DIGITS * WORDS {
-            atomicStore(&marks[lane], 0u);
+        for (var word = lane; word < DIGITS * WORDS; word += LANES) {
+            atomicStore(&marks[word], 0u);
         }
         workgroupBarrier();
         let at = (block * ROUNDS + round) * LANES + lane;
         var key = 0u;
         if at < digit.count {
             key = keys[at];
-            atomicOr(&marks[digit_of(key) * WORDS + lane / 32u], 1u << (lane % 32u));
+            atomicOr(&marks[lane / 32u * DIGITS + digit_of(key)], 1u << (lane % 32u));
         }
         workgroupBarrier();
         if at < digit.count {

@@ -28,6 +28,12 @@ impl Attributes {
         resident.map_or(&[], |resident| &resident.pages)
     }
 
+    /// Smallest and largest coordinates of the centres of a cloud that was brought, local.
+    pub(super) fn bounds(&self, own: &Arc<Gaussians>) -> Option<[[f32; 3]; 2]> {
+        let resident = self.0.iter().find(|resident| resident.is_of(own));
+        resident.map(|resident| resident.bounds)
+    }
+
     /// Brings attributes to the device that are not there; frees those of other scenes.
     pub(super) fn upload(&mut self, gpu: &GpuDevice, clouds: &Clouds<'_>) -> Result<(), SceneError> {
         let Self(resident) = self;
@@ -38,6 +44,7 @@ impl Attributes {
                 let pages = gpu.scoped(|gpu| firsts.map(|from| Page::new(gpu, own, from)).collect())?;
                 resident.push(Resident {
                     of: Arc::downgrade(own),
+                    bounds: bounds(own),
                     pages,
                 });
             }
@@ -46,10 +53,37 @@ impl Attributes {
     }
 }
 
+fn bounds(own: &Gaussians) -> [[f32; 3]; 2] {
+    let nothing = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    own.attributes().means.iter().fold(nothing, |[low, high], mean| {
+        [
+            std::array::from_fn(|axis| low[axis].min(mean[axis])),
+            std::array::from_fn(|axis| high[axis].max(mean[axis])),
+        ]
+    })
+}
+
+/// Coefficients, so many for each Gaussian, in vectors of four numbers with zeros behind them: the first vector of all
+/// Gaussians, then the second.
+fn in_vectors(coefficients: &[[f32; 3]], per_one: usize) -> Vec<[f32; 4]> {
+    let numbers = coefficients.as_flattened();
+    let vectors = (3 * per_one).div_ceil(4);
+    (0..vectors)
+        .flat_map(|vector| {
+            numbers.chunks(3 * per_one).map(move |own| {
+                let number = |i: usize| own.get(4 * vector + i).copied().unwrap_or(0.0);
+                std::array::from_fn(number)
+            })
+        })
+        .collect()
+}
+
 /// A cloud's attributes on the device.
 #[derive(Debug)]
 struct Resident {
     of: Weak<Gaussians>,
+    /// Smallest and largest coordinates of the centres, local.
+    bounds: [[f32; 3]; 2],
     pages: Vec<Page>,
 }
 
@@ -91,7 +125,10 @@ impl Page {
             scales: gpu.buffer_of("scales", &scales),
             harmonics: gpu.buffer_of(
                 "harmonics",
-                &all.harmonics[range.start * per_one..range.end * per_one],
+                &in_vectors(
+                    &all.harmonics[range.start * per_one..range.end * per_one],
+                    per_one,
+                ),
             ),
             count: range.len() as u32,
         }

@@ -7,8 +7,8 @@
 //! |---|---|---|---|
 //! | project | `gaussians/project` | Gaussians, page by page | ellipses with colours; keys: their depths |
 //! | order | `sort/radix`, `sort/scan` | keys | splats by depth, equal ones by index |
-//! | list | `gaussians/pairs` | splats by depth | pairs of a tile of 32 x 32 pixels and a splat, sorted by tile |
-//! | composite | `gaussians/composite` | lists | linear colour, transmittance, depth; a workgroup per 16 x 16 pixels |
+//! | list | `gaussians/pairs` | splats by depth | pairs of a tile of 16 x 16 pixels and a splat, sorted by tile |
+//! | composite | `gaussians/composite` | lists | linear colour, transmittance, depth; a workgroup per tile |
 //! | resolve | - | these | a frame |
 
 mod attributes;
@@ -30,7 +30,7 @@ use splatvol_scene::{Compositing, Content, Frame, Gaussians, ImageSize, SceneErr
 use self::attributes::Attributes;
 use self::background::displayed;
 pub(crate) use self::view::ViewData;
-use self::view::view;
+use self::view::{DepthKeys, view};
 use crate::device::GpuDevice;
 use crate::march::Canvas;
 use crate::pass::{Pass, groups, numbers, uniform};
@@ -41,8 +41,6 @@ const PROJECT: &str = include_str!("../../shaders/gaussians/project.wgsl");
 const PAIRS: &str = include_str!("../../shaders/gaussians/pairs.wgsl");
 const COMPOSITE: &str = include_str!("../../shaders/gaussians/composite.wgsl");
 
-/// Tiles of the published renderer along an edge of one that has a list.
-const LIST_TILE: u32 = 2;
 /// Bytes of a projected splat.
 const SPLAT_BYTES: u64 = 48;
 
@@ -204,15 +202,22 @@ impl GaussianEngine {
     fn project(&self, gpu: &GpuDevice, (clouds, shot): (&Clouds<'_>, &Shot<'_>), splats: &mut Splats) {
         let mut commands = gpu.commands();
         let mut before = 0;
-        for (own, world_from_item) in clouds {
-            let view = view(own, world_from_item, shot);
+        let views: Vec<ViewData> = clouds
+            .iter()
+            .map(|(own, world_from_item)| view(own, world_from_item, shot))
+            .collect();
+        let bounds = clouds.iter().filter_map(|(own, _)| self.attributes.bounds(own));
+        let keys = DepthKeys::new(bounds.zip(&views));
+        for ((own, _), view) in clouds.iter().zip(&views) {
             for page in self.attributes.pages(own) {
                 let data = uniform(
                     gpu,
                     &ViewData {
                         count: page.count,
                         before,
-                        ..view
+                        first_key: keys.first,
+                        unseen_key: keys.unseen,
+                        ..*view
                     },
                 );
                 let bound = [
@@ -230,7 +235,8 @@ impl GaussianEngine {
                 before += page.count;
             }
         }
-        self.sorter.run(gpu, &mut commands, (&mut splats.order, 32));
+        self.sorter
+            .run(gpu, &mut commands, (&mut splats.order, keys.bits()));
         gpu.queue.submit([commands.finish()]);
     }
 
@@ -338,14 +344,14 @@ struct Splats {
 }
 
 impl Splats {
-    /// Tiles with lists along x.
+    /// Tiles along x.
     fn columns(&self) -> u32 {
-        self.size.width().div_ceil(REFERENCE_TILE * LIST_TILE)
+        self.size.width().div_ceil(REFERENCE_TILE)
     }
 
-    /// Tiles with lists along y.
+    /// Tiles along y.
     fn rows(&self) -> u32 {
-        self.size.height().div_ceil(REFERENCE_TILE * LIST_TILE)
+        self.size.height().div_ceil(REFERENCE_TILE)
     }
 }
 

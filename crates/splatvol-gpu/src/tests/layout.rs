@@ -105,7 +105,8 @@ fn layouts_agree_and_shaders_are_valid() {
             towards_light ambient half_way diffuse specular power floor_squared voxel from_interval to_interval
             first_plane unit_distance camera_from_lattice bodies isosurfaces
             first_isosurface channel_layers first_tile_row gather_offset
-            band_pixels gathered_intervals gradient_from_lattice falls);
+            band_pixels gathered_intervals gradient_from_lattice falls
+            middle unused_0 interior unused_1);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<FrameData>());
         let (found, size) = members(&module, "Sheet");
@@ -140,7 +141,7 @@ pub(super) fn valid(text: &str) -> naga::Module {
 fn layouts_of_gaussians_and_of_sorting_agree() {
     let [project, pairs, composite] = shaders().map(|text| valid(&text));
     let wanted = offsets!(ViewData: eye near eye_rest scale to_x low_pass to_y is_perspective to_z degree direction
-        is_antialiased centre tangent_limit reference_tiles count before);
+        is_antialiased centre tangent_limit reference_tiles count before first_key unseen_key unused);
     assert_eq!(members(&project, "View"), (wanted, size_of::<ViewData>() as u32));
     let wanted = offsets!(ListsData: splats pairs columns per_tile);
     assert_eq!(members(&pairs, "Lists"), (wanted, size_of::<ListsData>() as u32));
