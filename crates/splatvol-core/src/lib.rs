@@ -37,6 +37,7 @@ pub mod bin;
 pub mod border;
 pub mod brick;
 pub mod classification;
+pub mod clock;
 pub mod cloud_planes;
 pub mod cloud_view;
 pub mod coefficients;

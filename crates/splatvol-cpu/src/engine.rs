@@ -7,7 +7,7 @@ use splatvol_scene::{Frame, RenderSettings, SceneError, SheetSettings};
 
 use crate::check::check;
 use crate::classic::ClassicEngine;
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::clouds::SplatScene;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::items::ItemStore;

@@ -12,7 +12,7 @@
 //! | `check`, `route` | say whether a scene can be rendered, and by which |
 //! | `items`, `meshes`, `clouds` | turn items into clouds, and keep these between frames |
 //! | `phong`, `splat_light`, `simd` | light, and functions of vectors |
-//! | `config`, `run`, `pool`, `prepare`, `room`, `clock` | options, threads, cancellation, memory and time |
+//! | `config`, `run`, `pool`, `prepare`, `room` | options, threads, cancellation and memory |
 //!
 //! Every pixel receives its contributions in a fixed order (sheets by depth, then layers, bricks and voxels by index;
 //! whole splats by depth, then by index), independent of the number of threads and of its tile. So frames are the same
@@ -22,7 +22,6 @@
 
 mod check;
 mod classic;
-mod clock;
 mod clouds;
 mod config;
 mod engine;
@@ -42,8 +41,6 @@ mod splat_light;
 mod splats;
 
 pub use check::check;
-#[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
-pub use clock::set_clock;
 pub(crate) use config::level_name;
 pub use config::{EngineConfig, EngineError, SimdLevel};
 pub use engine::CpuEngine;

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bytemuck::Pod;
+use futures_channel::oneshot;
 use splatvol_core::engine::PassSeconds;
 use splatvol_scene::SceneError;
 
@@ -91,19 +92,19 @@ impl GpuDevice {
     ///
     /// # Errors
     /// No such adapter, or a driver that refuses.
-    pub(crate) fn open(config: &GpuConfig) -> Result<Self, GpuError> {
+    pub(crate) async fn open(config: &GpuConfig) -> Result<Self, GpuError> {
         Self::open_with(config, |most| {
             (most.max_buffer_size, most.max_storage_buffer_binding_size)
         })
+        .await
     }
 
     /// As [`Self::open`]; the limits of a buffer and of its binding are chosen from the adapter's.
-    pub(crate) fn open_with(
+    pub(crate) async fn open_with(
         config: &GpuConfig,
         buffers: impl Fn(&wgpu::Limits) -> (u64, u64),
     ) -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::default();
-        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+        let adapters = adapters().await;
         let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
         let wanted = |name: &str| match &config.adapter {
             Some(part) => name.to_lowercase().contains(&part.to_lowercase()),
@@ -139,11 +140,11 @@ impl GpuDevice {
             required_limits: limits,
             ..wgpu::DeviceDescriptor::default()
         };
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| GpuError::Device {
-                adapter: name.clone(),
-                reason: error.to_string(),
-            })?;
+        let opened = adapter.request_device(&descriptor).await;
+        let (device, queue) = opened.map_err(|error| GpuError::Device {
+            adapter: name.clone(),
+            reason: error.to_string(),
+        })?;
         let budget = match config.budget {
             Some(bytes) => bytes as u64,
             None => (max_buffer_size / 2).min(BUDGET),
@@ -164,10 +165,22 @@ impl GpuDevice {
         })
     }
 
+    /// Runs work on the device; an error that it reports is an error, not a panic. Browsers report errors later: there it is an
+    /// error of the next call, or of [`Self::map`].
+    ///
+    /// # Errors
+    /// Memory that the device refuses, and commands that it does not take.
+    #[cfg(target_family = "wasm")]
+    pub(crate) fn scoped<T>(&self, work: impl FnOnce(&Self) -> T) -> Result<T, SceneError> {
+        let done = work(self);
+        self.check_faults().map(|()| done)
+    }
+
     /// Runs work on the device; an error that it reports is an error, not a panic.
     ///
     /// # Errors
     /// Memory that the device refuses, and commands that it does not take.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn scoped<T>(&self, work: impl FnOnce(&Self) -> T) -> Result<T, SceneError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -177,14 +190,20 @@ impl GpuDevice {
         let memory = pollster::block_on(memory.pop());
         // A lost device tells of it here.
         let polled = self.device.poll(wgpu::PollType::Poll);
-        if let Some(fault) = self.faults.take() {
-            return Err(self.failed(&fault));
-        }
+        self.check_faults()?;
         polled.map_err(|error| self.failed(&error))?;
         match errors.into_iter().chain([memory]).flatten().next() {
             Some(error) => Err(self.failed(&error)),
             None => Ok(done),
         }
+    }
+
+    /// Checks that the device has reported nothing by itself.
+    ///
+    /// # Errors
+    /// What it reported.
+    fn check_faults(&self) -> Result<(), SceneError> {
+        self.faults.take().map_or(Ok(()), |fault| Err(self.failed(&fault)))
     }
 
     /// Checks that the budget has room for something.
@@ -250,13 +269,14 @@ impl GpuDevice {
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn pass_seconds(&self) -> Result<Vec<PassSeconds>, SceneError> {
-        self.timer
-            .as_ref()
-            .map_or(Ok(Vec::new()), |timer| timer.read(self))
+    pub(crate) async fn pass_seconds(&self) -> Result<Vec<PassSeconds>, SceneError> {
+        match &self.timer {
+            None => Ok(Vec::new()),
+            Some(timer) => timer.read(self).await,
+        }
     }
 
-    /// Waits for some submitted work, or for all.
+    /// Waits for some submitted work, or for all; in browsers, where nothing may wait, goes on.
     ///
     /// # Errors
     /// A device that is lost.
@@ -275,14 +295,20 @@ impl GpuDevice {
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn map<T>(&self, host: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, SceneError> {
-        let (sender, receiver) = std::sync::mpsc::channel();
+    pub(crate) async fn map<T>(
+        &self,
+        host: &wgpu::Buffer,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, SceneError> {
+        let (sender, receiver) = oneshot::channel();
         host.map_async(wgpu::MapMode::Read, .., move |mapped| {
             // The receiver waits below.
             let _ = sender.send(mapped);
         });
         self.wait(None)?;
-        match receiver.recv() {
+        let mapped = receiver.await;
+        self.check_faults()?;
+        match mapped {
             Ok(mapped) => mapped.map_err(|error| self.failed(&error))?,
             Err(error) => return Err(self.failed(&error)),
         }
@@ -298,7 +324,7 @@ impl GpuDevice {
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn number(&self, buffer: &wgpu::Buffer, at: u32) -> Result<u32, SceneError> {
+    pub(crate) async fn number(&self, buffer: &wgpu::Buffer, at: u32) -> Result<u32, SceneError> {
         use wgpu::BufferUsages as Usage;
         let host = self.scoped(|gpu| {
             let host = gpu.buffer("a number", 4, Usage::MAP_READ | Usage::COPY_DST);
@@ -308,6 +334,7 @@ impl GpuDevice {
             host
         })?;
         self.map(&host, |bytes| bytemuck::pod_read_unaligned(&bytes[..4]))
+            .await
     }
 
     /// The error of a device.
@@ -317,6 +344,24 @@ impl GpuDevice {
             reason: reason.to_string(),
         }
     }
+}
+
+/// The adapters that there are.
+#[cfg(not(target_family = "wasm"))]
+async fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::default();
+    instance.enumerate_adapters(wgpu::Backends::PRIMARY).await
+}
+
+/// The adapter that the browser takes for the fastest.
+#[cfg(target_family = "wasm")]
+async fn adapters() -> Vec<wgpu::Adapter> {
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        ..wgpu::RequestAdapterOptions::default()
+    };
+    let adapter = wgpu::Instance::default().request_adapter(&options).await;
+    adapter.into_iter().collect()
 }
 
 /// Order of adapters, the fastest first.

@@ -1,13 +1,12 @@
 //! GPU engine: renders frames from cached state, as the engines of `splatvol-cpu` do.
 
-use std::time::Instant;
-
 use splatvol_core::bin::TileRect;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
 use splatvol_core::level::blend;
 use splatvol_scene::{Frame, ImageSize, SceneError};
 
 use crate::check::supported;
+use splatvol_core::clock::Instant;
 use crate::device::{GpuConfig, GpuDevice};
 use crate::error::GpuError;
 use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
@@ -34,8 +33,17 @@ impl GpuEngine {
     ///
     /// # Errors
     /// No adapter, or a driver that refuses the device or a shader.
+    #[cfg(not(target_family = "wasm"))]
     pub fn new(config: &GpuConfig) -> Result<Self, GpuError> {
-        Self::on(GpuDevice::open(config)?)
+        pollster::block_on(Self::open(config))
+    }
+
+    /// As [`Self::new`], without blocking: in browsers nothing may wait.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub async fn open(config: &GpuConfig) -> Result<Self, GpuError> {
+        Self::on(GpuDevice::open(config).await?)
     }
 
     /// As [`Self::new`], on an open device.
@@ -64,7 +72,7 @@ impl GpuEngine {
 
 impl GpuEngine {
     /// Renders Gaussians as published.
-    fn gaussians(
+    async fn gaussians(
         &mut self,
         (clouds, shot): (&Clouds<'_>, &Shot<'_>),
         frame: &mut Frame,
@@ -77,7 +85,9 @@ impl GpuEngine {
             None => GaussianEngine::new(&self.gpu)?,
         };
         let engine = self.gaussians.insert(engine);
-        let seconds = engine.render(&self.gpu, (clouds, shot), (canvas, frame), task)?;
+        let seconds = engine
+            .render(&self.gpu, (clouds, shot), (canvas, frame), task)
+            .await?;
         let mut statistics = RenderStatistics {
             seconds,
             engine: "gpu",
@@ -91,7 +101,7 @@ impl GpuEngine {
 
 impl GpuEngine {
     /// Renders every volume at one of its levels, and the clouds.
-    fn once(
+    async fn once(
         &mut self,
         (shot, placed): (&Shot<'_>, &Placed<'_>),
         levels: &[usize],
@@ -106,10 +116,11 @@ impl GpuEngine {
         };
         self.layers
             .render((shot, placed), levels, (surface, frame, task), statistics)
+            .await
     }
 
     /// Renders layers.
-    fn layers(
+    async fn layers(
         &mut self,
         shot: &Shot<'_>,
         frame: &mut Frame,
@@ -126,7 +137,8 @@ impl GpuEngine {
             levels: 1 + usize::from(details.iter().any(|detail| detail.coarser > 0.0)),
             ..RenderStatistics::default()
         };
-        self.once((shot, &placed), &levels, (&mut *frame, task), &mut statistics)?;
+        self.once((shot, &placed), &levels, (&mut *frame, task), &mut statistics)
+            .await?;
         for (at, detail) in details
             .iter()
             .enumerate()
@@ -138,7 +150,8 @@ impl GpuEngine {
             };
             levels[at] += 1;
             let next = (&mut coarser, task.unseen(&|_| {}));
-            self.once((shot, &placed), &levels, next, &mut statistics)?;
+            self.once((shot, &placed), &levels, next, &mut statistics)
+                .await?;
             levels[at] -= 1;
             blend(frame, &coarser, detail.coarser);
             self.coarser = Some(coarser);
@@ -150,7 +163,7 @@ impl GpuEngine {
 
 impl GpuEngine {
     /// Cuts a window out of the whole picture: the device holds all of it.
-    fn window(
+    async fn window(
         &mut self,
         shot: &Shot<'_>,
         (frame, window): (&mut Frame, TileRect),
@@ -158,7 +171,7 @@ impl GpuEngine {
     ) -> Result<RenderStatistics, SceneError> {
         let mut whole = Frame::empty(shot.settings.size);
         let task = Task { window: None, ..task };
-        let statistics = self.render(*shot, &mut whole, task)?;
+        let statistics = self.picture(*shot, &mut whole, task).await?;
         *frame = whole.cut(window.x0..window.x1, window.y0..window.y1)?;
         Ok(statistics)
     }
@@ -178,6 +191,40 @@ fn canvas_of<'a>(
     Ok(kept.insert(canvas))
 }
 
+impl GpuEngine {
+    /// Renders the whole picture.
+    async fn picture(
+        &mut self,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        self.gpu.forget_passes();
+        let mut statistics = match published(&shot)? {
+            Some(clouds) => self.gaussians((&clouds, &shot), frame, task).await?,
+            None => self.layers(&shot, frame, task).await?,
+        };
+        statistics.passes = self.gpu.pass_seconds().await?;
+        Ok(statistics)
+    }
+
+    /// As [`Engine::render`], without blocking: in browsers nothing may wait.
+    ///
+    /// # Errors
+    /// Those of [`Engine::render`].
+    pub async fn render_async(
+        &mut self,
+        shot: Shot<'_>,
+        frame: &mut Frame,
+        task: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        match task.window {
+            Some(window) => self.window(&shot, (frame, window), task).await,
+            None => self.picture(shot, frame, task).await,
+        }
+    }
+}
+
 impl Engine for GpuEngine {
     fn check(&self, shot: Shot<'_>) -> Result<(), SceneError> {
         match published(&shot)? {
@@ -186,22 +233,24 @@ impl Engine for GpuEngine {
         }
     }
 
+    #[cfg(not(target_family = "wasm"))]
     fn render(
         &mut self,
         shot: Shot<'_>,
         frame: &mut Frame,
         task: Task<'_>,
     ) -> Result<RenderStatistics, SceneError> {
-        if let Some(window) = task.window {
-            return self.window(&shot, (frame, window), task);
-        }
-        self.gpu.forget_passes();
-        let mut statistics = match published(&shot)? {
-            Some(clouds) => self.gaussians((&clouds, &shot), frame, task)?,
-            None => self.layers(&shot, frame, task)?,
-        };
-        statistics.passes = self.gpu.pass_seconds()?;
-        Ok(statistics)
+        pollster::block_on(self.render_async(shot, frame, task))
+    }
+
+    #[cfg(target_family = "wasm")]
+    fn render(
+        &mut self,
+        _: Shot<'_>,
+        _: &mut Frame,
+        _: Task<'_>,
+    ) -> Result<RenderStatistics, SceneError> {
+        Err(self.gpu.failed(&"in browsers nothing may wait for it: take `render_async`"))
     }
 
     fn memory(&self) -> MemoryUse {

@@ -117,10 +117,10 @@ impl Gather<'_> {
     ///
     /// # Errors
     /// A stopped picture, or a device that fails.
-    pub(crate) fn render(mut self, task: Task<'_>, frame: &mut Frame) -> Result<usize, SceneError> {
+    pub(crate) async fn render(mut self, task: Task<'_>, frame: &mut Frame) -> Result<usize, SceneError> {
         let gpu = self.gpu;
         gpu.scoped(|_| self.submit(task))??;
-        self.canvas.resolve(gpu, frame, 0.0)?;
+        self.canvas.resolve(gpu, frame, 0.0).await?;
         Ok(self.clouds.iter().map(CloudLayer::bytes).sum())
     }
 

@@ -1,7 +1,6 @@
 //! Layers: the volumes of a scene on common planes, each with its own level, kernel, table and effects; and its clouds.
 
 use std::sync::{Arc, Weak};
-use std::time::Instant;
 
 use glam::DAffine3;
 use splatvol_core::engine::{RenderStatistics, Shot, Task};
@@ -12,6 +11,7 @@ use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, V
 
 use crate::atlas::Atlas;
 use crate::check::Drawn;
+use splatvol_core::clock::Instant;
 use crate::clouds::{CloudLayer, CloudPasses, CloudStore, Look, OfMesh, Opened};
 use crate::device::GpuDevice;
 use crate::effects::Effects;
@@ -138,7 +138,7 @@ impl LayerStore {
     ///
     /// # Errors
     /// A stopped picture, samples that cannot be read, or a device that fails.
-    pub(crate) fn render(
+    pub(crate) async fn render(
         &mut self,
         (shot, placed): (&Shot<'_>, &Placed<'_>),
         levels: &[usize],
@@ -201,7 +201,7 @@ impl LayerStore {
             .collect();
         *cloud_bytes = 0;
         match mixture {
-            None => marches[0].render(task, frame)?,
+            None => marches[0].render(task, frame).await?,
             Some(mixture) => {
                 let own_spacing = views.first().map(GridView::spacing);
                 let drawn = match &cloud_passes {
@@ -209,7 +209,7 @@ impl LayerStore {
                         let spacing = own_spacing.or_else(|| clouds.spacing((camera, &placed.sheets)));
                         let view = ((camera, &placed.sheets), spacing.unwrap_or(1.0));
                         let looks = looks.iter().zip(cloud_marches);
-                        open_clouds((gpu, passes, canvas), (clouds, looks), view, task)?
+                        open_clouds((gpu, passes, canvas), (clouds, looks), view, task).await?
                     }
                     None => Vec::new(),
                 };
@@ -225,7 +225,7 @@ impl LayerStore {
                 };
                 statistics.sheets += gather.planes();
                 statistics.seconds.bin += ready.elapsed().as_secs_f64();
-                *cloud_bytes = gather.render(task, frame)?;
+                *cloud_bytes = gather.render(task, frame).await?;
             }
         }
         if let (false, Some(view)) = (gathers, views.first()) {
@@ -254,21 +254,20 @@ impl LayerStore {
 }
 
 /// Opens the clouds of a scene on planes of this distance, world length.
-fn open_clouds<'a>(
+async fn open_clouds<'a>(
     (gpu, passes, canvas): (&'a GpuDevice, &'a CloudPasses, &'a Canvas),
     (clouds, looks): (&CloudStore, impl Iterator<Item = (&'a Look<'a>, Arc<Pass>)>),
     view: ((&Camera, &RenderSettings<SheetSettings>), f64),
     task: Task<'_>,
 ) -> Result<Vec<CloudLayer<'a>>, SceneError> {
     let all = clouds.meshes().chain(clouds.rest());
-    looks
-        .zip(all)
-        .map(|((look, march), cloud)| {
-            task.go_on()?;
-            let opened = Opened::new((gpu, passes), cloud, look, view)?;
-            CloudLayer::new(gpu, (passes, march, canvas), look, opened)
-        })
-        .collect()
+    let mut layers = Vec::new();
+    for ((look, march), cloud) in looks.zip(all) {
+        task.go_on()?;
+        let opened = Opened::new((gpu, passes), cloud, look, view).await?;
+        layers.push(CloudLayer::new(gpu, (passes, march, canvas), look, opened)?);
+    }
+    Ok(layers)
 }
 
 /// Levels of the volumes with what their looks need.

@@ -65,7 +65,7 @@ impl Canvas {
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn resolve(
+    pub(crate) async fn resolve(
         &self,
         gpu: &GpuDevice,
         frame: &mut Frame,
@@ -74,13 +74,14 @@ impl Canvas {
         self.read(gpu, |colors, depths| {
             resolve((frame, background), (colors, depths));
         })
+        .await
     }
 
     /// Brings colours with transmittances, and sums of depths, to the host.
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn read(
+    pub(crate) async fn read(
         &self,
         gpu: &GpuDevice,
         take: impl FnOnce(&[[f32; 4]], &[f32]),
@@ -94,6 +95,7 @@ impl Canvas {
             let (colors, depths) = bytes.split_at(colors as usize);
             take(bytemuck::cast_slice(colors), bytemuck::cast_slice(depths));
         })
+        .await
     }
 
     /// Buffers of colours and depths.
@@ -135,9 +137,9 @@ impl March<'_> {
     ///
     /// # Errors
     /// A stopped picture, or a device that fails.
-    pub(crate) fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
+    pub(crate) async fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
         self.gpu.scoped(|_| self.submit(&self.data(), task))??;
-        self.canvas.resolve(self.gpu, frame, 0.0)
+        self.canvas.resolve(self.gpu, frame, 0.0).await
     }
 
     /// The frame's data, with the places of the volume's pages.

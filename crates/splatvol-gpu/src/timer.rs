@@ -78,7 +78,7 @@ impl Timer {
     ///
     /// # Errors
     /// A device that fails.
-    pub(crate) fn read(&self, gpu: &GpuDevice) -> Result<Vec<PassSeconds>, SceneError> {
+    pub(crate) async fn read(&self, gpu: &GpuDevice) -> Result<Vec<PassSeconds>, SceneError> {
         let names = std::mem::take(&mut *self.names.lock().unwrap_or_else(PoisonError::into_inner));
         if names.is_empty() {
             return Ok(Vec::new());
@@ -105,5 +105,6 @@ impl Timer {
             }
             all
         })
+        .await
     }
 }

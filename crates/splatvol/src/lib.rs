@@ -131,7 +131,7 @@ pub use splatvol_core::engine::{
 };
 pub use splatvol_core::radial;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-pub use splatvol_cpu::set_clock;
+pub use splatvol_core::clock::set_clock;
 pub use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool, SimdLevel, most_threads};
 pub use splatvol_scene::*;
 

@@ -46,7 +46,7 @@ use self::pixel::{Resolved, store};
 use self::plan::{Drawn, Plan};
 use self::profiles::{FootprintProfile, ProfileStore};
 use self::tile::{TileScratch, TileWork};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::route::VolumeScene;
 use crate::run::Run;
 

@@ -11,7 +11,7 @@ use splatvol_scene::{Camera, MotionBlur, Occlusion, RenderSettings, SplatComposi
 use super::cloud::splats_values;
 use super::order::{Order, extent};
 use super::raster::Tables;
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::splat_light::SplatLight;

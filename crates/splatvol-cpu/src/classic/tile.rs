@@ -20,7 +20,7 @@ use super::post_classified::ValueSheets;
 use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::room::grow_with;
 
 /// Splats between two checks for cancellation.

@@ -23,7 +23,7 @@ use super::scene::LayerStore;
 use super::shade::PlaneShader;
 use super::shaded::Shaded;
 use super::tiles::{Both, Single, TILE_EDGE, TileMemory};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::run::Run;

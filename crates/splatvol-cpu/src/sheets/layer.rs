@@ -20,7 +20,7 @@ use super::mode::Mode;
 use super::place::Place;
 use super::ring::LANES;
 use super::tile::{SheetScratch, SheetWork};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 
 /// Sheets whose bricks are fetched from memory together.
 const AHEAD: usize = 3;

@@ -12,7 +12,7 @@ use splatvol_core::plan::{Segment, behind_each_other};
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::engine::{SheetEngine, sampling};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::route::VolumeScene;
 use crate::run::{Pass, Run};
 

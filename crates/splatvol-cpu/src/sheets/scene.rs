@@ -29,7 +29,7 @@ use super::operated::Operated;
 use super::ring::LANES;
 use super::shaded::Shaded;
 use super::tiles::{Single, TILE_EDGE};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};

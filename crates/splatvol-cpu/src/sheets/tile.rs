@@ -25,7 +25,7 @@ use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
 use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_point, splat_sized};
 use super::upsample::Upsampler;
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 
 /// A brick's values.
 #[derive(Debug)]

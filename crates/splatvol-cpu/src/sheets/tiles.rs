@@ -16,7 +16,7 @@ use super::layer::{ModeLayer, TileLayer, render};
 use super::mode::Mode;
 use super::resolve::{Slots, resolve};
 use super::tile::{SheetScratch, SheetWork};
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::run::Run;
 
 /// Largest and default edge of a tile, pixels: few voxels lie in two tiles.

@@ -22,7 +22,7 @@ use super::project::{self, ProjectedSplat, Rect, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{BlendMode, CloudSettings, Near, sane};
 use super::view::CloudView;
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::room::grow;
 use crate::run::Run;
 

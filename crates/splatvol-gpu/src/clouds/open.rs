@@ -196,7 +196,7 @@ impl Opened {
     ///
     /// # Errors
     /// More splats, or more pairs of a splat and a list, than the device has room for; or a device that fails.
-    pub(crate) fn new(
+    pub(crate) async fn new(
         (gpu, passes): (&GpuDevice, &CloudPasses),
         (cloud, kernels): Ready<'_>,
         look: &Look<'_>,
@@ -237,7 +237,7 @@ impl Opened {
             gpu.queue.submit([commands.finish()]);
             counts
         })?;
-        sizes.pairs = gpu.number(&counts, count)?;
+        sizes.pairs = gpu.number(&counts, count).await?;
         fits(u64::from(sizes.pairs), 4, "pairs of a splat and a tile")?;
         gpu.scoped(|gpu| {
             let data = uniform(gpu, &sizes);

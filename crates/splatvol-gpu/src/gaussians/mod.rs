@@ -16,7 +16,6 @@ mod background;
 mod view;
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DAffine3;
@@ -31,6 +30,7 @@ use self::attributes::Attributes;
 use self::background::displayed;
 pub(crate) use self::view::ViewData;
 use self::view::{DepthKeys, view};
+use splatvol_core::clock::Instant;
 use crate::device::GpuDevice;
 use crate::march::Canvas;
 use crate::pass::{Pass, groups, numbers, uniform};
@@ -160,7 +160,7 @@ impl GaussianEngine {
     ///
     /// # Errors
     /// A stopped picture, more Gaussians than the device has room for, or a device that fails.
-    pub(crate) fn render(
+    pub(crate) async fn render(
         &mut self,
         gpu: &GpuDevice,
         (clouds, shot): (&Clouds<'_>, &Shot<'_>),
@@ -183,14 +183,14 @@ impl GaussianEngine {
         gpu.scoped(|gpu| self.project(gpu, (clouds, shot), &mut splats))?;
         task.go_on()?;
         task.report(0.4);
-        let lists = self.list(gpu, &splats)?;
+        let lists = self.list(gpu, &splats).await?;
         let bin = start.elapsed().as_secs_f64();
         task.go_on()?;
         task.report(0.7);
         let background = displayed(shot.scene.background);
         gpu.scoped(|gpu| self.composite(gpu, (&splats, &lists), background, canvas))?;
         self.transient = splats.order.bytes() + lists.pairs.bytes() + splats.projected.size() as usize;
-        canvas.resolve(gpu, frame, background[3])?;
+        canvas.resolve(gpu, frame, background[3]).await?;
         Ok(StageSeconds {
             bin,
             tiles: start.elapsed().as_secs_f64() - bin,
@@ -241,7 +241,7 @@ impl GaussianEngine {
     }
 
     /// Makes the lists of tiles.
-    fn list(&self, gpu: &GpuDevice, splats: &Splats) -> Result<Lists, SceneError> {
+    async fn list(&self, gpu: &GpuDevice, splats: &Splats) -> Result<Lists, SceneError> {
         let count = splats.order.count;
         let mut sizes = ListsData {
             splats: count,
@@ -265,7 +265,7 @@ impl GaussianEngine {
             gpu.queue.submit([commands.finish()]);
             counts
         })?;
-        sizes.pairs = gpu.number(&counts, count)?;
+        sizes.pairs = gpu.number(&counts, count).await?;
         let largest = gpu.device.limits().max_storage_buffer_binding_size;
         if 4 * u64::from(sizes.pairs) > largest {
             return Err(gpu.failed(&format_args!(

@@ -32,7 +32,7 @@ use crate::pipelines::{Pipelines, Variant, pipeline};
 
 /// The device of the tests; without one the calling test is skipped.
 fn device() -> Option<GpuDevice> {
-    match GpuDevice::open(&GpuConfig::default()) {
+    match pollster::block_on(GpuDevice::open(&GpuConfig::default())) {
         Ok(gpu) => Some(gpu),
         Err(error) => {
             splatvol_recorded::skip(&error.to_string());
@@ -52,8 +52,7 @@ fn read<T: Pod>(gpu: &GpuDevice, buffer: &wgpu::Buffer, count: usize) -> Vec<T> 
     let mut commands = gpu.commands();
     commands.copy_buffer_to_buffer(buffer, 0, &host, 0, bytes);
     gpu.queue.submit([commands.finish()]);
-    gpu.map(&host, |bytes| bytemuck::cast_slice(bytes).to_vec())
-        .unwrap()
+    pollster::block_on(gpu.map(&host, |bytes| bytemuck::cast_slice(bytes).to_vec())).unwrap()
 }
 
 /// A random volume with a transfer function that shows all of it.
@@ -164,9 +163,7 @@ impl Subject {
         }
         gpu.queue.submit([commands.finish()]);
         let mut found = Vec::new();
-        canvas
-            .read(gpu, |colors, _| found.extend_from_slice(colors))
-            .unwrap();
+        pollster::block_on(canvas.read(gpu, |colors, _| found.extend_from_slice(colors))).unwrap();
         let facts = Facts {
             background: level.field.background(),
             table: level.table.clone(),

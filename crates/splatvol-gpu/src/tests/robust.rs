@@ -71,7 +71,7 @@ fn small_limits_give_the_same_picture_or_an_error() {
         let [buffer, binding] = [usual.max_buffer_size, usual.max_storage_buffer_binding_size];
         for (share, must) in [(1, true), (10, true), (1000, false), (100_000, false)] {
             let limits = (buffer / share, binding / share);
-            let gpu = GpuDevice::open_with(&GpuConfig::default(), |_| limits).unwrap();
+            let gpu = pollster::block_on(GpuDevice::open_with(&GpuConfig::default(), |_| limits)).unwrap();
             let mut renderer = Renderer::with_engine(GpuEngine::on(gpu).unwrap());
             match renderer.render(&scene, &camera, &settings) {
                 Ok(found) => assert!(found.image.pixels == wanted.image.pixels, "{share}"),

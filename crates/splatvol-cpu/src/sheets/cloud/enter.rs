@@ -6,7 +6,7 @@ use splatvol_core::bin::ProjectedBrick;
 
 use super::open::{CloudView, OpenSplat};
 use super::splat::FourPlanes;
-use crate::clock::Instant;
+use splatvol_core::clock::Instant;
 use crate::sheets::activate::Window;
 use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;

@@ -4,8 +4,8 @@
 mod host;
 
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-pub(crate) use host::Instant;
+pub use host::Instant;
 #[cfg(any(test, all(target_family = "wasm", target_os = "unknown")))]
 pub use host::set_clock;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-pub(crate) use std::time::Instant;
+pub use std::time::Instant;

@@ -7,25 +7,27 @@ use std::time::Duration;
 static CLOCK: OnceLock<fn() -> f64> = OnceLock::new();
 
 /// Sets the engines' clock: seconds since any moment, such as `performance.now() / 1000`. Only the first call
-/// counts. Without a clock all times of [`crate::RenderStatistics`] are zero.
+/// counts. Without a clock all times of [`crate::engine::RenderStatistics`] are zero.
 pub fn set_clock(seconds: fn() -> f64) {
     let _ = CLOCK.set(seconds);
 }
 
 /// A moment, like `std::time::Instant`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Instant {
+pub struct Instant {
     seconds: f64,
 }
 
 impl Instant {
-    pub(crate) fn now() -> Self {
+    /// The present moment; zero without a clock.
+    pub fn now() -> Self {
         Self {
             seconds: CLOCK.get().map_or(0.0, |seconds| seconds()),
         }
     }
 
-    pub(crate) fn elapsed(self) -> Duration {
+    /// Time since this moment.
+    pub fn elapsed(self) -> Duration {
         Self::now() - self
     }
 }
