@@ -20,7 +20,7 @@ fn main() {
             for source in sources::SOURCES {
                 println!("cargo::rerun-if-changed={}", root.join(source).display());
             }
-            match sources::digest(&root) {
+            match sources::digest(&root, &sources::SOURCES) {
                 Some(now) if now != built.trim() => "Err(Absent::OutOfDate)".to_owned(),
                 _ => format!("Ok(include_bytes!({:?}))", engine.display().to_string()),
             }

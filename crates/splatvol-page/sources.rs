@@ -1,5 +1,5 @@
-// A digest of all that the engine for browsers is built from: an engine that is older than the program's own would make
-// other pictures. `build.rs` and `cargo xtask web` share this file.
+// A digest of all that a module for browsers is built from: an engine that is older than the program's own would make
+// other pictures. `build.rs`, `cargo xtask web`, `cargo xtask-webgpu` and the tests of its module share this file.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
@@ -19,16 +19,18 @@ pub(crate) const SOURCES: [&str; 11] = [
     "crates/splatvol-web",
 ];
 
-/// The digest of the sources in a repository; `None` where there are none, as in a crate that was packed.
-pub(crate) fn digest(root: &Path) -> Option<String> {
+/// The digest of files, of crates and of other folders in a repository; `None` where there are none, as in a crate that was
+/// packed.
+pub(crate) fn digest(root: &Path, sources: &[&str]) -> Option<String> {
     let mut files = Vec::new();
-    for source in SOURCES {
+    for source in sources {
         let path = root.join(source);
-        match path.is_dir() {
+        match path.join("src").is_dir() {
             true => {
                 files.push(path.join("Cargo.toml"));
                 collect(&path.join("src"), &mut files)?;
             }
+            false if path.is_dir() => collect(&path, &mut files)?,
             false => files.push(path),
         }
     }

@@ -22,6 +22,8 @@ mod metadata;
 mod msrv;
 mod spdx;
 mod wasm;
+#[cfg(feature = "webgpu")]
+mod webgpu;
 
 use std::path::{Path, PathBuf};
 
@@ -66,6 +68,11 @@ fn main() -> Result<()> {
     }
     if wanted.first().is_some_and(|name| name == "web") {
         println!("web: {}", wasm::build_engine(&root())?);
+        return Ok(());
+    }
+    #[cfg(feature = "webgpu")]
+    if wanted.first().is_some_and(|name| name == "webgpu") {
+        println!("webgpu: {}", webgpu::build_module(&root())?);
         return Ok(());
     }
     let offline = wanted.iter().position(|argument| argument == "--offline");

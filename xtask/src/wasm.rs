@@ -4,7 +4,7 @@
 //! If the target's std is not installed, either is skipped with a message.
 
 #[path = "../../crates/splatvol-page/sources.rs"]
-mod sources;
+pub(crate) mod sources;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use anyhow::{Context, Result, ensure};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-const TARGET: &str = "wasm32-unknown-unknown";
+pub(crate) const TARGET: &str = "wasm32-unknown-unknown";
 /// The crates that run in a browser; they include those that they depend on.
 const CRATES: [&str; 5] = [
     "splatvol",
@@ -68,7 +68,7 @@ pub(crate) fn check(root: &Path) -> Result<String> {
     ))
 }
 
-fn not_installed() -> String {
+pub(crate) fn not_installed() -> String {
     format!("skipped: std for {TARGET} is not installed (rustup target add {TARGET})")
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn build_engine(root: &Path) -> Result<String> {
     let Some(folder) = standard_library()? else {
         return Ok(not_installed());
     };
-    let digest = sources::digest(root).context("the engine's sources cannot be read")?;
+    let digest = sources::digest(root, &sources::SOURCES).context("the engine's sources cannot be read")?;
     let place = root.join(PLACE);
     let (packed, sources) = (place.join(MODULE), place.join("sources.txt"));
     if packed.is_file() && std::fs::read_to_string(&sources).is_ok_and(|sources| sources == digest) {
@@ -192,7 +192,7 @@ fn leb128(bytes: &[u8]) -> Option<(usize, usize)> {
 }
 
 /// Where cargo builds.
-fn target_folder(root: &Path) -> Result<PathBuf> {
+pub(crate) fn target_folder(root: &Path) -> Result<PathBuf> {
     let output = Command::new(env!("CARGO"))
         .current_dir(root)
         .args(["metadata", "--locked", "--no-deps", "--format-version", "1"])
@@ -206,7 +206,7 @@ fn target_folder(root: &Path) -> Result<PathBuf> {
 }
 
 /// The folder of the target's std, if it is there.
-fn standard_library() -> Result<Option<PathBuf>> {
+pub(crate) fn standard_library() -> Result<Option<PathBuf>> {
     let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output = Command::new(&compiler)
         .args(["--print", "target-libdir", "--target", TARGET])

@@ -7,7 +7,6 @@ use splatvol_scene::{Frame, RenderSettings, SceneError, SheetSettings};
 
 use crate::check::check;
 use crate::classic::ClassicEngine;
-use splatvol_core::clock::Instant;
 use crate::clouds::SplatScene;
 use crate::config::{EngineConfig, EngineError, level_name};
 use crate::items::ItemStore;
@@ -19,6 +18,7 @@ use crate::sheets::engine::SheetEngine;
 use crate::sheets::scene::LayeredScene;
 use crate::sheets::tiles::TILE_EDGE;
 use crate::splats::{Cloud, SplatEngine};
+use splatvol_core::clock::Instant;
 
 /// Renders scenes on the CPU.
 #[derive(Debug)]

@@ -125,7 +125,11 @@ impl GpuDevice {
             },
         })?;
         let info = adapter.get_info();
-        let name = format!("{} ({})", info.name, info.backend);
+        // Browsers name no adapter.
+        let name = match info.name.as_str() {
+            "" => format!("a GPU ({})", info.backend),
+            name => format!("{name} ({})", info.backend),
+        };
         let most = adapter.limits();
         let (max_buffer_size, max_storage_buffer_binding_size) = buffers(&most);
         let limits = wgpu::Limits {
@@ -203,7 +207,9 @@ impl GpuDevice {
     /// # Errors
     /// What it reported.
     fn check_faults(&self) -> Result<(), SceneError> {
-        self.faults.take().map_or(Ok(()), |fault| Err(self.failed(&fault)))
+        self.faults
+            .take()
+            .map_or(Ok(()), |fault| Err(self.failed(&fault)))
     }
 
     /// Checks that the budget has room for something.

@@ -6,7 +6,6 @@ use splatvol_core::level::blend;
 use splatvol_scene::{Frame, ImageSize, SceneError};
 
 use crate::check::supported;
-use splatvol_core::clock::Instant;
 use crate::device::{GpuConfig, GpuDevice};
 use crate::error::GpuError;
 use crate::gaussians::{Clouds, GaussianEngine, published, room_for};
@@ -14,6 +13,7 @@ use crate::layers::{LayerStore, Surface};
 use crate::march::Canvas;
 use crate::pipelines::Pipelines;
 use crate::shown::Placed;
+use splatvol_core::clock::Instant;
 
 /// Renders scenes on a GPU.
 #[derive(Debug)]
@@ -150,8 +150,7 @@ impl GpuEngine {
             };
             levels[at] += 1;
             let next = (&mut coarser, task.unseen(&|_| {}));
-            self.once((shot, &placed), &levels, next, &mut statistics)
-                .await?;
+            self.once((shot, &placed), &levels, next, &mut statistics).await?;
             levels[at] -= 1;
             blend(frame, &coarser, detail.coarser);
             self.coarser = Some(coarser);
@@ -244,13 +243,10 @@ impl Engine for GpuEngine {
     }
 
     #[cfg(target_family = "wasm")]
-    fn render(
-        &mut self,
-        _: Shot<'_>,
-        _: &mut Frame,
-        _: Task<'_>,
-    ) -> Result<RenderStatistics, SceneError> {
-        Err(self.gpu.failed(&"in browsers nothing may wait for it: take `render_async`"))
+    fn render(&mut self, _: Shot<'_>, _: &mut Frame, _: Task<'_>) -> Result<RenderStatistics, SceneError> {
+        Err(self
+            .gpu
+            .failed(&"in browsers nothing may wait for it: take `render_async`"))
     }
 
     fn memory(&self) -> MemoryUse {

@@ -11,7 +11,6 @@ use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, V
 
 use crate::atlas::Atlas;
 use crate::check::Drawn;
-use splatvol_core::clock::Instant;
 use crate::clouds::{CloudLayer, CloudPasses, CloudStore, Look, OfMesh, Opened};
 use crate::device::GpuDevice;
 use crate::effects::Effects;
@@ -22,6 +21,7 @@ use crate::pass::Pass;
 use crate::pipelines::{Classify, Marches, Pipelines, Variant};
 use crate::shown::{Key, Placed, Shown, ShownMesh};
 use crate::voxels::{KeptSamples, Voxels};
+use splatvol_core::clock::Instant;
 
 /// Volumes kept on the host and on the device.
 #[derive(Debug)]

@@ -10,12 +10,14 @@
 //! | [`snapshot`] | [`assert_snapshot`]: pictures against 16-bit PNGs kept with the tests |
 //! | [`method`] | settings of any method, varied from one base |
 //! | [`picture`] | pictures as PNG files |
+//! | [`chromium`] | a headless browser whose page says something, by WebGPU |
 //! | [`server`] | a server of files, and what servers do wrong |
 //!
 //! A failing comparison leaves `expected | difference | actual` and its figures in `target/test-output`.
 #![forbid(unsafe_code)]
 
 pub mod assertion;
+pub mod chromium;
 pub mod compare;
 pub mod fields;
 pub mod method;

@@ -125,13 +125,13 @@ pub use glam;
 pub use progressive::Pass;
 pub use renderer::Renderer;
 pub use splatvol_core::bin::TileRect;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+pub use splatvol_core::clock::set_clock;
 pub use splatvol_core::engine::{
     Control, Engine, MemoryUse, OnProgress, OnTile, PassSeconds, RenderStatistics, Share, Shot, StageSeconds,
     Task,
 };
 pub use splatvol_core::radial;
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-pub use splatvol_core::clock::set_clock;
 pub use splatvol_cpu::{CpuEngine, EngineConfig, EngineError, Pool, SimdLevel, most_threads};
 pub use splatvol_scene::*;
 

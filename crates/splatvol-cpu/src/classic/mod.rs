@@ -46,9 +46,9 @@ use self::pixel::{Resolved, store};
 use self::plan::{Drawn, Plan};
 use self::profiles::{FootprintProfile, ProfileStore};
 use self::tile::{TileScratch, TileWork};
-use splatvol_core::clock::Instant;
 use crate::route::VolumeScene;
 use crate::run::Run;
+use splatvol_core::clock::Instant;
 
 /// Keeps the cloud between frames.
 #[derive(Debug, Default)]

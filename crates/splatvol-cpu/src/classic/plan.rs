@@ -11,10 +11,10 @@ use splatvol_scene::{Camera, MotionBlur, Occlusion, RenderSettings, SplatComposi
 use super::cloud::splats_values;
 use super::order::{Order, extent};
 use super::raster::Tables;
-use splatvol_core::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::splat_light::SplatLight;
+use splatvol_core::clock::Instant;
 
 /// Edge of a tile, pixels, unless the whole picture is one tile.
 const TILE_EDGE: usize = 64;

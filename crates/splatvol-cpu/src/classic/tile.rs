@@ -20,8 +20,8 @@ use super::post_classified::ValueSheets;
 use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
-use splatvol_core::clock::Instant;
 use crate::room::grow_with;
+use splatvol_core::clock::Instant;
 
 /// Splats between two checks for cancellation.
 const PATIENCE: usize = 64;

@@ -23,11 +23,11 @@ use super::scene::LayerStore;
 use super::shade::PlaneShader;
 use super::shaded::Shaded;
 use super::tiles::{Both, Single, TILE_EDGE, TileMemory};
-use splatvol_core::clock::Instant;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
+use splatvol_core::clock::Instant;
 use splatvol_core::level::{Level, Wanted};
 use splatvol_core::prepared::PreparedVolumes;
 

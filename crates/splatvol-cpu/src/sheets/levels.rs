@@ -12,9 +12,9 @@ use splatvol_core::plan::{Segment, behind_each_other};
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::engine::{SheetEngine, sampling};
-use splatvol_core::clock::Instant;
 use crate::route::VolumeScene;
 use crate::run::{Pass, Run};
+use splatvol_core::clock::Instant;
 
 /// A camera, and how it looks.
 type Shot<'a> = (&'a Camera, &'a RenderSettings<SheetSettings>);

@@ -29,11 +29,11 @@ use super::operated::Operated;
 use super::ring::LANES;
 use super::shaded::Shaded;
 use super::tiles::{Single, TILE_EDGE};
-use splatvol_core::clock::Instant;
 use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
+use splatvol_core::clock::Instant;
 use splatvol_core::level::{Detail, Level, Wanted, blend};
 
 /// Contents of a scene, by layer.

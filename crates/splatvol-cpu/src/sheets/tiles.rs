@@ -16,8 +16,8 @@ use super::layer::{ModeLayer, TileLayer, render};
 use super::mode::Mode;
 use super::resolve::{Slots, resolve};
 use super::tile::{SheetScratch, SheetWork};
-use splatvol_core::clock::Instant;
 use crate::run::Run;
+use splatvol_core::clock::Instant;
 
 /// Largest and default edge of a tile, pixels: few voxels lie in two tiles.
 pub(crate) const TILE_EDGE: usize = 128;

@@ -22,9 +22,9 @@ use super::project::{self, ProjectedSplat, Rect, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{BlendMode, CloudSettings, Near, sane};
 use super::view::CloudView;
-use splatvol_core::clock::Instant;
 use crate::room::grow;
 use crate::run::Run;
+use splatvol_core::clock::Instant;
 
 /// Splats that a thread projects at a time.
 const CHUNK: usize = 4096;

@@ -30,11 +30,11 @@ use self::attributes::Attributes;
 use self::background::displayed;
 pub(crate) use self::view::ViewData;
 use self::view::{DepthKeys, view};
-use splatvol_core::clock::Instant;
 use crate::device::GpuDevice;
 use crate::march::Canvas;
 use crate::pass::{Pass, groups, numbers, uniform};
 use crate::sort::{LISTS, ListsData, Pairs, Sorter};
+use splatvol_core::clock::Instant;
 
 const SPLAT: &str = include_str!("../../shaders/gaussians/splat.wgsl");
 const PROJECT: &str = include_str!("../../shaders/gaussians/project.wgsl");

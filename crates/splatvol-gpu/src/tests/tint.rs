@@ -3,24 +3,12 @@
 //! naga, with which wgpu compiles, takes barriers where invocations may part ways; Tint does not, and the browsers with it.
 
 use std::fmt::Write as _;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use splatvol_testing::chromium::{Served, posted};
 
 use super::layout::{every_shader, valid, variants};
 
-/// Chromium with a device that it imitates itself.
-const FLAGS: [&str; 8] = [
-    "--headless",
-    "--no-sandbox",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-dev-shm-usage",
-    "--enable-unsafe-webgpu",
-    "--use-webgpu-adapter=swiftshader",
-];
 /// Longest time for all shaders.
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Compiles all modules and their entry points, and says how many, or what was refused.
@@ -72,76 +60,10 @@ fn page(shaders: &[String], variants: &[String]) -> (String, usize) {
     (page, count)
 }
 
-/// A running browser, which ends with the test, whatever becomes of that.
-struct Browser(Child);
-
-impl Drop for Browser {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// What a page posts to where it is from; `None` where there is no Chromium.
-fn posted(page: &str) -> Option<String> {
-    let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
-    let address = format!("http://{}/", listener.local_addr().unwrap());
-    let profile = tempfile::tempdir().unwrap();
-    let started = Command::new("chromium")
-        .args(FLAGS)
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(address)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn();
-    let _browser = Browser(started.ok()?);
-    listener.set_nonblocking(true).unwrap();
-    let start = Instant::now();
-    while start.elapsed() < PATIENCE {
-        match listener.accept() {
-            Ok((stream, _)) => {
-                if let Some(said) = answer(stream, page) {
-                    return Some(said);
-                }
-            }
-            Err(_) => std::thread::sleep(Duration::from_millis(20)),
-        }
-    }
-    panic!("the browser says nothing");
-}
-
-/// Answers a request with the page; the text of one that posts.
-fn answer(mut stream: TcpStream, page: &str) -> Option<String> {
-    stream.set_nonblocking(false).unwrap();
-    stream.set_read_timeout(Some(PATIENCE)).unwrap();
-    let mut reader = BufReader::new(stream.try_clone().unwrap());
-    let mut line = String::new();
-    let mut length = 0;
-    let mut posts = false;
-    // A browser opens connections that it does not use.
-    while reader.read_line(&mut line).is_ok_and(|read| read > 0) {
-        let header = line.trim().to_ascii_lowercase();
-        if header.is_empty() {
-            break;
-        }
-        posts |= header.starts_with("post ");
-        if let Some(value) = header.strip_prefix("content-length:") {
-            length = value.trim().parse().unwrap();
-        }
-        line.clear();
-    }
-    let mut body = vec![0; length];
-    reader.read_exact(&mut body).unwrap();
-    let head = "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nConnection: close\r\nContent-Length:";
-    // The browser may have gone.
-    let _ = write!(stream, "{head} {}\r\n\r\n{page}", page.len());
-    posts.then(|| String::from_utf8(body).unwrap())
-}
-
 #[test]
 fn browsers_compile_every_shader() {
     let (page, count) = page(&every_shader(), &variants());
-    match posted(&page) {
+    match posted(&[Served::page(&page)], PATIENCE) {
         Some(said) => assert_eq!(said, format!("compiled {count}")),
         None => splatvol_recorded::skip("Chromium is not installed"),
     }

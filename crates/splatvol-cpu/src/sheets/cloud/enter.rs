@@ -6,12 +6,12 @@ use splatvol_core::bin::ProjectedBrick;
 
 use super::open::{CloudView, OpenSplat};
 use super::splat::FourPlanes;
-use splatvol_core::clock::Instant;
 use crate::sheets::activate::Window;
 use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, LANES};
 use crate::sheets::tile::{SheetScratch, SheetWork};
+use splatvol_core::clock::Instant;
 
 /// The first plane that a splat reaches.
 #[inline(always)]
