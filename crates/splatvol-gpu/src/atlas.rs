@@ -3,14 +3,22 @@
 //! A page has a slot of `(15 + taps)^3` texels, if any of these voxels is needed. So every sum of a cell reads one slot.
 //! Slots lie side by side in a texture of layers; a table says which slot a page has. Channels, where voxels have several
 //! numbers, lie behind each other.
+//!
+//! Voxels come as the bricks that the host keeps, a sixth of the texels' bytes; the device puts them together (`assemble`).
+
+mod assemble;
+
+pub(crate) use assemble::ASSEMBLE;
+#[cfg(test)]
+pub(crate) use assemble::AssemblyData;
 
 use rayon::prelude::*;
 use splatvol_core::brick::BRICK;
 use splatvol_core::field::FieldStore;
-use splatvol_core::visibility::BRICK_VOXELS;
 use splatvol_scene::SceneError;
 
 use crate::device::GpuDevice;
+use crate::pass::Pass;
 
 /// Cells of a page along each axis, and cells before the lattice's first point that pages begin with.
 const PAGE: i32 = 16;
@@ -24,14 +32,10 @@ const OCTANTS_FROM: u32 = 23;
 /// Most slots along x and y, and stacks.
 const MOST_SLOTS: [u32; 2] = [1 << SLOT_BITS, 1 << (OCTANTS_FROM - 2 * SLOT_BITS)];
 
-/// Channel of a field that marks missing samples.
-const MISSING: u32 = 1;
-
 /// Coefficients on the device.
 #[derive(Debug)]
 pub(crate) struct Atlas {
     pub view: wgpu::TextureView,
-    texture: wgpu::Texture,
     pub pages: wgpu::Buffer,
     pub layout: AtlasLayout,
 }
@@ -67,9 +71,10 @@ impl AtlasLayout {
     ) -> Self {
         let edge = (PAGE + taps - 1) as u32;
         let pages = dims.map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
-        let mut met: Vec<[u32; 3]> = firsts
-            .enumerate()
-            .flat_map(|(brick, first)| {
+        let firsts: Vec<[u32; 3]> = firsts.collect();
+        let bricks = firsts.into_par_iter().enumerate().with_min_len(256);
+        let mut met: Vec<[u32; 3]> = bricks
+            .flat_map_iter(|(brick, first)| {
                 let first = first.map(|at| at as i32);
                 pages_of(first, taps, pages)
                     .map(move |(page, octants)| [page, brick as u32, u32::from(octants)])
@@ -177,89 +182,6 @@ impl AtlasLayout {
         let page = page as i32;
         [page % nx, page / nx % ny, page / (nx * ny)].map(|at| first_texel(at, self.taps))
     }
-
-    /// Writes the voxels of the slot of a needed page into a row of slots of this pitch, from an offset on: coefficients,
-    /// or ones where samples are missing.
-    fn fill(
-        &self,
-        (needed, channel): (usize, u32),
-        store: &FieldStore,
-        (row, pitch, offset): (&mut [f32], usize, usize),
-    ) {
-        let edge = self.edge() as usize;
-        let from = self.first_of(self.needed[needed]);
-        let start = needed.checked_sub(1).map_or(0, |before| self.ends[before]);
-        let mut values = [0.0; BRICK_VOXELS];
-        for &brick in &self.bricks[start..self.ends[needed]] {
-            store.decode(brick as usize, &mut values);
-            let first = store.first(brick as usize).map(|at| at as i32);
-            let shared = [0, 1, 2].map(|axis| {
-                let low = from[axis].max(first[axis]);
-                let high = (from[axis] + edge as i32).min(first[axis] + BRICK as i32);
-                low..high
-            });
-            for z in shared[2].clone() {
-                for y in shared[1].clone() {
-                    let line = ((z - from[2]) as usize * edge + (y - from[1]) as usize) * pitch + offset;
-                    let own = ((z - first[2]) as usize * BRICK + (y - first[1]) as usize) * BRICK;
-                    for x in shared[0].clone() {
-                        let value = values[own + (x - first[0]) as usize];
-                        let number = if channel == MISSING {
-                            f32::from(u8::from(value == f32::INFINITY))
-                        } else {
-                            value
-                        };
-                        if number.is_finite() {
-                            row[line + (x - from[0]) as usize] = number;
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-impl AtlasLayout {
-    /// Texels of a row of slots.
-    fn row(&self, (row, channel): (usize, u32), store: &FieldStore) -> Vec<f32> {
-        let (per_row, pitch) = (self.slots[0] as usize, self.size()[0] as usize);
-        let mut texels = vec![0.0; pitch * self.edge().pow(2) as usize];
-        for slot in row * per_row..((row + 1) * per_row).min(self.needed.len()) {
-            let offset = slot % per_row * self.edge() as usize;
-            self.fill((slot, channel), store, (&mut texels, pitch, offset));
-        }
-        texels
-    }
-
-    /// Writes slots side by side, from one on.
-    fn write(&self, gpu: &GpuDevice, texture: &wgpu::Texture, (slot, channel): (usize, u32), texels: &[f32]) {
-        let edge = self.edge();
-        let width = texels.len() as u32 / (edge * edge);
-        let [x, y, stack] = self.place_of(slot);
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d {
-                    x: x * edge,
-                    y: y * edge,
-                    z: stack * edge + channel * self.channel_layers(),
-                },
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(width * size_of::<f32>() as u32),
-                rows_per_image: Some(edge),
-            },
-            wgpu::Extent3d {
-                width,
-                height: edge,
-                depth_or_array_layers: edge,
-            },
-        );
-    }
 }
 
 /// First lattice point of the slot of a page at a position along an axis.
@@ -300,17 +222,21 @@ fn halves_of(page: i32, taps: i32, first: i32) -> [bool; 2] {
 }
 
 impl Atlas {
-    /// Brings a field's needed coefficients to the device.
+    /// Brings a field's needed coefficients to the device. `pass`: `assemble`.
     ///
     /// # Errors
     /// Memory that the device refuses.
-    pub(crate) fn new(gpu: &GpuDevice, store: &FieldStore, taps: i32) -> Result<Self, SceneError> {
+    pub(crate) fn new(
+        (gpu, pass): (&GpuDevice, &Pass),
+        store: &FieldStore,
+        taps: i32,
+    ) -> Result<Self, SceneError> {
         let firsts = (0..store.len()).map(|brick| store.first(brick));
-        let usage = wgpu::TextureUsages::COPY_DST;
         let channels = 1 + u32::from(store.any_missing());
-        let atlas = Self::empty(gpu, (store.dims(), firsts), (taps, channels), usage)?;
+        let atlas = Self::empty(gpu, (store.dims(), firsts), (taps, channels))?;
         if !atlas.is_paged() {
-            gpu.scoped(|gpu| upload(gpu, &atlas.layout, store, &atlas.texture))?;
+            let all: Vec<_> = (0..atlas.layout.needed.len()).map(|at| (at, at)).collect();
+            gpu.scoped(|_| atlas.assemble((gpu, pass), store, &all))?;
         }
         Ok(atlas)
     }
@@ -318,16 +244,6 @@ impl Atlas {
     /// Whether only some pages are on the device at a time.
     pub(crate) fn is_paged(&self) -> bool {
         self.layout.needed.len() > self.layout.capacity()
-    }
-
-    /// Brings a needed page to a slot.
-    pub(crate) fn bring(&self, gpu: &GpuDevice, store: &FieldStore, (needed, slot): (usize, usize)) {
-        let edge = self.layout.edge() as usize;
-        for channel in 0..self.layout.channels {
-            let mut texels = vec![0.0; edge.pow(3)];
-            self.layout.fill((needed, channel), store, (&mut texels, edge, 0));
-            self.layout.write(gpu, &self.texture, (slot, channel), &texels);
-        }
     }
 
     /// Says which needed pages are in slots.
@@ -357,13 +273,12 @@ impl Atlas {
         gpu: &GpuDevice,
         bricks: ([usize; 3], impl Iterator<Item = [u32; 3]>),
         shape: (i32, u32),
-        usage: wgpu::TextureUsages,
     ) -> Result<Self, SceneError> {
         let limits = gpu.device.limits();
         let most = [limits.max_texture_dimension_2d, limits.max_texture_array_layers];
         let layout = AtlasLayout::new(bricks, shape, (most, gpu.budget));
         gpu.afford("a page of the volume", layout.bytes())?;
-        let texture = gpu.scoped(|gpu| texture_of(gpu, &layout, usage))?;
+        let texture = gpu.scoped(|gpu| texture_of(gpu, &layout))?;
         let table = layout.table_of_needed();
         let pages = gpu.scoped(|gpu| gpu.buffer_of("pages", &table))?;
         Ok(Self {
@@ -371,14 +286,13 @@ impl Atlas {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..wgpu::TextureViewDescriptor::default()
             }),
-            texture,
             pages,
             layout,
         })
     }
 }
 
-fn texture_of(gpu: &GpuDevice, layout: &AtlasLayout, usage: wgpu::TextureUsages) -> wgpu::Texture {
+fn texture_of(gpu: &GpuDevice, layout: &AtlasLayout) -> wgpu::Texture {
     let [width, height] = layout.size();
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("atlas"),
@@ -391,26 +305,7 @@ fn texture_of(gpu: &GpuDevice, layout: &AtlasLayout, usage: wgpu::TextureUsages)
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::R32Float,
-        usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
+        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     })
-}
-
-/// Fills the texture, a row of slots at a time.
-fn upload(gpu: &GpuDevice, layout: &AtlasLayout, store: &FieldStore, texture: &wgpu::Texture) {
-    let rows = layout.needed.len().div_ceil(layout.slots[0] as usize);
-    // Some rows at a time, in memory that the driver can free again.
-    const TOGETHER: usize = 16;
-    for channel in 0..layout.channels {
-        for group in (0..rows).step_by(TOGETHER) {
-            let filled: Vec<Vec<f32>> = (group..(group + TOGETHER).min(rows))
-                .into_par_iter()
-                .map(|row| layout.row((row, channel), store))
-                .collect();
-            for (row, texels) in (group..).zip(&filled) {
-                layout.write(gpu, texture, (row * layout.slots[0] as usize, channel), texels);
-            }
-            gpu.queue.submit([]);
-        }
-    }
 }

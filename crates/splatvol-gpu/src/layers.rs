@@ -161,7 +161,7 @@ impl LayerStore {
         } = self;
         let classified = classify(prepared, (shown, levels), task, statistics)?;
         let views = views(camera, shown, &classified);
-        let at = on_device.reside(gpu, (shown, levels), &classified)?;
+        let at = on_device.reside((gpu, &pipelines.assemble), (shown, levels), &classified)?;
         let meshes: Vec<OfMesh<'_>> = placed.meshes.iter().map(ShownMesh::cloud).collect();
         let view = (camera, shot.settings, &placed.sheets);
         clouds.update(gpu, (&placed.rest, &meshes), view, task)?;
@@ -318,7 +318,7 @@ impl OnDevice {
     /// Brings what is not there yet, and forgets what none of these volumes needs; returns each one's place in `resident`.
     fn reside(
         &mut self,
-        gpu: &GpuDevice,
+        (gpu, assemble): (&GpuDevice, &Pass),
         (shown, levels): (&[Shown<'_>], &[usize]),
         classified: &[&Level],
     ) -> Result<Vec<usize>, SceneError> {
@@ -336,7 +336,7 @@ impl OnDevice {
             at.push(match resident.iter().position(is_it) {
                 Some(known) => known,
                 None => {
-                    resident.push(bring((gpu, samples), own, (key, level))?);
+                    resident.push(bring((gpu, assemble, samples), own, (key, level))?);
                     resident.len() - 1
                 }
             });
@@ -419,7 +419,7 @@ impl Layer<'_> {
 
 /// Brings the needed voxels of a level to the device.
 fn bring(
-    (gpu, samples): (&GpuDevice, &mut KeptSamples),
+    (gpu, assemble, samples): (&GpuDevice, &Pass, &mut KeptSamples),
     own: &Shown<'_>,
     (key, level): (Key, &Level),
 ) -> Result<Resident, SceneError> {
@@ -428,7 +428,7 @@ fn bring(
         let (atlas, voxels) = Voxels::new(gpu, level, &samples, own.taps())?;
         (atlas, Some(voxels))
     } else {
-        (Atlas::new(gpu, &level.field, own.taps())?, None)
+        (Atlas::new((gpu, assemble), &level.field, own.taps())?, None)
     };
     Ok(Resident {
         of: key,

@@ -12,7 +12,7 @@
 //!
 //! | pass | module | shader | from | to |
 //! |---|---|---|---|---|
-//! | assemble | `atlas` | - | needed voxels' coefficients, of each of the `layers` | pages with a slot each, in a texture |
+//! | assemble | `atlas` | `assemble` | needed voxels' coefficients, of each of the `layers` | pages with a slot each, in a texture |
 //! | page | `pager` | - | pages of a volume larger than the budget | some of them at a time |
 //! | clear | `march` | `clear` | - | an empty picture |
 //! | cull | `march` | `cull` | octants of pages, camera | planes of each tile that may hold something |

@@ -191,7 +191,7 @@ impl March<'_> {
 
     /// The pager, if the volume's pages have not all room on the device.
     pub(crate) fn pager(&self) -> Option<Pager<'_>> {
-        Pager::new(self.gpu, self.atlas, &self.picture)
+        Pager::new((self.gpu, &self.pipelines.assemble), self.atlas, &self.picture)
     }
 
     /// Intervals of a dispatch, for so many pixels.

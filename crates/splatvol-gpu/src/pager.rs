@@ -12,6 +12,7 @@ use splatvol_scene::SceneError;
 use crate::atlas::Atlas;
 use crate::device::GpuDevice;
 use crate::layout::Picture;
+use crate::pass::Pass;
 
 /// Planes around an interval from which its values come, before and behind.
 const AROUND: i64 = 1;
@@ -19,6 +20,7 @@ const AROUND: i64 = 1;
 /// Pages in slots.
 pub(crate) struct Pager<'a> {
     gpu: &'a GpuDevice,
+    assemble: &'a Pass,
     atlas: &'a Atlas,
     store: &'a FieldStore,
     /// Smallest and largest plane number that each needed page may meet.
@@ -31,7 +33,11 @@ pub(crate) struct Pager<'a> {
 
 impl<'a> Pager<'a> {
     /// The pager of a picture; `None` if all pages are on the device.
-    pub(crate) fn new(gpu: &'a GpuDevice, atlas: &'a Atlas, picture: &Picture<'a>) -> Option<Self> {
+    pub(crate) fn new(
+        (gpu, assemble): (&'a GpuDevice, &'a Pass),
+        atlas: &'a Atlas,
+        picture: &Picture<'a>,
+    ) -> Option<Self> {
         if !atlas.is_paged() {
             return None;
         }
@@ -57,6 +63,7 @@ impl<'a> Pager<'a> {
         };
         Some(Self {
             gpu,
+            assemble,
             planes: atlas.layout.needed.iter().map(planes).collect(),
             first: picture.first_plane(),
             in_slots: vec![None; atlas.layout.capacity()],
@@ -112,15 +119,18 @@ impl<'a> Pager<'a> {
         let mut there: Vec<usize> = self.in_slots.iter().flatten().copied().collect();
         there.sort_unstable();
         let mut missing = met.iter().filter(|page| there.binary_search(page).is_err());
+        let mut brought = Vec::new();
         for (slot, holds) in self.in_slots.iter_mut().enumerate() {
             if holds.is_none() {
                 let Some(&page) = missing.next() else {
                     break;
                 };
-                self.atlas.bring(self.gpu, self.store, (page, slot));
+                brought.push((page, slot));
                 *holds = Some(page);
             }
         }
+        self.atlas
+            .assemble((self.gpu, self.assemble), self.store, &brought);
         self.atlas.set_slots(self.gpu, &self.in_slots);
     }
 }

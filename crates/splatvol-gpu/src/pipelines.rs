@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use splatvol_scene::SceneError;
 
+use crate::atlas::ASSEMBLE;
 use crate::clouds::CloudPasses;
 use crate::device::GpuDevice;
 use crate::error::GpuError;
@@ -27,6 +28,7 @@ pub(crate) struct Pipelines {
     pub cull: wgpu::ComputePipeline,
     pub cull_layout: wgpu::BindGroupLayout,
     pub clear: Pass,
+    pub assemble: Pass,
     pub march_layout: wgpu::BindGroupLayout,
     pub nearest: wgpu::Sampler,
     /// Passes over planes, compiled when they are first used.
@@ -157,6 +159,7 @@ impl Pipelines {
             cull: pipeline(device, ("cull", &cull_shader()), &cull_layout, &[]),
             cull_layout,
             clear: Pass::new(gpu, ("clear", CLEAR), &[]),
+            assemble: Pass::new(gpu, ("assemble", ASSEMBLE), &[]),
             march_layout,
             nearest: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             marches: HashMap::new(),

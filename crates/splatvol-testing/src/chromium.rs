@@ -53,9 +53,9 @@ impl Drop for Browser {
 /// # Panics
 /// No port or folder for it, or a browser that says nothing.
 pub fn posted(files: &[Served<'_>], patience: Duration) -> Option<String> {
-    let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
-    let address = format!("http://{}/", listener.local_addr().unwrap());
-    let profile = tempfile::tempdir().unwrap();
+    let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a port");
+    let address = format!("http://{}/", listener.local_addr().expect("an address"));
+    let profile = tempfile::tempdir().expect("a folder");
     let started = Command::new("chromium")
         .args(FLAGS)
         .arg(format!("--user-data-dir={}", profile.path().display()))
@@ -64,7 +64,9 @@ pub fn posted(files: &[Served<'_>], patience: Duration) -> Option<String> {
         .stderr(Stdio::null())
         .spawn();
     let _browser = Browser(started.ok()?);
-    listener.set_nonblocking(true).unwrap();
+    listener
+        .set_nonblocking(true)
+        .expect("a listener that does not wait");
     let start = Instant::now();
     while start.elapsed() < patience {
         match listener.accept() {
@@ -84,9 +86,9 @@ const SLOWEST: Duration = Duration::from_secs(30);
 
 /// Answers a request with a file; the text of one that posts.
 fn answer(mut stream: TcpStream, files: &[Served<'_>]) -> Option<String> {
-    stream.set_nonblocking(false).unwrap();
-    stream.set_read_timeout(Some(SLOWEST)).unwrap();
-    let mut reader = BufReader::new(stream.try_clone().unwrap());
+    stream.set_nonblocking(false).expect("a stream that waits");
+    stream.set_read_timeout(Some(SLOWEST)).expect("a limit");
+    let mut reader = BufReader::new(stream.try_clone().expect("a second handle"));
     let mut line = String::new();
     let mut length = 0;
     let mut posts = false;
@@ -102,12 +104,14 @@ fn answer(mut stream: TcpStream, files: &[Served<'_>]) -> Option<String> {
             path = line.split(' ').nth(1).unwrap_or_default().to_owned();
         }
         if let Some(value) = header.strip_prefix("content-length:") {
-            length = value.trim().parse().unwrap();
+            length = value.trim().parse().expect("a length");
         }
         line.clear();
     }
     let mut body = vec![0; length];
-    reader.read_exact(&mut body).unwrap();
+    reader
+        .read_exact(&mut body)
+        .expect("as many bytes as were announced");
     let file = files.iter().find(|file| file.path == path);
     let (status, content_type, bytes) = match file {
         Some(file) => ("200 OK", file.content_type, file.bytes),

@@ -116,16 +116,13 @@ fn apart(own: &Image, wanted: &Image) -> Finding {
     let square = |(a, b): (&f32, &f32)| f64::from(a - b).powi(2);
     let sum: f64 = pixels().flat_map(|(a, b)| a.iter().zip(b)).map(square).sum();
     let count = own.pixels.len() as f64;
-    let share = |is: &dyn Fn((&[f32; 4], &[f32; 4])) -> bool| {
-        pixels().filter(|&both| is(both)).count() as f64 / count
-    };
     Finding {
         name: "",
         device: String::new(),
         psnr: (sum > 0.0).then(|| -10.0 * (sum / (4.0 * count)).log10()),
-        share: share(&|both| largest(both) <= LEVEL),
+        share: pixels().filter(|&both| largest(both) <= LEVEL).count() as f64 / count,
         levels: pixels().map(largest).fold(0.0, f32::max) / LEVEL,
-        seen: share(&|(_, wanted)| wanted[3] > 0.1),
+        seen: wanted.pixels.iter().filter(|pixel| pixel[3] > 0.1).count() as f64 / count,
         holds: false,
     }
 }

@@ -27,6 +27,9 @@ const MISSING: u16 = u16::MAX;
 /// Largest stored coefficient.
 const STEPS: f32 = 65_534.0;
 
+/// Words of a packed brick: offset, scale, whether samples are missing, an unused one; needed voxels; values.
+pub const PACKED: usize = 4 + 2 * BRICK + BRICK_VOXELS / 2;
+
 /// Coefficients of a brick, `offset + scale * stored`: half a step, 1/131068 of their range in the brick, from the
 /// solution.
 #[derive(Debug, Clone)]
@@ -97,6 +100,25 @@ impl StoredBrick {
                 let missing = *stored == MISSING && !out.is_nan();
                 *out = if missing { f32::INFINITY } else { *out };
             }
+        }
+    }
+
+    /// As [`Self::decode`], for [`super::FieldStore::pack`].
+    pub(super) fn pack(&self, mask: &CellBits, background: f32, out: &mut [u32; PACKED]) {
+        let header = [
+            (self.offset - background).to_bits(),
+            self.scale.to_bits(),
+            u32::from(self.has_gaps),
+            0,
+        ];
+        let bits = mask
+            .iter()
+            .flat_map(|&plane| [plane as u32, (plane >> 32) as u32]);
+        let values = self.values.as_chunks::<2>().0.iter();
+        let pairs = values.map(|&[low, high]| u32::from(low) | u32::from(high) << 16);
+        let words = header.into_iter().chain(bits).chain(pairs);
+        for (out, word) in out.iter_mut().zip(words) {
+            *out = word;
         }
     }
 

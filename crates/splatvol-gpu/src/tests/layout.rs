@@ -5,6 +5,7 @@ use std::mem::offset_of;
 use naga::TypeInner;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
+use crate::atlas::{ASSEMBLE, AssemblyData};
 use crate::clouds::{CloudData, KernelData, PartData, SPLAT_BYTES};
 use crate::gaussians::{PictureData, ViewData, shaders};
 use crate::layout::{FrameData, SheetData, TILE};
@@ -77,7 +78,7 @@ pub(super) fn variants() -> Vec<String> {
 
 /// The texts of all passes but [`variants`].
 pub(super) fn every_shader() -> Vec<String> {
-    let small = [RADIX, SCAN, CLEAR].map(str::to_owned);
+    let small = [ASSEMBLE, RADIX, SCAN, CLEAR].map(str::to_owned);
     let operators: Vec<_> = super::operators::all()
         .iter()
         .filter_map(|(_, operator)| operator.wgsl())
@@ -139,6 +140,12 @@ pub(super) fn valid(text: &str) -> naga::Module {
 
 #[test]
 fn layouts_of_gaussians_and_of_sorting_agree() {
+    let assemble = valid(ASSEMBLE);
+    let wanted = offsets!(AssemblyData: pages edge channels channel_layers);
+    assert_eq!(
+        members(&assemble, "Assembly"),
+        (wanted, size_of::<AssemblyData>() as u32)
+    );
     let [project, pairs, composite] = shaders().map(|text| valid(&text));
     let wanted = offsets!(ViewData: eye near eye_rest scale to_x low_pass to_y is_perspective to_z degree direction
         is_antialiased centre tangent_limit reference_tiles count before first_key unseen_key unused);

@@ -25,6 +25,7 @@ use splatvol_testing::sample;
 use crate::atlas::Atlas;
 use crate::device::{GpuConfig, GpuDevice};
 use crate::effects::Effects;
+use crate::error::GpuError;
 use crate::layout::{Picture, SheetData};
 use crate::march::{Canvas, March};
 use crate::mode::Mode;
@@ -34,10 +35,11 @@ use crate::pipelines::{Pipelines, Variant, pipeline};
 fn device() -> Option<GpuDevice> {
     match pollster::block_on(GpuDevice::open(&GpuConfig::default())) {
         Ok(gpu) => Some(gpu),
-        Err(error) => {
+        Err(error @ GpuError::NoAdapter { .. }) => {
             splatvol_recorded::skip(&error.to_string());
             None
         }
+        Err(error) => panic!("{error}"),
     }
 }
 
@@ -102,9 +104,9 @@ impl Subject {
         } else {
             4
         };
-        let atlas = Atlas::new(gpu, &level.field, taps).unwrap();
-        let canvas = Canvas::new(gpu, inputs.len() as u64).unwrap();
         let mut pipelines = Pipelines::new(gpu).unwrap();
+        let atlas = Atlas::new((gpu, &pipelines.assemble), &level.field, taps).unwrap();
+        let canvas = Canvas::new(gpu, inputs.len() as u64).unwrap();
         let variant = Variant {
             mode: self.mode,
             operators: "".into(),
