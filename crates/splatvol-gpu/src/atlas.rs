@@ -7,10 +7,12 @@
 //! Voxels come as the bricks that the host keeps, a sixth of the texels' bytes; the device puts them together (`assemble`).
 
 mod assemble;
+mod renew;
 
 pub(crate) use assemble::ASSEMBLE;
 #[cfg(test)]
 pub(crate) use assemble::AssemblyData;
+use renew::Contents;
 
 use rayon::prelude::*;
 use splatvol_core::brick::BRICK;
@@ -32,12 +34,19 @@ const OCTANTS_FROM: u32 = 23;
 /// Most slots along x and y, and stacks.
 const MOST_SLOTS: [u32; 2] = [1 << SLOT_BITS, 1 << (OCTANTS_FROM - 2 * SLOT_BITS)];
 
+/// One in so many slots is left for pages that the next transfer functions need.
+const SPARE: usize = 16;
+
 /// Coefficients on the device.
 #[derive(Debug)]
 pub(crate) struct Atlas {
     pub view: wgpu::TextureView,
     pub pages: wgpu::Buffer,
     pub layout: AtlasLayout,
+    /// Slot of each needed page, where all have one.
+    slots: Vec<usize>,
+    /// What they were made of, where it is a field.
+    contents: Option<Contents>,
 }
 
 /// Places of pages and slots.
@@ -62,16 +71,9 @@ pub(crate) struct AtlasLayout {
 }
 
 impl AtlasLayout {
-    /// Pages and slots for the voxels of bricks. `firsts`: their first lattice points; `most`: texels of a texture along
-    /// an axis, layers, and bytes.
-    fn new(
-        (dims, firsts): ([usize; 3], impl Iterator<Item = [u32; 3]>),
-        (taps, channels): (i32, u32),
-        (most, bytes): ([u32; 2], u64),
-    ) -> Self {
-        let edge = (PAGE + taps - 1) as u32;
+    /// Pages for the voxels of bricks, without slots. `firsts`: their first lattice points.
+    fn of_bricks((dims, firsts): ([usize; 3], Vec<[u32; 3]>), (taps, channels): (i32, u32)) -> Self {
         let pages = dims.map(|n| (n as i32 + BEFORE + BEHIND + PAGE - 1) / PAGE);
-        let firsts: Vec<[u32; 3]> = firsts.collect();
         let bricks = firsts.into_par_iter().enumerate().with_min_len(256);
         let mut met: Vec<[u32; 3]> = bricks
             .flat_map_iter(|(brick, first)| {
@@ -98,8 +100,20 @@ impl AtlasLayout {
             let start = layout.ends.last().copied().unwrap_or(0);
             layout.ends.push(start + group.len());
         }
+        layout
+    }
+
+    /// The same with slots. `most`: texels of a texture along an axis, layers, and bytes.
+    fn new(
+        (dims, firsts): ([usize; 3], Vec<[u32; 3]>),
+        (taps, channels): (i32, u32),
+        (most, bytes): ([u32; 2], u64),
+    ) -> Self {
+        let mut layout = Self::of_bricks((dims, firsts), (taps, channels));
+        let edge = layout.edge();
         let room = bytes / (u64::from(edge).pow(3) * u64::from(channels) * size_of::<f32>() as u64);
-        let needed = layout.needed.len().min(room as usize).max(1);
+        let needed = layout.needed.len();
+        let needed = (needed + needed / SPARE).min(room as usize).max(1);
         let across = (most[0] / edge).min(MOST_SLOTS[0]) as usize;
         let stacks = (most[1] / channels / edge).min(MOST_SLOTS[1]) as usize;
         let x = needed.div_ceil(stacks).isqrt().max(1).min(across);
@@ -233,10 +247,11 @@ impl Atlas {
     ) -> Result<Self, SceneError> {
         let firsts = (0..store.len()).map(|brick| store.first(brick));
         let channels = 1 + u32::from(store.any_missing());
-        let atlas = Self::empty(gpu, (store.dims(), firsts), (taps, channels))?;
+        let mut atlas = Self::empty(gpu, (store.dims(), firsts.collect()), (taps, channels))?;
         if !atlas.is_paged() {
             let all: Vec<_> = (0..atlas.layout.needed.len()).map(|at| (at, at)).collect();
             gpu.scoped(|_| atlas.assemble((gpu, pass), store, &all))?;
+            atlas.contents = Some(Contents::of(store));
         }
         Ok(atlas)
     }
@@ -271,7 +286,7 @@ impl Atlas {
     /// Memory that the device refuses.
     pub(crate) fn empty(
         gpu: &GpuDevice,
-        bricks: ([usize; 3], impl Iterator<Item = [u32; 3]>),
+        bricks: ([usize; 3], Vec<[u32; 3]>),
         shape: (i32, u32),
     ) -> Result<Self, SceneError> {
         let limits = gpu.device.limits();
@@ -287,6 +302,8 @@ impl Atlas {
                 ..wgpu::TextureViewDescriptor::default()
             }),
             pages,
+            slots: (0..layout.needed.len()).collect(),
+            contents: None,
             layout,
         })
     }

@@ -328,19 +328,28 @@ impl OnDevice {
             .map(|(own, &level)| own.key(level))
             .collect();
         let Self { resident, samples } = self;
-        resident.retain(|known| keys.iter().any(|key| key.is_like(&known.of)));
         samples.retain(shown.iter().map(|own| &own.volume));
+        let mut before = std::mem::take(resident);
         let mut at = Vec::with_capacity(shown.len());
-        for ((own, key), level) in shown.iter().zip(keys).zip(classified) {
-            let is_it = |known: &Resident| known.of.level == key.level && key.is_like(&known.of);
-            at.push(match resident.iter().position(is_it) {
-                Some(known) => known,
-                None => {
-                    resident.push(bring((gpu, assemble, samples), own, (key, level))?);
-                    resident.len() - 1
-                }
-            });
+        for (own, (key, level)) in shown.iter().zip(keys.iter().zip(classified)) {
+            let there = resident.iter().position(|known| known.of == *key);
+            let kept = before.iter().position(|known| known.of == *key);
+            at.push(there.unwrap_or(resident.len()));
+            if there.is_none() {
+                let found = match kept {
+                    Some(kept) => before.swap_remove(kept),
+                    None => {
+                        let other = other_look(&mut before, (key, &keys));
+                        bring((gpu, assemble, samples), own, (key, level), other)?
+                    }
+                };
+                resident.push(found);
+            }
         }
+        // Other levels, which pictures blend with these.
+        let is_other = |known: &Resident, key: &Key| key.is_like(&known.of) && key.level != known.of.level;
+        before.retain(|known| keys.iter().any(|key| is_other(known, key)));
+        resident.append(&mut before);
         Ok(at)
     }
 }
@@ -417,12 +426,31 @@ impl Layer<'_> {
     }
 }
 
-/// Brings the needed voxels of a level to the device.
+/// The same level of the same volume with a look that no shown one has.
+fn other_look(before: &mut Vec<Resident>, (key, keys): (&Key, &[Key])) -> Option<Resident> {
+    let is_other = |known: &Resident| {
+        known.voxels.is_none()
+            && known.of.level == key.level
+            && key.is_like(&known.of)
+            && !keys.contains(&known.of)
+    };
+    let found = before.iter().position(is_other)?;
+    Some(before.swap_remove(found))
+}
+
+/// Brings the needed voxels of a level to the device, or those of them that it lacks with another look.
 fn bring(
     (gpu, assemble, samples): (&GpuDevice, &Pass, &mut KeptSamples),
     own: &Shown<'_>,
-    (key, level): (Key, &Level),
+    (key, level): (&Key, &Level),
+    other: Option<Resident>,
 ) -> Result<Resident, SceneError> {
+    if let Some(mut other) = other
+        && other.atlas.renew((gpu, assemble), &level.field)?
+    {
+        other.of = key.clone();
+        return Ok(other);
+    }
     let (atlas, voxels) = if own.mode().splats_classes() {
         let samples = samples.of(gpu, &key.volume, (key.level, &level.field))?;
         let (atlas, voxels) = Voxels::new(gpu, level, &samples, own.taps())?;
@@ -431,7 +459,7 @@ fn bring(
         (Atlas::new((gpu, assemble), &level.field, own.taps())?, None)
     };
     Ok(Resident {
-        of: key,
+        of: key.clone(),
         atlas,
         voxels,
     })

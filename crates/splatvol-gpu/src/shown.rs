@@ -155,12 +155,19 @@ pub(crate) struct Key {
     wanted: Wanted,
 }
 
-impl Key {
-    /// Whether another is of the same but for the level.
-    pub(crate) fn is_like(&self, other: &Self) -> bool {
-        Weak::ptr_eq(&self.volume, &other.volume)
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        self.is_like(other)
+            && self.level == other.level
             && self.transfer_function == other.transfer_function
             && self.unit_distance == other.unit_distance
+    }
+}
+
+impl Key {
+    /// Whether another is of the same but for the level and the look.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        Weak::ptr_eq(&self.volume, &other.volume)
             && self.kernel == other.kernel
             && self.prefilter == other.prefilter
             && self.wanted == other.wanted

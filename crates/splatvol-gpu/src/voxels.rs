@@ -91,7 +91,7 @@ impl Voxels {
     ) -> Result<(Atlas, Self), SceneError> {
         let field = &level.field;
         let firsts = level.visible.iter().map(|&brick| field.brick_first(brick));
-        let atlas = Atlas::empty(gpu, (field.dims(), firsts), (taps, 4))?;
+        let atlas = Atlas::empty(gpu, (field.dims(), firsts.collect()), (taps, 4))?;
         if atlas.is_paged() {
             return Err(gpu.failed(&format!(
                 "the visible voxels, which are classified first, need {} pages, the budget of {} MiB has room for {}",

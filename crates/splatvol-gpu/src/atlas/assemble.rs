@@ -66,7 +66,7 @@ impl Parts {
 
 impl AtlasLayout {
     /// Needed bricks that meet a needed page.
-    fn bricks_of(&self, needed: usize) -> &[u32] {
+    pub(super) fn bricks_of(&self, needed: usize) -> &[u32] {
         let start = needed.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.bricks[start..self.ends[needed]]
     }

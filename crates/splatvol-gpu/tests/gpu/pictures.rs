@@ -354,6 +354,26 @@ fn pictures_are_repeated_to_the_bit_after_an_edit_and_back() {
     assert_eq!(gpu.statistics().engine, "gpu");
 }
 
+/// Pages that another look leaves as they are stay on the device; others come, go, and change.
+#[test]
+fn edited_pictures_are_those_of_a_new_engine() {
+    let Some(mut kept) = gpu() else { return };
+    let mut scene = scene(Sample::Head, 40);
+    let camera = camera(&scene, PROJECTIONS[0]);
+    let settings = sized(RenderSettings::fast(), 48);
+    let looks = [[0.2, 1.0], [0.22, 1.0], [0.6, 1.0], [0.22, 1.0], [0.1, 1.0]];
+    for (at, range) in looks.into_iter().enumerate() {
+        let color = [0.9, 0.2 * at as f64, 0.3];
+        *scene.transfer_function_mut().unwrap() =
+            splatvol_testing::transfer::linear_extinction(range, 2.0, color);
+        let Some(mut fresh) = gpu() else { return };
+        let wanted = fresh.render(&scene, &camera, &settings).unwrap();
+        let found = kept.render(&scene, &camera, &settings).unwrap();
+        assert_eq!(found.image.pixels, wanted.image.pixels, "{at}");
+        assert_eq!(found.depth, wanted.depth, "{at}");
+    }
+}
+
 /// What a pixel has of planes is made again where a dispatch ends; what it has of the picture, and of cuts, is kept.
 #[test]
 fn pictures_do_not_depend_on_how_they_are_divided() {
