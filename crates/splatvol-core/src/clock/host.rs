@@ -1,5 +1,10 @@
 //! Clock set by the host: WebAssembly has none of its own, and std's panics there.
 
+#![cfg_attr(
+    not(target_family = "wasm"),
+    expect(unreachable_pub, reason = "elsewhere only tests use it")
+)]
+
 use std::ops::Sub;
 use std::sync::OnceLock;
 use std::time::Duration;
