@@ -66,9 +66,10 @@ struct Frame {
     falls: vec4<f32>,
     // Middle of the lattice; distances from it within which all weights lie on the lattice, and coverage is one.
     middle: vec3<f32>,
-    unused_0: u32,
+    // Share of the extinction that is shown in interval 0, where two levels lie side by side, and its change to the next.
+    share: f32,
     interior: vec3<f32>,
-    unused_1: u32,
+    share_step: f32,
 }
 
 struct Sheet {

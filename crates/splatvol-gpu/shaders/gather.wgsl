@@ -39,6 +39,18 @@ fn add_material(at: u32, own: Ink) {
     gathered[at + 1u] = vec4(both, depth, 0.0, 0.0);
 }
 
+// Material with a share of its extinction: `T^s`, in the same colour.
+fn thinned(own: Ink, share: f32) -> Ink {
+    let opacity = 1.0 - own.transmittance;
+    var less = 1.0 - exp2(log2(max(own.transmittance, 1.2e-38)) * share);
+    if opacity < THIN_OPACITY {
+        let series = opacity * ((1.0 - share) * (2.0 - share) / 6.0) + 0.5 * (1.0 - share);
+        less = (series * opacity + 1.0) * opacity * share;
+    }
+    let ratio = less / max(opacity, 1.2e-38);
+    return Ink(own.color * ratio, 1.0 - less, own.depth_sum * ratio);
+}
+
 fn show(pixel: ptr<function, Pixel>, near: u32) {
     let left = (*pixel).ink.transmittance;
     if left < frame.termination {
@@ -47,7 +59,11 @@ fn show(pixel: ptr<function, Pixel>, near: u32) {
     // As if nothing were in front of it.
     (*pixel).ink = Ink(vec3(0.0), 1.0, 0.0);
     shade(pixel, near);
-    let own = (*pixel).ink;
+    let share = clamp(frame.share + f32(near) * frame.share_step, 0.0, 1.0);
+    var own = (*pixel).ink;
+    if share < 1.0 {
+        own = thinned(own, share);
+    }
     (*pixel).ink = Ink(vec3(0.0), left, 0.0);
     if own.transmittance < 1.0 {
         let place = vec2<u32>((*pixel).offset + frame.principal) - vec2(0u, frame.first_tile_row * TILE_HEIGHT);

@@ -90,9 +90,7 @@ impl GpuEngine {
             .await?;
         let mut statistics = RenderStatistics {
             seconds,
-            engine: "gpu",
-            device: self.gpu.name.clone(),
-            ..RenderStatistics::default()
+            ..statistics_of(&self.gpu)
         };
         statistics.seconds.total = start.elapsed().as_secs_f64();
         Ok(statistics)
@@ -128,14 +126,36 @@ impl GpuEngine {
     ) -> Result<RenderStatistics, SceneError> {
         let start = Instant::now();
         let placed = self.layers.place(shot, supported(shot)?)?;
+        let segments = self.layers.segments(shot, &placed)?;
+        if let [first, .., last] = &segments[..] {
+            let mut statistics = RenderStatistics {
+                level: first.level,
+                levels: 1 + last.level - first.level,
+                ..statistics_of(&self.gpu)
+            };
+            let canvas = canvas_of(&mut self.canvas, &self.gpu, shot.settings.size)?;
+            let surface = Surface {
+                gpu: &self.gpu,
+                pipelines: &mut self.pipelines,
+                canvas,
+            };
+            self.layers
+                .behind_each_other(
+                    (shot, &placed),
+                    &segments,
+                    (surface, frame, task),
+                    &mut statistics,
+                )
+                .await?;
+            statistics.seconds.total = start.elapsed().as_secs_f64();
+            return Ok(statistics);
+        }
         let details: Vec<_> = placed.shown.iter().map(|own| own.detail(shot.camera)).collect();
         let mut levels: Vec<usize> = details.iter().map(|detail| detail.level).collect();
         let mut statistics = RenderStatistics {
-            engine: "gpu",
-            device: self.gpu.name.clone(),
             level: levels.first().copied().unwrap_or(0),
             levels: 1 + usize::from(details.iter().any(|detail| detail.coarser > 0.0)),
-            ..RenderStatistics::default()
+            ..statistics_of(&self.gpu)
         };
         self.once((shot, &placed), &levels, (&mut *frame, task), &mut statistics)
             .await?;
@@ -173,6 +193,15 @@ impl GpuEngine {
         let statistics = self.picture(*shot, &mut whole, task).await?;
         *frame = whole.cut(window.x0..window.x1, window.y0..window.y1)?;
         Ok(statistics)
+    }
+}
+
+/// Statistics of a picture by a device.
+fn statistics_of(gpu: &GpuDevice) -> RenderStatistics {
+    RenderStatistics {
+        engine: "gpu",
+        device: gpu.name.clone(),
+        ..RenderStatistics::default()
     }
 }
 

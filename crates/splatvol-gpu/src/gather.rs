@@ -119,9 +119,19 @@ impl Gather<'_> {
     /// A stopped picture, or a device that fails.
     pub(crate) async fn render(mut self, task: Task<'_>, frame: &mut Frame) -> Result<usize, SceneError> {
         let gpu = self.gpu;
-        gpu.scoped(|_| self.submit(task))??;
+        self.canvas.clear(gpu, self.clear)?;
+        self.add(task)?;
         self.canvas.resolve(gpu, frame, 0.0).await?;
         Ok(self.clouds.iter().map(CloudLayer::bytes).sum())
+    }
+
+    /// Adds what they show behind what the canvas has.
+    ///
+    /// # Errors
+    /// A stopped picture, or a device that fails.
+    pub(crate) fn add(&mut self, task: Task<'_>) -> Result<(), SceneError> {
+        let gpu = self.gpu;
+        gpu.scoped(|_| self.submit(task))?
     }
 
     /// Intervals from front to back.
@@ -140,7 +150,6 @@ impl Gather<'_> {
         let size = bands.pixels() * u64::from(bands.intervals) * MATERIAL;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let gathered = self.gpu.buffer("gathered", size, usage);
-        self.canvas.clear(self.gpu, self.clear);
         let pixels = self.mixed_data();
         let mut volumes: Vec<Begun<'_>> = self
             .volumes

@@ -1,11 +1,14 @@
-//! Layers: the volumes of a scene on common planes, each with its own level, kernel, table and effects; and its clouds.
+//! Layers: the volumes of a scene on common planes, each with its own level, kernel, table and effects; and its clouds. Levels of
+//! one volume lie behind each other ([`segments`]).
+
+mod segments;
 
 use std::sync::{Arc, Weak};
 
 use glam::DAffine3;
 use splatvol_core::engine::{RenderStatistics, Shot, Task};
 use splatvol_core::level::{Level, Wanted};
-use splatvol_core::plan::{GridView, Rays, Sampling, on_common_planes};
+use splatvol_core::plan::{GridView, Rays, on_common_planes};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
 use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Volume};
 
@@ -161,7 +164,8 @@ impl LayerStore {
         } = self;
         let classified = classify(prepared, (shown, levels), task, statistics)?;
         let views = views(camera, shown, &classified);
-        let at = on_device.reside((gpu, &pipelines.assemble), (shown, levels), &classified)?;
+        let all: Vec<&Shown<'_>> = shown.iter().collect();
+        let at = on_device.reside((gpu, &pipelines.assemble), (&all, levels), &classified)?;
         let meshes: Vec<OfMesh<'_>> = placed.meshes.iter().map(ShownMesh::cloud).collect();
         let view = (camera, shot.settings, &placed.sheets);
         clouds.update(gpu, (&placed.rest, &meshes), view, task)?;
@@ -286,15 +290,19 @@ fn classify<'p>(
     for ((pyramid, own), &level) in pyramids.iter_mut().zip(shown).zip(levels) {
         let look = (own.transfer_function, own.unit_distance);
         let level = pyramid.classify(level, look, Wanted::of(&own.settings), task.stop)?;
-        level.count_work(statistics);
-        statistics.active_bricks += if own.mode().splats_classes() {
-            level.visible.len()
-        } else {
-            level.field.len()
-        };
+        count(own, level, statistics);
         classified.push(level);
     }
     Ok(classified)
+}
+
+/// Counts what was done for a level, and what it has.
+fn count(own: &Shown<'_>, level: &Level, statistics: &mut RenderStatistics) {
+    level.count_work(statistics);
+    statistics.active_bricks += match own.mode().splats_classes() {
+        true => level.visible.len(),
+        false => level.field.len(),
+    };
 }
 
 /// Views of the levels, on common planes.
@@ -302,14 +310,7 @@ fn views(camera: &Camera, shown: &[Shown<'_>], classified: &[&Level]) -> Vec<Gri
     let grids: Vec<_> = shown
         .iter()
         .zip(classified)
-        .map(|(own, level)| {
-            let sampling = if own.mode().splats_classes() {
-                Sampling::Planes
-            } else {
-                Sampling::Field
-            };
-            (level.field.source().grid(), own.settings, sampling)
-        })
+        .map(|(own, level)| (level.field.source().grid(), own.settings, own.sampling()))
         .collect();
     on_common_planes(&grids, camera)
 }
@@ -319,7 +320,7 @@ impl OnDevice {
     fn reside(
         &mut self,
         (gpu, assemble): (&GpuDevice, &Pass),
-        (shown, levels): (&[Shown<'_>], &[usize]),
+        (shown, levels): (&[&Shown<'_>], &[usize]),
         classified: &[&Level],
     ) -> Result<Vec<usize>, SceneError> {
         let keys: Vec<Key> = shown
@@ -422,6 +423,7 @@ impl Layer<'_> {
             canvas,
             picture: self.picture(),
             voxels: voxels.as_ref().zip(passes.classify.as_deref()),
+            share: [1.0, 0.0],
         }
     }
 }

@@ -61,9 +61,9 @@ pub(crate) struct FrameData {
     pub gradient_from_lattice: [[f32; 4]; 3],
     pub falls: [f32; 4],
     pub middle: [f32; 3],
-    pub unused_0: u32,
+    pub share: f32,
     pub interior: [f32; 3],
-    pub unused_1: u32,
+    pub share_step: f32,
 }
 
 /// A plane: `Sheet` in WGSL.
@@ -101,6 +101,7 @@ impl FrameData {
             specular: light.specular,
             power: light.power,
             floor_squared: light.floor_squared,
+            share: 1.0,
             ..Self::zeroed()
         }
     }
@@ -149,7 +150,7 @@ impl Picture<'_> {
             shows_background: u32::from(level.table.shows_background),
             voxel: voxel as f32,
             from_interval: view.first_shown() as u32,
-            to_interval: count as u32 - 1,
+            to_interval: (view.end_shown() + before) as u32,
             first_plane: self.first_plane() as f32,
             unit_distance: unit_distance as f32,
             camera_from_lattice: columns(&view.camera_from_lattice()),

@@ -54,11 +54,16 @@ impl Canvas {
     }
 
     /// Empties the picture.
-    pub(crate) fn clear(&self, gpu: &GpuDevice, pass: &Pass) {
-        let mut commands = gpu.commands();
-        let bound = [(0, &self.colors), (1, &self.depths)];
-        pass.run(gpu, &mut commands, &bound, groups(self.pixels as u32, 256));
-        gpu.queue.submit([commands.finish()]);
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub(crate) fn clear(&self, gpu: &GpuDevice, pass: &Pass) -> Result<(), SceneError> {
+        gpu.scoped(|gpu| {
+            let mut commands = gpu.commands();
+            let bound = [(0, &self.colors), (1, &self.depths)];
+            pass.run(gpu, &mut commands, &bound, groups(self.pixels as u32, 256));
+            gpu.queue.submit([commands.finish()]);
+        })
     }
 
     /// Brings the picture to a frame, over a background of this opacity whose light it has already.
@@ -121,6 +126,8 @@ pub(crate) struct March<'a> {
     pub picture: Picture<'a>,
     /// Voxels that are classified before they are splatted, and the pass for it.
     pub voxels: Option<(&'a Voxels, &'a Pass)>,
+    /// The share of its extinction in interval 0, and its change to the next: one and none, unless two levels fade.
+    pub share: [f32; 2],
 }
 
 /// Buffers of one picture, bound to its passes.
@@ -138,8 +145,17 @@ impl March<'_> {
     /// # Errors
     /// A stopped picture, or a device that fails.
     pub(crate) async fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
-        self.gpu.scoped(|_| self.submit(&self.data(), task))??;
+        self.canvas.clear(self.gpu, &self.pipelines.clear)?;
+        self.add(task)?;
         self.canvas.resolve(self.gpu, frame, 0.0).await
+    }
+
+    /// Adds what it shows behind what the canvas has.
+    ///
+    /// # Errors
+    /// A stopped picture, or a device that fails.
+    pub(crate) fn add(&self, task: Task<'_>) -> Result<(), SceneError> {
+        self.gpu.scoped(|_| self.submit(&self.data(), task))?
     }
 
     /// The frame's data, with the places of the volume's pages.
@@ -154,6 +170,8 @@ impl March<'_> {
             hull: self.mode.hull(self.picture.level),
             // Rays through a body add its own light up.
             lit: if self.mode == Mode::Xray { 0 } else { frame.lit },
+            share: self.share[0],
+            share_step: self.share[1],
             ..frame
         }
     }
@@ -161,7 +179,6 @@ impl March<'_> {
     /// Submits all passes; waits for each part but the last two, so that a stopped picture ends soon.
     fn submit(&self, data: &FrameData, task: Task<'_>) -> Result<(), SceneError> {
         let [_, depths] = self.canvas.targets();
-        self.canvas.clear(self.gpu, &self.pipelines.clear);
         let bound = self.begin(data, depths);
         let intervals = data.from_interval..data.to_interval;
         let most = self.intervals_together(self.canvas.pixels);

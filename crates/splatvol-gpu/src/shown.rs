@@ -5,6 +5,7 @@ use std::sync::{Arc, Weak};
 use splatvol_core::classification::ClassificationTable;
 use splatvol_core::engine::Shot;
 use splatvol_core::level::{Detail, Wanted};
+use splatvol_core::plan::Sampling;
 use splatvol_core::scene_cloud;
 use splatvol_core::shade_table::ShadeTable;
 use splatvol_core::visibility::VisibleLevels;
@@ -133,13 +134,31 @@ impl Shown<'_> {
         Mode::of(Wanted::of(&self.settings), &self.settings.method, &self.effects)
     }
 
-    /// Its level of detail. Labels are lit by their own shapes, analytic gradients show the field as it is: both have none.
+    /// Whether it has levels of detail. Labels are lit by their own shapes, analytic gradients show the field as it is: both
+    /// have none.
+    pub(crate) fn has_levels(&self) -> bool {
+        let is_exact = self.settings.method.gradient == Gradient::Analytic;
+        !self.labels && (self.mode().splats_classes() || !is_exact)
+    }
+
+    /// Its level of detail.
     pub(crate) fn detail(&self, camera: &Camera) -> Detail {
-        let method = &self.settings.method;
-        if self.labels || (!self.mode().splats_classes() && method.gradient == Gradient::Analytic) {
-            return Detail::FINEST;
+        match self.has_levels() {
+            true => Detail::new(
+                &self.volume,
+                camera,
+                (self.settings.size, self.settings.method.level_bias),
+            ),
+            false => Detail::FINEST,
         }
-        Detail::new(&self.volume, camera, (self.settings.size, method.level_bias))
+    }
+
+    /// How its voxels are sampled.
+    pub(crate) fn sampling(&self) -> Sampling {
+        match self.mode().splats_classes() {
+            true => Sampling::Planes,
+            false => Sampling::Field,
+        }
     }
 }
 

@@ -13,9 +13,10 @@
 //! suits all ([`Detail`](super::Detail)).
 
 use glam::DVec3;
-use splatvol_scene::{Camera, Grid, ImageSize, Volume};
+use splatvol_scene::{Camera, Grid, ImageSize, RenderSettings, SceneError, SheetSettings, Volume};
 
-use super::{FINEST, most_halves};
+use super::{FINEST, Pyramid, most_halves};
+use crate::plan::{Sampling, Segment, behind_each_other};
 
 /// Ratio of the largest to the smallest scale of a volume from which on its levels are chosen by depth.
 const CHANGE: f64 = 3.0;
@@ -56,6 +57,30 @@ pub fn by_depth(volume: &Volume, camera: &Camera, (size, bias): (ImageSize, f64)
         },
     };
     levels.map(until).collect()
+}
+
+impl Pyramid {
+    /// The parts of the rays that levels show, behind each other; none where one level is enough.
+    ///
+    /// # Errors
+    /// Samples that cannot be read.
+    pub fn segments(
+        &mut self,
+        volume: &Volume,
+        (camera, settings): (&Camera, &RenderSettings<SheetSettings>),
+        sampling: Sampling,
+    ) -> Result<Vec<Segment>, SceneError> {
+        let levels = by_depth(volume, camera, (settings.size, settings.method.level_bias));
+        let grids = levels.iter().map(|own| self.grid(own.level));
+        let grids: Vec<_> = grids.collect::<Result<_, _>>()?;
+        let ends: Vec<f64> = levels.iter().map(|own| own.end).collect();
+        let segments = behind_each_other(&grids, &ends, (camera, settings), sampling);
+        let numbered = |segment: Segment| Segment {
+            level: levels[segment.level].level,
+            ..segment
+        };
+        Ok(segments.into_iter().flatten().map(numbered).collect())
+    }
 }
 
 /// Smallest and largest depth of a grid's box.

@@ -254,6 +254,11 @@ impl GridView {
         self.sheets.first_shown
     }
 
+    /// One past the last visible interval between planes.
+    pub fn end_shown(&self) -> usize {
+        self.sheets.end
+    }
+
     /// Whether the grid, grown by the reach of its kernel, extends behind a camera in perspective, or beyond the
     /// plane of parallel rays' origins.
     pub fn holds_eye(&self) -> bool {

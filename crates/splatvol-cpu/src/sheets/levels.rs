@@ -1,14 +1,14 @@
 //! Levels of detail of a single volume: one, two that are blended, or several behind each other.
 //!
-//! Levels behind each other ([`by_depth`]) are passes over the tiles, nearest first: of a level, then of two that lie side
+//! Levels behind each other ([`splatvol_core::level::by_depth`]) are passes over the tiles, nearest first: of a level, then of two that lie side
 //! by side as one fades into the next. A pass composites its intervals on the canvases that the passes before it left, and
 //! skips the pixels that those finished. So two levels at most are in memory at once, and what near voxels hide is neither
 //! read nor splatted. Only composited pictures have them: the largest value of a ray, its mean and its integral are of
 //! one level.
 
 use splatvol_core::engine::{RenderStatistics, Task};
-use splatvol_core::level::{Detail, Wanted, blend, by_depth};
-use splatvol_core::plan::{Segment, behind_each_other};
+use splatvol_core::level::{Detail, Wanted, blend};
+use splatvol_core::plan::Segment;
 use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use super::engine::{SheetEngine, sampling};
@@ -76,22 +76,10 @@ impl SheetEngine {
         if !composites || !scene.effects.clips.is_empty() || !has_levels(scene.labels, settings) {
             return Ok(Vec::new());
         }
-        let levels = by_depth(&scene.volume, camera, (settings.size, settings.method.level_bias));
-        if levels.is_empty() {
-            return Ok(Vec::new());
-        }
         let [pyramid, ..] = self.prepared.of_scene(std::iter::once(&scene.volume), settings) else {
             return Ok(Vec::new());
         };
-        let grids = levels.iter().map(|own| pyramid.grid(own.level));
-        let grids: Vec<_> = grids.collect::<Result<_, _>>()?;
-        let ends: Vec<f64> = levels.iter().map(|own| own.end).collect();
-        let segments = behind_each_other(&grids, &ends, (camera, settings), sampling(settings));
-        let numbered = |segment: Segment| Segment {
-            level: levels[segment.level].level,
-            ..segment
-        };
-        Ok(segments.into_iter().flatten().map(numbered).collect())
+        pyramid.segments(&scene.volume, (camera, settings), sampling(settings))
     }
 
     /// Renders levels behind each other, nearest first.

@@ -107,7 +107,7 @@ fn layouts_agree_and_shaders_are_valid() {
             first_plane unit_distance camera_from_lattice bodies isosurfaces
             first_isosurface channel_layers first_tile_row gather_offset
             band_pixels gathered_intervals gradient_from_lattice falls
-            middle unused_0 interior unused_1);
+            middle share interior share_step);
         assert_eq!(found, wanted);
         assert_eq!(size as usize, size_of::<FrameData>());
         let (found, size) = members(&module, "Sheet");

@@ -134,6 +134,7 @@ impl Subject {
                 effects: &Effects::default(),
             },
             voxels: None,
+            share: [1.0, 0.0],
         };
         let library = self.mode.library(false);
         let text = [

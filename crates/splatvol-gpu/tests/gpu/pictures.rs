@@ -354,6 +354,38 @@ fn pictures_are_repeated_to_the_bit_after_an_edit_and_back() {
     assert_eq!(gpu.statistics().engine, "gpu");
 }
 
+/// Close to a volume its levels lie behind each other, each fading into the next.
+#[test]
+fn levels_behind_each_other_are_the_cpu_s() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
+    // Of thin shells, close, the CPU's narrower kernels show more.
+    for (sample, of_values, of_classes) in [(Sample::Ball, 53.0, 70.0), (Sample::Shells, 44.0, 62.0)] {
+        let scene = scene(sample, 96);
+        let bounds = scene.bounds().unwrap();
+        let size = bounds.max - bounds.min;
+        let eye = bounds.centre() + DVec3::new(0.1, -0.5, 0.05) * size;
+        let target = bounds.centre() + DVec3::new(-0.1, 0.5, 0.0) * size;
+        let wide = Projection::Perspective { fov_degrees: 70.0 };
+        let camera = Camera::new(eye, target, DVec3::Z, wide).unwrap();
+        let fast = sized(RenderSettings::fast(), 64);
+        let pre = checked(FlatSettings {
+            classification: Classification::Pre,
+            ..fast.into()
+        });
+        for (name, settings, decibels) in [("post", fast, of_values), ("pre", pre, of_classes)] {
+            let own = gpu.render(&scene, &camera, &settings).unwrap();
+            let wanted = cpu.render(&scene, &camera, &settings).unwrap();
+            assert_eq!(gpu.statistics().levels, cpu.statistics().levels);
+            assert!(gpu.statistics().levels > 1);
+            let what = format!("gpu-by-depth-{}-{name}", sample.name());
+            assert_images(&what, &own.image, &wanted.image, Tolerance::psnr(decibels));
+            let again = gpu.render(&scene, &camera, &settings).unwrap();
+            assert_eq!(own.image.pixels, again.image.pixels, "{what}");
+        }
+    }
+}
+
 /// Pages that another look leaves as they are stay on the device; others come, go, and change.
 #[test]
 fn edited_pictures_are_those_of_a_new_engine() {
