@@ -71,12 +71,17 @@ pub(crate) fn supported<'a>(shot: &Shot<'a>) -> Result<Drawn<'a>, SceneError> {
     for item in &shot.scene.items {
         add(&mut drawn, shot.scene, item)?;
     }
-    let is_one_volume = matches!(&shot.scene.items[..], [_]) && !drawn.volumes.is_empty();
-    if !is_one_volume && !matches!(sheets.shows, Shows::Material(_)) {
+    let all_are_volumes = drawn.volumes.len() == shot.scene.items.len();
+    let is_drawn = match sheets.shows {
+        Shows::Material(_) => true,
+        Shows::Xray => all_are_volumes,
+        _ => all_are_volumes && drawn.volumes.len() == 1,
+    };
+    if !is_drawn {
         return refuse(
-            "on the GPU, X-rays, maxima, minima or means of anything but one volume",
-            "the GPU engine composites the material of scenes of several things, and of meshes, points and Gaussians; their X-rays, and \
-             values of meshes, are drawn by the engine cpu",
+            "on the GPU, X-rays of anything but volumes, or maxima, minima or means of anything but one volume",
+            "the GPU engine composites the material of meshes, points and Gaussians; their X-rays, and values of meshes, are drawn by the \
+             engine cpu",
         );
     }
     Ok(drawn)

@@ -10,7 +10,7 @@ use splatvol_core::engine::{RenderStatistics, Shot, Task};
 use splatvol_core::level::{Level, Wanted};
 use splatvol_core::plan::{GridView, Rays, on_common_planes};
 use splatvol_core::prepared::{PreparedVolumes, SPARE};
-use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Volume};
+use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SheetSettings, Shows, Volume};
 
 use crate::atlas::Atlas;
 use crate::check::Drawn;
@@ -179,7 +179,9 @@ impl LayerStore {
                 resident: &on_device.resident[at[i]],
             })
             .collect();
-        let gathers = shown.len() > 1 || placed.has_clouds();
+        // Integrals along rays add up, whatever lies before or behind.
+        let integrates = placed.sheets.method.shows == Shows::Xray;
+        let gathers = !integrates && (shown.len() > 1 || placed.has_clouds());
         let passes: Vec<Passes> = layers
             .iter()
             .map(|layer| layer.passes(gpu, pipelines, gathers))
@@ -205,7 +207,19 @@ impl LayerStore {
             .collect();
         *cloud_bytes = 0;
         match mixture {
-            None => marches[0].render(task, frame).await?,
+            None => {
+                canvas.clear(gpu, &pipelines.clear)?;
+                for (at, march) in marches.iter().enumerate() {
+                    let share = |done: f64| (task.progress)((at as f64 + done) / marches.len() as f64);
+                    let part = Task {
+                        progress: &share,
+                        ..task
+                    };
+                    let settles = at + 1 == marches.len();
+                    March { settles, ..*march }.add(part)?;
+                }
+                canvas.resolve(gpu, frame, 0.0).await?;
+            }
             Some(mixture) => {
                 let own_spacing = views.first().map(GridView::spacing);
                 let drawn = match &cloud_passes {
@@ -424,6 +438,7 @@ impl Layer<'_> {
             picture: self.picture(),
             voxels: voxels.as_ref().zip(passes.classify.as_deref()),
             share: [1.0, 0.0],
+            settles: true,
         }
     }
 }

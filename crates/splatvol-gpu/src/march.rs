@@ -128,6 +128,8 @@ pub(crate) struct March<'a> {
     pub voxels: Option<(&'a Voxels, &'a Pass)>,
     /// The share of its extinction in interval 0, and its change to the next: one and none, unless two levels fade.
     pub share: [f32; 2],
+    /// Whether it is the last whose integrals are added up on the canvas, which become pixels then.
+    pub settles: bool,
 }
 
 /// Buffers of one picture, bound to its passes.
@@ -140,16 +142,6 @@ pub(crate) struct Bound {
 }
 
 impl March<'_> {
-    /// Renders into a frame.
-    ///
-    /// # Errors
-    /// A stopped picture, or a device that fails.
-    pub(crate) async fn render(&self, task: Task<'_>, frame: &mut Frame) -> Result<(), SceneError> {
-        self.canvas.clear(self.gpu, &self.pipelines.clear)?;
-        self.add(task)?;
-        self.canvas.resolve(self.gpu, frame, 0.0).await
-    }
-
     /// Adds what it shows behind what the canvas has.
     ///
     /// # Errors
@@ -197,7 +189,8 @@ impl March<'_> {
                 ..*data
             };
             from += step;
-            let submitted = self.dispatch((&part, data.tiles[1]), &bound, part.to_interval == intervals.end);
+            let is_last = self.settles && part.to_interval == intervals.end;
+            let submitted = self.dispatch((&part, data.tiles[1]), &bound, is_last);
             if let Some(before) = before.replace(submitted) {
                 self.gpu.wait(Some(before))?;
                 task.report(f64::from(from - intervals.start) / intervals.len() as f64);

@@ -135,6 +135,7 @@ impl Subject {
             },
             voxels: None,
             share: [1.0, 0.0],
+            settles: true,
         };
         let library = self.mode.library(false);
         let text = [

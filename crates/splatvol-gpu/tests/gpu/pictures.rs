@@ -3,8 +3,8 @@
 use splatvol::glam::{DAffine3, DQuat, DVec3};
 use splatvol::samples::Sample;
 use splatvol::{
-    Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Grid, Item,
-    LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene,
+    Camera, Classification, Clip, ColorPoint, Compositing, EngineConfig, Filter, FlatSettings, Frame, Grid,
+    Item, LengthUnit, OpacityPoint, Projection, RenderSettings, Renderer, Rescale, Samples, Scene,
     TransferFunction, Volume,
 };
 use splatvol_gpu::{GpuConfig, GpuEngine};
@@ -384,6 +384,47 @@ fn levels_behind_each_other_are_the_cpu_s() {
             assert_eq!(own.image.pixels, again.image.pixels, "{what}");
         }
     }
+}
+
+/// X-rays of several volumes: optical depths are the sums of each volume's own, and pictures the CPU's, which splats kernels
+/// that are cut.
+#[test]
+fn x_rays_of_volumes_add_up() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = Renderer::new(EngineConfig::default()).unwrap();
+    let settings = checked(FlatSettings {
+        compositing: Compositing::Xray,
+        ..sized(RenderSettings::fast(), 64).into()
+    });
+    let of_shells = scene(Sample::Shells, 32);
+    let mut of_ball = scene(Sample::Ball, 24);
+    *of_ball.transfer_function_mut().unwrap() =
+        splatvol_testing::transfer::constant_extinction(0.1, [0.2, 0.6, 0.9]);
+    let span = |scene: &Scene| scene.bounds().unwrap().max[0] - scene.bounds().unwrap().min[0];
+    let beside = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.6 * span(&of_shells) / span(&of_ball)),
+        DQuat::from_rotation_z(0.4),
+        DVec3::new(0.2, -0.3, 0.1) * span(&of_shells),
+    );
+    let ball = of_ball.items.remove(0).at(beside);
+    let both = Scene::of_items(vec![of_shells.items[0].clone(), ball.clone()]).unwrap();
+    let camera = camera(&both, PROJECTIONS[0]);
+    let mut own = |scene: &Scene| gpu.render(scene, &camera, &settings).unwrap();
+    let [of_shells, of_ball, of_both] = [&of_shells, &Scene::from(ball), &both].map(&mut own);
+    let seen = |frame: &Frame| frame.optical_depth.iter().filter(|&&depth| depth > 0.01).count();
+    assert!(
+        seen(&of_shells) > 400 && seen(&of_ball) > 100,
+        "{} {}",
+        seen(&of_shells),
+        seen(&of_ball)
+    );
+    // The planes of both are those of the finer one.
+    let parts = of_shells.optical_depth.iter().zip(&of_ball.optical_depth);
+    for ((a, b), found) in parts.zip(&of_both.optical_depth) {
+        assert!((a + b - found).abs() < 2e-3 * (1.0 + found), "{a} + {b}: {found}");
+    }
+    let wanted = cpu.render(&both, &camera, &settings).unwrap();
+    assert_images("gpu-x-rays", &of_both.image, &wanted.image, Tolerance::psnr(42.0));
 }
 
 /// Pages that another look leaves as they are stay on the device; others come, go, and change.
