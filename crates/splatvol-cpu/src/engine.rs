@@ -1,6 +1,7 @@
 //! CPU engine: selects the render loop for a scene, and caches data derived from the scene's items.
 
 use fearless_simd::Level;
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
 use splatvol_core::prepared::SPARE;
 use splatvol_scene::{Frame, RenderSettings, SceneError, SheetSettings};
@@ -18,7 +19,6 @@ use crate::sheets::engine::SheetEngine;
 use crate::sheets::scene::LayeredScene;
 use crate::sheets::tiles::TILE_EDGE;
 use crate::splats::{Cloud, SplatEngine};
-use splatvol_core::clock::Instant;
 
 /// Renders scenes on the CPU.
 #[derive(Debug)]

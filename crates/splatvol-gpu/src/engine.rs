@@ -1,6 +1,7 @@
 //! GPU engine: renders frames from cached state, as the engines of `splatvol-cpu` do.
 
 use splatvol_core::bin::TileRect;
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{Engine, MemoryUse, RenderStatistics, Shot, Task};
 use splatvol_core::level::blend;
 use splatvol_scene::{Frame, ImageSize, SceneError};
@@ -13,7 +14,6 @@ use crate::layers::{LayerStore, Surface};
 use crate::march::Canvas;
 use crate::pipelines::Pipelines;
 use crate::shown::Placed;
-use splatvol_core::clock::Instant;
 
 /// Renders scenes on a GPU.
 #[derive(Debug)]
@@ -127,7 +127,7 @@ impl GpuEngine {
         let start = Instant::now();
         let placed = self.layers.place(shot, supported(shot)?)?;
         let segments = self.layers.segments(shot, &placed)?;
-        if let [first, .., last] = &segments[..] {
+        if let (Some(first), Some(last)) = (segments.first(), segments.last()) {
             let mut statistics = RenderStatistics {
                 level: first.level,
                 levels: 1 + last.level - first.level,

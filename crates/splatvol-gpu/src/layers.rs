@@ -6,6 +6,7 @@ mod segments;
 use std::sync::{Arc, Weak};
 
 use glam::DAffine3;
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Shot, Task};
 use splatvol_core::level::{Level, Wanted};
 use splatvol_core::plan::{GridView, Rays, on_common_planes};
@@ -24,7 +25,6 @@ use crate::pass::Pass;
 use crate::pipelines::{Classify, Marches, Pipelines, Variant};
 use crate::shown::{Key, Placed, Shown, ShownMesh};
 use crate::voxels::{KeptSamples, Voxels};
-use splatvol_core::clock::Instant;
 
 /// Volumes kept on the host and on the device.
 #[derive(Debug)]

@@ -37,6 +37,7 @@ mod turns;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, StageSeconds};
 use splatvol_core::splats::Profile;
 use splatvol_scene::{Camera, Frame, RenderSettings, SceneError, SplatSettings};
@@ -48,7 +49,6 @@ use self::profiles::{FootprintProfile, ProfileStore};
 use self::tile::{TileScratch, TileWork};
 use crate::route::VolumeScene;
 use crate::run::Run;
-use splatvol_core::clock::Instant;
 
 /// Keeps the cloud between frames.
 #[derive(Debug, Default)]

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use splatvol_core::bin::{ProjectedBrick, TileGrid, TileLists, TileRect};
 use splatvol_core::brick::ActiveBrick;
 use splatvol_core::classification::ClassificationTable;
+use splatvol_core::clock::Instant;
 use splatvol_core::splats::{CameraView, Profile, Projection, SplatCloud};
 use splatvol_scene::{Camera, MotionBlur, Occlusion, RenderSettings, SplatCompositing, SplatSettings};
 
@@ -14,7 +15,6 @@ use super::raster::Tables;
 use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::splat_light::SplatLight;
-use splatvol_core::clock::Instant;
 
 /// Edge of a tile, pixels, unless the whole picture is one tile.
 const TILE_EDGE: usize = 64;

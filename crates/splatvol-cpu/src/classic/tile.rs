@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use splatvol_core::bin::{ProjectedBrick, TileRect};
+use splatvol_core::clock::Instant;
 use splatvol_core::splats::{Footprint, Profile};
 use splatvol_scene::{Absorption, SplatCompositing};
 
@@ -21,7 +22,6 @@ use super::raster::{Brush, Target};
 use super::sheet::Sheet;
 use super::turns::{Turns, ordered};
 use crate::room::grow_with;
-use splatvol_core::clock::Instant;
 
 /// Splats between two checks for cancellation.
 const PATIENCE: usize = 64;

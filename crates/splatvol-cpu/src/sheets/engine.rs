@@ -1,6 +1,7 @@
 //! Sheet engine: renders frames from cached state. A new camera costs only a frame, a new transfer function only
 //! the parts that it changes, a new volume everything.
 
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::field::FieldStore;
 use splatvol_core::plan::{Bricks, GridView, Ramp, Sampling};
@@ -27,7 +28,6 @@ use crate::phong::Phong;
 use crate::route::VolumeScene;
 use crate::run::Run;
 use crate::sheets::extremum::{Largest, Smallest};
-use splatvol_core::clock::Instant;
 use splatvol_core::level::{Level, Wanted};
 use splatvol_core::prepared::PreparedVolumes;
 

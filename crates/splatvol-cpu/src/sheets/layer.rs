@@ -11,6 +11,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::prelude::*;
+use splatvol_core::clock::Instant;
 use splatvol_core::plan::{Ramp, ZonePlan};
 
 use super::canvas::Canvas;
@@ -20,7 +21,6 @@ use super::mode::Mode;
 use super::place::Place;
 use super::ring::LANES;
 use super::tile::{SheetScratch, SheetWork};
-use splatvol_core::clock::Instant;
 
 /// Sheets whose bricks are fetched from memory together.
 const AHEAD: usize = 3;

@@ -6,6 +6,7 @@
 //! read nor splatted. Only composited pictures have them: the largest value of a ray, its mean and its integral are of
 //! one level.
 
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::level::{Detail, Wanted, blend};
 use splatvol_core::plan::Segment;
@@ -14,7 +15,6 @@ use splatvol_scene::{Camera, Frame, Gradient, RenderSettings, SceneError, SheetS
 use super::engine::{SheetEngine, sampling};
 use crate::route::VolumeScene;
 use crate::run::{Pass, Run};
-use splatvol_core::clock::Instant;
 
 /// A camera, and how it looks.
 type Shot<'a> = (&'a Camera, &'a RenderSettings<SheetSettings>);

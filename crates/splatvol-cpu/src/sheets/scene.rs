@@ -5,6 +5,7 @@
 //! it is without them. A scene without volumes has the planes of the finest mesh or cloud.
 
 use splatvol_core::bin::TileGrid;
+use splatvol_core::clock::Instant;
 use splatvol_core::cloud_planes::own_spacing;
 use splatvol_core::engine::{RenderStatistics, Task};
 use splatvol_core::plan::{GridView, Sampling, on_common_planes};
@@ -33,7 +34,6 @@ use crate::meshes::MeshStore;
 use crate::phong::Phong;
 use crate::route::{MeshScene, VolumeScene};
 use crate::run::Run;
-use splatvol_core::clock::Instant;
 use splatvol_core::level::{Detail, Level, Wanted, blend};
 
 /// Contents of a scene, by layer.

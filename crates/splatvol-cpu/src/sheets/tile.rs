@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::ProjectedBrick;
+use splatvol_core::clock::Instant;
 use splatvol_core::plan::{Evaluation, MAX_BLOCKS, SIZES, SheetShape, blocks_of};
 use splatvol_core::visibility::BRICK_VOXELS;
 
@@ -25,7 +26,6 @@ use super::shade_batch::ShadeBatch;
 use super::sheet::GroupShape;
 use super::splat::{CAPACITY, Payload, Powers, Records, Stencil, origin_point, splat_sized};
 use super::upsample::Upsampler;
-use splatvol_core::clock::Instant;
 
 /// A brick's values.
 #[derive(Debug)]

@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
+use splatvol_core::clock::Instant;
 use splatvol_core::engine::{RenderStatistics, StageSeconds};
 use splatvol_core::plan::{FramePlan, Ramp};
 use splatvol_scene::Frame;
@@ -17,7 +18,6 @@ use super::mode::Mode;
 use super::resolve::{Slots, resolve};
 use super::tile::{SheetScratch, SheetWork};
 use crate::run::Run;
-use splatvol_core::clock::Instant;
 
 /// Largest and default edge of a tile, pixels: few voxels lie in two tiles.
 pub(crate) const TILE_EDGE: usize = 128;

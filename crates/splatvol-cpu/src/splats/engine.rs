@@ -7,6 +7,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DAffine3;
 use rayon::prelude::*;
 use splatvol_core::bin::TileGrid;
+use splatvol_core::clock::Instant;
 use splatvol_core::cloud_view::near_of_gaussians;
 use splatvol_core::engine::StageSeconds;
 use splatvol_core::splats::SplatCloud;
@@ -24,7 +25,6 @@ use super::settings::{BlendMode, CloudSettings, Near, sane};
 use super::view::CloudView;
 use crate::room::grow;
 use crate::run::Run;
-use splatvol_core::clock::Instant;
 
 /// Splats that a thread projects at a time.
 const CHUNK: usize = 4096;

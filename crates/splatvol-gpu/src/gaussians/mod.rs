@@ -19,6 +19,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DAffine3;
+use splatvol_core::clock::Instant;
 use splatvol_core::cloud_view::{
     LEAST_ALPHA, LEAST_RATIO, LEAST_SPREAD, LEAST_TRANSMITTANCE, LOG2_255, MOST_ALPHA, REFERENCE_TILE,
     UNSEEN_ALPHA,
@@ -34,7 +35,6 @@ use crate::device::GpuDevice;
 use crate::march::Canvas;
 use crate::pass::{Pass, groups, numbers, uniform};
 use crate::sort::{LISTS, ListsData, Pairs, Sorter};
-use splatvol_core::clock::Instant;
 
 const SPLAT: &str = include_str!("../../shaders/gaussians/splat.wgsl");
 const PROJECT: &str = include_str!("../../shaders/gaussians/project.wgsl");

@@ -119,7 +119,10 @@ impl LayerStore {
             .iter()
             .map(|layer| layer.passes(gpu, pipelines, next.is_some()))
             .collect::<Result<_, _>>()?;
-        let mixture = pipelines.mixture(gpu)?;
+        let mixture = match next {
+            None => None,
+            Some(_) => Some(pipelines.mixture(gpu)?),
+        };
         let shared = (*gpu, &**pipelines, *canvas);
         let mut marches: Vec<March<'_>> = layers
             .iter()
@@ -127,7 +130,7 @@ impl LayerStore {
             .map(|(layer, passes)| layer.march(shared, passes))
             .collect();
         statistics.sheets += view.end_shown() - view.first_shown();
-        let Some((_, ramp)) = next else {
+        let (Some((_, ramp)), Some(mixture)) = (next, mixture) else {
             return marches[0].add(task);
         };
         fade(&mut marches, *ramp);
@@ -147,11 +150,12 @@ impl LayerStore {
 
 /// Lets the first of two levels fade into the second.
 fn fade(marches: &mut [March<'_>], ramp: Ramp) {
-    let mut signs = [-1.0, 1.0].into_iter();
-    for (march, sign) in marches.iter_mut().zip(&mut signs) {
-        let step = ramp.share(ramp.first + 1) - ramp.share(ramp.first);
+    let step = ramp.share(ramp.first + 1) - ramp.share(ramp.first);
+    for (march, is_next) in marches.iter_mut().zip([false, true]) {
         let next = ramp.share(march.picture.first_plane());
-        let own = if sign < 0.0 { 1.0 - next } else { next };
-        march.share = [own, sign * step];
+        march.share = match is_next {
+            false => [1.0 - next, -step],
+            true => [next, step],
+        };
     }
 }

@@ -3,6 +3,7 @@
 
 use fearless_simd::prelude::*;
 use splatvol_core::bin::ProjectedBrick;
+use splatvol_core::clock::Instant;
 
 use super::open::{CloudView, OpenSplat};
 use super::splat::FourPlanes;
@@ -11,7 +12,6 @@ use crate::sheets::frame::SheetFrame;
 use crate::sheets::place::Place;
 use crate::sheets::ring::{Area, LANES};
 use crate::sheets::tile::{SheetScratch, SheetWork};
-use splatvol_core::clock::Instant;
 
 /// The first plane that a splat reaches.
 #[inline(always)]
