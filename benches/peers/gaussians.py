@@ -1,7 +1,6 @@
 """Writes Gaussians on a dome, as a trained scene has them on surfaces: gaussians.py COUNT FILE.ply.
 
-The same on every machine. They have harmonics of degree 3, and half of them reach a pixel or two at 1920 x 1080, however
-many there are.
+The same on every machine. They have harmonics of degree 3, and cover the dome as densely however many there are.
 """
 
 import sys

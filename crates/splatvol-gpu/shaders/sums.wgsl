@@ -1,7 +1,7 @@
 // Sums: a pixel takes a field's sums on planes, and makes values of them.
 //
 // Most places are in the interior, where all weights lie on the lattice and coverage is one. A pixel keeps but a mark of the
-// others, and looks at them again where it needs them: eight registers fewer, and a quarter less time where all is visible.
+// others, and looks at them again where it needs them: eight registers fewer.
 
 // Beside the border; and where the tile has nothing.
 const BESIDE: u32 = 1u;

@@ -106,12 +106,8 @@ impl GpuEngine {
         (frame, task): (&mut Frame, Task<'_>),
         statistics: &mut RenderStatistics,
     ) -> Result<(), SceneError> {
-        let canvas = canvas_of(&mut self.canvas, &self.gpu, shot.settings.size)?;
-        let surface = Surface {
-            gpu: &self.gpu,
-            pipelines: &mut self.pipelines,
-            canvas,
-        };
+        let device = (&self.gpu, &mut self.pipelines);
+        let surface = surface_of(&mut self.canvas, device, shot.settings.size)?;
         self.layers
             .render((shot, placed), levels, (surface, frame, task), statistics)
             .await
@@ -133,12 +129,8 @@ impl GpuEngine {
                 levels: 1 + last.level - first.level,
                 ..statistics_of(&self.gpu)
             };
-            let canvas = canvas_of(&mut self.canvas, &self.gpu, shot.settings.size)?;
-            let surface = Surface {
-                gpu: &self.gpu,
-                pipelines: &mut self.pipelines,
-                canvas,
-            };
+            let device = (&self.gpu, &mut self.pipelines);
+            let surface = surface_of(&mut self.canvas, device, shot.settings.size)?;
             self.layers
                 .behind_each_other(
                     (shot, &placed),
@@ -203,6 +195,20 @@ fn statistics_of(gpu: &GpuDevice) -> RenderStatistics {
         device: gpu.name.clone(),
         ..RenderStatistics::default()
     }
+}
+
+/// Where pictures of this size are made.
+fn surface_of<'a>(
+    canvas: &'a mut Option<Canvas>,
+    (gpu, pipelines): (&'a GpuDevice, &'a mut Pipelines),
+    size: ImageSize,
+) -> Result<Surface<'a>, SceneError> {
+    let canvas = canvas_of(canvas, gpu, size)?;
+    Ok(Surface {
+        gpu,
+        pipelines,
+        canvas,
+    })
 }
 
 /// The canvas of pictures of this size.

@@ -1,6 +1,6 @@
 // Composite: a workgroup takes a tile of the published renderer through its list, front to back; a pixel per invocation.
 // Splats are brought to workgroup memory. Each part of the tile has a bit for those that may show there, so that its pixels
-// see no other: splats are small, two or three pixels wide in the middle of trained scenes.
+// see no other: most splats are smaller than a tile.
 
 struct Picture {
     size: vec2<u32>,
