@@ -35,9 +35,19 @@ pub(crate) fn transfer_function_2d(
     spacing: f64,
     reading: Reading<'_>,
 ) -> Result<Option<TransferFunction2d>, DocumentError> {
-    let Some(path) = &keys.tf2d else { return Ok(None) };
     let unit_distance = item.unit_distance.unwrap_or(spacing);
-    let function = splatvol_io::read_transfer_function_2d(reading.locate(path), unit_distance)?;
+    let function = match (&keys.tf2d, &keys.regions) {
+        (None, None) => return Ok(None),
+        (Some(path), None) => splatvol_io::read_transfer_function_2d(reading.locate(path), unit_distance)?,
+        (None, Some(regions)) => TransferFunction2d::new(regions, unit_distance)
+            .map_err(|error| DocumentError::refused("effects.regions", format!(": {error}")))?,
+        (Some(_), Some(_)) => {
+            return Err(DocumentError::refused(
+                "effects.regions",
+                "has no meaning beside `effects.tf2d`, which is a transfer function of value and gradient, too",
+            ));
+        }
+    };
     Ok(Some(function))
 }
 
@@ -195,7 +205,7 @@ fn show_surface(item: &mut Item, value: f64) -> Result<(), DocumentError> {
 /// Why effects are refused.
 fn of_data() -> DocumentError {
     DocumentError::usage(
-        "effects (textures, bumps, mirrors, gradient opacity, `effects.tf2d`, `effects.iso-exact`) are of one volume or one \
-         mesh alone",
+        "effects (textures, bumps, mirrors, gradient opacity, `effects.tf2d`, `effects.regions`, \
+         `effects.iso-exact`) are of one volume or one mesh alone",
     )
 }

@@ -234,9 +234,14 @@ impl Document {
         all: &mut All,
         reading: Reading<'_>,
     ) -> Result<Effects, DocumentError> {
-        if effects.tf2d.is_some() && all.tf2d.is_none() {
+        let of_both = [
+            ("effects.tf2d", effects.tf2d.is_some()),
+            ("effects.regions", effects.regions.is_some()),
+        ];
+        let asked = of_both.iter().find(|(_, asked)| *asked);
+        if let Some((key, _)) = asked.filter(|_| all.tf2d.is_none()) {
             return Err(DocumentError::refused(
-                "effects.tf2d",
+                key,
                 "is of one volume or one mesh alone: items of scenes have the transfer functions that they say",
             ));
         }

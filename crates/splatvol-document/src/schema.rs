@@ -66,6 +66,27 @@ pub(crate) fn gradient_opacity(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// Schema of regions of values and gradient magnitudes.
+pub(crate) fn regions(_: &mut SchemaGenerator) -> Schema {
+    let share = serde_json::json!({ "type": "number", "minimum": 0, "maximum": 1 });
+    json_schema!({
+        "type": "array",
+        "minItems": 1,
+        "items": {
+            "type": "object",
+            "required": ["value", "gradient", "rgb", "opacity"],
+            "additionalProperties": false,
+            "properties": {
+                "value": numbers(2),
+                "gradient": numbers(2),
+                "rgb": numbers(3),
+                "opacity": share,
+                "softness": share,
+            },
+        },
+    })
+}
+
 /// Schema of clipping planes: a point and a normal each.
 pub(crate) fn clip_planes(_: &mut SchemaGenerator) -> Schema {
     json_schema!({

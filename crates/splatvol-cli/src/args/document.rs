@@ -234,6 +234,8 @@ impl From<&EffectArgs> for EffectKeys {
             environment_share: args.environment_share,
             gradient_opacity: args.gradient_opacity.clone().map(|curve| curve.0),
             tf2d: file(&args.tf2d),
+            // Flags name a file; scene files and pictures can hold the regions themselves.
+            regions: None,
             iso_exact: args.iso_exact.then_some(true),
             clip_plane: Some(args.clip_plane.clone()).filter(|planes| !planes.is_empty()),
             clip_box: args.clip_box,

@@ -54,6 +54,49 @@ fn every_effect_changes_the_picture_and_is_remembered() {
 }
 
 #[test]
+fn regions_of_values_and_gradients_stand_in_a_file_or_in_the_scene() {
+    let sandbox = with_picture();
+    let regions = r#"[{"value": [0.2, 1.5], "gradient": [0, 9], "rgb": [1, 0, 0], "opacity": 0.4}]"#;
+    sandbox.write("look.json", &format!(r#"{{"regions": {regions}}}"#));
+    sandbox
+        .run(&format!("{BALL} --tf2d look.json -o file.png"))
+        .succeeds();
+    let scene = |effects: &str| format!("size = \"40x32\"\n[[item]]\nfile = \"sample:ball:24\"\n{effects}");
+    let region =
+        "[[effects.regions]]\nvalue = [0.2, 1.5]\ngradient = [0, 9]\nrgb = [1, 0, 0]\nopacity = 0.4\n";
+    sandbox.write("scene.toml", &scene(region));
+    sandbox
+        .run("render scene.toml --view front -o scene.png")
+        .succeeds();
+    assert_eq!(png(&sandbox.path("scene.png")), png(&sandbox.path("file.png")));
+    sandbox.run("render --like scene.png -o again.png").succeeds();
+    assert_eq!(sandbox.bytes("scene.png"), sandbox.bytes("again.png"));
+    // A file in place of the regions, and a look in place of both.
+    sandbox
+        .run("render --like scene.png --tf2d look.json -o other.png")
+        .succeeds();
+    assert_eq!(png(&sandbox.path("other.png")), png(&sandbox.path("file.png")));
+    sandbox
+        .run("render --like scene.png --cmap viridis -o plain.png")
+        .succeeds();
+    assert_ne!(png(&sandbox.path("plain.png")), png(&sandbox.path("file.png")));
+    for (effects, words) in [
+        (
+            format!("[effects]\ntf2d = \"look.json\"\n{region}"),
+            "effects.tf2d",
+        ),
+        (region.replace("0.2, 1.5", "1.5, 0.2"), "LOW, HIGH"),
+        (
+            format!("[[item]]\nfile = \"sample:shells:16\"\n{region}"),
+            "regions",
+        ),
+    ] {
+        sandbox.write("bad.toml", &scene(&effects));
+        sandbox.run("render bad.toml -w -o a.png").fails(2, &[words]);
+    }
+}
+
+#[test]
 fn combinations_without_meaning_are_refused() {
     let sandbox = with_picture();
     for (flags, code, words) in [

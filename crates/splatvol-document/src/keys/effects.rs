@@ -1,6 +1,6 @@
 //! Keys of what is done to material before it is seen, and of what is cut away.
 
-use splatvol_scene::{ClipPlane, GradientOpacityPoint};
+use splatvol_scene::{ClipPlane, GradientOpacityPoint, Region};
 
 use super::names::TextureName;
 use super::{ItemKeys, keys};
@@ -25,6 +25,9 @@ keys! {
         gradient_opacity: Vec<GradientOpacityPoint>,
         /// Transfer function of value and gradient magnitude: a file.
         tf2d: String,
+        /// Transfer function of value and gradient magnitude: soft rectangles of both.
+        #[schemars(schema_with = "crate::schema::regions")]
+        regions: Vec<Region>,
         /// Whether the surface of `iso` is shown at its exact place, infinitely thin.
         iso_exact: bool,
         /// Planes whose normals' side is kept, world.
@@ -48,8 +51,15 @@ impl EffectKeys {
         }
         if asked.tf.is_some() || asked.cmap.is_some() || asked.opacity.is_some() || asked.iso.is_some() {
             below.tf2d = None;
+            below.regions = None;
         }
-        if self.tf2d.is_some() || (asked.has_look() && merged.iso.is_none()) {
+        if self.tf2d.is_some() {
+            below.regions = None;
+        }
+        if self.regions.is_some() {
+            below.tf2d = None;
+        }
+        if self.tf2d.is_some() || self.regions.is_some() || (asked.has_look() && merged.iso.is_none()) {
             below.iso_exact = None;
         }
         if self.clip_box.is_some() {

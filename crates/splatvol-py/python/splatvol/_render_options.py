@@ -211,6 +211,8 @@ class RenderOptions(TypedDict, total=False):
     """Factors on opacity by the magnitude of the gradient, data units per world length."""
     iso_exact: bool | None
     """Whether the surface of `iso` is shown at its exact place, infinitely thin."""
+    regions: Sequence[dict[str, Any]] | None
+    """Transfer function of value and gradient magnitude: soft rectangles of both."""
     texture: Literal["marble", "wood"] | None
     """Colours the material as if it were cut from a block of this."""
     texture_scale: float | None
