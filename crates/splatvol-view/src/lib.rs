@@ -3,8 +3,8 @@
 //! What the window shows is a document ([`splatvol_document::Document`]): gestures and panels edit it, pictures carry it,
 //! and `splatvol render --like` makes the same bytes. The [`model`] holds it without any window; [`ui`] is egui around it.
 //!
-//! The picture is always the CPU engine's. While something moves it is a draft, on a raster that is coarse enough to be
-//! in time; at rest it is what `render` makes.
+//! While something moves the picture is a draft, on a raster that is coarse enough to be in time; at rest it is what `render` makes
+//! with the same engine. Pictures are saved by the CPU's engine, whose bytes are the same everywhere.
 #![forbid(unsafe_code)]
 
 pub mod model;

@@ -17,6 +17,11 @@ pub enum EngineChoice {
     Auto,
 }
 
+impl EngineChoice {
+    /// Whether this program was built with the GPU's engine (feature `gpu`).
+    pub const WITH_GPU: bool = cfg!(feature = "gpu");
+}
+
 impl Renderer {
     /// Starts the chosen engine.
     ///

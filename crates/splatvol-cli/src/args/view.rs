@@ -4,6 +4,7 @@ use clap::Args;
 use splatvol_document::ReadRules;
 
 use super::help::{GENERAL, INPUT};
+use super::render::EngineName;
 use super::values;
 
 #[derive(Debug, Args)]
@@ -30,6 +31,12 @@ pub(crate) struct ViewArgs {
     /// Number of threads; 0 is one per processor [default: 0]
     #[arg(long, value_name = "N", help_heading = GENERAL)]
     pub(crate) threads: Option<usize>,
+    /// Engine that draws what the window shows: cpu, gpu, or auto
+    ///
+    /// It can be changed in the window. Pictures are saved by the CPU, whose bytes are the same everywhere. Programs have the GPU's engine
+    /// if they were built with `--features gpu`.
+    #[arg(long, value_enum, value_name = "ENGINE", default_value_t = EngineName::Auto, help_heading = GENERAL)]
+    pub(crate) engine: EngineName,
 }
 
 impl ViewArgs {

@@ -16,6 +16,7 @@ pub(crate) fn run(args: &ViewArgs, terminal: &Terminal) -> Result<(), Failure> {
         command: record::command_line(Path::new("")),
         rules: args.rules(),
         threads: args.threads.and_then(|asked| threads_within(asked, terminal)),
+        engine: args.engine.into(),
     };
     splatvol_view::run(start)
         .during(Step::Render)

@@ -15,9 +15,11 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use splatvol::{
-    Camera, Control, EngineConfig, Frame, Image, ImageSize, RenderSettings, Renderer, Scene, SceneError,
+    Camera, Control, EngineChoice, EngineConfig, EngineError, Frame, Image, ImageSize, RenderSettings,
+    Renderer, Scene, SceneError,
 };
 use splatvol_document::keys::PictureSize;
+use splatvol_document::resolve::laid_over;
 use splatvol_document::{Document, DocumentError, Listener, Picture, ReadRules, Reading, Resolving};
 
 use super::draft::{self, Pace};
@@ -46,6 +48,8 @@ pub(super) struct View {
     pub(super) size: ImageSize,
     /// Whether something moves: a draft is enough.
     pub(super) moving: bool,
+    /// Which engine draws it.
+    pub(super) engine: EngineChoice,
 }
 
 /// What the engine's threads report.
@@ -94,10 +98,21 @@ pub struct Shown {
     pub draft_step: Option<f64>,
     /// Time that it took.
     pub seconds: f64,
+    /// Who drew it.
+    pub drawn_by: DrawnBy,
     /// What was drawn, for picking.
     pub scene: Scene,
     /// From where.
     pub camera: Camera,
+}
+
+/// Who drew a picture.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct DrawnBy {
+    /// The device, as its driver names it; empty for the processor.
+    pub device: String,
+    /// Why the processor drew it where a device was preferred; empty elsewhere.
+    pub why: String,
 }
 
 /// A way to tell the window that there is news.
@@ -218,7 +233,8 @@ struct Worker {
     rules: ReadRules,
     reporter: Reporter,
     config: EngineConfig,
-    renderer: Option<Renderer>,
+    /// The engine that was started last.
+    renderer: Option<(EngineChoice, Renderer)>,
     prepared: Option<Prepared>,
     pace: Pace,
     /// The document and size of the last draft.
@@ -281,6 +297,8 @@ impl Worker {
     /// Draws a view: a draft, and at rest what `render` makes.
     fn view(&mut self, view: &View) -> Result<(), DocumentError> {
         self.prepare(view)?;
+        self.start(view.engine)
+            .map_err(|error| DocumentError::usage(error.to_string()))?;
         let expected = self
             .final_seconds_per_pixel
             .map_or(f64::INFINITY, |cost| cost * view.size.pixel_count() as f64);
@@ -312,16 +330,26 @@ impl Worker {
             size: view.size,
             picture,
         });
-        if self.renderer.is_none() {
-            let renderer =
-                Renderer::new(self.config).map_err(|error| DocumentError::usage(error.to_string()))?;
-            self.renderer = Some(renderer);
+        Ok(())
+    }
+
+    /// Starts an engine unless it runs already.
+    fn start(&mut self, choice: EngineChoice) -> Result<(), EngineError> {
+        if self.renderer.as_ref().is_some_and(|(of, _)| *of == choice) {
+            return Ok(());
         }
+        // The memory of one is free before the other asks for its own.
+        self.renderer = None;
+        self.renderer = Some((choice, Renderer::start(choice, self.config)?));
+        self.pace = Pace::default();
+        self.drafted = None;
+        self.final_seconds_per_pixel = None;
         Ok(())
     }
 
     fn draft(&mut self, view: &View) -> Result<(), DocumentError> {
-        let (Some(Prepared { picture, .. }), Some(renderer)) = (&self.prepared, &mut self.renderer) else {
+        let (Some(Prepared { picture, .. }), Some((_, renderer))) = (&self.prepared, &mut self.renderer)
+        else {
             return Ok(());
         };
         let step = self.pace.step(view.size);
@@ -338,13 +366,15 @@ impl Worker {
         self.pace
             .learn(size, (seconds - stages.prefilter - stages.classify).max(0.0));
         self.drafted = Some((view.document.clone(), view.size));
+        let drawn_by = drawn_by(renderer);
         self.reporter
-            .tell(shown(view, picture, &frame, (Some(step), seconds)));
+            .tell(shown((view, picture), &frame, (Some(step), seconds, drawn_by)));
         Ok(())
     }
 
     fn complete(&mut self, view: &View) -> Result<(), DocumentError> {
-        let (Some(Prepared { picture, .. }), Some(renderer)) = (&self.prepared, &mut self.renderer) else {
+        let (Some(Prepared { picture, .. }), Some((_, renderer))) = (&self.prepared, &mut self.renderer)
+        else {
             return Ok(());
         };
         let stop = self.mailbox.begin(false);
@@ -368,7 +398,9 @@ impl Worker {
         self.mailbox.end();
         let frame = frame?;
         self.final_seconds_per_pixel = Some(seconds / view.size.pixel_count() as f64);
-        self.reporter.tell(shown(view, picture, &frame, (None, seconds)));
+        let drawn_by = drawn_by(renderer);
+        self.reporter
+            .tell(shown((view, picture), &frame, (None, seconds, drawn_by)));
         Ok(())
     }
 }
@@ -428,7 +460,19 @@ pub(super) fn render(
     Ok(frame)
 }
 
-fn shown(view: &View, picture: &Picture, frame: &Frame, (draft_step, seconds): (Option<f64>, f64)) -> News {
+fn drawn_by(renderer: &Renderer) -> DrawnBy {
+    let statistics = renderer.statistics();
+    DrawnBy {
+        device: statistics.device.clone(),
+        why: statistics.why.clone(),
+    }
+}
+
+fn shown(
+    (view, picture): (&View, &Picture),
+    frame: &Frame,
+    (draft_step, seconds, drawn_by): (Option<f64>, f64, DrawnBy),
+) -> News {
     News::Shown(Box::new(Shown {
         number: view.number,
         codes: codes(&frame.image, picture),
@@ -436,6 +480,7 @@ fn shown(view: &View, picture: &Picture, frame: &Frame, (draft_step, seconds): (
         view_size: view.size,
         draft_step,
         seconds,
+        drawn_by,
         scene: picture.scene.clone(),
         camera: picture.camera,
     }))
@@ -444,7 +489,7 @@ fn shown(view: &View, picture: &Picture, frame: &Frame, (draft_step, seconds): (
 /// The codes that a PNG of 8 bits would hold.
 fn codes(image: &Image, picture: &Picture) -> Vec<[u8; 4]> {
     match picture.background() {
-        Some(background) => splatvol_io::image::png::codes_of_8_bits(&super::saving::over(image, background)),
+        Some(background) => splatvol_io::image::png::codes_of_8_bits(&laid_over(image, background)),
         None => splatvol_io::image::png::codes_of_8_bits(image),
     }
 }

@@ -4,23 +4,30 @@
 //! |---|---|
 //! | [`session`] | the document that is shown, its edits and gestures |
 //! | [`navigate`], [`curve`] | gestures of the camera; edits of a transfer function |
+//! | [`handles`] | handles of clips, and what dragging them does |
 //! | [`opening`] | from paths to documents |
 //! | [`looks`] | two looks, to compare |
 //! | [`engine`] | the engine's thread, with `mailbox`, `draft` and `store`: the latest view wins, drafts, data in memory |
 //! | `saving` | pictures written in the background |
 //! | [`probe`] | what a ray meets |
-//! | [`slice`](mod@slice) | samples in a plane of voxels |
+//! | [`shown_volume`] | the selected item as it is shown, if it is a volume |
+//! | [`slice`](mod@slice) | its samples in a plane of voxels |
+//! | [`gradients`], [`regions`] | its values and gradients, and transfer functions of both |
 
 pub mod curve;
 mod draft;
 pub mod engine;
+pub mod gradients;
+pub mod handles;
 pub mod looks;
 mod mailbox;
 pub mod navigate;
 pub mod opening;
 pub mod probe;
+pub mod regions;
 mod saving;
 pub mod session;
+pub mod shown_volume;
 pub mod slice;
 mod store;
 
@@ -30,12 +37,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use splatvol::{Camera, ImageSize, RenderSettings, SceneError};
+use splatvol::{Camera, EngineChoice, ImageSize, RenderSettings, SceneError};
 use splatvol_document::keys::{CameraKeys, ItemKeys, PictureSize, SettingKeys};
 use splatvol_document::{Document, DocumentError, Edit, ReadRules, Record};
 
 use engine::{Asked, Engine, Reporter, View};
-pub use engine::{News, Shown, Wake};
+pub use engine::{DrawnBy, News, Shown, Wake};
 use looks::{Look, Looks};
 use opening::Opening;
 use saving::Saving;
@@ -56,6 +63,8 @@ pub struct Start {
     pub rules: ReadRules,
     /// Threads of the engine; `None` for one per processor.
     pub threads: Option<usize>,
+    /// The engine that draws what the window shows.
+    pub engine: EngineChoice,
 }
 
 /// A message for the user.
@@ -82,12 +91,14 @@ struct Sent {
     revision: u64,
     size: ImageSize,
     moving: bool,
+    engine: EngineChoice,
 }
 
 /// The viewer's state.
 pub struct Model {
     session: Session,
     engine: Engine,
+    choice: EngineChoice,
     news: Receiver<News>,
     reporter: Reporter,
     rules: ReadRules,
@@ -121,6 +132,7 @@ impl Model {
         let mut model = Self {
             session: Session::default(),
             engine: Engine::start(start.rules, start.threads, reporter.clone())?,
+            choice: start.engine,
             news,
             reporter,
             rules: start.rules,
@@ -175,6 +187,17 @@ impl Model {
             .sent
             .is_some_and(|sent| sent.revision == self.session.revision());
         newest && current && self.asked.is_none()
+    }
+
+    /// The engine that is to draw what is shown.
+    pub fn engine_choice(&self) -> EngineChoice {
+        self.choice
+    }
+
+    /// Shows everything by another engine. Pictures are saved by the CPU's, whatever is chosen.
+    pub fn choose_engine(&mut self, choice: EngineChoice) {
+        self.choice = choice;
+        self.message = None;
     }
 
     /// The finished share of the final picture, while it is made.
@@ -429,9 +452,12 @@ impl Model {
             revision: self.session.revision(),
             size,
             moving: rests_in.is_some(),
+            engine: self.choice,
         };
         let changed = self.sent.is_none_or(|sent| {
-            sent.revision != wanted.revision || sent.size != size || (sent.moving && !wanted.moving)
+            let comes_to_rest = sent.moving && !wanted.moving;
+            let moving = wanted.moving;
+            comes_to_rest || Sent { moving, ..sent } != wanted
         });
         if changed {
             self.views += 1;
@@ -441,6 +467,7 @@ impl Model {
                 document: self.document().clone(),
                 size,
                 moving: wanted.moving,
+                engine: wanted.engine,
             });
             self.sent = Some(wanted);
         }

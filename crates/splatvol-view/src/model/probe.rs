@@ -143,12 +143,19 @@ pub fn value(volume: &Volume, voxel: DVec3) -> Option<f64> {
     sum.is_finite().then_some(sum)
 }
 
-/// What the ray of a pixel meets: `pixel` from the upper left corner of a picture of this size.
-pub fn probe(scene: &Scene, camera: &Camera, size: ImageSize, pixel: DVec2) -> Option<Probe> {
+/// Origin and direction of the ray of a pixel, world; the direction is as long as a length 1 of depth.
+pub(super) fn world_ray(camera: &Camera, size: ImageSize, pixel: DVec2) -> (DVec3, DVec3) {
     let (origin, direction) = camera.screen_from_camera(size).ray(pixel);
     let world_from_camera = camera.camera_from_world().inverse();
-    let origin = world_from_camera.transform_point3(origin);
-    let direction = world_from_camera.transform_vector3(direction);
+    (
+        world_from_camera.transform_point3(origin),
+        world_from_camera.transform_vector3(direction),
+    )
+}
+
+/// What the ray of a pixel meets: `pixel` from the upper left corner of a picture of this size.
+pub fn probe(scene: &Scene, camera: &Camera, size: ImageSize, pixel: DVec2) -> Option<Probe> {
+    let (origin, direction) = world_ray(camera, size, pixel);
     let fields: Vec<(usize, Field<'_>)> = scene
         .items
         .iter()

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
-use splatvol::transfer_function::linear_from_srgb;
-use splatvol::{EngineConfig, Frame, Image, ImageSize, Renderer};
+use splatvol::{EngineConfig, Frame, ImageSize, Renderer};
+use splatvol_document::resolve::laid_over;
 use splatvol_document::{Document, Picture, ReadRules, Record};
 use splatvol_io::{ImageFormat, encode_image};
 
@@ -139,15 +139,9 @@ fn encode(
     let encoded = match (format, picture.background()) {
         (ImageFormat::Exr, _) => encode_image(&frame.image, Some(&frame.depth), format, &metadata),
         (_, None) => encode_image(&frame.image, None, format, &metadata),
-        (_, Some(background)) => encode_image(&over(&frame.image, background), None, format, &metadata),
+        (_, Some(background)) => encode_image(&laid_over(&frame.image, background), None, format, &metadata),
     };
     encoded.map_err(|error| error.to_string())
-}
-
-/// A picture over a background (sRGB, straight alpha).
-pub(super) fn over(image: &Image, [r, g, b, a]: [f64; 4]) -> Image {
-    let [r, g, b] = [r, g, b].map(|c| linear_from_srgb(c) as f32);
-    image.over([r, g, b, a as f32])
 }
 
 /// Writes all bytes, or leaves what was there.

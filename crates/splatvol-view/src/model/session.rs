@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use serde_json::Value;
-use splatvol::{Camera, Projection};
+use splatvol::{Camera, Projection, Region};
 use splatvol_document::keys::{AnimationKeys, CameraKeys, EffectKeys, ItemKeys, Parallel};
 use splatvol_document::{CameraPose, Document, DocumentError, Edit, History};
 
@@ -134,6 +134,14 @@ impl Session {
     /// See [`History::edit`].
     pub fn adjust_effects(&mut self, effects: &EffectKeys) -> Result<(), DocumentError> {
         self.adjust(table("effects", effects.is_empty(), effects)?)
+    }
+
+    /// Changes the transfer function of values and gradients, as a part of a gesture.
+    ///
+    /// # Errors
+    /// See [`History::edit`].
+    pub fn adjust_regions(&mut self, regions: &[Region]) -> Result<(), DocumentError> {
+        self.adjust(Edit::set("effects.regions", json(&regions)?))
     }
 
     /// Changes the animation, as a part of a gesture.

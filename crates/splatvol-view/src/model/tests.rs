@@ -69,7 +69,7 @@ fn rendered(document: &Document) -> Vec<[u8; 4]> {
         .render(&picture.scene, &picture.camera, &picture.settings)
         .unwrap();
     let background = picture.background().unwrap();
-    splatvol_io::image::png::codes_of_8_bits(&saving::over(&frame.image, background))
+    splatvol_io::image::png::codes_of_8_bits(&splatvol_document::resolve::laid_over(&frame.image, background))
 }
 
 #[test]
@@ -436,4 +436,31 @@ fn a_saved_scene_is_the_document_with_its_animation() {
     };
     assert_eq!(read, wanted);
     assert_eq!(rendered(&read), rendered(&wanted));
+}
+
+#[test]
+fn another_engine_draws_the_same_view_and_says_who_it_is() {
+    let mut model = opened(&["sample:head:16"]);
+    let codes = model.shown().unwrap().codes.clone();
+    assert_eq!(model.shown().unwrap().drawn_by, DrawnBy::default());
+    let pictures = model.pictures();
+    model.choose_engine(EngineChoice::Auto);
+    wait(&mut model, "another engine", |model| {
+        model.pictures() > pictures && model.is_final()
+    });
+    let drawn_by = model.shown().unwrap().drawn_by.clone();
+    // Without a GPU it is said why there is none, and the picture is the same.
+    if drawn_by.device.is_empty() {
+        assert!(!drawn_by.why.is_empty());
+        assert_eq!(model.shown().unwrap().codes, codes);
+    }
+    if !EngineChoice::WITH_GPU {
+        model.choose_engine(EngineChoice::Gpu);
+        wait(&mut model, "a refusal", |model| model.message().is_some());
+        let message = model.message().unwrap().text.clone();
+        assert!(message.contains("built without the feature gpu"), "{message}");
+        model.choose_engine(EngineChoice::Cpu);
+        wait(&mut model, "the engine of before", Model::is_final);
+        assert_eq!(model.shown().unwrap().codes, codes);
+    }
 }

@@ -28,6 +28,12 @@ pub enum Action {
     Redo,
     /// Shows or hides the slices.
     Slices,
+    /// Begins or ends the box of clips.
+    ClipBox,
+    /// Adds a plane of clips across the view.
+    ClipPlane,
+    /// Shows or hides the handles of clips.
+    Handles,
     /// Shows the other of two looks.
     OtherLook,
     /// Opens a file.
@@ -191,6 +197,17 @@ pub const KEYS: &[Binding] = &[
         &[plain(Key::S)],
         "three slices of the selected volume; a pin moves them",
     ),
+    line(Action::ClipBox, &[plain(Key::C)], "a box that is kept, or none"),
+    line(
+        Action::ClipPlane,
+        &[plain(Key::X)],
+        "cut by a plane across the view",
+    ),
+    line(
+        Action::Handles,
+        &[plain(Key::H)],
+        "show or hide the handles of clips",
+    ),
     line(
         Action::OtherLook,
         &[plain(Key::B)],
@@ -217,6 +234,10 @@ pub const GESTURES: &[(&str, &str)] = &[
     (
         "right drag, wheel, pinch",
         "enlarge (the wheel: where the pointer is)",
+    ),
+    (
+        "drag a handle",
+        "move a side of the box, or a plane (white), or turn it (orange)",
     ),
     ("double click", "turn around what is seen there"),
     ("hover", "value and position, in the status line"),

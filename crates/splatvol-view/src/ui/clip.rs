@@ -2,15 +2,16 @@
 
 use eframe::egui::{CollapsingHeader, DragValue, Grid, Slider, Ui};
 use splatvol::glam::DVec3;
-use splatvol::{Bounds, ClipPlane};
+use splatvol::{Bounds, Camera, ClipPlane};
 use splatvol_document::keys::EffectKeys;
 
+use super::handles::ClipHandles;
 use crate::model::Model;
+use crate::model::handles::LEAST_WIDTH;
 
-pub(super) fn show(ui: &mut Ui, model: &mut Model) {
+pub(super) fn show(ui: &mut Ui, model: &mut Model, handles: &mut ClipHandles) {
     CollapsingHeader::new("Clip").show(ui, |ui| {
-        let bounds = model.shown().and_then(|shown| shown.scene.bounds().ok());
-        let Some(bounds) = bounds else {
+        let Some(bounds) = bounds(model) else {
             return;
         };
         let old = model.document().effects.clone();
@@ -18,19 +19,60 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model) {
         clip_box(ui, &mut new, &bounds);
         ui.separator();
         planes(ui, &mut new, (&bounds, model));
+        let mut are_shown = handles.are_shown();
+        if ui.checkbox(&mut are_shown, "Handles in the picture").changed() {
+            handles.toggle();
+        }
         if new != old {
             model.gesture(|session| session.adjust_effects(&new));
         }
     });
 }
 
+/// Bounds of the data that are shown, world.
+fn bounds(model: &Model) -> Option<Bounds> {
+    model.shown().and_then(|shown| shown.scene.bounds().ok())
+}
+
+/// Begins a box around everything, or ends it, as a step.
+pub(super) fn toggle_box(model: &mut Model) {
+    change(model, |effects, bounds, _| {
+        let has_box = effects.clip_box.is_some();
+        set_box(effects, bounds, !has_box);
+    });
+}
+
+/// Adds a plane across the view, as a step.
+pub(super) fn add_plane(model: &mut Model) {
+    change(model, |effects, bounds, camera| {
+        let plane = ClipPlane::new(bounds.centre(), camera.target() - camera.position());
+        effects.clip_plane.get_or_insert_default().extend(plane);
+    });
+}
+
+/// Changes clips as a step; nothing where nothing is shown.
+fn change(model: &mut Model, change: impl FnOnce(&mut EffectKeys, &Bounds, &Camera)) {
+    let (Some(bounds), Some(camera)) = (bounds(model), model.shown().map(|shown| shown.camera)) else {
+        return;
+    };
+    let mut effects = model.document().effects.clone();
+    change(&mut effects, &bounds, &camera);
+    model.end_gesture();
+    model.gesture(|session| session.adjust_effects(&effects));
+    model.end_gesture();
+}
+
+fn set_box(effects: &mut EffectKeys, bounds: &Bounds, has_box: bool) {
+    let [low, high] = [bounds.min, bounds.max];
+    effects.clip_box = has_box.then_some([low.x, high.x, low.y, high.y, low.z, high.z]);
+    effects.clip_inside = None;
+}
+
 /// A box that is kept, or whose outside is.
 fn clip_box(ui: &mut Ui, effects: &mut EffectKeys, bounds: &Bounds) {
     let mut has_box = effects.clip_box.is_some();
     if ui.checkbox(&mut has_box, "Box").changed() {
-        let [low, high] = [bounds.min, bounds.max];
-        effects.clip_box = has_box.then_some([low.x, high.x, low.y, high.y, low.z, high.z]);
-        effects.clip_inside = None;
+        set_box(effects, bounds, has_box);
     }
     let Some(sides) = &mut effects.clip_box else {
         return;
@@ -38,7 +80,7 @@ fn clip_box(ui: &mut Ui, effects: &mut EffectKeys, bounds: &Bounds) {
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let (min, max) = (bounds.min[axis], bounds.max[axis]);
         // A box without a width is refused.
-        let least = 1e-3 * (max - min).max(f64::MIN_POSITIVE);
+        let least = LEAST_WIDTH * (max - min).max(f64::MIN_POSITIVE);
         let (mut low, mut high) = (sides[2 * axis], sides[2 * axis + 1]);
         if ui
             .add(Slider::new(&mut low, min..=max).text(format!("{name} from")))

@@ -251,24 +251,26 @@ fn edit(
             _ => {}
         }
     }
-    let deletes = response.has_focus()
-        && ui.input(|input| {
-            let is_delete = |event: &Event| {
-                matches!(
-                    event,
-                    Event::Key {
-                        key: Key::Delete | Key::Backspace,
-                        pressed: true,
-                        ..
-                    }
-                )
-            };
-            input.events.iter().any(is_delete)
-        });
+    let deletes = deletes(ui, response);
     if let Some(index) = state.selected.filter(|_| deletes || response.secondary_clicked()) {
         *changed = Some(edits::remove_point(function, index));
         state.selected = None;
     }
+}
+
+/// Whether what is selected in a widget that has the keys is to be deleted.
+pub(super) fn deletes(ui: &Ui, response: &Response) -> bool {
+    let is_delete = |event: &Event| {
+        matches!(
+            event,
+            Event::Key {
+                key: Key::Delete | Key::Backspace,
+                pressed: true,
+                ..
+            }
+        )
+    };
+    response.has_focus() && ui.input(|input| input.events.iter().any(is_delete))
 }
 
 /// The points as a list: values and opacities by keyboard.

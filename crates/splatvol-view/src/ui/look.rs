@@ -5,6 +5,7 @@ use splatvol::{ColorMap, OpacityCurve, SceneError, TransferFunction};
 use splatvol_document::keys::ItemKeys;
 
 use super::curve::{self, CurveState};
+use super::regions::{self, RegionsState};
 use super::scene::short_name;
 use super::status::number;
 use crate::model::{Facts, Model, Values, curve as edits};
@@ -12,7 +13,11 @@ use crate::model::{Facts, Model, Values, curve as edits};
 /// Maps that every kind of colour vision can read, which come first.
 const FAIR_MAPS: [&str; 4] = ["viridis", "cividis", "magma", "gray"];
 
-pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &mut CurveState)) {
+pub(super) fn show(
+    ui: &mut Ui,
+    model: &mut Model,
+    (selected, state, regions): (usize, &mut CurveState, &mut RegionsState),
+) {
     let Some(item) = model.session().items().get(selected).cloned() else {
         return;
     };
@@ -22,6 +27,10 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &m
         return;
     };
     let values = model.facts(&item).and_then(|facts: &Facts| facts.values.clone());
+    if values.is_some() && regions::choice(ui, model, (selected, &item), regions) {
+        regions::show(ui, model, (selected, &item, values.as_ref()), regions);
+        return;
+    }
     let mut changed = None;
     names(ui, &function, &mut changed);
     curve::show(ui, (&function, values.as_ref()), (state, &mut changed));
@@ -119,11 +128,7 @@ fn unit_distance(
     let spacing = values.map_or(1.0, |values| values.spacing);
     let unit = values.map_or("", |values| values.unit);
     let mut length = function.unit_distance.unwrap_or(spacing);
-    let slider = Slider::new(&mut length, 0.01 * spacing..=100.0 * spacing)
-        .logarithmic(true)
-        .suffix(format!(" {unit}"))
-        .text("Opacity per");
-    if ui.add(slider).changed() {
+    if length_slider(ui, &mut length, (spacing, unit)) {
         *changed = Some(edits::with_unit_distance(function, Some(length)));
     }
     let most = function
@@ -139,6 +144,15 @@ fn unit_distance(
         None => "Everything is transparent.".to_owned(),
     };
     ui.label(text.replace(" .", "."));
+}
+
+/// The length to which opacities refer, around the spacing of the samples; returns whether it was changed.
+pub(super) fn length_slider(ui: &mut Ui, length: &mut f64, (spacing, unit): (f64, &str)) -> bool {
+    let slider = Slider::new(length, 0.01 * spacing..=100.0 * spacing)
+        .logarithmic(true)
+        .suffix(format!(" {unit}"))
+        .text("Opacity per");
+    ui.add(slider).changed()
 }
 
 /// A surface of one value in place of the curves.

@@ -49,6 +49,17 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
             }
             ui.separator();
             entry(ui, ("Slices", Action::Slices), (has_items, &mut chosen));
+            entry(ui, ("Box of clips", Action::ClipBox), (has_items, &mut chosen));
+            entry(
+                ui,
+                ("Add a plane of clips", Action::ClipPlane),
+                (has_items, &mut chosen),
+            );
+            entry(
+                ui,
+                ("Handles of clips", Action::Handles),
+                (has_items, &mut chosen),
+            );
             entry(ui, ("Panels", Action::Panels), (has_items, &mut chosen));
             ui.menu_button("Text size", |ui| {
                 for size in TEXT_SIZES {

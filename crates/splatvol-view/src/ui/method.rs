@@ -1,14 +1,14 @@
 //! How the picture is made: its kind, its quality, its light, its size and background.
 
-use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Slider, Ui};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, RichText, Slider, Ui};
 use serde_json::Value;
-use splatvol::ImageSize;
+use splatvol::{EngineChoice, ImageSize};
 use splatvol_document::Edit;
 use splatvol_document::keys::names::{CompositingName, CoverageName, PresetName};
 use splatvol_document::keys::{Background, PictureSize, SettingKeys};
 use splatvol_document::look::Wishes;
 
-use crate::model::Model;
+use crate::model::{DrawnBy, Model};
 
 const KINDS: [(CompositingName, &str, &str); 5] = [
     (
@@ -37,6 +37,24 @@ const QUALITIES: [(PresetName, &str, &str); 3] = [
         PresetName::Best,
         "Best",
         "closest to the exact integral, and slowest",
+    ),
+];
+
+const ENGINES: [(EngineChoice, &str, &str); 3] = [
+    (
+        EngineChoice::Auto,
+        "Automatic",
+        "the GPU where there is one that draws the scene, else the processor",
+    ),
+    (
+        EngineChoice::Cpu,
+        "Processor",
+        "everything, and the same everywhere",
+    ),
+    (
+        EngineChoice::Gpu,
+        "GPU",
+        "what it does not draw is refused by name; pictures are saved by the processor all the same",
     ),
 ];
 
@@ -103,6 +121,32 @@ fn method(ui: &mut Ui, model: &mut Model) {
     if let Some(keys) = asked {
         model.change_settings(keys);
     }
+    if EngineChoice::WITH_GPU {
+        engine(ui, model);
+    }
+}
+
+/// Which engine draws what the window shows, and who drew it.
+fn engine(ui: &mut Ui, model: &mut Model) {
+    let choice = model.engine_choice();
+    let known = ENGINES.iter().find(|(known, ..)| *known == choice);
+    ComboBox::from_label("Engine")
+        .selected_text(known.map_or("", |(_, name, _)| *name))
+        .show_ui(ui, |ui| {
+            for (other, name, about) in ENGINES {
+                let label = ui.selectable_label(choice == other, name);
+                if label.on_hover_text(about).clicked() && choice != other {
+                    model.choose_engine(other);
+                }
+            }
+        });
+    let drawn_by = model.shown().map(|shown| shown.drawn_by.clone());
+    let text = match drawn_by.unwrap_or_default() {
+        DrawnBy { device, .. } if !device.is_empty() => format!("Drawn by {device}"),
+        DrawnBy { why, .. } if !why.is_empty() => format!("Drawn by the processor: {why}"),
+        _ => "Drawn by the processor".to_owned(),
+    };
+    ui.label(RichText::new(text).small().weak());
 }
 
 /// Whether these are the settings of a preset.

@@ -5,11 +5,13 @@ pub mod bindings;
 mod clip;
 mod curve;
 mod dialogs;
+mod handles;
 mod look;
 mod menu;
 mod method;
 mod picture;
 mod profile;
+mod regions;
 mod scene;
 mod slices;
 mod status;
@@ -26,8 +28,10 @@ use crate::model::{Model, Start, navigate};
 use bindings::{Action, KEYS};
 use curve::CurveState;
 use dialogs::Dialogs;
+use handles::ClipHandles;
 use picture::PicturePanel;
 use profile::Pins;
+use regions::RegionsState;
 use slices::Slices;
 use timeline::Timeline;
 
@@ -36,9 +40,11 @@ pub struct Viewer {
     model: Model,
     picture: PicturePanel,
     curve: CurveState,
+    regions: RegionsState,
     dialogs: Dialogs,
     pins: Pins,
     slices: Slices,
+    handles: ClipHandles,
     timeline: Timeline,
     /// Number of the item whose look is edited.
     selected: usize,
@@ -58,9 +64,11 @@ impl Viewer {
             model,
             picture: PicturePanel::default(),
             curve: CurveState::default(),
+            regions: RegionsState::default(),
             dialogs: Dialogs::default(),
             pins: Pins::default(),
             slices: Slices::default(),
+            handles: ClipHandles::default(),
             timeline: Timeline::default(),
             selected: 0,
             hides_panels: false,
@@ -91,9 +99,10 @@ impl Viewer {
         } else {
             self.timeline.stop();
         }
-        CentralPanel::default()
-            .frame(Frame::NONE)
-            .show(ui, |ui| self.picture.show(ui, &mut self.model));
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+            self.picture.show(ui, &mut self.model);
+            self.handles.show(ui, &mut self.model, &self.picture);
+        });
         self.pins.show(ui.ctx(), &self.model, &self.picture);
         self.slices
             .show(ui.ctx(), (&self.model, self.selected), &self.picture);
@@ -124,9 +133,10 @@ impl Viewer {
             .frame(margin)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    look::show(ui, &mut self.model, (self.selected, &mut self.curve));
+                    let states = (self.selected, &mut self.curve, &mut self.regions);
+                    look::show(ui, &mut self.model, states);
                     method::show(ui, &mut self.model);
-                    clip::show(ui, &mut self.model);
+                    clip::show(ui, &mut self.model, &mut self.handles);
                 });
             });
     }
@@ -185,6 +195,9 @@ impl Viewer {
                 self.pins.pin(hovered, model);
             }
             Action::Slices => self.slices.toggle(),
+            Action::ClipBox => clip::toggle_box(model),
+            Action::ClipPlane => clip::add_plane(model),
+            Action::Handles => self.handles.toggle(),
             Action::Escape => {
                 self.dialogs.close();
                 self.pins.clear();

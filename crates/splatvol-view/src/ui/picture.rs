@@ -133,17 +133,31 @@ impl PicturePanel {
         let pointer = response
             .hover_pos()
             .filter(|_| !ui.input(|input| input.pointer.any_down()));
-        let (Some(at), Some(rect), Some(shown)) = (pointer, self.rect, model.shown()) else {
+        let (Some(at), Some(shown)) = (pointer, model.shown()) else {
             return;
         };
         if self.probed == Some((at, self.number)) {
             return;
         }
         self.probed = Some((at, self.number));
-        let [width, height] = [shown.view_size.width(), shown.view_size.height()].map(f64::from);
+        let pixel = self.pixel(at, shown.view_size);
+        self.hovered = pixel.and_then(|pixel| probe(&shown.scene, &shown.camera, shown.view_size, pixel));
+    }
+
+    /// Where the picture is on the screen.
+    pub(super) fn rect(&self) -> Option<Rect> {
+        self.rect
+    }
+
+    /// The pixel of the picture, from its upper left corner, at a place on the screen.
+    pub(super) fn pixel(&self, at: Pos2, size: ImageSize) -> Option<DVec2> {
+        let rect = self.rect?;
         let share = (at - rect.min) / rect.size();
-        let pixel = DVec2::new(f64::from(share.x) * width, f64::from(share.y) * height);
-        self.hovered = probe(&shown.scene, &shown.camera, shown.view_size, pixel);
+        let [width, height] = [size.width(), size.height()].map(f64::from);
+        Some(DVec2::new(
+            f64::from(share.x) * width,
+            f64::from(share.y) * height,
+        ))
     }
 
     /// Where a place is on the screen.

@@ -4,14 +4,15 @@ use eframe::egui::{
     Checkbox, Color32, ColorImage, Context, LayerId, Pos2, Rect, Role, Sense, Slider, Stroke, TextureHandle,
     TextureOptions, Ui, Vec2, WidgetInfo, Window,
 };
-use splatvol::glam::{DAffine3, DVec3};
-use splatvol::{Item, TransferFunction, Volume};
+use splatvol::glam::DVec3;
+use splatvol_document::keys::ItemKeys;
 
 use super::picture::PicturePanel;
 use super::status::number;
 use super::style;
 use crate::model::Model;
 use crate::model::probe::Probe;
+use crate::model::shown_volume::ShownVolume;
 use crate::model::slice::{Palette, SIDES, slice};
 
 /// Length of the longest side of the box in a slice, points.
@@ -24,7 +25,7 @@ const CROSS: f32 = 7.0;
 /// What a slice's texture shows.
 #[derive(Debug, PartialEq)]
 struct Key {
-    file: String,
+    source: ItemKeys,
     dims: [usize; 3],
     index: usize,
     palette: Palette,
@@ -41,48 +42,13 @@ pub(super) struct Slices {
     textures: [Option<(Key, TextureHandle)>; 3],
 }
 
-/// A volume that is shown.
-#[derive(Clone, Copy)]
-struct Field<'a> {
-    item: &'a Item,
-    file: &'a str,
-    volume: &'a Volume,
-    function: &'a TransferFunction,
-}
-
-impl<'a> Field<'a> {
-    /// The selected item, if it is a volume that is shown.
-    fn of(model: &'a Model, selected: usize) -> Option<Self> {
-        let items = &model.document().items;
-        let keys = items.get(selected).filter(|keys| keys.is_visible())?;
-        let before = items[..selected].iter().filter(|keys| keys.is_visible()).count();
-        let item = model.shown()?.scene.items.get(before)?;
-        let shown = item.as_volume().filter(|shown| shown.volume.chunks().is_none())?;
-        Some(Self {
-            item,
-            file: &keys.file,
-            volume: shown.volume,
-            function: shown.transfer_function,
-        })
-    }
-
-    fn world_from_voxel(&self) -> DAffine3 {
-        self.item.world_from_item * self.volume.grid().world_from_voxel()
-    }
-
-    fn value(&self, [x, y, z]: [usize; 3]) -> f64 {
-        let dims = self.volume.grid().dims();
-        self.volume.value((z * dims[1] + y) * dims[0] + x)
-    }
-
-    /// Points on the screen per voxel along each axis of the grid.
-    fn points(&self) -> [f64; 3] {
-        let grid = self.volume.grid();
-        let (dims, spacing) = (grid.dims(), grid.spacing());
-        let longest = (0..3).map(|axis| dims[axis] as f64 * spacing[axis]);
-        let scale = LONGEST / longest.fold(f64::MIN_POSITIVE, f64::max);
-        [0, 1, 2].map(|axis| spacing[axis] * scale)
-    }
+/// Points on the screen per voxel along each axis of the grid.
+fn points_per_voxel(shown: ShownVolume<'_>) -> [f64; 3] {
+    let grid = shown.volume.grid();
+    let (dims, spacing) = (grid.dims(), grid.spacing());
+    let longest = (0..3).map(|axis| dims[axis] as f64 * spacing[axis]);
+    let scale = LONGEST / longest.fold(f64::MIN_POSITIVE, f64::max);
+    [0, 1, 2].map(|axis| spacing[axis] * scale)
 }
 
 impl Slices {
@@ -93,7 +59,7 @@ impl Slices {
 
     /// Moves the slices to a place that is pinned.
     pub(super) fn follow(&mut self, probe: Option<&Probe>, (model, selected): (&Model, usize)) {
-        let (Some(probe), Some(field)) = (probe, Field::of(model, selected)) else {
+        let (Some(probe), Some(field)) = (probe, ShownVolume::of(model, selected)) else {
             return;
         };
         let voxel = field
@@ -125,7 +91,7 @@ impl Slices {
         if !self.open {
             return;
         }
-        let field = Field::of(model, selected);
+        let field = ShownVolume::of(model, selected);
         if let Some(field) = field {
             self.begin(field.volume.grid().dims());
             self.mark(context, (model, field), picture);
@@ -144,7 +110,7 @@ impl Slices {
         self.open = open;
     }
 
-    fn inside(&mut self, ui: &mut Ui, field: Field<'_>) {
+    fn inside(&mut self, ui: &mut Ui, field: ShownVolume<'_>) {
         let palette = Palette::new(field.function, self.in_colors);
         ui.horizontal_top(|ui| {
             ui.spacing_mut().slider_width = SLIDER;
@@ -170,9 +136,9 @@ impl Slices {
     }
 
     /// A slice with the others' places in it; a click or a drag moves them.
-    fn slice(&mut self, ui: &mut Ui, (field, palette): (Field<'_>, &Palette), across: usize) {
+    fn slice(&mut self, ui: &mut Ui, (field, palette): (ShownVolume<'_>, &Palette), across: usize) {
         let sides = SIDES[across];
-        let points = field.points();
+        let points = points_per_voxel(field);
         let size = sides.map(|side| (self.dims[side] as f64 * points[side]).max(1.0) as f32);
         let (rect, response) = ui.allocate_exact_size(Vec2::from(size), Sense::click_and_drag());
         let (name, ..) = style::AXES[across];
@@ -202,12 +168,12 @@ impl Slices {
     fn texture(
         &mut self,
         context: &Context,
-        (field, palette): (Field<'_>, &Palette),
+        (field, palette): (ShownVolume<'_>, &Palette),
         across: usize,
     ) -> eframe::egui::TextureId {
         let index = self.at[across];
         let key = Key {
-            file: field.file.to_owned(),
+            source: field.source(),
             dims: self.dims,
             index,
             palette: palette.clone(),
@@ -225,7 +191,7 @@ impl Slices {
     }
 
     /// A cross in the picture, where the slices meet.
-    fn mark(&self, context: &Context, (model, field): (&Model, Field<'_>), picture: &PicturePanel) {
+    fn mark(&self, context: &Context, (model, field): (&Model, ShownVolume<'_>), picture: &PicturePanel) {
         let Some(shown) = model.shown() else {
             return;
         };

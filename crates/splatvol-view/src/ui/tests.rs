@@ -66,6 +66,24 @@ fn click(window: &mut Window<'_>, label: &str) {
     window.step();
 }
 
+fn press(window: &mut Window<'_>, key: Key) {
+    window.key_press(key);
+    window.step();
+    window.step();
+}
+
+fn drag(window: &mut Window<'_>, from: Pos2, to: Pos2) {
+    window.drag_at(from);
+    window.step();
+    for share in 1..=4 {
+        window.hover_at(from + (to - from) * (share as f32 / 4.0));
+        window.step();
+    }
+    window.drop_at(to);
+    window.step();
+    window.step();
+}
+
 #[test]
 fn an_empty_window_says_what_to_do() {
     let mut window = window(&[]);
@@ -163,17 +181,6 @@ fn keys_and_drags_turn_the_picture() {
         camera(&window).projection(),
         splatvol::Projection::Orthographic { .. }
     ));
-    let drag = |window: &mut Window<'_>, from: Pos2, to: Pos2| {
-        window.drag_at(from);
-        window.step();
-        for share in 1..=4 {
-            window.hover_at(from + (to - from) * (share as f32 / 4.0));
-            window.step();
-        }
-        window.drop_at(to);
-        window.step();
-        window.step();
-    };
     let before = camera(&window);
     drag(&mut window, Pos2::new(450.0, 400.0), Pos2::new(520.0, 430.0));
     assert!((camera(&window).position() - before.position()).length() > 1.0);
@@ -185,6 +192,38 @@ fn keys_and_drags_turn_the_picture() {
     }
     assert_eq!(camera(&window), start);
     assert!(!model(&window).session().can_undo());
+}
+
+#[test]
+fn handles_of_clips_are_dragged_in_the_picture() {
+    let mut window = window(&["sample:head:16"]);
+    let effects = |window: &Window<'_>| model(window).document().effects.clone();
+    let start = model(&window).document().clone();
+    press(&mut window, Key::C);
+    let whole = effects(&window).clip_box.unwrap();
+    wait(&mut window, "the box", |model| model.is_final());
+    let handle = window.get_by_label("Upper z side of the box").rect().center();
+    drag(&mut window, handle, handle + Vec2::new(0.0, 60.0));
+    let cut = effects(&window).clip_box.unwrap();
+    assert!(cut[5] < whole[5], "{cut:?}");
+    assert_eq!(cut[..5], whole[..5]);
+    assert_eq!(model(&window).document().camera, start.camera);
+    press(&mut window, Key::X);
+    let plane = |window: &Window<'_>| effects(window).clip_plane.unwrap()[0];
+    let across = plane(&window);
+    wait(&mut window, "the plane", |model| model.is_final());
+    window.check_accessibility();
+    let handle = window.get_by_label("Normal of plane 1").rect().center();
+    drag(&mut window, handle, handle + Vec2::new(25.0, 0.0));
+    assert!(plane(&window).normal().distance(across.normal()) > 0.05);
+    press(&mut window, Key::H);
+    assert!(window.query_by_label("Normal of plane 1").is_none());
+    for _ in 0..4 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.step();
+        window.step();
+    }
+    assert_eq!(model(&window).document(), &start);
 }
 
 #[test]
@@ -344,4 +383,54 @@ fn the_help_shows_all_keys_and_text_grows() {
     wait(&mut window, "a picture for large text", |model| model.is_final());
     window.get_by_label("Save picture");
     window.check_accessibility();
+}
+
+#[test]
+fn regions_of_values_and_gradients_are_drawn_dragged_and_left() {
+    let mut window = window(&["sample:head:16"]);
+    let start = model(&window).document().items[0].clone();
+    let regions = |window: &Window<'_>| model(window).document().effects.regions.clone().unwrap();
+    click(&mut window, "values and gradients");
+    wait(&mut window, "the first region", |model| {
+        model.document().effects.regions.is_some() && model.is_final()
+    });
+    assert_eq!(regions(&window).len(), 1);
+    let begun = regions(&window)[0];
+    window.check_accessibility();
+    let plot = window
+        .get_by_label_contains("Values and gradients with 1 regions")
+        .rect();
+    // All of it, by its middle.
+    let [low, high] = model(&window)
+        .facts(&start)
+        .unwrap()
+        .values
+        .clone()
+        .unwrap()
+        .range;
+    let middle = 0.5 * (begun.value[0] + begun.value[1]);
+    let x = plot.left() + ((middle - low) / (high - low)) as f32 * plot.width();
+    let at = Pos2::new(x, plot.center().y);
+    drag(&mut window, at, at + Vec2::new(-20.0, 8.0));
+    let moved = regions(&window)[0];
+    assert!(moved.value[0] < begun.value[0] && moved.gradient[0] < begun.gradient[0]);
+    assert!((moved.value[1] - moved.value[0] - (begun.value[1] - begun.value[0])).abs() < 1e-6);
+    // A new one, in the corner that is empty.
+    let corner = plot.left_bottom();
+    drag(
+        &mut window,
+        corner + Vec2::new(1.0, -2.0),
+        corner + Vec2::new(30.0, -12.0),
+    );
+    assert_eq!(regions(&window).len(), 2, "{:?}", regions(&window));
+    window.get_by_label("Gradient from");
+    click(&mut window, "Remove region 2");
+    assert_eq!(regions(&window), [moved]);
+    wait(&mut window, "the regions", |model| model.is_final());
+    assert!(model(&window).message().is_none());
+    click(&mut window, "values");
+    wait(&mut window, "the values", |model| {
+        model.document().effects.regions.is_none() && model.is_final()
+    });
+    assert_eq!(model(&window).document().items[0], start);
 }
