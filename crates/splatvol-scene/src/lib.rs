@@ -92,6 +92,6 @@ pub use settings::{
 pub use source::{Block, SampleSource, VoxelBox};
 pub use storage::Storage;
 pub use transfer_function::{
-    AutomaticChoice, ColorMap, ColorPoint, OpacityCurve, OpacityPoint, TransferFunction, ValueKind,
+    AutomaticChoice, ColorMap, ColorPoint, Label, OpacityCurve, OpacityPoint, TransferFunction, ValueKind,
 };
 pub use volume::{Rescale, Samples, Statistics, Volume};

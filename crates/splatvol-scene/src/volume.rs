@@ -310,6 +310,28 @@ impl Volume {
         });
         counts
     }
+
+    /// Widest range of values that [`Volume::whole_values`] searches.
+    pub const WIDEST_WHOLE_RANGE: f64 = 65_535.0;
+
+    /// The values that occur, ascending, where they are whole numbers as labels are; `None` if there are more than `most`, or if
+    /// they lie too far apart. Samples that are no whole numbers count as the next lower one.
+    pub fn whole_values(&self, most: usize) -> Option<Vec<f64>> {
+        let [min, max] = self.value_range();
+        if max - min > Self::WIDEST_WHOLE_RANGE || min.fract() != 0.0 {
+            return None;
+        }
+        // One bin per whole number, the last shared by the largest alone.
+        let bins = (max - min) as usize + 1;
+        let width = (max - min) / bins as f64;
+        let counts = self.histogram(bins).into_iter().enumerate();
+        let mut values: Vec<f64> = counts
+            .filter(|&(_, count)| count > 0)
+            .map(|(bin, _)| (min + (bin as f64 + 1.0) * width).floor())
+            .collect();
+        values.dedup();
+        (values.len() <= most).then_some(values)
+    }
 }
 
 /// Lossless (from the types of [`Samples`]) conversion to f64.

@@ -1,7 +1,8 @@
 //! Colour maps under matplotlib's names.
 //!
 //! Values agree with matplotlib's 256 entries within 1/255 per channel; between the entries this map is continuous,
-//! where matplotlib's is a staircase. A name followed by `_r` is the reversed map, as in matplotlib.
+//! where matplotlib's is a staircase. A name followed by `_r` is the reversed map, as in matplotlib. Maps from black to one colour
+//! have that colour's name (`green`, `magenta`, ...), as channels of microscopes have them in napari.
 
 use super::colormap_tables::TABLES;
 use crate::{ColorPoint, SceneError};
@@ -125,6 +126,13 @@ mod tests {
         ("Spectral", [0x9e0142, 0xf98e52, 0xffffbe, 0x86cfa5, 0x5e4fa2]),
         ("jet", [0x000080, 0x0080ff, 0x7dff7a, 0xff9400, 0x800000]),
         ("hsv", [0xff0000, 0x84ff00, 0x00fff6, 0x7200ff, 0xff0018]),
+        // Not matplotlib's.
+        ("green", [0x000000, 0x004000, 0x008000, 0x00c000, 0x00ff00]),
+        ("magenta", [0x000000, 0x400040, 0x800080, 0xc000c0, 0xff00ff]),
+        ("cyan", [0x000000, 0x004040, 0x008080, 0x00c0c0, 0x00ffff]),
+        ("yellow", [0x000000, 0x404000, 0x808000, 0xc0c000, 0xffff00]),
+        ("red", [0x000000, 0x400000, 0x800000, 0xc00000, 0xff0000]),
+        ("blue", [0x000000, 0x000040, 0x000080, 0x0000c0, 0x0000ff]),
     ];
 
     fn hex(rgb: u32) -> [f64; 3] {

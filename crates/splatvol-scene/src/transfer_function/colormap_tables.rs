@@ -4,8 +4,9 @@
 //! every entry of matplotlib's tables. Origins: viridis, plasma, inferno and magma by N. Smith and S. van der Walt
 //! (CC0), cividis by J. Nunez et al., turbo by A. Mikhailov (Apache-2.0), twilight by B. Bechtold (CC0), coolwarm by
 //! K. Moreland, the maps `RdBu`, `RdYlBu` and `Spectral` by C. Brewer (Apache-2.0), the others from matplotlib itself.
+//! The last six are not matplotlib's: from black to one colour.
 
-/// Name as matplotlib spells it, and its knots.
+/// Name, as matplotlib spells its own, and its knots.
 pub(super) const TABLES: &[(&str, &[u32])] = &[
     ("viridis", VIRIDIS),
     ("plasma", PLASMA),
@@ -26,6 +27,12 @@ pub(super) const TABLES: &[(&str, &[u32])] = &[
     ("Spectral", SPECTRAL),
     ("jet", JET),
     ("hsv", HSV),
+    ("green", &[0x0000_0000, 0xff00_ff00]),
+    ("magenta", &[0x0000_0000, 0xffff_00ff]),
+    ("cyan", &[0x0000_0000, 0xff00_ffff]),
+    ("yellow", &[0x0000_0000, 0xffff_ff00]),
+    ("red", &[0x0000_0000, 0xffff_0000]),
+    ("blue", &[0x0000_0000, 0xff00_00ff]),
 ];
 
 const VIRIDIS: &[u32] = &[

@@ -8,6 +8,7 @@
 mod automatic;
 mod colormap;
 mod colormap_tables;
+mod labels;
 mod named_opacity;
 mod presets;
 
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::SceneError;
 pub use automatic::{AutomaticChoice, ValueKind};
 pub use colormap::ColorMap;
+pub use labels::Label;
 pub use named_opacity::OpacityCurve;
 
 /// A point of the colour curve.

@@ -62,11 +62,10 @@ pub fn handles(effects: &EffectKeys, bounds: &Bounds) -> Vec<(Handle, DVec3)> {
     }
     for (index, plane) in effects.clip_plane.iter().flatten().enumerate() {
         let pivot = pivot(plane, bounds);
+        let end = pivot + normal_length(bounds) * plane.normal();
+        // Where both are at one place of the picture, the later one is met: a plane that faces the camera is moved.
+        all.push((Handle::Normal(index), end));
         all.push((Handle::Depth(index), pivot));
-        all.push((
-            Handle::Normal(index),
-            pivot + normal_length(bounds) * plane.normal(),
-        ));
     }
     all
 }
@@ -280,7 +279,7 @@ mod tests {
             }
             let normal = DVec3::new(1.0, 0.5, -0.3).normalize();
             let cut = with_plane(DVec3::new(1.0, 2.0, 3.0), normal);
-            let (handle, place) = handles(&cut, &bounds)[0];
+            let (handle, place) = handles(&cut, &bounds)[1];
             let wanted = place + 4.0 * normal;
             let pixels = [pixel(camera, place), pixel(camera, wanted)];
             let plane = drag(&cut, handle, seen, pixels).clip_plane.unwrap()[0];

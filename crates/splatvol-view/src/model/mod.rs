@@ -47,7 +47,7 @@ use looks::{Look, Looks};
 use opening::Opening;
 use saving::Saving;
 use session::Session;
-pub use store::{Facts, Values};
+pub use store::{Choices, Facts, Values};
 
 /// Time after the last input of a gesture until the picture is refined.
 const REST: Duration = Duration::from_millis(80);

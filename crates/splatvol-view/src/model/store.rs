@@ -15,6 +15,21 @@ pub struct Facts {
     pub summary: String,
     /// Range and histogram of the values, if they are a volume.
     pub values: Option<Values>,
+    /// What the file has to choose from.
+    pub choices: Choices,
+}
+
+/// What a file has to choose from: channels and series by their names, and so on; few or none where there is no choice.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Choices {
+    /// Names of channels.
+    pub channels: Vec<String>,
+    /// Number of time points.
+    pub times: usize,
+    /// Samples along x, y, z of every level of detail, the finest first.
+    pub levels: Vec<[usize; 3]>,
+    /// Descriptions of the series of a folder.
+    pub series: Vec<String>,
 }
 
 /// The values of a volume.
@@ -105,7 +120,18 @@ fn facts(held: &Held) -> Facts {
         HeldContent::Points(points) => (format!("{} points", points.positions().len()), None),
         HeldContent::Gaussians(gaussians) => (format!("{} Gaussians", gaussians.len()), None),
     };
-    Facts { summary, values }
+    let description = held.description();
+    let choices = Choices {
+        channels: description.channels.clone(),
+        times: description.times,
+        levels: description.levels.clone(),
+        series: description.series.clone(),
+    };
+    Facts {
+        summary,
+        values,
+        choices,
+    }
 }
 
 fn of_volume(volume: &Volume) -> String {

@@ -5,19 +5,25 @@ use splatvol::{ColorMap, OpacityCurve, SceneError, TransferFunction};
 use splatvol_document::keys::ItemKeys;
 
 use super::curve::{self, CurveState};
+use super::labels::{self, LabelsState};
 use super::regions::{self, RegionsState};
 use super::scene::short_name;
 use super::status::number;
+use crate::model::shown_volume::ShownVolume;
 use crate::model::{Facts, Model, Values, curve as edits};
+
+/// How the editors of looks are shown.
+#[derive(Default)]
+pub(super) struct LookState {
+    curve: CurveState,
+    regions: RegionsState,
+    labels: LabelsState,
+}
 
 /// Maps that every kind of colour vision can read, which come first.
 const FAIR_MAPS: [&str; 4] = ["viridis", "cividis", "magma", "gray"];
 
-pub(super) fn show(
-    ui: &mut Ui,
-    model: &mut Model,
-    (selected, state, regions): (usize, &mut CurveState, &mut RegionsState),
-) {
+pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &mut LookState)) {
     let Some(item) = model.session().items().get(selected).cloned() else {
         return;
     };
@@ -27,18 +33,17 @@ pub(super) fn show(
         return;
     };
     let values = model.facts(&item).and_then(|facts: &Facts| facts.values.clone());
-    if values.is_some() && regions::choice(ui, model, (selected, &item), regions) {
-        regions::show(ui, model, (selected, &item, values.as_ref()), regions);
-        return;
-    }
     let mut changed = None;
-    names(ui, &function, &mut changed);
-    curve::show(ui, (&function, values.as_ref()), (state, &mut changed));
-    range(ui, &function, &mut changed);
+    if item.labels == Some(true) {
+        let shown = ShownVolume::of(model, selected);
+        labels::show(ui, (&function, shown), (&mut state.labels, &mut changed));
+    } else if values.is_some() && regions::choice(ui, model, (selected, &item), &mut state.regions) {
+        regions::show(ui, model, (selected, &item, values.as_ref()), &mut state.regions);
+        return;
+    } else {
+        of_values(ui, (&function, values.as_ref()), (&mut state.curve, &mut changed));
+    }
     unit_distance(ui, (&function, values.as_ref()), &mut changed);
-    CollapsingHeader::new("Points")
-        .id_salt("points")
-        .show(ui, |ui| curve::table(ui, &function, (state, &mut changed)));
     ui.horizontal(|ui| {
         if ui
             .button("Automatic")
@@ -68,6 +73,20 @@ pub(super) fn show(
         Some(Err(error)) => model.say(SceneError::to_string(&error), true),
         _ => {}
     }
+}
+
+/// The function of values: names, the curve, its range and its points.
+fn of_values(
+    ui: &mut Ui,
+    (function, values): (&TransferFunction, Option<&Values>),
+    (state, changed): (&mut CurveState, &mut Changed),
+) {
+    names(ui, function, changed);
+    curve::show(ui, (function, values), (state, changed));
+    range(ui, function, changed);
+    CollapsingHeader::new("Points")
+        .id_salt("points")
+        .show(ui, |ui| curve::table(ui, function, (state, changed)));
 }
 
 /// A change of the transfer function, or why it cannot be.

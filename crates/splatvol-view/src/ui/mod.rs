@@ -2,10 +2,12 @@
 //! is open and what is typed.
 
 pub mod bindings;
+mod choices;
 mod clip;
 mod curve;
 mod dialogs;
 mod handles;
+mod labels;
 mod look;
 mod menu;
 mod method;
@@ -26,12 +28,11 @@ use splatvol_document::keys::CameraKeys;
 
 use crate::model::{Model, Start, navigate};
 use bindings::{Action, KEYS};
-use curve::CurveState;
 use dialogs::Dialogs;
 use handles::ClipHandles;
+use look::LookState;
 use picture::PicturePanel;
 use profile::Pins;
-use regions::RegionsState;
 use slices::Slices;
 use timeline::Timeline;
 
@@ -39,8 +40,7 @@ use timeline::Timeline;
 pub struct Viewer {
     model: Model,
     picture: PicturePanel,
-    curve: CurveState,
-    regions: RegionsState,
+    look: LookState,
     dialogs: Dialogs,
     pins: Pins,
     slices: Slices,
@@ -63,8 +63,7 @@ impl Viewer {
         Ok(Self {
             model,
             picture: PicturePanel::default(),
-            curve: CurveState::default(),
-            regions: RegionsState::default(),
+            look: LookState::default(),
             dialogs: Dialogs::default(),
             pins: Pins::default(),
             slices: Slices::default(),
@@ -133,8 +132,7 @@ impl Viewer {
             .frame(margin)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    let states = (self.selected, &mut self.curve, &mut self.regions);
-                    look::show(ui, &mut self.model, states);
+                    look::show(ui, &mut self.model, (self.selected, &mut self.look));
                     method::show(ui, &mut self.model);
                     clip::show(ui, &mut self.model, &mut self.handles);
                 });

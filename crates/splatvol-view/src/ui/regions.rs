@@ -221,12 +221,9 @@ fn plot(ui: &mut Ui, extent: Extent, (regions, state): (&mut Vec<Region>, &mut R
     ui.horizontal(|ui| {
         ui.label(RichText::new(number(extent.values[0])).small());
         ui.label(
-            RichText::new(format!(
-                "values to the right, gradients upwards to {}",
-                number(extent.steepest)
-            ))
-            .small()
-            .weak(),
+            RichText::new(format!("gradients up to {}", number(extent.steepest)))
+                .small()
+                .weak(),
         );
         ui.with_layout(
             eframe::egui::Layout::right_to_left(eframe::egui::Align::Center),

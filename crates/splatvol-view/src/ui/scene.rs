@@ -4,6 +4,7 @@ use eframe::egui::{CollapsingHeader, DragValue, Grid, RichText, Ui};
 use splatvol_document::Edit;
 use splatvol_document::keys::{ItemKeys, Scale};
 
+use super::choices;
 use crate::model::Model;
 
 /// Shows the list; returns whether a file is to be added.
@@ -16,15 +17,20 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, selected: &mut usize) -> bool
     let adds = ui.button("Add a file ...").clicked();
     ui.separator();
     if let Some(item) = items.get(*selected) {
+        choices::show(ui, model, (*selected, item));
         CollapsingHeader::new("Place").show(ui, |ui| place(ui, model, (*selected, item)));
     }
     adds
 }
 
-/// The last part of a path.
+/// The last part of a path, and the channel, if one is named.
 pub(super) fn short_name(item: &ItemKeys) -> String {
     let file = item.file.trim_end_matches('/');
-    file.rsplit('/').next().unwrap_or(file).to_owned()
+    let name = file.rsplit('/').next().unwrap_or(file);
+    match item.channel {
+        Some(channel) => format!("{name}, channel {}", channel + 1),
+        None => name.to_owned(),
+    }
 }
 
 fn row(

@@ -213,12 +213,22 @@ fn handles_of_clips_are_dragged_in_the_picture() {
     let across = plane(&window);
     wait(&mut window, "the plane", |model| model.is_final());
     window.check_accessibility();
+    // It faces the camera: up is away from it.
+    let handle = window.get_by_label("Depth of plane 1").rect().center();
+    drag(&mut window, handle, handle + Vec2::new(0.0, -30.0));
+    let pushed = plane(&window);
+    assert_eq!(pushed.normal(), across.normal());
+    assert!((pushed.point() - across.point()).dot(across.normal()) > 1.0);
+    for _ in 0..6 {
+        press(&mut window, Key::ArrowLeft);
+    }
+    wait(&mut window, "another side", |model| model.is_final());
     let handle = window.get_by_label("Normal of plane 1").rect().center();
     drag(&mut window, handle, handle + Vec2::new(25.0, 0.0));
     assert!(plane(&window).normal().distance(across.normal()) > 0.05);
     press(&mut window, Key::H);
     assert!(window.query_by_label("Normal of plane 1").is_none());
-    for _ in 0..4 {
+    for _ in 0..11 {
         window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         window.step();
         window.step();
@@ -433,4 +443,91 @@ fn regions_of_values_and_gradients_are_drawn_dragged_and_left() {
         model.document().effects.regions.is_none() && model.is_final()
     });
     assert_eq!(model(&window).document().items[0], start);
+}
+
+#[test]
+fn labels_are_hidden_coloured_and_shown_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("labels.nrrd");
+    let mut bytes = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 12 12 12\nencoding: raw\n\n".to_vec();
+    // Halves of a block, in nothing.
+    bytes.extend((0..12 * 12 * 12).map(|index| {
+        let [x, y, z] = [index % 12, index / 12 % 12, index / 144];
+        let inside = [x, y, z].iter().all(|at| (2..10).contains(at));
+        u8::from(inside) * if x < 6 { 3 } else { 7 }
+    }));
+    std::fs::write(&path, bytes).unwrap();
+    let mut window = window(&[path.to_str().unwrap()]);
+    assert_eq!(model(&window).document().items[0].labels, Some(true));
+    window.get_by_label("3 labels");
+    window.check_accessibility();
+    let opacities = |window: &Window<'_>| {
+        let function = model(window).document().items[0]
+            .transfer_function
+            .clone()
+            .unwrap();
+        [0.0, 3.0, 7.0].map(|value| function.opacity(value))
+    };
+    let [nothing, three, seven] = opacities(&window);
+    assert!(nothing == 0.0 && three > 0.0 && seven > 0.0);
+    click(&mut window, "Only label 7");
+    assert_eq!(opacities(&window), [0.0, 0.0, seven]);
+    click(&mut window, "Show label 3");
+    assert_eq!(opacities(&window), [0.0, three, seven]);
+    window.get_by_label("Colour of label 3");
+    wait(&mut window, "the labels", |model| model.is_final());
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.step();
+        window.step();
+    }
+    assert_eq!(opacities(&window), [nothing, three, seven]);
+    assert!(!model(&window).session().can_undo());
+}
+
+#[test]
+fn channels_are_chosen_or_shown_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cells.zarr");
+    std::fs::create_dir_all(path.join("0")).unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(path.join(name), bytes).unwrap();
+    write(".zgroup", br#"{"zarr_format": 2}"#);
+    let axes = ["c", "z", "y", "x"].map(|name| {
+        let kind = if name == "c" { "channel" } else { "space" };
+        format!(r#"{{"name": "{name}", "type": "{kind}"}}"#)
+    });
+    let scale = r#"[{"type": "scale", "scale": [1, 1, 1, 1]}]"#;
+    let levels = format!(r#"[{{"path": "0", "coordinateTransformations": {scale}}}]"#);
+    let axes = axes.join(", ");
+    let image = format!(r#"{{"version": "0.4", "axes": [{axes}], "datasets": {levels}}}"#);
+    write(".zattrs", format!(r#"{{"multiscales": [{image}]}}"#).as_bytes());
+    let of = r#""dtype": "|u1", "fill_value": 0, "order": "C", "compressor": null, "filters": null"#;
+    let sizes = r#""shape": [2, 8, 8, 8], "chunks": [2, 8, 8, 8]"#;
+    write(
+        "0/.zarray",
+        format!(r#"{{"zarr_format": 2, {sizes}, {of}}}"#).as_bytes(),
+    );
+    let samples: Vec<u8> = (0..1024u32).map(|index| (index * 37 % 251) as u8).collect();
+    write("0/0.0.0.0", &samples);
+    let mut window = window(&[path.to_str().unwrap()]);
+    let first = model(&window).document().items[0].clone();
+    let count = model(&window).facts(&first).unwrap().choices.channels.len();
+    assert_eq!(count, 2, "{:?}", model(&window).facts(&first));
+    window.check_accessibility();
+    click(&mut window, "All channels together");
+    wait(&mut window, "both channels", |model| {
+        model.document().items.len() == 2 && model.is_final()
+    });
+    let maps: Vec<_> = model(&window)
+        .document()
+        .items
+        .iter()
+        .map(|item| item.cmap.clone())
+        .collect();
+    assert_eq!(maps, [Some("green".to_owned()), Some("magenta".to_owned())]);
+    window.get_all_by_label("cells.zarr, channel 2").next().unwrap();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    wait(&mut window, "one channel", |model| {
+        model.document().items[..] == [first.clone()] && model.is_final()
+    });
 }

@@ -2,13 +2,11 @@
 
 use super::survey::Survey;
 use super::{Proposal, ValueKind};
-use crate::{ColorPoint, OpacityPoint, Volume};
+use crate::Volume;
+use crate::transfer_function::labels::{Label, bands};
 
 /// Most labels that are told apart.
 const MOST: usize = 256;
-
-/// Widest range of values that is searched for labels.
-const WIDEST: f64 = 65_535.0;
 
 /// Share of equal neighbours above which whole numbers are taken for labels; smooth 8-bit scans stay below a third.
 const EQUAL_NEIGHBOURS: f64 = 0.7;
@@ -26,7 +24,7 @@ pub(super) struct Labels {
 pub(super) fn find(volume: &Volume, survey: &Survey) -> Option<Labels> {
     let whole = |v: &f64| v.fract() == 0.0;
     let [min, max] = volume.value_range();
-    if max - min > WIDEST || !whole(&min) || !survey.sorted.iter().all(whole) {
+    if max - min > Volume::WIDEST_WHOLE_RANGE || !whole(&min) || !survey.sorted.iter().all(whole) {
         return None;
     }
     let background = most_common(&survey.sorted)?;
@@ -40,18 +38,9 @@ pub(super) fn find(volume: &Volume, survey: &Survey) -> Option<Labels> {
     if count == 0 || equal < EQUAL_NEIGHBOURS * count as f64 {
         return None;
     }
-    // A full pass, because small labels escape the survey: one bin per whole number, the last shared by max alone.
-    let bins = (max - min) as usize + 1;
-    let width = (max - min) / bins as f64;
-    let mut values: Vec<f64> = volume
-        .histogram(bins)
-        .into_iter()
-        .enumerate()
-        .filter(|&(_, count)| count > 0)
-        .map(|(bin, _)| (min + (bin as f64 + 1.0) * width).floor())
-        .collect();
-    values.dedup();
-    (values.len() <= MOST).then_some(Labels { values, background })
+    // A full pass, because small labels escape the survey.
+    let values = volume.whole_values(MOST)?;
+    Some(Labels { values, background })
 }
 
 fn most_common(sorted: &[f64]) -> Option<f64> {
@@ -64,24 +53,24 @@ fn most_common(sorted: &[f64]) -> Option<f64> {
 /// A band of its own colour for every label; the most common one is transparent.
 pub(super) fn proposal(labels: &Labels, survey: &Survey) -> Proposal {
     let values = &labels.values;
-    let (mut colors, mut opacities) = (Vec::new(), Vec::new());
-    for (index, &value) in values.iter().enumerate() {
-        let rgb = categorical(index);
-        let path = survey.mean_path([value, value + 0.5]).unwrap_or(1.0);
-        let opacity = if value == labels.background {
-            0.0
-        } else {
-            -libm::expm1(-OPTICAL_DEPTH / path)
-        };
-        let low = index
-            .checked_sub(1)
-            .map_or(value, |before| 0.5 * (values[before] + value));
-        let high = values.get(index + 1).map_or(value, |after| 0.5 * (value + after));
-        for end in [low, high] {
-            colors.push(ColorPoint::new(end, rgb));
-            opacities.push(OpacityPoint::new(end, opacity));
-        }
-    }
+    let looks: Vec<Label> = values
+        .iter()
+        .enumerate()
+        .map(|(index, &value)| {
+            let path = survey.mean_path([value, value + 0.5]).unwrap_or(1.0);
+            let is_background = value == labels.background;
+            Label {
+                value,
+                rgb: categorical(index),
+                opacity: if is_background {
+                    0.0
+                } else {
+                    -libm::expm1(-OPTICAL_DEPTH / path)
+                },
+            }
+        })
+        .collect();
+    let (colors, opacities) = bands(&looks);
     Proposal {
         kind: ValueKind::Labels,
         reason: format!(
