@@ -48,6 +48,16 @@ function work(make) {
 /** Longest time until a worker answers that it has started, milliseconds: a worker that is blocked may never say so. */
 const PATIENCE = 10000;
 
+/** Memory that instances may take together, bytes, and what one takes per byte of data. */
+const MEMORY = 1.5e9;
+const PER_BYTE = 8;
+
+/** Instances that are started: as many as there are processors and memory for. */
+function memberCount(bytes) {
+  const fit = Math.floor(MEMORY / (PER_BYTE * bytes + 5e7));
+  return Math.max(1, Math.min(navigator.hardwareConcurrency || 2, 8, fit));
+}
+
 /** A member of the pool in a worker. Messages are answered in their order. */
 function inWorker(module, url) {
   return new Promise((resolve, reject) => {

@@ -68,6 +68,15 @@ class Frames {
     });
   }
 
+  /** A finished picture of what is shown now was made by somebody else, and is on the canvas. */
+  replaced() {
+    clearTimeout(this.timer);
+    this.job = null;
+    this.shown = this.changes;
+    this.final = true;
+    this.told();
+  }
+
   told() {
     this.listeners.splice(0).forEach((resolve) => resolve());
   }

@@ -2,9 +2,6 @@
 
 /** Most pixels of the picture on the page. */
 const MOST_PIXELS = 1600000;
-/** Memory that instances may take together, bytes, and what one takes per byte of data. */
-const MEMORY = 1.5e9;
-const PER_BYTE = 8;
 /** Degrees per picture height of a drag. */
 const DEGREES = 180;
 
@@ -253,12 +250,6 @@ function hearKeys(canvas, view) {
     event.preventDefault();
     view.step(event.shiftKey ? 1 : -1);
   });
-}
-
-/** Instances that are started: as many as there are processors and memory for. */
-function memberCount(bytes) {
-  const fit = Math.floor(MEMORY / (PER_BYTE * bytes + 5e7));
-  return Math.max(1, Math.min(navigator.hardwareConcurrency || 2, 8, fit));
 }
 
 /** Instances with the data of the page, and what they say of these. */

@@ -22,6 +22,7 @@ impl Absent {
 /// # Errors
 /// Programs without it.
 pub fn engine() -> Result<&'static [u8], Absent> {
-    const ENGINE: Result<&[u8], Absent> = include!(concat!(env!("OUT_DIR"), "/engine.rs"));
+    // A constant would be copied to every place where it is used.
+    static ENGINE: Result<&[u8], Absent> = include!(concat!(env!("OUT_DIR"), "/engine.rs"));
     ENGINE
 }

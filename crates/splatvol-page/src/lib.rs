@@ -6,6 +6,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | `content` | what a page shows of a picture |
 //! | `engine` | the engine, gzip, if `cargo xtask web` built it before this crate |
 //! | `fit` | data in fewer bits or of a coarser level, until they fit |
 //! | `template` | the page with slots: each is filled once, by text that is escaped, or by code and data that are checked |
@@ -16,13 +17,15 @@
 //! in pages from a server only.
 #![forbid(unsafe_code)]
 
+mod content;
 mod engine;
 mod error;
 mod fit;
 mod page;
 mod template;
 
+pub use content::PageContent;
 pub use engine::{Absent, engine};
 pub use error::PageError;
 pub use fit::{Bits, Fitted, fit};
-pub use page::Page;
+pub use page::{ENGINE_SCRIPT, Page};

@@ -13,6 +13,13 @@ use crate::template::{Slot, fill};
 const TEMPLATE: &str = include_str!("../player/page.html");
 const STYLE: &str = include_str!("../player/style.css");
 
+/// The part of the player's script that has nothing to do with its page: instances of the engine (`engine.js`), and drafts and final
+/// pictures on a canvas (`frames.js`). Notebooks use it.
+pub const ENGINE_SCRIPT: &str = concat!(
+    include_str!("../player/engine.js"),
+    include_str!("../player/frames.js")
+);
+
 /// The player's script, with a part of its own.
 macro_rules! script {
     ($own:expr) => {

@@ -9,6 +9,7 @@ use pyo3::types::PyDict;
 use splatvol::{EngineError, SceneError};
 use splatvol_document::DocumentError;
 use splatvol_io::IoError;
+use splatvol_page::PageError;
 
 /// An exception of the package, by its name, with what is known about it as attributes.
 struct Exception {
@@ -143,6 +144,12 @@ impl Raise for SceneError {
 }
 
 impl Raise for EngineError {
+    fn raised(self) -> PyErr {
+        Exception::new("InvalidValue", self).raised()
+    }
+}
+
+impl Raise for PageError {
     fn raised(self) -> PyErr {
         Exception::new("InvalidValue", self).raised()
     }

@@ -11,6 +11,7 @@
 //! | [`picture`] | a document with its data, resolved, and how it is rendered |
 //! | [`chunks`] | volumes that are read in chunks |
 //! | [`frame`] | the picture: codes, floats, files |
+//! | [`browser`] | what browsers need to draw drafts themselves |
 //! | [`part`] | parts of pictures, by many processes |
 //! | [`animation`] | frames of animations, and files of many frames |
 //! | [`work`] | work without the interpreter's lock, that can be interrupted |
@@ -19,6 +20,7 @@
 
 mod animation;
 mod array;
+mod browser;
 mod chunks;
 mod data;
 mod engines;
@@ -41,6 +43,8 @@ mod _core {
 
     #[pymodule_export]
     use super::animation::{Animation, Movie};
+    #[pymodule_export]
+    use super::browser::{browser_engine, browser_parts, browser_script};
     #[pymodule_export]
     use super::data::Data;
     #[pymodule_export]

@@ -18,6 +18,8 @@ from typing import Any
 
 import pytest
 
+from splatvol import _browser
+
 CHROMIUM = os.environ.get("SPLATVOL_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 if CHROMIUM is None:
     pytest.skip(
@@ -227,6 +229,53 @@ def test_the_widget_turns_in_notebook_7(browser: Any, tmp_path: Path) -> None:
         screen(page, "8-notebook-7")
         assert turned != first
         assert 0.1 < share_of_background(page, CANVAS) < 0.9
+        assert problems == []
+        page.close()
+
+
+#: It holds the interpreter, so that no thread of the kernel answers either.
+BUSY = "sum(range(700_000_000))"
+
+
+def test_the_widget_turns_while_the_kernel_is_busy(browser: Any, tmp_path: Path) -> None:
+    if _browser.engine() is None:
+        pytest.skip("the package was built without the engine for browsers: cargo xtask web")
+    (tmp_path / "head.ipynb").write_text(notebook(cell(CODE), {**cell(BUSY), "id": "two"}))
+    with lab(tmp_path) as address:
+        page = opened(browser, address, "head.ipynb")
+        problems: list[str] = []
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        run(page)
+        first = at_rest(page)
+        page.wait_for_selector(f"{CANVAS}[data-workers]", timeout=60_000)
+        assert at_rest(page) == first
+        page.locator(".jp-Notebook .jp-CodeCell .cm-content").nth(1).click()
+        page.keyboard.press("Shift+Enter")
+        busy = ".jp-InputPrompt:text('[*]')"
+        page.wait_for_selector(busy)
+        box = page.locator(CANVAS).bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(x, y)
+        page.mouse.down()
+        seen = {first}
+        for step in range(1, 9):
+            page.mouse.move(x + 10 * step, y)
+            page.wait_for_timeout(250)
+            seen.add(str(page.evaluate("canvas => document.querySelector(canvas).toDataURL()", CANVAS)))
+        page.mouse.up()
+        page.wait_for_timeout(1500)
+        screen(page, "9-busy")
+        # The kernel is at work all the while, and the page draws.
+        assert page.locator(busy).count() == 1
+        assert page.locator(f"{CANVAS}[data-final=true]").count() == 0
+        assert len(seen) >= 5
+        assert 0.1 < share_of_background(page, CANVAS) < 0.9
+        drawn = page.evaluate("canvas => document.querySelector(canvas).toDataURL()", CANVAS)
+        page.wait_for_selector(busy, state="detached", timeout=60_000)
+        rest = at_rest(page)
+        screen(page, "10-idle")
+        # All of the data were small enough, so the page's last picture is the kernel's.
+        assert rest == drawn
         assert problems == []
         page.close()
 

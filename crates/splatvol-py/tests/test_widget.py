@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import subprocess
 import sys
 import threading
@@ -18,7 +19,7 @@ import splatvol as sv
 
 pytest.importorskip("anywidget", reason="anywidget is not installed")
 
-from splatvol import _progressive
+from splatvol import _browser, _progressive
 from splatvol._widget import Widget
 
 SIZE = (96, 64)
@@ -32,6 +33,7 @@ class Page:
         self.answers = answers
         self.heard: list[dict[str, Any]] = []
         self.pictures: list[bytes] = []
+        self.pieces: list[bytes] = []
         widget.send = self.hear
         self.say(kind="ready")
 
@@ -40,6 +42,8 @@ class Page:
 
     def hear(self, message: dict[str, Any], buffers: list[bytes] | None = None) -> None:
         self.heard.append(message)
+        if message["kind"] == "browser":
+            self.pieces.extend(buffers or [])
         if message["kind"] == "frame":
             assert buffers is not None
             self.pictures.append(buffers[0])
@@ -134,6 +138,57 @@ def test_a_size_that_was_too_slow_is_tried_again() -> None:
     for _ in range(150):
         pace.took(0.001)
     assert pace.divisor == 1.0
+
+
+def arrived(page: Page) -> tuple[dict[str, Any], bytes, bytes]:
+    """What a page needs to draw: facts, the engine, and the samples."""
+    for _ in range(1000):
+        facts = [message["facts"] for message in page.heard if "facts" in message]
+        bytes_there = b"".join(page.pieces)
+        if facts and len(bytes_there) == facts[-1]["engine"] + facts[-1]["samples"]:
+            engine = facts[-1]["engine"]
+            return facts[-1], bytes_there[:engine], bytes_there[engine:]
+        time.sleep(0.02)
+    raise AssertionError(f"{len(page.pieces)} pieces arrived")
+
+
+def test_a_page_that_draws_itself_gets_no_drafts(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
+    if _browser.engine() is None:
+        pytest.skip("the package was built without the engine for browsers: cargo xtask web")
+    monkeypatch.setattr(_browser, "PAUSE", 0.0)
+    page = Page(make())
+    page.rest()
+    facts, engine, samples = arrived(page)
+    assert gzip.decompress(engine)[:4] == b"\0asm"
+    assert len(gzip.decompress(samples)) == 2 * 24**3
+    assert facts["data"][0]["dims"] == [24, 24, 24]
+    assert [item["file"] for item in facts["document"]["item"]] == ["volume"]
+    page.say(kind="draws", value=True)
+    edits = [message["edits"] for message in page.heard if message["kind"] == "browser" and "edits" in message]
+    assert [edit["path"] for edit in edits[-1]] == ["settings", "effects", "item[0].transfer-function"]
+    seen = len(page.frames())
+    page.say(kind="camera", camera=turned(page, 20))
+    assert page.rest() == png(page.widget.scene.render())
+    assert [message["final"] for message in page.frames()[seen:]] == [True]
+    camera = page.frames()[-1]["camera"]
+    assert camera["position"] == pytest.approx(page.widget.camera.position)
+    # Another page has the engine already; and of another scene both get the data.
+    page.pieces.clear()
+    page.say(kind="ready", view="other", engines=[facts["key"]])
+    assert arrived(page)[0]["engine"] == 0
+    page.pieces.clear()
+    page.widget.scene = sv.Scene("sample:shells:16", size=SIZE)
+    assert {"kind": "browser", "end": True} in page.heard
+
+
+def test_data_stay_with_the_kernel_if_asked(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_browser, "PAUSE", 0.0)
+    page = Page(make(engine="kernel"))
+    page.rest()
+    time.sleep(0.2)
+    assert not any("facts" in message for message in page.heard) and page.pieces == []
+    with pytest.raises(sv.InvalidValue, match="engine: 'gpu'"):
+        make(engine="gpu")
 
 
 def test_frames_do_not_queue_up(make: Callable[..., Widget]) -> None:

@@ -7,12 +7,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::Serialize;
-use splatvol::{Content, Frame, Volume};
-use splatvol_document::keys::ItemKeys;
+use splatvol::{Frame, Volume};
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, Document, Held, Picture, Resolving, Silent};
 use splatvol_io::{Data, Description, ImageFormat};
-use splatvol_page::{Absent, Bits, Fitted, Page, PageError};
+use splatvol_page::{Absent, Bits, Fitted, Page, PageContent, PageError};
 
 use super::asked::{self, Asked};
 use super::metrics::PictureDifference;
@@ -135,7 +134,7 @@ impl Exported {
             in_windows: false,
         };
         let picture = asked.picture(&asked.document, &args.picture, resolving)?;
-        refuse(&picture)?;
+        PageContent::of(&picture)?;
         let means = Means {
             engine: splatvol::EngineChoice::Cpu,
             threads: asked::threads(args.threads, terminal),
@@ -166,7 +165,8 @@ impl Exported {
             }
             Err(absent) => format!("drafts come from the server, too: {absent} ({})", Absent::REMEDY),
         };
-        let document = serde_json::to_value(self.document(None)).during(Step::Output)?;
+        let document = PageContent::of(&self.picture)?.document(0, short_name);
+        let document = serde_json::to_value(document).during(Step::Output)?;
         let page = Page {
             title,
             description: &described(title),
@@ -181,9 +181,9 @@ impl Exported {
     }
 
     /// The document and the data of its items, all of them.
-    pub(super) fn document_and_data(&self) -> (Document, Vec<Option<Held>>) {
-        let volumes: Vec<_> = self.volumes().0.into_iter().map(|(volume, _)| volume).collect();
-        (self.document(None), held(&volumes))
+    pub(super) fn document_and_data(&self) -> Result<(Document, Vec<Option<Held>>), Failure> {
+        let content = PageContent::of(&self.picture)?;
+        Ok((content.document(0, short_name), held(content.volumes())))
     }
 
     /// The picture as a PNG.
@@ -200,11 +200,11 @@ impl Exported {
         is_served: bool,
     ) -> Result<(String, Report), Failure> {
         let most = most.unwrap_or(MOST_BYTES);
-        let (volumes, distances) = self.volumes();
+        let content = PageContent::of(&self.picture)?;
         let poster = self.poster()?;
         let description = described(title);
         let json = |document: &Document| serde_json::to_value(document).during(Step::Output);
-        let document = json(&self.document(None))?;
+        let document = json(&content.document(0, short_name))?;
         let empty = Page {
             title,
             description: &description,
@@ -216,14 +216,14 @@ impl Exported {
             is_served,
         };
         let overhead = empty.overhead().map_err(refused)? + NOTES;
-        let fitted = splatvol_page::fit(&volumes, quantize, Page::room(most, overhead));
+        let fitted = content.fit(quantize, Page::room(most, overhead));
         let fitted = fitted.map_err(|error| match error {
             // The limit is the page's; the data have what the rest leaves.
             PageError::TooLarge { why, .. } => Failure::usage(format!("--max-size {most}: {why}"))
                 .hint(format!("without the data the page has {overhead} bytes")),
             other => refused(other),
         })?;
-        let kept = self.document((fitted.level > 0).then_some(&distances[..]));
+        let kept = content.document(fitted.level, short_name);
         let shown = resolved(&kept, &fitted)?;
         let psnr = self.difference(&rendered(&shown, self.means)?).psnr();
         let mut report = Report {
@@ -254,90 +254,12 @@ impl Exported {
         Ok((html, report))
     }
 
-    /// The volumes of the items, with whether they are labels, and the lengths to which their opacities refer.
-    fn volumes(&self) -> (Vec<(Arc<Volume>, bool)>, Vec<f64>) {
-        let items = self.picture.scene.items.iter();
-        let all = items.filter_map(|item| match &item.content {
-            Content::Volume {
-                volume,
-                transfer_function,
-                labels,
-                ..
-            } => {
-                let distance = transfer_function.unit_distance;
-                let distance = distance.unwrap_or_else(|| volume.grid().mean_spacing());
-                Some(((Arc::clone(volume), *labels), distance))
-            }
-            _ => None,
-        });
-        all.unzip()
-    }
-
-    /// The document of the page: nothing in it names a file. `distances`: lengths of opacities that no longer are the
-    /// spacing of the volumes.
-    fn document(&self, distances: Option<&[f64]>) -> Document {
-        let all = self.picture.document.clone();
-        let exact = all.effects.iso_exact == Some(true);
-        let items = all.items.into_iter().filter(ItemKeys::is_visible);
-        let items = items.enumerate().map(|(index, item)| {
-            let mut look = item.transfer_function;
-            if let (Some(look), Some(distances)) = (&mut look, distances) {
-                look.unit_distance = distances.get(index).copied();
-            }
-            ItemKeys {
-                scale: item.scale,
-                rotate: item.rotate,
-                translate: item.translate,
-                iso: item.iso.filter(|_| exact),
-                labels: item.labels,
-                transfer_function: look,
-                ..ItemKeys::of_file(short_name(&item.file))
-            }
-        });
-        Document {
-            name: None,
-            bits: None,
-            items: items.collect(),
-            ..all
-        }
-    }
-
     fn difference(&self, frame: &Frame) -> PictureDifference {
         let shown = |frame: &Frame| match self.picture.background() {
             Some(color) => laid_over(&frame.image, color),
             None => frame.image.clone(),
         };
         PictureDifference::new(&shown(&self.frame), &shown(frame))
-    }
-}
-
-/// Refuses by name what a page cannot show.
-fn refuse(picture: &Picture) -> Result<(), Failure> {
-    let no = |what: &str| Err(Failure::usage(format!("{what}: a page cannot show it")));
-    let effects = &picture.document.effects;
-    let visible = picture.document.items.iter().filter(|item| item.is_visible());
-    for (item, keys) in picture.scene.items.iter().zip(visible) {
-        let kind = match item.content {
-            Content::Volume { .. } => continue,
-            Content::Mesh { .. } => "a mesh",
-            Content::Points { .. } => "points",
-            Content::Gaussians(_) => "Gaussians",
-        };
-        return no(&format!("{}, {kind}", keys.file))
-            .map_err(|failure| failure.hint("it shows volumes only"));
-    }
-    let moves =
-        !picture.sub_frames.is_empty() || picture.scene.items.iter().any(|item| item.motion.is_some());
-    let asked = [
-        (effects.bump.is_some(), "--bump"),
-        (effects.environment.is_some(), "--environment"),
-        (effects.tf2d.is_some(), "--tf2d"),
-        (moves, "motion blur"),
-        (picture.bits() == 16, "--bits 16"),
-    ];
-    match asked.iter().find(|(asked, _)| *asked) {
-        Some((_, what)) => no(what),
-        None => Ok(()),
     }
 }
 
@@ -354,8 +276,8 @@ fn made_by() -> String {
 }
 
 /// Volumes in memory, where they lie, as the data of items.
-fn held(volumes: &[Arc<Volume>]) -> Vec<Option<Held>> {
-    let held = volumes.iter().map(|volume| {
+fn held<'a>(volumes: impl IntoIterator<Item = &'a Arc<Volume>>) -> Vec<Option<Held>> {
+    let held = volumes.into_iter().map(|volume| {
         let description = Description {
             oriented: true,
             ..Description::default()

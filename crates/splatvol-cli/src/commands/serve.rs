@@ -21,7 +21,7 @@ pub(crate) fn run(args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> 
     let title = args.page.title.as_deref().unwrap_or(&name);
     let exported = Exported::new(&asked, &args.page, terminal)?;
     let (page, sentence) = exported.served_page(title, args.page.max_size)?;
-    let (document, held) = exported.document_and_data();
+    let (document, held) = exported.document_and_data()?;
     let served = Served {
         page,
         shown: Shown::new(&document, held).during(Step::Usage)?,

@@ -57,14 +57,14 @@ fn every_effect_changes_the_picture_and_is_remembered() {
 fn regions_of_values_and_gradients_stand_in_a_file_or_in_the_scene() {
     let sandbox = with_picture();
     let regions = r#"[{"value": [0.2, 1.5], "gradient": [0, 9], "rgb": [1, 0, 0], "opacity": 0.4}]"#;
-    sandbox.write("look.json", &format!(r#"{{"regions": {regions}}}"#));
+    sandbox.write("look.json", format!(r#"{{"regions": {regions}}}"#));
     sandbox
         .run(&format!("{BALL} --tf2d look.json -o file.png"))
         .succeeds();
     let scene = |effects: &str| format!("size = \"40x32\"\n[[item]]\nfile = \"sample:ball:24\"\n{effects}");
     let region =
         "[[effects.regions]]\nvalue = [0.2, 1.5]\ngradient = [0, 9]\nrgb = [1, 0, 0]\nopacity = 0.4\n";
-    sandbox.write("scene.toml", &scene(region));
+    sandbox.write("scene.toml", scene(region));
     sandbox
         .run("render scene.toml --view front -o scene.png")
         .succeeds();
@@ -91,7 +91,7 @@ fn regions_of_values_and_gradients_stand_in_a_file_or_in_the_scene() {
             "regions",
         ),
     ] {
-        sandbox.write("bad.toml", &scene(&effects));
+        sandbox.write("bad.toml", scene(&effects));
         sandbox.run("render bad.toml -w -o a.png").fails(2, &[words]);
     }
 }

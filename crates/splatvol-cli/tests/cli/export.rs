@@ -242,7 +242,7 @@ fn shows_what_the_command_makes(browser: &Browser) {
         "two.toml",
         "[[item]]\nfile = \"sample:head:32\"\nopacity = \"linear\"\n[[item]]\nfile = \"sample:tomato:24\"\ntranslate = [90, 0, 0]\n",
     );
-    for scene in [
+    let scenes = [
         "sample:head:48",
         "sample:head:48 --cmap viridis --opacity linear --background white",
         "sample:tomato:40 --preset fast --unit-distance 3",
@@ -255,14 +255,17 @@ fn shows_what_the_command_makes(browser: &Browser) {
         "sample:head:40 --preset best",
         "sample:nerve:32 --preset best --orthographic --view top",
         "sample:shells:40 --gradient analytic --preset fast",
-    ] {
+    ];
+    for (index, scene) in scenes.into_iter().enumerate() {
+        // A page that has the address of the last one may be taken for it.
+        let page = format!("made-{index}.html");
         sandbox
             .run(&format!("render {scene} --size 150x110 -o made.png -w"))
             .succeeds();
         sandbox
-            .run("export --like made.png --quantize 16 -o made.html -w")
+            .run(&format!("export --like made.png --quantize 16 -o {page}"))
             .succeeds();
-        browser.open(&sandbox.path("made.html"));
+        browser.open(&sandbox.path(&page));
         let picture = browser.picture([150, 110]);
         assert!(opaque(&picture) == png(&sandbox.path("made.png")).2, "{scene}");
     }

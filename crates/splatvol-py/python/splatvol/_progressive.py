@@ -174,13 +174,16 @@ class Progressive:
         self._is_closed = False
         self._pace = Pace()
 
-    def ask(self, document: Keys, *, moving: bool) -> None:
-        """Wishes for a picture of the document: a draft first where it is `moving`, and the exact one at rest."""
+    def ask(self, document: Keys, *, moving: bool, drafts: bool = True) -> None:
+        """Wishes for a picture of the document: a draft first where it is `moving`, and the exact one at rest.
+
+        Without `drafts`, somebody else draws them.
+        """
         text = json.dumps(document)
         with self._change:
             if self._is_closed:
                 return
-            self._wish, self._is_draft_due = text, moving
+            self._wish, self._is_draft_due = text, moving and drafts
             self._final_due = time.monotonic() + (REST if moving else 0.0)
             # A draft is never stopped by a newer wish: there is one with every move, and none would be finished.
             self._stop.set()

@@ -116,13 +116,16 @@ def animate(data: Any, path: str | os.PathLike[str], **options: Any) -> Path:
     return scene.animate(path, **options)
 
 
-def show(data: Any, **options: Unpack[RenderOptions]) -> Widget:
-    """Shows data in a notebook: a widget that turns, zooms and edits them, rendered by the kernel.
+def show(data: Any, *, engine: str = "auto", **options: Unpack[RenderOptions]) -> Widget:
+    """Shows data in a notebook: a widget that turns, zooms and edits them.
 
     Parameters
     ----------
     data
         Anything that :func:`read` takes, or a :class:`Scene`, which is copied.
+    engine : str
+        Who draws while something moves: ``"auto"``, the page where it can, also if the kernel is busy, or
+        ``"kernel"``, which sends no data to the page. At rest it is always the kernel.
     **options
         Keywords of :class:`splatvol.RenderOptions`; `size` is (640, 480) by default.
 
@@ -143,7 +146,7 @@ def show(data: Any, **options: Unpack[RenderOptions]) -> Widget:
         if (error.name or "").partition(".")[0] not in ("anywidget", "ipywidgets", "traitlets"):
             raise
         raise ImportError("show() needs the package anywidget: pip install anywidget") from error
-    return widget_of(data, dict(options))
+    return widget_of(data, dict(options), engine)
 
 
 def like(

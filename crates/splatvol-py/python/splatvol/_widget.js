@@ -1,4 +1,5 @@
-// The widget's front end: shows frames, turns the camera, edits the look. The kernel renders.
+// The widget's front end: shows frames, turns the camera, edits the look. The kernel renders, and the engine in the page while
+// something moves, where the kernel has sent it.
 
 const SVG = "http://www.w3.org/2000/svg";
 // The editor, in its own units: place for the histogram and the points, then for the colours.
@@ -101,32 +102,54 @@ class Picture {
     );
     this.context = this.canvas.getContext("2d");
     this.camera = null;
+    // Size of the kernel's pictures at rest, and whether the camera was moved here.
+    this.fullSize = [1, 1];
+    this.hasMoved = false;
     this.send = send;
+    this.inPage = new InPage(this, send);
     this.sendCamera = paced(() => send({ kind: "camera", camera: this.camera }));
     this.listen();
   }
 
   size([width, height]) {
+    this.fullSize = [width, height];
     if (this.canvas.width === width && this.canvas.height === height) return;
     [this.canvas.width, this.canvas.height] = [width, height];
   }
 
   move(camera) {
     this.camera = camera;
+    this.hasMoved = true;
     this.sendCamera();
+    this.inPage.changed();
+  }
+
+  /** The camera as somebody else has placed it. */
+  place(camera) {
+    const moves = this.camera && !sameCamera(camera, this.camera);
+    this.camera = camera;
+    if (moves) this.inPage.changed();
   }
 
   async draw(message, bytes) {
+    if (!this.inPage.wants(message)) return;
     const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    // It may be that the camera has moved meanwhile.
+    if (!this.inPage.wants(message)) return image.close();
     const { width, height } = this.canvas;
     if (message.final) this.size([message.width, message.height]);
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.context.drawImage(image, 0, 0, message.final ? message.width : width, message.final ? message.height : height);
     image.close();
-    // Those who watch, and tests, read what is shown here.
+    if (message.final) this.inPage.replaced();
     this.canvas.dataset.frame = message.number;
-    this.canvas.dataset.final = message.final;
     this.canvas.dataset.rendered = `${message.width}x${message.height}`;
+    this.painted(message);
+  }
+
+  /** Says what is shown: those who watch, and tests, read it here. */
+  painted(message) {
+    this.canvas.dataset.final = message.final;
     this.canvas.dispatchEvent(new CustomEvent("splatvol-frame", { bubbles: true, detail: message }));
   }
 
@@ -349,7 +372,7 @@ class Editor {
 }
 
 /** Sliders of the box that is kept. */
-function clipBox(state, send) {
+function clipBox(state, send, inPage) {
   const [low, high] = state.bounds;
   const axes = ["x", "y", "z"];
   const given = state.clip ?? axes.flatMap((_, i) => [low[i], high[i]]);
@@ -366,7 +389,9 @@ function clipBox(state, send) {
     const shares = rows.flat().map((slider) => slider.value / 1000);
     const isWhole = shares.every((share, i) => share === i % 2);
     const place = (share, i) => low[i >> 1] + share * (high[i >> 1] - low[i >> 1]);
-    send({ kind: "clip", box: isWhole ? null : shares.map(place) });
+    const box = isWhole ? null : shares.map(place);
+    inPage.tell([{ path: "effects.clip-box", value: box }]);
+    send({ kind: "clip", box });
   });
   const box = element("details", { class: "splatvol-clip" }, element("summary", {}, "Clip"));
   rows.forEach(([from, to], i) => {
@@ -379,7 +404,7 @@ function clipBox(state, send) {
 }
 
 /** Menus, editor and sliders, of a state that the kernel sent. */
-function controls(state, chosen, send, again) {
+function controls(state, chosen, { send, inPage }, again) {
   const panel = [];
   const look = state.items[chosen]?.look;
   if (state.items.length > 1) {
@@ -390,14 +415,18 @@ function controls(state, chosen, send, again) {
   row.append(menu("Show", state.kinds, state.compositing, (value) => send({ kind: "compositing", value })));
   if (look) {
     const sendLook = paced((edited) => send({ kind: "look", item: chosen, look: edited }));
+    const changed = (edited) => {
+      inPage.tell([{ path: `item[${chosen}].transfer-function`, value: edited }]);
+      sendLook(edited);
+    };
     const maps = [["", "as chosen"], ...state.maps.map((name) => [name, name])];
     row.append(menu("Colours", maps, state.items[chosen].map, (name) => name && send({ kind: "cmap", item: chosen, name })));
-    panel.push(new Editor(state.items[chosen], sendLook).svg);
+    panel.push(new Editor(state.items[chosen], changed).svg);
   }
   const reset = element("button", { type: "button", title: "The look that was chosen at first" }, "Reset look");
   reset.addEventListener("click", () => send({ kind: "reset" }));
   row.append(reset);
-  panel.push(row, clipBox(state, send));
+  panel.push(row, clipBox(state, send, inPage));
   return panel;
 }
 
@@ -423,20 +452,21 @@ function render({ model, el }) {
   function build(state) {
     const again = (item) => ((chosen = item), build(state));
     isClipOpen = panel.querySelector("details")?.open ?? isClipOpen;
-    panel.replaceChildren(...controls(state, Math.min(chosen, state.items.length - 1), send, again));
+    panel.replaceChildren(...controls(state, Math.min(chosen, state.items.length - 1), picture, again));
     panel.querySelector("details").open = isClipOpen;
   }
 
   const hear = {
     state(state) {
       picture.size(state.size);
-      picture.camera = state.camera;
+      picture.place(state.camera);
+      picture.inPage.follow(state.edits);
       build(state);
       still = stillOutput(el, state.still) ?? still;
       if (still) still.style.display = "none";
     },
     camera(message) {
-      if (message.view !== view) picture.camera = message.camera;
+      if (message.view !== view) picture.place(message.camera);
     },
     async frame(message, buffers) {
       try {
@@ -447,6 +477,10 @@ function render({ model, el }) {
         send({ kind: "shown", number: message.number });
       }
     },
+    browser(message, buffers) {
+      if (message.end) picture.inPage.end();
+      else if (message.view === view) picture.inPage.take(message, buffers);
+    },
     error(message) {
       problem.textContent = message.text;
       problem.hidden = false;
@@ -454,7 +488,7 @@ function render({ model, el }) {
   };
   const listen = (message, buffers) => hear[message.kind]?.(message, buffers);
   model.on("msg:custom", listen);
-  send({ kind: "ready" });
+  send({ kind: "ready", engines: [...ENGINES.keys()] });
   return () => {
     model.off("msg:custom", listen);
     send({ kind: "gone" });

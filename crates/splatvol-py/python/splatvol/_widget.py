@@ -1,4 +1,4 @@
-"""The widget of notebooks: a scene that the mouse turns, rendered by the kernel."""
+"""The widget of notebooks: a scene that the mouse turns, rendered by the kernel, and by the page while it moves."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import anywidget
 import numpy as np
 
-from . import _core
+from . import _browser, _core
 from ._camera import Camera
 from ._data import Volume
 from ._errors import InvalidValue
@@ -30,6 +30,9 @@ LOOK = ("cmap", "clim", "opacity", "tf", "unit-distance")
 #: What the menu calls kinds of pictures; the first leaves it to the data's kind.
 COMPOSITING = {"": "Volume", "mip": "MIP", "minip": "MinIP", "mean": "Mean", "xray": "X-ray"}
 
+#: Who draws drafts.
+ENGINES = ("auto", "kernel")
+
 _FILES = Path(__file__).parent
 
 
@@ -37,12 +40,17 @@ class Widget(anywidget.AnyWidget):
     """A scene in a notebook that is turned, zoomed and edited: what :func:`splatvol.show` returns.
 
     Drag turns, the wheel zooms, shift and drag moves, a double click resets; arrows, plus, minus and ``r`` do the
-    same. The kernel renders drafts while something moves; at rest, the picture is that of ``scene.render()``.
+    same. At rest, the picture is that of ``scene.render()``. While something moves, drafts are shown. The page draws
+    them by itself, also where the kernel is busy, as soon as it has the engine and the data: at most 4 MB, in fewer
+    bits or at a coarser level where they have to be. Of anything but volumes in memory, and where the package was
+    built without the engine for browsers, the kernel renders drafts.
 
     Parameters
     ----------
     scene : Scene
         It is copied: the widget's own is :attr:`scene`.
+    engine : str
+        ``"auto"``, or ``"kernel"``: the page gets pictures and histograms, and no data.
 
     Examples
     --------
@@ -53,12 +61,17 @@ class Widget(anywidget.AnyWidget):
     (64, 48)
     """
 
-    _esm = _FILES / "_widget.js"
+    _esm = "".join((_core.browser_script(), *((_FILES / name).read_text() for name in ("_browser.js", "_widget.js"))))
     _css = _FILES / "_widget.css"
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, engine: str = "auto") -> None:
+        if engine not in ENGINES:
+            raise InvalidValue(f"engine: {engine!r} is neither 'auto' nor 'kernel'", field="engine", value=repr(engine))
         super().__init__()
+        self._engine = engine
         self._views: set[str] = set()
+        #: Views that draw drafts themselves.
+        self._drawing: set[str] = set()
         self._listeners: list[Callable[[str], object]] = []
         self._still: tuple[str, Frame] | None = None
         #: End of the text of the still in the notebook, by which views find it.
@@ -80,6 +93,7 @@ class Widget(anywidget.AnyWidget):
         self._bounds: tuple[list[float], list[float]] | None = None
         self._histograms: dict[int, tuple[Volume, list[float]]] = {}
         self._renders = Progressive(self._scene, self._present, self._complain)
+        self._to_pages = _browser.ToPages(lambda message, buffers: self.send(message, buffers), self._for_pages)
 
     # What is shown.
 
@@ -91,7 +105,11 @@ class Widget(anywidget.AnyWidget):
     @scene.setter
     def scene(self, scene: Scene) -> None:
         self._renders.close()
+        self._to_pages.close()
+        self.send({"kind": "browser", "end": True})
         self._take(scene)
+        for view in self._views:
+            self._begin_page(view, has_engine=view in self._drawing)
         self._tell()
         self.update()
         self._changed("scene")
@@ -177,6 +195,7 @@ class Widget(anywidget.AnyWidget):
         """Ends the widget: its rendering stops, and its views go."""
         if hasattr(self, "_renders"):
             self._renders.close()
+            self._to_pages.close()
         super().close()
 
     # What notebooks keep.
@@ -226,9 +245,22 @@ class Widget(anywidget.AnyWidget):
             self._present(Shot(0, self._still[1], True, self._still[1].size))
         else:
             self._ask(moving=False)
+        own = _browser.engine()
+        self._begin_page(message["view"], has_engine=own is not None and own[0] in message.get("engines", ()))
+
+    def _begin_page(self, view: str, *, has_engine: bool) -> None:
+        if self._engine == "auto":
+            self._to_pages.begin(view, has_engine=has_engine)
+
+    def _hear_draws(self, message: dict[str, Any]) -> None:
+        (self._drawing.add if message["value"] else self._drawing.discard)(message["view"])
+        # What was changed while the data were on their way.
+        self.send({"kind": "browser", "view": message["view"], "edits": self._edits(self._decided())})
 
     def _hear_gone(self, message: dict[str, Any]) -> None:
         self._views.discard(message["view"])
+        self._drawing.discard(message["view"])
+        self._to_pages.leave(message["view"])
 
     def _hear_shown(self, message: dict[str, Any]) -> None:
         self._renders.shown(message["number"])
@@ -289,6 +321,19 @@ class Widget(anywidget.AnyWidget):
 
     # Helpers.
 
+    def _for_pages(self) -> tuple[_core.Picture, list[Keys]]:
+        decided = self._decided()
+        return self._scene._picture(decided), self._edits(decided)
+
+    def _edits(self, decided: Keys) -> list[Keys]:
+        """What the engine in a page has to know of a document, beside the camera and the size."""
+        visible = [item for item in decided["item"] if item.get("visible", True)]
+        looks = {
+            f"item[{index}].transfer-function": item.get("transfer-function") for index, item in enumerate(visible)
+        }
+        tables = {name: decided.get(name) for name in ("settings", "effects")}
+        return [{"path": path, "value": value} for path, value in {**tables, **looks}.items()]
+
     def _decided(self) -> Keys:
         return self._renders.resolved.document(self._scene.to_dict())
 
@@ -330,7 +375,8 @@ class Widget(anywidget.AnyWidget):
 
     def _ask(self, *, moving: bool) -> None:
         if self._views:
-            self._renders.ask(self._scene.to_dict(), moving=moving)
+            drafts = not self._views <= self._drawing
+            self._renders.ask(self._scene.to_dict(), moving=moving, drafts=drafts)
 
     def _tell(self) -> None:
         """Tells the views what their controls show."""
@@ -346,6 +392,7 @@ class Widget(anywidget.AnyWidget):
                 "kind": "state",
                 "size": size_of(decided),
                 "camera": camera,
+                "edits": self._edits(decided),
                 "home": self._home._keys(),
                 "items": [self._controls(index, keys) for index, keys in enumerate(decided["item"])],
                 "maps": colormaps(),
@@ -388,6 +435,7 @@ class Widget(anywidget.AnyWidget):
                 "kind": "frame",
                 "number": shot.number,
                 "final": shot.is_final,
+                "camera": json.loads(shot.frame._document)["camera"],
                 "width": width,
                 "height": height,
             },
@@ -405,13 +453,13 @@ def _publish(bundle: dict[str, Any]) -> None:
     publish(bundle)
 
 
-def widget_of(data: Any, options: dict[str, Any]) -> Widget:
+def widget_of(data: Any, options: dict[str, Any], engine: str) -> Widget:
     """A widget of anything that can be shown."""
     if not isinstance(data, Scene):
-        return Widget(Scene(data, **options))
+        return Widget(Scene(data, **options), engine)
     if not options:
-        return Widget(data)
-    return Widget(data.copy().set_document(data.to_dict(**options)))
+        return Widget(data, engine)
+    return Widget(data.copy().set_document(data.to_dict(**options)), engine)
 
 
 __all__ = ["Widget", "widget_of"]

@@ -1,0 +1,125 @@
+"""The engine for browsers, with data that are made to fit, on its way to the pages of a widget.
+
+A page that has them draws by itself while the camera moves, also where the kernel is busy. They are sent in pieces, by
+a thread, and not faster than a notebook's server lets messages through: 1 MB per second (``iopub_data_rate_limit``).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+import time
+from collections.abc import Callable
+from functools import cache
+
+from . import _core
+from ._vocabulary import Keys
+
+#: Most bytes of data that a page gets, packed.
+MOST_BYTES = 4_000_000
+#: Bytes of a piece, and the pause after it, seconds.
+PIECE = 1 << 18
+PAUSE = 0.4
+
+Send = Callable[..., object]
+
+
+@cache
+def engine() -> tuple[str, bytes] | None:
+    """The engine and its digest; `None` where the package was built without it."""
+    module = _core.browser_engine()
+    return None if module is None else (hashlib.sha256(module).hexdigest()[:16], module)
+
+
+class ToPages:
+    """Sends the engine and the data of one scene to those pages of a widget that ask for them.
+
+    Parameters
+    ----------
+    send : callable
+        Sends a message and its buffers, from any thread.
+    picture : callable
+        The scene's picture, with everything decided, and what it says beside camera and size.
+    """
+
+    def __init__(self, send: Send, picture: Callable[[], tuple[_core.Picture, list[Keys]]]) -> None:
+        self._send = send
+        self._picture = picture
+        self._change = threading.Lock()
+        self._waiting: list[tuple[str, bool]] = []
+        self._is_sending = False
+        self._is_closed = False
+        self._parts: tuple[str, str, bytes, list[float]] | None = None
+        self._edits: list[Keys] = []
+        self._is_known = False
+
+    def begin(self, view: str, *, has_engine: bool) -> None:
+        """Sends them to a page; without the engine if it has that."""
+        with self._change:
+            if self._is_closed or engine() is None:
+                return
+            self._waiting.append((view, has_engine))
+            if not self._is_sending:
+                self._is_sending = True
+                threading.Thread(target=self._serve, name="splatvol-pages", daemon=True).start()
+
+    def leave(self, view: str) -> None:
+        """Takes note that a page is gone."""
+        with self._change:
+            self._waiting = [(other, has) for other, has in self._waiting if other != view]
+
+    def close(self) -> None:
+        """Sends nothing more."""
+        with self._change:
+            self._is_closed = True
+            self._waiting.clear()
+
+    def _serve(self) -> None:
+        while (view := self._next()) is not None:
+            # What a page cannot draw, or what cannot be read, the kernel draws alone, and says what is wrong.
+            try:
+                self._give(*view)
+            except Exception:
+                self.close()
+
+    def _next(self) -> tuple[str, bool] | None:
+        with self._change:
+            if self._waiting and not self._is_closed:
+                return self._waiting[0]
+            self._is_sending = False
+            return None
+
+    def _give(self, view: str, has_engine: bool) -> None:
+        own = engine()
+        if not self._is_known:
+            picture, self._edits = self._picture()
+            self._parts, self._is_known = _core.browser_parts(picture, MOST_BYTES), True
+        if own is not None and self._parts is not None:
+            key, module = own
+            document, data, samples, distances = self._parts
+            module = b"" if has_engine else module
+            facts = {
+                "key": key,
+                "engine": len(module),
+                "samples": len(samples),
+                "document": json.loads(document),
+                "data": json.loads(data),
+                "distances": distances,
+                "edits": self._edits,
+            }
+            self._send({"kind": "browser", "view": view, "facts": facts}, [])
+            self._pieces(view, module + samples)
+        with self._change:
+            self._waiting = [other for other in self._waiting if other[0] != view]
+
+    def _pieces(self, view: str, data: bytes) -> None:
+        for start in range(0, len(data), PIECE):
+            with self._change:
+                if all(other != view for other, _ in self._waiting):
+                    return
+            self._send({"kind": "browser", "view": view}, [data[start : start + PIECE]])
+            time.sleep(PAUSE)
+
+
+__all__ = ["ToPages", "engine"]
