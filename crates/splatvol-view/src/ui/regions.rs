@@ -130,6 +130,9 @@ fn begin(
     };
     let mut document = model.document().clone();
     document.effects.regions = Some(vec![begun(&function, extent)]);
+    if let Some(item) = document.items.get_mut(selected) {
+        item.unit_distance = function.unit_distance.or(item.unit_distance);
+    }
     state.before = Some((item.clone(), function));
     state.selected = 0;
     model.change(document);
@@ -142,7 +145,9 @@ fn end(model: &mut Model, (selected, item): (usize, &ItemKeys), state: &mut Regi
     document.effects.regions = None;
     document.effects.tf2d = None;
     if let Some(item) = document.items.get_mut(selected) {
-        item.transfer_function = before.map(|(_, function)| function);
+        let known = before.map(|(item, function)| (item.unit_distance, function));
+        (item.unit_distance, item.transfer_function) =
+            known.map_or((None, None), |(length, function)| (length, Some(function)));
     }
     model.change(document);
 }
