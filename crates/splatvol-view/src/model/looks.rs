@@ -2,7 +2,7 @@
 //! clips are common to both.
 
 use splatvol_document::Document;
-use splatvol_document::keys::{ItemKeys, SettingKeys};
+use splatvol_document::keys::{EffectKeys, ItemKeys, SettingKeys};
 
 use super::store::reading_keys;
 
@@ -11,6 +11,8 @@ use super::store::reading_keys;
 pub struct Look {
     items: Vec<ItemKeys>,
     settings: SettingKeys,
+    /// Without clips.
+    effects: EffectKeys,
 }
 
 impl Look {
@@ -19,6 +21,12 @@ impl Look {
         Self {
             items: document.items.clone(),
             settings: document.settings.clone(),
+            effects: EffectKeys {
+                clip_plane: None,
+                clip_box: None,
+                clip_inside: None,
+                ..document.effects.clone()
+            },
         }
     }
 
@@ -27,6 +35,12 @@ impl Look {
     pub fn on(&self, document: &Document) -> Document {
         let mut changed = document.clone();
         changed.settings = self.settings.clone();
+        changed.effects = EffectKeys {
+            clip_plane: changed.effects.clip_plane,
+            clip_box: changed.effects.clip_box,
+            clip_inside: changed.effects.clip_inside,
+            ..self.effects.clone()
+        };
         for (item, look) in changed.items.iter_mut().zip(&self.items) {
             if reading_keys(item) == reading_keys(look) {
                 *item = ItemKeys {
@@ -71,5 +85,35 @@ impl Looks {
             self.other = Some(before);
             self.shows_b = !self.shows_b;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use splatvol::Region;
+
+    use super::*;
+
+    #[test]
+    fn a_look_has_its_regions_and_leaves_the_clips() {
+        let region = Region {
+            value: [1.0, 2.0],
+            gradient: [0.0, 3.0],
+            rgb: [1.0; 3],
+            opacity: 0.5,
+            softness: 0.2,
+        };
+        let mut document = Document::of_items([ItemKeys::of_file("a.nrrd")]);
+        document.effects.regions = Some(vec![region]);
+        document.effects.clip_box = Some([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+        let mut looks = Looks::default();
+        assert!(looks.change(&document).is_none());
+        document.effects.regions = None;
+        document.effects.clip_box = Some([0.0, 2.0, 0.0, 2.0, 0.0, 2.0]);
+        let other = looks.change(&document).unwrap();
+        assert_eq!(other.effects.regions, Some(vec![region]));
+        assert_eq!(other.effects.clip_box, document.effects.clip_box);
+        let back = looks.change(&other).unwrap();
+        assert_eq!(back, document);
     }
 }
