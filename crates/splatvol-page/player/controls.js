@@ -126,7 +126,8 @@ function buildPanel(view) {
     ...views.map(([text, name]) => button(text, () => view.look(name))),
     button("As it was", () => view.home())));
   const curves = [];
-  view.facts.items.forEach((facts, index) => {
+  if (!view.hasCurves) panel.append(element("p", {}, "The look is one of values and gradients: it cannot be changed here."));
+  (view.hasCurves ? view.facts.items : []).forEach((facts, index) => {
     panel.append(element("h2", {}, view.facts.items.length > 1 ? `Look of ${facts.name}` : "Look"));
     const curve = element("canvas", { id: index === 0 ? "curve" : `curve-${index}`, width: 288, height: 80, role: "img" });
     curve.setAttribute("aria-label", "Histogram of the values, with the curve of opacities");

@@ -26,6 +26,8 @@ class View {
     this.first = { position: camera.position, target: camera.target, up: camera.up, projection };
     this.pose = this.first;
     this.documentSize = size.split("x").map(Number);
+    // A look of values and gradients goes over those of values alone.
+    this.hasCurves = !(effects && effects.regions);
     this.own = (effects && effects["clip-box"]) || null;
     const { min, max } = facts.bounds;
     this.whole = [0, 1, 2].flatMap((i) => [min[i], max[i]]);
@@ -156,6 +158,7 @@ class View {
 
   /** Less or more opaque, by a factor. */
   strengthen(factor) {
+    if (!this.hasCurves) return;
     this.state.looks.forEach((look, item) => {
       look.strength = Math.min(16, Math.max(1 / 16, (look.strength || 1) * factor));
       this.tellLook(item);

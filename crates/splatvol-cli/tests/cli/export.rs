@@ -232,7 +232,7 @@ fn shows_without_workers(browser: &Browser) {
 }
 
 #[test]
-fn twelve_scenes_are_the_commands_to_the_byte() {
+fn thirteen_scenes_are_the_commands_to_the_byte() {
     in_browsers([600, 500], shows_what_the_command_makes);
 }
 
@@ -241,6 +241,10 @@ fn shows_what_the_command_makes(browser: &Browser) {
     sandbox.write(
         "two.toml",
         "[[item]]\nfile = \"sample:head:32\"\nopacity = \"linear\"\n[[item]]\nfile = \"sample:tomato:24\"\ntranslate = [90, 0, 0]\n",
+    );
+    sandbox.write(
+        "regions.toml",
+        "[[item]]\nfile = \"sample:head:40\"\n[[effects.regions]]\nvalue = [200, 2000]\ngradient = [20, 2000]\nrgb = [0.9, 0.8, 0.6]\nopacity = 0.6\n",
     );
     let scenes = [
         "sample:head:48",
@@ -251,6 +255,7 @@ fn shows_what_the_command_makes(browser: &Browser) {
         "sample:head:40 --classification pre --no-shade",
         "sample:head:40 --clip-plane 0,0,20:0,0,-1 --coverage adaptive",
         "two.toml --preset fast",
+        "regions.toml --preset fast",
         "sample:tomato:32 --preset best",
         "sample:head:40 --preset best",
         "sample:nerve:32 --preset best --orthographic --view top",

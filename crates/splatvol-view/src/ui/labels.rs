@@ -4,6 +4,7 @@ use eframe::egui::{Button, DragValue, Grid, Role, ScrollArea, Ui, WidgetInfo};
 use splatvol::{Label, TransferFunction};
 use splatvol_document::keys::ItemKeys;
 
+use super::color;
 use super::look::Changed;
 use crate::model::shown_volume::ShownVolume;
 
@@ -101,12 +102,7 @@ fn row(ui: &mut Ui, (labels, index): (&mut [Label], usize), state: &mut LabelsSt
     if checkbox.changed() {
         state.show(label, is_shown);
     }
-    let mut rgb = label.rgb.map(|channel| (255.0 * channel).round() as u8);
-    let button = ui.color_edit_button_srgb(&mut rgb);
-    button.widget_info(|| WidgetInfo::labeled(Role::ColorWell, true, format!("Colour of label {name}")));
-    if button.changed() {
-        label.rgb = rgb.map(|code| f64::from(code) / 255.0);
-    }
+    color::button(ui, &mut label.rgb, format!("Colour of label {name}"));
     ui.label(&name);
     let drag = DragValue::new(&mut label.opacity).speed(0.005).range(0.0..=1.0);
     let drag = ui.add(drag.max_decimals(4));

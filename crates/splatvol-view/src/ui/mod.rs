@@ -4,6 +4,7 @@
 pub mod bindings;
 mod choices;
 mod clip;
+mod color;
 mod curve;
 mod dialogs;
 mod handles;

@@ -7,6 +7,7 @@ use eframe::egui::{
 use splatvol::{Region, TransferFunction};
 use splatvol_document::keys::ItemKeys;
 
+use super::color;
 use super::curve::deletes;
 use super::look::length_slider;
 use super::status::number;
@@ -342,7 +343,7 @@ fn list(ui: &mut Ui, (regions, extent): (&mut Vec<Region>, Extent), state: &mut 
     let count = regions.len();
     for (index, region) in regions.iter_mut().enumerate() {
         ui.horizontal(|ui| {
-            color(ui, region, index);
+            color::button(ui, &mut region.rgb, format!("Colour of region {}", index + 1));
             let name = format!("Region {}", index + 1);
             if ui.selectable_label(state.selected == index, name).clicked() {
                 state.selected = index;
@@ -367,17 +368,6 @@ fn list(ui: &mut Ui, (regions, extent): (&mut Vec<Region>, Extent), state: &mut 
         let corners = [0.4, 0.6].map(|share| [low + share * (high - low), share * extent.steepest]);
         regions.push(between(corners, regions.get(state.selected)));
         state.selected = regions.len() - 1;
-    }
-}
-
-fn color(ui: &mut Ui, region: &mut Region, index: usize) {
-    let mut rgb = region.rgb.map(|channel| (255.0 * channel).round() as u8);
-    let button = ui.color_edit_button_srgb(&mut rgb);
-    button.widget_info(|| {
-        WidgetInfo::labeled(Role::ColorWell, true, format!("Colour of region {}", index + 1))
-    });
-    if button.changed() {
-        region.rgb = rgb.map(|code| f64::from(code) / 255.0);
     }
 }
 
