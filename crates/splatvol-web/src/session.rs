@@ -13,6 +13,9 @@ use crate::{VolumeData, WebError};
 
 /// Edge of the blocks in which shares are dealt out, and of the engine's tiles, pixels.
 pub const BLOCK: usize = 64;
+/// Edge of the blocks of X-rays, pixels: the engine's tiles have this size there, whatever is asked for. Each share would draw
+/// all tiles if a tile had blocks of every share.
+pub(crate) const RAY_BLOCK: usize = 128;
 
 /// An answer: its header, JSON, and bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::Serialize;
 use splatvol::transfer_function::{ColorMap, OpacityCurve};
 use splatvol::{
-    Camera, Content, Control, Frame, Image, ImageSize, RenderSettings, Renderer, Scene, Share,
+    Camera, Compositing, Content, Control, Frame, Image, ImageSize, RenderSettings, Renderer, Scene, Share,
     TransferFunction,
 };
 use splatvol_document::camera::Surroundings;
@@ -17,7 +17,7 @@ use splatvol_document::{
 };
 
 use crate::message::{Edited, ItemFacts, Opened, Rendered, Request};
-use crate::session::{Answer, BLOCK};
+use crate::session::{Answer, BLOCK, RAY_BLOCK};
 use crate::{LookEdit, WebError, look};
 
 /// Bins of an item's histogram.
@@ -139,6 +139,10 @@ impl Shown {
             None => picture.settings.size,
         };
         let [index, count] = share.unwrap_or([0, 1]);
+        let block = match picture.settings.method.compositing() {
+            Compositing::Xray => RAY_BLOCK,
+            _ => BLOCK,
+        };
         Ok(Tiles {
             scene: picture.scene.clone(),
             camera: self.camera(camera, size)?,
@@ -147,7 +151,7 @@ impl Shown {
                 ..picture.settings
             },
             background: picture.background(),
-            share: Share::new(index, count, BLOCK)?,
+            share: Share::new(index, count, block)?,
         })
     }
 

@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
+use std::path::Path;
+
 use serde_json::{Value, json};
-use splatvol::{EngineConfig, Renderer, Volume};
+use splatvol::{EngineConfig, Frame, ImageSize, Renderer, Volume};
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, Document, Held, ReadRules, Reading, Resolving, Silent};
 use splatvol_io::{Data, Description};
-use splatvol_web::{Session, VolumeData};
+use splatvol_web::{Session, Shown, VolumeData};
 
 const SIZE: [u32; 2] = [150, 130];
 
@@ -190,6 +192,34 @@ fn all_shares_together_are_the_commands_picture_to_the_byte() {
                 picture(&document, &volumes, shares) == expected,
                 "{name} in {shares} shares"
             );
+        }
+    }
+}
+
+#[test]
+fn two_shares_have_half_of_the_work_each() {
+    let volume = sample("head", 32);
+    for compositing in ["image-sheets", "mip", "xray"] {
+        let text =
+            json!({ "item": [{ "file": "head" }], "settings": { "compositing": compositing } }).to_string();
+        let document = Document::from_json(&text, Path::new("document")).unwrap();
+        let held = Held::new(Data::Volume(volume.clone()), Description::default());
+        let shown = Shown::new(&document, vec![Some(held)]).unwrap();
+        let voxels = |share: [usize; 2]| {
+            let config = EngineConfig {
+                tile_edge: Some(splatvol_web::BLOCK),
+                ..EngineConfig::default()
+            };
+            let mut renderer = Renderer::new(config).unwrap();
+            let mut frame = Frame::empty(ImageSize::new(1, 1).unwrap());
+            let tiles = shown.tiles(Some([512, 512]), None, Some(share)).unwrap();
+            tiles.draw((&mut renderer, &mut frame), None).unwrap();
+            renderer.statistics().voxels as f64
+        };
+        let whole = voxels([0, 1]);
+        for index in 0..2 {
+            let share = voxels([index, 2]) / whole;
+            assert!((0.35..0.65).contains(&share), "{compositing}, {index}: {share}");
         }
     }
 }
