@@ -132,9 +132,9 @@ fn as_flags(message: &str) -> String {
     message.split('`').enumerate().map(spoken).collect()
 }
 
-/// The flag of a key.
+/// The flag of a key, or the key where there is none: of several items, and of what stands in files only.
 pub(crate) fn flag(key: &str) -> String {
-    if key.starts_with("item[") {
+    if key.starts_with("item[") || key == "effects.regions" {
         return key.to_owned();
     }
     let name = match key {

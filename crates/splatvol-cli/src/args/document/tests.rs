@@ -13,14 +13,15 @@ use crate::failure::flag;
 /// done.
 const NO_KEYS: &str = "input second_input output depth overwrite like list_methods threads memory missing_chunks recipe engine stats strict allow_outside max_memory no_metadata no_effects resume quiet verbose help version";
 
-/// Keys that are not flags: parts of a scene file, what `--like`, `--tf` and `--path` read from a file, and what an
+/// Keys that are not flags: parts of a scene file, what `--like`, `--tf`, `--tf2d` and `--path` read from a file, and what an
 /// animation records of a frame.
-const NO_FLAGS: [&str; 9] = [
+const NO_FLAGS: [&str; 10] = [
     "version",
     "name",
     "item.file",
     "item.visible",
     "item.transfer-function",
+    "effects.regions",
     "motion.camera",
     "motion.sub-frames",
     "animation.key",
