@@ -69,6 +69,7 @@ function inWorker(module, url) {
           waiting.push({ answered, failed });
           worker.postMessage({ header, bytes });
         }),
+      end: () => worker.terminate(),
     };
     const timer = setTimeout(() => reject(new Error("the worker does not answer")), PATIENCE);
     worker.onerror = (event) => {
@@ -104,6 +105,7 @@ async function inPage(module) {
     return { ...own.ask(header, bytes), milliseconds: performance.now() - start };
   };
   return {
+    end() {},
     ask: (header, bytes) => {
       const next = last.then(() => answer(header, bytes));
       last = next.catch(() => {});

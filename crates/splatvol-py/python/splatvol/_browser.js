@@ -51,7 +51,11 @@ class InPage {
     const answers = await Promise.all(pool.members.map((member) => member.ask({ do: "open", document, data }, samples)));
     if (answers[0].header.error) throw new Error(answers[0].header.error);
     // Another scene may be on its way by now.
-    if (facts !== this.expected) return;
+    if (facts !== this.expected) {
+      pool.members.forEach((member) => member.end());
+      return;
+    }
+    this.members = pool.members;
     this.distances = facts.distances;
     this.known = JSON.stringify(facts.edits);
     this.frames = new Frames(this.picture.canvas, pool, this);
@@ -61,11 +65,14 @@ class InPage {
     else this.frames.replaced();
   }
 
-  /** Forgets the scene: another one is shown. */
+  /** Forgets the scene, and ends its instances: another scene is shown, or none any more. */
   end() {
     this.expected = null;
-    if (this.frames) this.send({ kind: "draws", value: false });
+    if (!this.frames) return;
+    this.frames.replaced();
     this.frames = null;
+    this.members.forEach((member) => member.end());
+    this.send({ kind: "draws", value: false });
     delete this.picture.canvas.dataset.workers;
   }
 

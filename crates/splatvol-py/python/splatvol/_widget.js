@@ -491,6 +491,7 @@ function render({ model, el }) {
   send({ kind: "ready", engines: [...ENGINES.keys()] });
   return () => {
     model.off("msg:custom", listen);
+    picture.inPage.end();
     send({ kind: "gone" });
     if (still) still.style.display = "";
   };

@@ -231,6 +231,11 @@ mod tests {
         .map(|projection| Camera::new(position, DVec3::ZERO, DVec3::Z, projection).unwrap())
     }
 
+    fn seen<'a>(camera: &'a Camera, bounds: &'a Bounds) -> Seen<'a> {
+        let size = size();
+        Seen { camera, size, bounds }
+    }
+
     fn pixel(camera: &Camera, place: DVec3) -> DVec2 {
         let local = camera.camera_from_world().transform_point3(place);
         camera.screen_from_camera(size()).project(local)
@@ -254,11 +259,7 @@ mod tests {
     fn a_handle_that_is_dragged_to_a_place_of_its_line_arrives_there() {
         let bounds = bounds();
         for camera in &cameras() {
-            let seen = Seen {
-                camera,
-                size: size(),
-                bounds: &bounds,
-            };
+            let seen = seen(camera, &bounds);
             for (handle, place) in handles(&with_box(), &bounds) {
                 let Handle::Side(side) = handle else {
                     unreachable!()
@@ -290,11 +291,7 @@ mod tests {
     #[test]
     fn sides_stay_between_the_data_and_each_other() {
         let (bounds, [camera, _]) = (bounds(), cameras());
-        let seen = Seen {
-            camera: &camera,
-            size: size(),
-            bounds: &bounds,
-        };
+        let seen = seen(&camera, &bounds);
         let (handle, place) = handles(&with_box(), &bounds)[4];
         let to = |z: f64| [pixel(&camera, place), pixel(&camera, DVec3::new(0.0, 0.0, z))];
         let low = |pixels| drag(&with_box(), handle, seen, pixels).clip_box.unwrap()[4];
@@ -306,11 +303,7 @@ mod tests {
     fn the_end_of_a_normal_goes_where_it_is_dragged() {
         let bounds = bounds();
         for camera in &cameras() {
-            let seen = Seen {
-                camera,
-                size: size(),
-                bounds: &bounds,
-            };
+            let seen = seen(camera, &bounds);
             // Towards the camera, and away from it.
             for start in [DVec3::new(0.4, -1.0, 0.3), DVec3::new(-0.4, 1.0, -0.3)] {
                 let cut = with_plane(DVec3::ONE, start);
@@ -333,11 +326,7 @@ mod tests {
         let bounds = bounds();
         let projection = Projection::Orthographic { height: 90.0 };
         let camera = Camera::new(DVec3::new(0.0, -100.0, 0.0), DVec3::ZERO, DVec3::Z, projection).unwrap();
-        let seen = Seen {
-            camera: &camera,
-            size: size(),
-            bounds: &bounds,
-        };
+        let seen = seen(&camera, &bounds);
         let cut = with_plane(DVec3::ZERO, DVec3::Y);
         let pixels = [DVec2::new(200.0, 150.0), DVec2::new(230.0, 120.0)];
         let plane = drag(&cut, Handle::Depth(0), seen, pixels).clip_plane.unwrap()[0];

@@ -93,6 +93,20 @@ pub fn with_item_keys(document: &Document, index: usize, keys: ItemKeys) -> Docu
     changed
 }
 
+/// The same data in the same place, with a look that is chosen again.
+pub fn without_look(item: &ItemKeys) -> ItemKeys {
+    ItemKeys {
+        tf: None,
+        cmap: None,
+        clim: None,
+        opacity: None,
+        iso: None,
+        labels: None,
+        transfer_function: None,
+        ..item.clone()
+    }
+}
+
 /// The size of the view in a pane: the document's if it fits, the largest of the same shape if not, and the pane's if
 /// the document leaves it open. All in pixels.
 pub fn view_size(asked: Option<PictureSize>, [width, height]: [u32; 2]) -> [u32; 2] {

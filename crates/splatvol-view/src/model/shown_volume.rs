@@ -47,8 +47,13 @@ impl<'a> ShownVolume<'a> {
     ///
     /// # Panics
     /// Voxels outside the grid.
-    pub fn value(&self, [x, y, z]: [usize; 3]) -> f64 {
-        let dims = self.volume.grid().dims();
-        self.volume.value((z * dims[1] + y) * dims[0] + x)
+    pub fn value(&self, voxel: [usize; 3]) -> f64 {
+        value(self.volume, voxel)
     }
+}
+
+/// The sample of a voxel.
+pub(super) fn value(volume: &Volume, [x, y, z]: [usize; 3]) -> f64 {
+    let dims = volume.grid().dims();
+    volume.value((z * dims[1] + y) * dims[0] + x)
 }

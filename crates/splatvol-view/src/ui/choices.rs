@@ -3,6 +3,7 @@
 use eframe::egui::{ComboBox, Slider, Ui};
 use splatvol_document::keys::ItemKeys;
 
+use crate::model::opening::without_look;
 use crate::model::{Choices, Model};
 
 /// Colour maps of channels that are shown together.
@@ -27,10 +28,15 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (index, item): (usize, &ItemK
         }
     }
     if choices.times > 1 {
-        let mut time = item.time.unwrap_or(0);
-        let slider = Slider::new(&mut time, 0..=choices.times - 1).text("Time point");
-        let response = ui.add(slider);
-        if response.changed() && !response.dragged() || response.drag_stopped() && Some(time) != item.time {
+        // While it is dragged, nothing is read yet.
+        let id = ui.scope_id().with("time point");
+        let dragged = ui.data(|data| data.get_temp(id));
+        let mut time = dragged.unwrap_or(item.time.unwrap_or(0));
+        let response = ui.add(Slider::new(&mut time, 0..=choices.times - 1).text("Time point"));
+        if response.dragged() {
+            ui.data_mut(|data| data.insert_temp(id, time));
+        } else if response.changed() || response.drag_stopped() {
+            ui.data_mut(|data| data.remove::<usize>(id));
             choose(model, index, |item| ItemKeys {
                 time: Some(time),
                 ..item.clone()
@@ -108,19 +114,5 @@ fn choose(model: &mut Model, index: usize, change: impl FnOnce(&ItemKeys) -> Ite
     if let Some(item) = document.items.get_mut(index) {
         *item = change(item);
         model.change(document);
-    }
-}
-
-/// The same place with a look that other data suggest.
-fn without_look(item: &ItemKeys) -> ItemKeys {
-    ItemKeys {
-        tf: None,
-        cmap: None,
-        clim: None,
-        opacity: None,
-        iso: None,
-        labels: None,
-        transfer_function: None,
-        ..item.clone()
     }
 }

@@ -9,6 +9,7 @@ use super::labels::{self, LabelsState};
 use super::regions::{self, RegionsState};
 use super::scene::short_name;
 use super::status::number;
+use crate::model::opening::without_look;
 use crate::model::shown_volume::ShownVolume;
 use crate::model::{Facts, Model, Values, curve as edits};
 
@@ -53,13 +54,8 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &m
             let mut document = model.document().clone();
             if let Some(item) = document.items.get_mut(selected) {
                 *item = ItemKeys {
-                    tf: None,
-                    cmap: None,
-                    clim: None,
-                    opacity: None,
-                    iso: None,
-                    transfer_function: None,
-                    ..item.clone()
+                    labels: item.labels,
+                    ..without_look(item)
                 };
             }
             model.change(document);

@@ -185,7 +185,7 @@ impl RegionsState {
         let shown = shown?;
         let source = shown.source();
         if self.histogram.as_ref().is_none_or(|(of, ..)| *of != source) {
-            let gradients = Gradients::of(shown);
+            let gradients = Gradients::of(shown.volume, &shown.world_from_voxel());
             let texture = context.load_texture("gradients", image(&gradients), TextureOptions::LINEAR);
             self.histogram = Some((source, gradients, texture));
         }
