@@ -262,7 +262,6 @@ fn shows_what_the_command_makes(browser: &Browser) {
         "sample:shells:40 --gradient analytic --preset fast",
     ];
     for (index, scene) in scenes.into_iter().enumerate() {
-        // A page that has the address of the last one may be taken for it.
         let page = format!("made-{index}.html");
         sandbox
             .run(&format!("render {scene} --size 150x110 -o made.png -w"))

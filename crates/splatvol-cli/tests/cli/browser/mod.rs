@@ -5,11 +5,15 @@ mod marionette;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use chromedriver::Chromedriver;
 use marionette::Marionette;
+
+/// Longer than any page takes to run its script.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A kind of browser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,9 +89,17 @@ impl Browser {
         self.visit(&format!("file://{}", page.display()));
     }
 
-    /// Opens an address.
+    /// Opens an address, and waits until its script has run: a driver may answer before it has.
+    #[track_caller]
     pub(crate) fn visit(&self, url: &str) {
+        // So that the page of before is not taken for it.
+        self.promised("(window.splatvol = undefined, 0)");
         self.command("url", &json!({ "url": url }));
+        let start = Instant::now();
+        while self.promised("typeof window.splatvol") != "object" {
+            assert!(start.elapsed() < PATIENCE, "{url}: its script does not run");
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 
     /// What a promise of the page becomes.
