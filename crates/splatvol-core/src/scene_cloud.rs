@@ -185,11 +185,7 @@ pub fn spacing(item: &Item) -> f64 {
     let placed = scale(&item.world_from_item);
     match &item.content {
         Content::Volume { volume, .. } => volume.grid().mean_spacing() * placed,
-        Content::Mesh { mesh, .. } => {
-            let size = mesh.bounds().max - mesh.bounds().min;
-            let count = mesh.positions().len().max(1) as f64;
-            libm::cbrt(size.x * size.y * size.z / count) * placed
-        }
+        Content::Mesh { mesh, .. } => mesh.mean_spacing() * placed,
         Content::Points { points, .. } => {
             let radius = median(points.attributes().radii.clone());
             radius * scale(points.world_from_local()) * placed

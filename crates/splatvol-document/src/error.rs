@@ -63,9 +63,11 @@ impl DocumentError {
         }
     }
 
-    /// A key, with its table, and why it is refused.
+    /// A key, with its table, and why it is refused: the rest of a sentence that begins with the key, or one after a colon.
     pub fn refused(key: &str, why: impl AsRef<str>) -> Self {
-        Self::usage(format!("`{key}` {}", why.as_ref()))
+        let why = why.as_ref();
+        let gap = if why.starts_with(':') { "" } else { " " };
+        Self::usage(format!("`{key}`{gap}{why}"))
     }
 
     /// The same, of an item's file.

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use splatvol_io::{Data, DataKind, Description, LoadedData, Opened, read_data};
 use splatvol_samples::Sample;
-use splatvol_scene::{Gaussians, Mesh, Points, Volume};
+use splatvol_scene::{Content, Gaussians, Mesh, Points, Volume};
 
 use crate::input::{self, ChunkRules, Reading};
 use crate::keys::ItemKeys;
@@ -41,16 +41,44 @@ pub enum HeldContent {
     Gaussians(Arc<Gaussians>),
 }
 
+impl HeldContent {
+    /// Its kind: what a file of such data has, unless it is read in another way.
+    fn kind(&self) -> DataKind {
+        match self {
+            Self::Volume(_) => DataKind::Volume,
+            Self::Mesh(_) => DataKind::Mesh,
+            Self::Points(_) => DataKind::Points,
+            Self::Gaussians(_) => DataKind::Gaussians,
+        }
+    }
+}
+
+impl From<Data> for HeldContent {
+    fn from(data: Data) -> Self {
+        match data {
+            Data::Volume(volume) => Self::Volume(Arc::new(volume.into_shared())),
+            Data::Points(points) => Self::Points(Arc::new(points)),
+            Data::Gaussians(gaussians) => Self::Gaussians(Arc::new(gaussians)),
+            Data::Mesh(mesh) => Self::Mesh(Arc::new(mesh)),
+        }
+    }
+}
+
+impl From<&Content> for HeldContent {
+    fn from(content: &Content) -> Self {
+        match content {
+            Content::Volume { volume, .. } => Self::Volume(Arc::clone(volume)),
+            Content::Mesh { mesh, .. } => Self::Mesh(Arc::clone(mesh)),
+            Content::Points { points, .. } => Self::Points(Arc::clone(points)),
+            Content::Gaussians(gaussians) => Self::Gaussians(Arc::clone(gaussians)),
+        }
+    }
+}
+
 impl Held {
     /// Data as a reader, or a program, has them.
     pub fn new(data: Data, description: Description) -> Self {
-        let kind = match &data {
-            Data::Volume(_) => DataKind::Volume,
-            Data::Points(_) => DataKind::Points,
-            Data::Gaussians(_) => DataKind::Gaussians,
-            Data::Mesh(_) => DataKind::Mesh,
-        };
-        Self::of_kind(data, kind, description)
+        Self::sharing(data.into(), description)
     }
 
     /// Reads or generates the data of an item, as they are stored.
@@ -81,7 +109,7 @@ impl Held {
         let LoadedData {
             data, description, ..
         } = loaded;
-        Ok(Self::of_kind(data, kind, description))
+        Ok(Self::of_kind(kind, data.into(), description))
     }
 
     /// A volume whose chunks are read when they are drawn, within some memory; an overview of it is read here.
@@ -99,13 +127,12 @@ impl Held {
         }
     }
 
-    fn of_kind(data: Data, kind: DataKind, description: Description) -> Self {
-        let content = match data {
-            Data::Volume(volume) => HeldContent::Volume(Arc::new(volume.into_shared())),
-            Data::Points(points) => HeldContent::Points(Arc::new(points)),
-            Data::Gaussians(gaussians) => HeldContent::Gaussians(Arc::new(gaussians)),
-            Data::Mesh(mesh) => HeldContent::Mesh(Arc::new(mesh)),
-        };
+    /// Data that others have, too.
+    pub fn sharing(content: HeldContent, description: Description) -> Self {
+        Self::of_kind(content.kind(), content, description)
+    }
+
+    fn of_kind(kind: DataKind, content: HeldContent, description: Description) -> Self {
         Self(Arc::new(Inner {
             content,
             kind,

@@ -70,7 +70,7 @@ pub use document::{Document, VERSION};
 pub use edit::{Edit, History};
 pub use error::DocumentError;
 pub use format::Record;
-pub use held::Held;
+pub use held::{Held, HeldContent};
 pub use input::{ChunkRules, ReadRules, Reading};
 pub use listener::{Listener, Silent};
 pub use motion::CameraMotion;

@@ -92,7 +92,7 @@ function drawCurve(canvas, facts, look) {
   const at = (value) => ((value - low) / (high - low)) * width;
   context.clearRect(0, 0, width, height);
   const most = Math.log1p(Math.max(...facts.histogram));
-  const [least, largest] = facts.values;
+  const [least, largest] = facts.extremes;
   const bin = (largest - least) / facts.histogram.length;
   context.fillStyle = "#596273";
   facts.histogram.forEach((count, i) => {
@@ -127,9 +127,10 @@ function buildPanel(view) {
     button("As it was", () => view.home())));
   const curves = [];
   if (!view.hasCurves) panel.append(element("p", {}, "The look is one of values and gradients: it cannot be changed here."));
-  (view.hasCurves ? view.facts.items : []).forEach((facts, index) => {
-    panel.append(element("h2", {}, view.facts.items.length > 1 ? `Look of ${facts.name}` : "Look"));
-    const curve = element("canvas", { id: index === 0 ? "curve" : `curve-${index}`, width: 288, height: 80, role: "img" });
+  (view.hasCurves ? view.valued : []).forEach((facts, order) => {
+    const { index } = facts;
+    panel.append(element("h2", {}, view.facts.items.length > 1 ? `Look of ${view.facts.items[index].name}` : "Look"));
+    const curve = element("canvas", { id: order === 0 ? "curve" : `curve-${order}`, width: 288, height: 80, role: "img" });
     curve.setAttribute("aria-label", "Histogram of the values, with the curve of opacities");
     const state = () => view.state.looks[index];
     const set = (key) => (value) => view.setLook(index, key, value);
@@ -165,7 +166,7 @@ function buildPanel(view) {
   });
   panel.append(element("h2", {}, "Cut"));
   const { min, max } = view.facts.bounds;
-  const unitOf = view.facts.items[0] ? view.facts.items[0].unit : "";
+  const unitOf = view.facts.items.map(({ unit }) => unit).find((unit) => unit) || "";
   ["x", "y", "z"].forEach((axis, i) => {
     const said = (value) => `${spoken(value)} ${unitOf}`.trim();
     ["from", "to"].forEach((which, end) => {

@@ -31,14 +31,17 @@ class View {
     this.own = (effects && effects["clip-box"]) || null;
     const { min, max } = facts.bounds;
     this.whole = [0, 1, 2].flatMap((i) => [min[i], max[i]]);
+    // Points and Gaussians have no values, and so no look to be changed.
+    this.valued = facts.items.flatMap(({ values }, index) => (values ? [{ index, ...values }] : []));
     this.state = { looks: facts.items.map(() => ({})), box: this.own || this.whole };
     this.past = [copied(this.state)];
     this.at = 0;
     this.edits = new Map();
-    this.looks = facts.items.map((item) => item["transfer-function"]);
-    for (const item of facts.items) {
-      item.span = [Math.min(item.values[0], item.range[0]), Math.max(item.values[1], item.range[1])];
-      if (item.span[0] === item.span[1]) item.span[1] += 1;
+    this.looks = facts.items.map(({ values }) => values && values["transfer-function"]);
+    for (const values of this.valued) {
+      const { extremes, range } = values;
+      values.span = [Math.min(extremes[0], range[0]), Math.max(extremes[1], range[1])];
+      if (values.span[0] === values.span[1]) values.span[1] += 1;
     }
     facts.about = page.notes;
     this.trouble = trouble;
@@ -145,7 +148,7 @@ class View {
 
   restore(state) {
     this.state = copied(state);
-    this.state.looks.forEach((_, item) => this.tellLook(item));
+    this.valued.forEach(({ index }) => this.tellLook(index));
     this.tellBox();
     this.panel.put(this.state);
     this.steps();
@@ -158,10 +161,11 @@ class View {
 
   /** Less or more opaque, by a factor. */
   strengthen(factor) {
-    if (!this.hasCurves) return;
-    this.state.looks.forEach((look, item) => {
+    if (!this.hasCurves || this.valued.length === 0) return;
+    this.valued.forEach(({ index }) => {
+      const look = this.state.looks[index];
       look.strength = Math.min(16, Math.max(1 / 16, (look.strength || 1) * factor));
-      this.tellLook(item);
+      this.tellLook(index);
     });
     this.remember();
     this.frames.changed();

@@ -1,90 +1,85 @@
-//! What a page shows of a picture: its volumes, and a document that names no files.
+//! What a page shows of a picture: its data, and a document that names no files.
 
-use std::sync::Arc;
-
-use splatvol::{Content, Volume};
+use splatvol::{Content, Item};
 use splatvol_document::keys::ItemKeys;
-use splatvol_document::{Document, DocumentError, Picture};
+use splatvol_document::{Document, DocumentError, HeldContent, Picture};
 
-use crate::{Bits, Fitted, PageError, fit};
+use crate::{Bits, Fitted, PageError, Piece, fit};
 
 /// What a page shows of a picture.
 #[derive(Debug)]
 pub struct PageContent<'a> {
     picture: &'a Picture,
-    /// With whether they are labels.
-    volumes: Vec<(Arc<Volume>, bool)>,
-    distances: Vec<f64>,
+    pieces: Vec<Piece>,
+    distances: Vec<Option<f64>>,
 }
 
 impl<'a> PageContent<'a> {
     /// The content of a picture.
     ///
     /// # Errors
-    /// Pictures that a page cannot show, by the key or the kind of data that it cannot.
+    /// Pictures that a page cannot show, by the key that it cannot.
     pub fn of(picture: &'a Picture) -> Result<Self, DocumentError> {
         check(picture)?;
-        let items = picture.scene.items.iter();
-        let all = items.filter_map(|item| match &item.content {
-            Content::Volume {
-                volume,
-                transfer_function,
-                labels,
-                ..
-            } => {
-                let distance = transfer_function.unit_distance;
-                let distance = distance.unwrap_or_else(|| volume.grid().mean_spacing());
-                Some(((Arc::clone(volume), *labels), distance))
-            }
-            _ => None,
+        let items = &picture.scene.items;
+        let pieces = items.iter().map(|item| Piece {
+            content: HeldContent::from(&item.content),
+            labels: matches!(item.content, Content::Volume { labels: true, .. }),
         });
-        let (volumes, distances) = all.unzip();
         Ok(Self {
             picture,
-            volumes,
-            distances,
+            pieces: pieces.collect(),
+            distances: items.iter().map(distance).collect(),
         })
     }
 
-    /// The volumes, in the order of the items that are shown.
-    pub fn volumes(&self) -> impl Iterator<Item = &Arc<Volume>> {
-        self.volumes.iter().map(|(volume, _)| volume)
+    /// The data, in the order of the items that are shown.
+    pub fn data(&self) -> impl Iterator<Item = &HeldContent> {
+        self.pieces.iter().map(|piece| &piece.content)
     }
 
-    /// The lengths to which the opacities of the items refer, world.
-    pub fn distances(&self) -> &[f64] {
+    /// The lengths to which the opacities of the items refer, world; nothing for points and Gaussians.
+    pub fn distances(&self) -> &[Option<f64>] {
         &self.distances
     }
 
-    /// The volumes, made to fit: see [`fit`].
+    /// The data, made to fit: see [`fit`].
     ///
     /// # Errors
     /// See [`fit`].
-    pub fn fit(&self, bits: Option<Bits>, most: u64) -> Result<Fitted, PageError> {
-        fit(&self.volumes, bits, most)
+    pub fn fit(&self, bits: &[Bits], most: u64) -> Result<Fitted, PageError> {
+        fit(&self.pieces, bits, most)
     }
 
     /// The document of the page; items have the names that `name` makes of their files. At coarser levels than the finest,
-    /// opacities refer to the lengths that they had.
+    /// opacities refer to the lengths that they had, and points that are fewer are larger.
     pub fn document(&self, level: usize, name: impl Fn(&str) -> String) -> Document {
         let all = self.picture.document.clone();
         let exact = all.effects.iso_exact == Some(true);
         let items = all.items.into_iter().filter(ItemKeys::is_visible);
-        let items = items.enumerate().map(|(index, item)| {
-            let mut look = item.transfer_function;
-            let distance = self.distances.get(index).filter(|_| level > 0);
-            if let (Some(look), Some(distance)) = (&mut look, distance) {
-                look.unit_distance = Some(*distance);
+        let items = items.zip(&self.picture.scene.items).zip(&self.distances);
+        let items = items.map(|((keys, item), distance)| {
+            let mut look = keys.transfer_function.clone();
+            let coarse = distance.filter(|_| level > 0);
+            if let (Some(look), Some(distance)) = (&mut look, coarse) {
+                look.unit_distance = Some(distance);
             }
             ItemKeys {
-                scale: item.scale,
-                rotate: item.rotate,
-                translate: item.translate,
-                iso: item.iso.filter(|_| exact),
-                unit_distance: item.unit_distance.or(distance.copied()),
-                labels: item.labels,
+                up: keys.up.filter(|_| !is_turned(&keys, item)),
+                scale: keys.scale,
+                rotate: keys.rotate,
+                translate: keys.translate,
+                iso: keys.iso.filter(|_| exact),
+                unit_distance: keys.unit_distance.or(coarse),
+                labels: keys.labels,
+                color: keys.color,
+                radius: keys.radius.map(|radius| radius * f64::from(1 << level)),
+                opacity: match item.content {
+                    Content::Points { .. } => keys.opacity,
+                    _ => None,
+                },
                 transfer_function: look,
-                ..ItemKeys::of_file(name(&item.file))
+                ..ItemKeys::of_file(name(&keys.file))
             }
         });
         Document {
@@ -96,22 +91,38 @@ impl<'a> PageContent<'a> {
     }
 }
 
+/// Whether data have the way up that is asked for already: that of volumes, unlike that of all else, is none of an item's place.
+fn is_turned(keys: &ItemKeys, item: &Item) -> bool {
+    keys.world_from_file()
+        .is_ok_and(|place| place == item.world_from_item)
+}
+
+/// The length to which the opacities of an item refer, world.
+fn distance(item: &Item) -> Option<f64> {
+    match &item.content {
+        Content::Volume {
+            volume,
+            transfer_function,
+            ..
+        } => {
+            let own = transfer_function.unit_distance;
+            Some(own.unwrap_or_else(|| volume.grid().mean_spacing()))
+        }
+        Content::Mesh {
+            mesh,
+            transfer_function,
+            ..
+        } => Some(
+            transfer_function
+                .unit_distance
+                .unwrap_or_else(|| mesh.mean_spacing()),
+        ),
+        Content::Points { .. } | Content::Gaussians(_) => None,
+    }
+}
+
 /// Refuses by name what a page cannot show.
 fn check(picture: &Picture) -> Result<(), DocumentError> {
-    let visible = picture.document.items.iter().filter(|item| item.is_visible());
-    for (item, keys) in picture.scene.items.iter().zip(visible) {
-        let kind = match item.content {
-            Content::Volume { .. } => continue,
-            Content::Mesh { .. } => "a mesh",
-            Content::Points { .. } => "points",
-            Content::Gaussians(_) => "Gaussians",
-        };
-        return Err(DocumentError::Refused {
-            message: format!("{}, {kind}: a page cannot show it", keys.file),
-            context: None,
-            hint: Some("it shows volumes only".to_owned()),
-        });
-    }
     let effects = &picture.document.effects;
     let moves =
         !picture.sub_frames.is_empty() || picture.scene.items.iter().any(|item| item.motion.is_some());

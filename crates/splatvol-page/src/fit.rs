@@ -1,35 +1,41 @@
 //! Data in fewer bits, or of a coarser level, until they fit.
 //!
-//! Tried in this order, until one fits: each level of detail, the finest first, in 16, 12 and 8 bits per sample, or in the
-//! bits that are asked for. Samples of integers that have no more bits stay what they are. Others, `v` from `low` to
-//! `high`, become `round((v - low) / (high - low) (2^bits - 1))`: the error is half a step at most. Samples of which some
-//! are missing stay 32-bit floats, whatever the bits: integers have no missing ones. Names of kinds (labels) are not
-//! averaged, and not rounded.
+//! Tried in this order, until one fits: each level of detail, the finest first, as it is, then in 16, 12 and 8 bits per number; or
+//! in the bits that are asked for.
+//!
+//! | data | a coarser level | bits |
+//! |---|---|---|
+//! | a volume | half the samples along each axis | of a sample; those of integers that have no more stay what they are |
+//! | points | a quarter of the points, twice the radii | eight more for a coordinate; colours stay what they are |
+//! | Gaussians | harmonics of one degree less | eight more for a coordinate |
+//! | a mesh | none | eight more for a coordinate |
+//!
+//! Names of kinds (labels) are neither averaged nor rounded. Numbers of which some are missing stay 32-bit floats.
+
+mod clouds;
+mod volumes;
 
 use std::io::Write;
-use std::sync::Arc;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
-use splatvol::volume::Samples;
-use splatvol::{Rescale, SceneError, Volume};
-use splatvol_core::mip;
-use splatvol_web::VolumeData;
+use splatvol_document::{Held, HeldContent};
+use splatvol_web::{GaussiansData, ItemData, MeshData, PointsData, Precision, held};
 
 use crate::PageError;
 
 /// Coarsest level: an eighth of the samples along each axis.
 const MOST_LEVELS: usize = 4;
-/// Bytes by whose compression a packing is chosen.
-const TASTE: usize = 1 << 20;
 /// Pieces in which data are compressed: it stops at the first that does not fit.
 const PIECE: usize = 1 << 16;
 
-/// Bits per sample.
+/// Bits per number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(into = "u8")]
 pub enum Bits {
+    /// Numbers as they are: in 32 bits, most of them.
+    Own,
     /// 256 values.
     Eight,
     /// 4096 values.
@@ -44,90 +50,100 @@ impl From<Bits> for u8 {
             Bits::Eight => 8,
             Bits::Twelve => 12,
             Bits::Sixteen => 16,
+            Bits::Own => 32,
         }
     }
 }
 
 impl Bits {
     /// From the most to the least.
-    pub const ALL: [Self; 3] = [Self::Sixteen, Self::Twelve, Self::Eight];
+    pub const ALL: [Self; 4] = [Self::Own, Self::Sixteen, Self::Twelve, Self::Eight];
+    /// The same without numbers as they are: for pictures that others take the place of.
+    pub const ROUNDED: [Self; 3] = [Self::Sixteen, Self::Twelve, Self::Eight];
 
-    /// Largest code.
+    /// Largest code of rounded numbers.
     fn largest(self) -> u16 {
-        u16::MAX >> (16 - u8::from(self))
+        u16::MAX >> 16u8.saturating_sub(u8::from(self))
     }
 
     fn bytes(self) -> usize {
         usize::from(u8::from(self).div_ceil(8))
     }
+
+    /// Bits of the numbers of clouds.
+    fn precision(self) -> Precision {
+        if self == Self::Own {
+            return Precision::OWN;
+        }
+        let rest = u32::from(u8::from(self));
+        Precision {
+            places: rest + 8,
+            rest,
+        }
+    }
 }
 
-/// Volumes that fit.
+/// What is made to fit.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    /// The data.
+    pub content: HeldContent,
+    /// Whether values are names of kinds (labels).
+    pub labels: bool,
+}
+
+/// Data that fit.
 #[derive(Debug, Clone)]
 pub struct Fitted {
-    /// The volumes, as the page will have them.
-    pub volumes: Vec<Arc<Volume>>,
+    /// The data, as the page will have them.
+    pub held: Vec<Option<Held>>,
     /// What the bytes are.
-    pub data: Vec<VolumeData>,
-    /// All packed samples, gzip.
+    pub data: Vec<ItemData>,
+    /// All packed numbers, gzip.
     pub bytes: Vec<u8>,
-    /// Most bits per sample of integers.
+    /// Most bits per number.
     pub bits: Bits,
-    /// Halvings along each axis.
+    /// Levels of detail that were left out.
     pub level: usize,
-    /// Whether every sample is what it was.
+    /// Whether every number is what it was.
     pub exact: bool,
 }
 
-/// Makes volumes, each with whether its values are labels, fit into so many bytes of gzip; in given bits, or in as many as
-/// possible.
+/// An item's data in so many bits.
+struct Coded {
+    content: HeldContent,
+    data: ItemData,
+    bytes: Vec<u8>,
+    /// Whether every number is what it was.
+    exact: bool,
+}
+
+/// Makes data fit into so many bytes of gzip, in the first of the given bits that do.
 ///
 /// # Errors
-/// Volumes that do not fit, and labels whose numbers do not.
-pub fn fit(volumes: &[(Arc<Volume>, bool)], bits: Option<Bits>, most: u64) -> Result<Fitted, PageError> {
-    let mut level: Vec<Arc<Volume>> = volumes.iter().map(|(volume, _)| Arc::clone(volume)).collect();
-    let labels: Vec<bool> = volumes.iter().map(|(_, labels)| *labels).collect();
-    for halvings in 0..MOST_LEVELS {
-        if halvings > 0 {
-            if labels.contains(&true) {
-                break;
-            }
-            let halves = level.iter().map(half).collect::<Result<_, _>>()?;
-            level = halves;
+/// Data that do not fit, and labels whose numbers do not.
+pub fn fit(pieces: &[Piece], bits: &[Bits], most: u64) -> Result<Fitted, PageError> {
+    let labels = pieces.iter().any(|piece| piece.labels);
+    let mut pieces = pieces.to_vec();
+    for level in 0..MOST_LEVELS {
+        if level > 0 && !coarsen(&mut pieces)? {
+            break;
         }
-        let mut last: Option<Vec<Arc<Volume>>> = None;
-        for bits in bits.map_or(Bits::ALL.to_vec(), |bits| vec![bits]) {
-            let coded = level
-                .iter()
-                .zip(&labels)
-                .map(|(volume, labels)| coded(volume, bits, *labels))
-                .collect::<Result<Vec<_>, _>>()?;
-            // Fewer bits change nothing where all is as short already.
-            if last
-                .as_ref()
-                .is_some_and(|last| last.iter().zip(&coded).all(|(a, b)| Arc::ptr_eq(a, b)))
-            {
-                continue;
-            }
-            if let Some((data, bytes)) = packed(&coded, most)? {
-                let exact = halvings == 0 && coded.iter().zip(&level).all(|(a, b)| Arc::ptr_eq(a, b));
+        for &bits in bits {
+            if let Some(fitted) = coded(&pieces, bits, most)? {
                 return Ok(Fitted {
-                    volumes: coded,
-                    data,
-                    bytes,
-                    bits,
-                    level: halvings,
-                    exact,
+                    level,
+                    exact: fitted.exact && level == 0,
+                    ..fitted
                 });
             }
-            last = Some(coded);
         }
     }
-    let why = match labels.contains(&true) {
+    let why = match labels {
         true => "names of kinds cannot be averaged to a coarser level".to_owned(),
         false => format!(
-            "the data do not fit even at an eighth of their resolution in {} bits",
-            bits.map_or(8, u8::from)
+            "the data do not fit even at the coarsest level in {} bits",
+            bits.iter().copied().map(u8::from).min().unwrap_or_default()
         ),
     };
     Err(PageError::TooLarge {
@@ -137,121 +153,114 @@ pub fn fit(volumes: &[(Arc<Volume>, bool)], bits: Option<Bits>, most: u64) -> Re
     })
 }
 
-/// A volume of half the resolution; its own if it is flat.
-fn half(volume: &Arc<Volume>) -> Result<Arc<Volume>, SceneError> {
-    let half = mip::half(&Arc::clone(volume).into())?;
-    let samples = half.samples().clone();
-    Volume::new(half.grid().clone(), samples, half.rescale(), volume.unit()).map(Arc::new)
+/// Makes all data one level coarser; says whether any of them can be. Where kinds have names, none can.
+fn coarsen(pieces: &mut [Piece]) -> Result<bool, PageError> {
+    if pieces.iter().any(|piece| piece.labels) {
+        return Ok(false);
+    }
+    let mut any = false;
+    for piece in pieces {
+        let coarser = match &piece.content {
+            HeldContent::Volume(volume) => Some(HeldContent::Volume(volumes::half(volume)?)),
+            HeldContent::Points(points) => Some(HeldContent::Points(clouds::quarter(points)?)),
+            HeldContent::Gaussians(gaussians) => {
+                clouds::of_lower_degree(gaussians)?.map(HeldContent::Gaussians)
+            }
+            HeldContent::Mesh(_) => None,
+        };
+        if let Some(content) = coarser {
+            piece.content = content;
+            any = true;
+        }
+    }
+    Ok(any)
 }
 
-/// A volume in so many bits; the same one if it needs no more.
-fn coded(volume: &Arc<Volume>, bits: Bits, labels: bool) -> Result<Arc<Volume>, PageError> {
-    if volume.statistics().non_finite > 0 {
-        return floats(volume);
-    }
-    if is_short(volume.samples(), bits) {
-        return Ok(Arc::clone(volume));
-    }
-    let [low, high] = volume.value_range();
-    let steps = f64::from(bits.largest());
-    let slope = if labels { 1.0 } else { (high - low) / steps };
-    if labels && !(high - low <= steps && (0..volume.samples().len()).all(|i| volume.value(i).fract() == 0.0))
-    {
-        return Err(PageError::TooLarge {
-            most: steps as u64,
-            least: (high - low) as u64,
-            why: format!(
-                "names of kinds from {low} to {high} are not whole numbers of {} bits",
-                u8::from(bits)
-            ),
-        });
-    }
-    let rescale = Rescale {
-        // A constant has no steps.
-        slope: if slope > 0.0 { slope } else { 1.0 },
-        intercept: low,
-    };
-    let codes = (0..volume.samples().len()).map(|i| ((volume.value(i) - low) / rescale.slope).round());
-    let samples = match bits.bytes() {
-        1 => Samples::U8(codes.map(|code| code as u8).collect::<Vec<_>>().into()),
-        _ => Samples::U16(codes.map(|code| code as u16).collect::<Vec<_>>().into()),
-    };
-    let coded = Volume::new(volume.grid().clone(), samples, rescale, volume.unit())?;
-    Ok(Arc::new(coded.into_shared()))
-}
-
-/// Whether samples are integers of no more bits.
-fn is_short(samples: &Samples, bits: Bits) -> bool {
-    let wide = |[low, high]: [i64; 2]| high - low > i64::from(bits.largest());
-    match samples {
-        Samples::U8(_) | Samples::I8(_) => true,
-        Samples::U16(data) => bits.bytes() == 2 && !wide(extremes(data.iter().map(|&v| i64::from(v)))),
-        Samples::I16(data) => bits.bytes() == 2 && !wide(extremes(data.iter().map(|&v| i64::from(v)))),
-        _ => false,
-    }
-}
-
-fn extremes(values: impl Iterator<Item = i64>) -> [i64; 2] {
-    values.fold([i64::MAX, i64::MIN], |[low, high], value| {
-        [low.min(value), high.max(value)]
-    })
-}
-
-/// A volume of 32-bit floats; the same one if it is.
-fn floats(volume: &Arc<Volume>) -> Result<Arc<Volume>, PageError> {
-    if matches!(volume.samples(), Samples::F32(_)) {
-        return Ok(Arc::clone(volume));
-    }
-    let values: Vec<f32> = (0..volume.samples().len())
-        .map(|i| volume.value(i) as f32)
-        .collect();
-    let samples = Samples::F32(values.into());
-    let coded = Volume::new(volume.grid().clone(), samples, Rescale::default(), volume.unit())?;
-    Ok(Arc::new(coded.into_shared()))
-}
-
-/// What bytes are, and the bytes, gzip.
-type Packed = (Vec<VolumeData>, Vec<u8>);
-
-/// Packs volumes, and compresses them; `None` if that takes more bytes.
-fn packed(volumes: &[Arc<Volume>], most: u64) -> Result<Option<Packed>, PageError> {
+/// Codes and compresses data; `None` if that takes more bytes.
+fn coded(pieces: &[Piece], bits: Bits, most: u64) -> Result<Option<Fitted>, PageError> {
     let mut gzip = GzEncoder::new(Vec::new(), Compression::default());
-    let mut all = Vec::new();
-    for volume in volumes {
-        let [plain, delta] = [false, true].map(|delta| VolumeData::of(volume, delta));
-        let [plain_bytes, delta_bytes] = [plain.pack(volume), delta.pack(volume)];
-        let taste = |bytes: &[u8]| {
-            // From the middle: the edges of most volumes are empty.
-            let start = bytes.len().saturating_sub(TASTE) / 2;
-            compressed(&bytes[start..bytes.len().min(start + TASTE)])
-        };
-        let (data, bytes) = match taste(&delta_bytes)?.len() < taste(&plain_bytes)?.len() {
-            true => (delta, delta_bytes),
-            false => (plain, plain_bytes),
-        };
-        for piece in bytes.chunks(PIECE) {
-            gzip.write_all(piece)?;
+    let mut fitted = Fitted {
+        held: Vec::new(),
+        data: Vec::new(),
+        bytes: Vec::new(),
+        bits,
+        level: 0,
+        exact: true,
+    };
+    for piece in pieces {
+        let coded = code(piece, bits)?;
+        for part in coded.bytes.chunks(PIECE) {
+            gzip.write_all(part)?;
             if gzip.get_ref().len() as u64 > most {
                 return Ok(None);
             }
         }
-        all.push(data);
+        fitted.held.push(Some(held(coded.content)));
+        fitted.data.push(coded.data);
+        fitted.exact &= coded.exact;
     }
-    let bytes = gzip.finish()?;
-    Ok((bytes.len() as u64 <= most).then_some((all, bytes)))
+    fitted.bytes = gzip.finish()?;
+    Ok((fitted.bytes.len() as u64 <= most).then_some(fitted))
 }
 
-fn compressed(bytes: &[u8]) -> Result<Vec<u8>, PageError> {
-    let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
-    gzip.write_all(bytes)?;
-    Ok(gzip.finish()?)
+/// Codes an item's data.
+fn code(piece: &Piece, bits: Bits) -> Result<Coded, PageError> {
+    let precision = bits.precision();
+    let (data, bytes) = match &piece.content {
+        HeldContent::Volume(volume) => return volumes::code(volume, bits, piece.labels),
+        HeldContent::Points(points) => {
+            let (data, bytes) = PointsData::pack(points, precision);
+            (ItemData::Points(data), bytes)
+        }
+        HeldContent::Gaussians(gaussians) => {
+            let (data, bytes) = GaussiansData::pack(gaussians, precision);
+            (ItemData::Gaussians(data), bytes)
+        }
+        HeldContent::Mesh(mesh) => {
+            let (data, bytes) = MeshData::pack(mesh, precision);
+            (ItemData::Mesh(data), bytes)
+        }
+    };
+    let content: HeldContent = data.unpack(&mut &bytes[..])?.into();
+    Ok(Coded {
+        exact: clouds::are_equal(&content, &piece.content),
+        content,
+        data,
+        bytes,
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use splatvol::{Grid, LengthUnit};
+    use std::sync::Arc;
+
+    use glam::{DAffine3, Vec3};
+    use splatvol::volume::Samples;
+    use splatvol::{Grid, LengthUnit, PointAttributes, Points, Rescale, Volume};
 
     use super::*;
+
+    /// What is fitted: one volume.
+    fn of(volume: &Arc<Volume>, labels: bool) -> [Piece; 1] {
+        let content = HeldContent::Volume(Arc::clone(volume));
+        [Piece { content, labels }]
+    }
+
+    /// The volume that was fitted.
+    fn fitted_volume(fitted: &Fitted) -> &Arc<Volume> {
+        match fitted.held[0].as_ref().map(Held::content) {
+            Some(HeldContent::Volume(volume)) => volume,
+            other => panic!("{other:?} is no volume"),
+        }
+    }
+
+    /// The type of its samples.
+    fn sample_type(fitted: &Fitted) -> &str {
+        match &fitted.data[0] {
+            ItemData::Volume(data) => &data.sample_type,
+            other => panic!("{other:?} is no volume"),
+        }
+    }
 
     fn volume(samples: Samples) -> Arc<Volume> {
         let grid = Grid::centred([8, 8, 4], [1.0; 3]).unwrap();
@@ -270,17 +279,16 @@ mod tests {
 
     #[test]
     fn what_fits_stays_as_it_is() {
+        let ramp = Samples::I16((0..256).map(|i| i * 100 - 9000).collect::<Vec<_>>().into());
         for (samples, bits) in [
-            (Samples::U8(vec![7; 256].into()), Bits::Sixteen),
-            (
-                Samples::I16((0..256).map(|i| i * 100 - 9000).collect::<Vec<_>>().into()),
-                Bits::Sixteen,
-            ),
+            (Samples::U8(vec![7; 256].into()), &Bits::ALL[..]),
+            (Samples::F32(waves().into()), &Bits::ALL),
+            (ramp, &Bits::ROUNDED),
         ] {
             let volume = volume(samples);
-            let fitted = fit(&[(Arc::clone(&volume), false)], None, 1 << 20).unwrap();
-            assert!(fitted.exact && fitted.level == 0 && fitted.bits == bits);
-            assert!(Arc::ptr_eq(&fitted.volumes[0], &volume));
+            let fitted = fit(&of(&volume, false), bits, 1 << 20).unwrap();
+            assert!(fitted.exact && fitted.level == 0 && fitted.bits == bits[0]);
+            assert!(Arc::ptr_eq(fitted_volume(&fitted), &volume));
         }
     }
 
@@ -288,25 +296,24 @@ mod tests {
     fn floats_are_rounded_by_half_a_step_at_most() {
         let volume = volume(Samples::F32(waves().into()));
         let [low, high] = volume.value_range();
-        for bits in Bits::ALL {
-            let fitted = fit(&[(Arc::clone(&volume), false)], Some(bits), 1 << 20).unwrap();
+        for bits in Bits::ROUNDED {
+            let fitted = fit(&of(&volume, false), &[bits], 1 << 20).unwrap();
             let step = (high - low) / f64::from(bits.largest());
-            let error = largest_error(&volume, &fitted.volumes[0]);
+            let error = largest_error(&volume, fitted_volume(&fitted));
             assert!(
                 error <= 0.5001 * step && error > 0.05 * step,
                 "{bits:?}: {error} of {step}"
             );
-            assert!(
-                !fitted.exact && fitted.data[0].sample_type == if bits == Bits::Eight { "u8" } else { "u16" }
-            );
+            assert!(!fitted.exact && sample_type(&fitted) == if bits == Bits::Eight { "u8" } else { "u16" });
         }
     }
 
     #[test]
     fn less_room_means_fewer_bits_then_coarser_levels_then_an_error() {
-        let volume = [(volume(Samples::F32(waves().into())), false)];
+        let volume = of(&volume(Samples::F32(waves().into())), false);
         let rung = |most: u64| {
-            fit(&volume, None, most).map(|fitted| (fitted.level, fitted.bits, fitted.bytes.len() as u64))
+            fit(&volume, &Bits::ALL, most)
+                .map(|fitted| (fitted.level, fitted.bits, fitted.bytes.len() as u64))
         };
         let mut most = 1 << 20;
         let mut rungs = Vec::new();
@@ -316,7 +323,7 @@ mod tests {
             most = bytes - 1;
         }
         assert!(rungs.is_sorted() && rungs.len() > 4, "{rungs:?}");
-        assert_eq!(rungs[0], (0, std::cmp::Reverse(Bits::Sixteen)));
+        assert_eq!(rungs[0], (0, std::cmp::Reverse(Bits::Own)));
         assert!(rung(most).unwrap_err().to_string().contains("do not fit"));
     }
 
@@ -325,23 +332,23 @@ mod tests {
         let mut values: Vec<f64> = waves().into_iter().map(f64::from).collect();
         values[9] = f64::NAN;
         let fitted = fit(
-            &[(volume(Samples::F64(values.into())), false)],
-            Some(Bits::Eight),
+            &of(&volume(Samples::F64(values.into())), false),
+            &[Bits::Eight],
             1 << 20,
         )
         .unwrap();
-        assert_eq!(fitted.data[0].sample_type, "f32");
-        assert_eq!(fitted.volumes[0].statistics().non_finite, 1);
+        assert_eq!(sample_type(&fitted), "f32");
+        assert_eq!(fitted_volume(&fitted).statistics().non_finite, 1);
     }
 
     #[test]
     fn labels_are_neither_rounded_nor_averaged() {
         let ids: Vec<f32> = (0..256).map(|i| (i * 37 % 250) as f32 + 3.0).collect();
         let labels = volume(Samples::F32(ids.into()));
-        let fitted = fit(&[(Arc::clone(&labels), true)], Some(Bits::Eight), 1 << 20).unwrap();
-        assert_eq!(largest_error(&labels, &fitted.volumes[0]), 0.0);
+        let fitted = fit(&of(&labels, true), &[Bits::Eight], 1 << 20).unwrap();
+        assert_eq!(largest_error(&labels, fitted_volume(&fitted)), 0.0);
         assert!(
-            fit(&[(labels, true)], Some(Bits::Eight), 20)
+            fit(&of(&labels, true), &[Bits::Eight], 20)
                 .unwrap_err()
                 .to_string()
                 .contains("averaged")
@@ -349,18 +356,63 @@ mod tests {
         let wide = volume(Samples::F32(
             (0..256).map(|i| (i * 2) as f32).collect::<Vec<_>>().into(),
         ));
-        let refused = fit(&[(wide, true)], Some(Bits::Eight), 1 << 20).unwrap_err();
+        let refused = fit(&of(&wide, true), &[Bits::Eight], 1 << 20).unwrap_err();
         assert!(refused.to_string().contains("whole numbers"), "{refused}");
     }
 
     #[test]
     fn a_constant_has_no_steps() {
         let fitted = fit(
-            &[(volume(Samples::F32(vec![2.5; 256].into())), false)],
-            None,
+            &of(&volume(Samples::F32(vec![2.5; 256].into())), false),
+            &Bits::ALL,
             1 << 20,
         )
         .unwrap();
-        assert_eq!(fitted.volumes[0].value_range(), [2.5; 2]);
+        assert_eq!(fitted_volume(&fitted).value_range(), [2.5; 2]);
+    }
+
+    #[test]
+    fn clouds_lose_bits_then_points_and_stay_exact_where_they_can() {
+        let directions: Vec<[f32; 3]> = (0..3000u32)
+            .map(|i| Vec3::new((i as f32).sin(), (i as f32 * 0.37).cos(), i as f32 / 3000.0).normalize())
+            .map(|direction| direction.to_array())
+            .collect();
+        let attributes = PointAttributes {
+            colors: (0..3000u32).map(|i| [i as u8, 3, (i / 9) as u8, 255]).collect(),
+            normals: directions.clone(),
+            radii: vec![0.01; 3000],
+        };
+        let points = Points::new(directions, attributes, DAffine3::IDENTITY).unwrap();
+        let piece = |points: &Points| Piece {
+            content: HeldContent::Points(Arc::new(points.clone())),
+            labels: false,
+        };
+        let cloud = [piece(&points)];
+        let counted = |fitted: &Fitted| match fitted.held[0].as_ref().map(Held::content) {
+            Some(HeldContent::Points(points)) => points.len(),
+            other => panic!("{other:?} are no points"),
+        };
+        let mut most = 1 << 20;
+        let mut rungs = Vec::new();
+        while let Ok(fitted) = fit(&cloud, &Bits::ALL, most) {
+            assert_eq!(fitted.exact, fitted.bits == Bits::Own && fitted.level == 0);
+            rungs.push((fitted.level, counted(&fitted), u8::from(fitted.bits)));
+            most = fitted.bytes.len() as u64 - 1;
+        }
+        assert!(
+            rungs.starts_with(&[(0, 3000, 32), (0, 3000, 16), (0, 3000, 12), (0, 3000, 8)]),
+            "{rungs:?}"
+        );
+        assert!(
+            rungs.last().unwrap().0 == 3 && rungs.last().unwrap().1 < 80,
+            "{rungs:?}"
+        );
+
+        // Places on a lattice of their bits.
+        let lattice = (0..256)
+            .map(|i| [i as f32 / 256.0, 1.0, (255 - i) as f32])
+            .collect();
+        let lattice = Points::new(lattice, PointAttributes::default(), DAffine3::IDENTITY).unwrap();
+        assert!(fit(&[piece(&lattice)], &Bits::ROUNDED, 1 << 20).unwrap().exact);
     }
 }

@@ -27,5 +27,5 @@ mod template;
 pub use content::PageContent;
 pub use engine::{Absent, engine};
 pub use error::PageError;
-pub use fit::{Bits, Fitted, fit};
+pub use fit::{Bits, Fitted, Piece, fit};
 pub use page::{ENGINE_SCRIPT, Page};

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
-use splatvol_web::VolumeData;
+use splatvol_web::ItemData;
 
 use crate::PageError;
 use crate::engine::engine;
@@ -55,8 +55,8 @@ pub struct Page<'a> {
     /// The document, with nothing left open: its items are in memory.
     pub document: &'a Value,
     /// What the bytes are, for each item.
-    pub data: &'a [VolumeData],
-    /// The packed samples of all items, gzip.
+    pub data: &'a [ItemData],
+    /// The packed data of all items, gzip.
     pub bytes: &'a [u8],
     /// The picture until the engine has one, a PNG.
     pub poster: &'a [u8],

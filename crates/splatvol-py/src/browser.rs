@@ -2,7 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use splatvol_page::{PageContent, PageError};
+use splatvol_document::HeldContent;
+use splatvol_page::{Bits, PageContent, PageError};
 
 use crate::error::Raise;
 use crate::picture::Picture;
@@ -21,11 +22,11 @@ pub(crate) fn browser_script() -> &'static str {
     splatvol_page::ENGINE_SCRIPT
 }
 
-/// A document, JSON; what its bytes are, JSON; the packed samples, gzip; and the lengths to which opacities refer.
-type Parts<'py> = (String, String, Bound<'py, PyBytes>, Vec<f64>);
+/// A document, JSON; what its bytes are, JSON; the packed data, gzip; and the lengths to which opacities refer, where items have any.
+type Parts<'py> = (String, String, Bound<'py, PyBytes>, Vec<Option<f64>>);
 
-/// What a browser draws of a picture, with at most so many bytes of data; `None` for what it cannot draw: anything but volumes in memory,
-/// files of effects, motion, and data that do not fit.
+/// What a browser draws of a picture, with at most so many bytes of data; `None` for what it cannot draw: volumes beyond memory, files of
+/// effects, motion, and data that do not fit.
 #[pyfunction]
 pub(crate) fn browser_parts<'py>(
     py: Python<'py>,
@@ -36,14 +37,16 @@ pub(crate) fn browser_parts<'py>(
     let Some(content) = PageContent::of(picture).ok() else {
         return Ok(None);
     };
-    if content.volumes().any(|volume| volume.chunks().is_some()) {
+    let in_chunks =
+        |data: &HeldContent| matches!(data, HeldContent::Volume(volume) if volume.chunks().is_some());
+    if content.data().any(in_chunks) {
         return Ok(None);
     }
-    let fitted = match work::run(py, (None, None), |_| Ok(content.fit(None, most)))? {
+    let fitted = match work::run(py, (None, None), |_| Ok(content.fit(&Bits::ROUNDED, most)))? {
         Err(PageError::TooLarge { .. }) => return Ok(None),
         fitted => fitted.map_err(Raise::raised)?,
     };
-    let document = content.document(fitted.level, |_| "volume".to_owned());
+    let document = content.document(fitted.level, |_| "data".to_owned());
     let document = document.to_json(false).map_err(Raise::raised)?;
     let data = serde_json::to_string(&fitted.data).map_err(Raise::raised)?;
     let bytes = PyBytes::new(py, &fitted.bytes);

@@ -12,6 +12,7 @@ use glam::DAffine3;
 pub use cells::{CellKind, Cells};
 
 use crate::points::{bounds_of, check_finite, check_frame, check_length};
+use crate::volume::histogram;
 use crate::{Bounds, SceneError};
 
 /// Whether a mesh has its values at the points or at the cells.
@@ -127,6 +128,18 @@ impl Mesh {
     /// Least and greatest value; missing ones are passed over.
     pub fn value_range(&self) -> [f32; 2] {
         self.value_range
+    }
+
+    /// Counts of the values in `bins` equal bins over [`Mesh::value_range`]; missing ones are passed over.
+    pub fn histogram(&self, bins: usize) -> Vec<u64> {
+        let values = self.field.values.iter().copied().map(f64::from);
+        histogram(values, self.value_range.map(f64::from), bins)
+    }
+
+    /// Distance of the points if they filled the box evenly, world.
+    pub fn mean_spacing(&self) -> f64 {
+        let size = self.bounds.max - self.bounds.min;
+        libm::cbrt(size.x * size.y * size.z / self.positions.len() as f64)
     }
 
     /// Number of cells.

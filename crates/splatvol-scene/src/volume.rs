@@ -295,20 +295,10 @@ impl Volume {
 
     /// Counts of the finite samples in `bins` equal bins over [`Volume::value_range`].
     pub fn histogram(&self, bins: usize) -> Vec<u64> {
-        let [low, high] = self.value_range();
-        let mut counts = vec![0; bins];
-        let scale = if high > low {
-            bins as f64 / (high - low)
-        } else {
-            0.0
-        };
-        with_samples!(&self.samples, data => for &sample in data {
-            let value = self.rescale.apply(widen(sample));
-            if value.is_finite() {
-                counts[(((value - low) * scale) as usize).min(bins - 1)] += 1;
-            }
-        });
-        counts
+        with_samples!(&self.samples, data => {
+            let values = data.iter().map(|&sample| self.rescale.apply(widen(sample)));
+            histogram(values, self.value_range(), bins)
+        })
     }
 
     /// Widest range of values that [`Volume::whole_values`] searches.
@@ -332,6 +322,20 @@ impl Volume {
         values.dedup();
         (values.len() <= most).then_some(values)
     }
+}
+
+/// Counts of the finite values in `bins` equal bins over their range.
+pub(crate) fn histogram(values: impl Iterator<Item = f64>, [low, high]: [f64; 2], bins: usize) -> Vec<u64> {
+    let mut counts = vec![0; bins];
+    let scale = if high > low {
+        bins as f64 / (high - low)
+    } else {
+        0.0
+    };
+    for value in values.filter(|value| value.is_finite()) {
+        counts[(((value - low) * scale) as usize).min(bins - 1)] += 1;
+    }
+    counts
 }
 
 /// Lossless (from the types of [`Samples`]) conversion to f64.

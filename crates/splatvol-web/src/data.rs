@@ -1,224 +1,69 @@
-//! Samples of a volume as bytes, packed so that they compress well.
+//! Data of items as bytes, packed so that they compress well.
 //!
-//! The bytes of little-endian samples are sorted by their place: first the lowest byte of each sample, then the next.
-//! With `delta`, each byte of such a plane is then less the byte before it, modulo 256: neighbours are alike, so most
-//! are small. Packing loses nothing.
+//! | module | holds |
+//! |---|---|
+//! | `planes` | numbers as planes of bytes: first the lowest byte of each, then the next |
+//! | `volume` | samples of volumes, as they are |
+//! | `column` | numbers of clouds, rounded to so many bits |
+//! | `points`, `gaussians`, `mesh` | clouds, a column for each component of an attribute |
 
-use glam::{DAffine3, DMat3, DVec3};
+mod column;
+mod gaussians;
+mod mesh;
+mod planes;
+mod points;
+mod volume;
+
 use serde::{Deserialize, Serialize};
-use splatvol::volume::Samples;
-use splatvol::{Grid, LengthUnit, Rescale, SceneError, Volume, with_samples};
+use splatvol::SceneError;
+use splatvol_document::{Held, HeldContent};
+use splatvol_io::{Data, Description};
 
-/// A volume without its samples, and how these are packed.
+pub use column::{Column, Precision};
+pub use gaussians::GaussiansData;
+pub use mesh::{CellsData, MeshData};
+pub use points::PointsData;
+pub use volume::VolumeData;
+
+/// The data of an item without their numbers, and how these are packed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct VolumeData {
-    /// Samples along x, y, z.
-    pub dims: [usize; 3],
-    /// World from voxel: images of the three axes, and of the origin.
-    pub world_from_voxel: [[f64; 3]; 4],
-    /// Type of a sample: `u8`, `i16`...
-    #[serde(rename = "type")]
-    pub sample_type: String,
-    /// `real = slope * stored + intercept`.
-    pub slope: f64,
-    /// Offset in real units.
-    pub intercept: f64,
-    /// Unit of world lengths.
-    pub unit: LengthUnit,
-    /// Whether bytes are differences.
-    pub delta: bool,
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum ItemData {
+    /// Samples on a regular grid.
+    Volume(VolumeData),
+    /// Samples of surfaces.
+    Points(PointsData),
+    /// 3-D Gaussians.
+    Gaussians(GaussiansData),
+    /// Samples on an irregular grid.
+    Mesh(MeshData),
 }
 
-/// Samples of a type from planes of their bytes.
-macro_rules! from_planes {
-    ($name:expr, $planes:expr, $($text:literal => $kind:ident $variant:ident,)*) => {
-        match $name {
-            $($text => {
-                let sample = |i: usize| $kind::from_le_bytes(std::array::from_fn(|byte| $planes[byte][i]));
-                let count = $planes.first().map_or(0, |plane| plane.len());
-                Some(Samples::$variant((0..count).map(sample).collect::<Vec<_>>().into()))
-            })*
-            _ => None,
-        }
-    };
-}
-
-impl VolumeData {
-    /// Describes a volume.
-    pub fn of(volume: &Volume, delta: bool) -> Self {
-        let map = volume.grid().world_from_voxel();
-        let columns = [
-            map.matrix3.x_axis,
-            map.matrix3.y_axis,
-            map.matrix3.z_axis,
-            map.translation,
-        ];
-        Self {
-            dims: volume.grid().dims(),
-            world_from_voxel: columns.map(|column| column.to_array()),
-            sample_type: volume.samples().type_name().to_owned(),
-            slope: volume.rescale().slope,
-            intercept: volume.rescale().intercept,
-            unit: volume.unit(),
-            delta,
-        }
-    }
-
-    /// The volume's samples, packed.
-    pub fn pack(&self, volume: &Volume) -> Vec<u8> {
-        let samples = volume.samples();
-        let mut bytes = Vec::with_capacity(samples.len() * samples.bytes_per_sample());
-        for place in 0..samples.bytes_per_sample() {
-            let mut before = 0u8;
-            let mut push = |byte: u8| {
-                bytes.push(if self.delta {
-                    byte.wrapping_sub(before)
-                } else {
-                    byte
-                });
-                before = byte;
-            };
-            with_samples!(samples, data => data.iter().for_each(|sample| push(sample.to_le_bytes()[place])));
-        }
-        bytes
-    }
-
-    /// Bytes of the packed samples; `None` where they cannot be counted.
-    pub fn byte_count(&self) -> Option<usize> {
-        let [x, y, z] = self.dims;
-        x.checked_mul(y)?
-            .checked_mul(z)?
-            .checked_mul(self.bytes_per_sample()?)
-    }
-
-    fn bytes_per_sample(&self) -> Option<usize> {
-        match self.sample_type.as_str() {
-            "u8" | "i8" => Some(1),
-            "u16" | "i16" => Some(2),
-            "u32" | "i32" | "f32" => Some(4),
-            "f64" => Some(8),
-            _ => None,
-        }
-    }
-
-    /// The volume of packed samples.
+impl ItemData {
+    /// Takes what belongs to it from the front of packed numbers, and makes the data of them.
     ///
     /// # Errors
-    /// Types that there are not, bytes that do not fit the dims, and everything that is no volume.
-    pub fn unpack(&self, bytes: &[u8]) -> Result<Volume, SceneError> {
-        let (Some(size), Some(expected)) = (self.bytes_per_sample(), self.byte_count()) else {
-            return Err(SceneError::invalid(
-                "type of samples",
-                (&self.sample_type, self.dims),
-                "u8, i8, u16, i16, u32, i32, f32 or f64",
-            ));
-        };
-        if bytes.len() != expected {
-            return Err(SceneError::invalid(
-                "bytes of the samples",
-                bytes.len(),
-                "as many as dims and type ask for",
-            ));
+    /// Bytes that are too few, and numbers that are no such data.
+    pub fn unpack(&self, bytes: &mut &[u8]) -> Result<Data, SceneError> {
+        match self {
+            Self::Volume(data) => {
+                let count = data.byte_count().and_then(|count| bytes.split_off(..count));
+                let own = count.ok_or_else(|| planes::too_few("samples", bytes.len()))?;
+                data.unpack(own).map(Data::Volume)
+            }
+            Self::Points(data) => data.unpack(bytes).map(Data::Points),
+            Self::Gaussians(data) => data.unpack(bytes).map(Data::Gaussians),
+            Self::Mesh(data) => data.unpack(bytes).map(Data::Mesh),
         }
-        let columns = self.world_from_voxel.map(DVec3::from_array);
-        let world_from_voxel = DAffine3 {
-            matrix3: DMat3::from_cols(columns[0], columns[1], columns[2]),
-            translation: columns[3],
-        };
-        let grid = Grid::from_affine(self.dims, world_from_voxel)?;
-        let summed = |plane: &[u8]| -> Vec<u8> {
-            let sums = plane.iter().scan(0u8, |sum, &byte| {
-                *sum = sum.wrapping_add(byte);
-                Some(*sum)
-            });
-            sums.collect()
-        };
-        let planes: Vec<Vec<u8>> = bytes
-            .chunks_exact(expected / size)
-            .map(|plane| if self.delta { summed(plane) } else { plane.to_vec() })
-            .collect();
-        let samples = from_planes!(self.sample_type.as_str(), planes,
-            "u8" => u8 U8, "i8" => i8 I8, "u16" => u16 U16, "i16" => i16 I16,
-            "u32" => u32 U32, "i32" => i32 I32, "f32" => f32 F32, "f64" => f64 F64,
-        );
-        let samples = samples
-            .ok_or_else(|| SceneError::invalid("type of samples", &self.sample_type, "one that there is"))?;
-        let rescale = Rescale {
-            slope: self.slope,
-            intercept: self.intercept,
-        };
-        Volume::new(grid, samples, rescale, self.unit)
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn volume(samples: Samples) -> Volume {
-        let mut grid = DAffine3::from_scale(DVec3::new(0.5, 1.0, 2.0));
-        grid.translation = DVec3::new(-3.0, 0.1, 7.0);
-        let rescale = Rescale {
-            slope: 0.25,
-            intercept: -7.0,
-        };
-        Volume::new(
-            Grid::from_affine([3, 2, 2], grid).unwrap(),
-            samples,
-            rescale,
-            LengthUnit::Millimetre,
-        )
-        .unwrap()
-    }
-
-    #[test]
-    fn every_type_comes_back_as_it_was() {
-        let numbers: [f64; 12] = [0.0, 1.0, 127.0, 3.0, 120.0, 5.0, 0.0, 0.0, 9.0, 100.0, 11.0, 12.0];
-        let all = [
-            Samples::U8(numbers.map(|n| n as u8 * 2).to_vec().into()),
-            Samples::I8(numbers.map(|n| -(n as i8)).to_vec().into()),
-            Samples::U16(numbers.map(|n| n as u16 * 500).to_vec().into()),
-            Samples::I16(numbers.map(|n| n as i16 * -250).to_vec().into()),
-            Samples::U32(numbers.map(|n| n as u32 * 30_000_000).to_vec().into()),
-            Samples::I32(numbers.map(|n| n as i32 * -15_000_000).to_vec().into()),
-            Samples::F32(numbers.map(|n| n as f32 / 7.0).to_vec().into()),
-            Samples::F64(numbers.map(|n| n / 7.0).to_vec().into()),
-        ];
-        for (samples, delta) in all
-            .into_iter()
-            .flat_map(|samples| [(samples.clone(), false), (samples, true)])
-        {
-            let volume = volume(samples);
-            let data = VolumeData::of(&volume, delta);
-            let bytes = data.pack(&volume);
-            assert_eq!(Some(bytes.len()), data.byte_count());
-            let text = serde_json::to_string(&data).unwrap();
-            let again = serde_json::from_str::<VolumeData>(&text)
-                .unwrap()
-                .unpack(&bytes)
-                .unwrap();
-            assert_eq!(again.samples(), volume.samples());
-            assert_eq!(again.grid(), volume.grid());
-            assert_eq!((again.rescale(), again.unit()), (volume.rescale(), volume.unit()));
-        }
-    }
-
-    #[test]
-    fn what_does_not_fit_is_refused() {
-        let volume = volume(Samples::U16(vec![1; 12].into()));
-        let data = VolumeData::of(&volume, true);
-        let bytes = data.pack(&volume);
-        assert!(data.unpack(&bytes[1..]).is_err() && data.unpack(&[]).is_err());
-        let other = |change: fn(&mut VolumeData)| {
-            let mut data = data.clone();
-            change(&mut data);
-            data.unpack(&bytes)
-        };
-        assert!(other(|data| data.sample_type = "u24".to_owned()).is_err());
-        assert!(other(|data| data.dims = [usize::MAX, 2, 2]).is_err());
-        assert!(other(|data| data.dims = [0; 3]).is_err());
-        assert!(other(|data| data.slope = 0.0).is_err());
-        assert!(other(|data| data.world_from_voxel = [[0.0; 3]; 4]).is_err());
-    }
+/// Data for a document whose items are in memory: they stand as they are, whatever it leaves open.
+pub fn held(content: HeldContent) -> Held {
+    let description = Description {
+        format: "memory".to_owned(),
+        oriented: true,
+        ..Description::default()
+    };
+    Held::sharing(content, description)
 }

@@ -22,7 +22,7 @@ pub enum WebError {
     #[error("no document is open")]
     Closed,
     /// An item that is not there, or has no transfer function.
-    #[error("item {0} is no volume of the document")]
+    #[error("item {0} has no transfer function in the document")]
     Item(usize),
     /// A request that opens or renders, where only changes and questions are answered.
     #[error("the request is no change, and no question about a camera")]

@@ -6,16 +6,18 @@
 //! the picture of the command: it is the same code.
 //!
 //! ```
-//! use splatvol_web::{Session, VolumeData};
+//! use splatvol_web::{ItemData, Session, VolumeData};
 //!
 //! let volume = splatvol::samples::sample("marschner-lobb", None)?;
+//! let data = VolumeData::of(&volume, false);
+//! let bytes = data.pack(&volume);
 //! let header = serde_json::json!({
 //!     "do": "open",
 //!     "document": { "item": [{ "file": "marschner-lobb" }] },
-//!     "data": [VolumeData::of(&volume, false)],
+//!     "data": [ItemData::Volume(data)],
 //! });
 //! let mut session = Session::new()?;
-//! let opened = session.answer(&header.to_string(), &VolumeData::of(&volume, false).pack(&volume));
+//! let opened = session.answer(&header.to_string(), &bytes);
 //! assert!(opened.header.contains("viridis"));
 //! let tiles = session.answer(r#"{ "do": "render", "size": [64, 48], "share": [0, 1] }"#, &[]);
 //! assert_eq!(tiles.bytes.len(), 64 * 48 * 4);
@@ -27,7 +29,7 @@
 //! | `session` | the instance |
 //! | `shown` | a document with its data: changes, cameras, and the tiles of pictures |
 //! | [`message`] | what may be asked, and what is answered |
-//! | `data` | samples as bytes, packed so that they compress well |
+//! | `data` | samples and clouds as bytes, packed so that they compress well |
 //! | `look` | changes of a transfer function: range, strength, colour map, curve |
 //! | `interface` | the instance as a WebAssembly module, without bindings: memory for a message, and its answer |
 #![cfg_attr(not(target_family = "wasm"), forbid(unsafe_code))]
@@ -42,7 +44,9 @@ pub mod message;
 mod session;
 mod shown;
 
-pub use data::VolumeData;
+pub use data::{
+    CellsData, Column, GaussiansData, ItemData, MeshData, PointsData, Precision, VolumeData, held,
+};
 pub use error::WebError;
 pub use look::LookEdit;
 pub use session::{Answer, BLOCK, Session};

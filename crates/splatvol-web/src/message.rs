@@ -2,7 +2,7 @@
 //!
 //! | `do` | bytes | the answer's header | the answer's bytes |
 //! |---|---|---|---|
-//! | `open` | the packed samples of all items, one after the other | [`Opened`] | - |
+//! | `open` | the packed data of all items, one after the other | [`Opened`] | - |
 //! | `edit` | - | [`Edited`] | - |
 //! | `look` | - | [`Edited`] | - |
 //! | `camera` | - | a [`CameraPose`] | - |
@@ -16,7 +16,7 @@ use splatvol::{Bounds, TransferFunction};
 use splatvol_document::CameraPose;
 use splatvol_document::keys::CameraKeys;
 
-use crate::{LookEdit, VolumeData};
+use crate::{ItemData, LookEdit};
 
 /// A question.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -26,8 +26,8 @@ pub enum Request {
     Open {
         /// The document, as a scene file has it in JSON.
         document: Value,
-        /// What the bytes are: the volume of each item.
-        data: Vec<VolumeData>,
+        /// What the bytes are, for each item.
+        data: Vec<ItemData>,
     },
     /// Changes keys of the document: all of them, or none if one is refused.
     Edit {
@@ -95,12 +95,20 @@ pub struct Opened {
 pub struct ItemFacts {
     /// Its name: a file's, without the folder.
     pub name: String,
-    /// Samples along x, y, z.
-    pub dims: [usize; 3],
+    /// What it is, and how much of it: `64 × 64 × 40 samples`, `34820 points`.
+    pub size: String,
     /// Unit of lengths, or nothing.
     pub unit: &'static str,
+    /// Its values and their transfer function; nothing for points and Gaussians, which have neither.
+    pub values: Option<ValueFacts>,
+}
+
+/// What is known about the values of an item.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct ValueFacts {
     /// Least and largest value.
-    pub values: [f64; 2],
+    pub extremes: [f64; 2],
     /// Counts of samples in equal bins between these.
     pub histogram: Vec<u64>,
     /// Its transfer function, as it was opened.

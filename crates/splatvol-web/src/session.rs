@@ -5,11 +5,10 @@ use std::path::Path;
 use serde_json::Value;
 use splatvol::{EngineConfig, Frame, ImageSize, Renderer};
 use splatvol_document::{Document, Held};
-use splatvol_io::{Data, Description};
 
 use crate::message::{Opened, Request};
 use crate::shown::{Shown, said};
-use crate::{VolumeData, WebError};
+use crate::{ItemData, WebError, held};
 
 /// Edge of the blocks in which shares are dealt out, and of the engine's tiles, pixels.
 pub const BLOCK: usize = 64;
@@ -74,7 +73,7 @@ impl Session {
         }
     }
 
-    fn open(&mut self, document: &Value, data: &[VolumeData], bytes: &[u8]) -> Result<Opened, WebError> {
+    fn open(&mut self, document: &Value, data: &[ItemData], bytes: &[u8]) -> Result<Opened, WebError> {
         let document = Document::from_json(&document.to_string(), Path::new("document"))?;
         if document.items.len() != data.len() {
             return Err(WebError::Data {
@@ -86,32 +85,21 @@ impl Session {
                 ),
             });
         }
-        let shown = Shown::new(&document, held(data, bytes)?)?;
+        let shown = Shown::new(&document, unpacked(data, bytes)?)?;
         let opened = shown.facts()?;
         self.shown = Some(shown);
         Ok(opened)
     }
 }
 
-/// The volumes of packed samples, one after the other.
-fn held(data: &[VolumeData], bytes: &[u8]) -> Result<Vec<Option<Held>>, WebError> {
+/// The data of packed numbers, one after the other.
+fn unpacked(data: &[ItemData], bytes: &[u8]) -> Result<Vec<Option<Held>>, WebError> {
     let mut rest = bytes;
     let mut all = Vec::new();
     for (item, data) in data.iter().enumerate() {
         let fault = |why: String| WebError::Data { item, why };
-        let count = data.byte_count().filter(|&count| count <= rest.len());
-        let count = count.ok_or_else(|| fault(format!("{} bytes are too few for it", rest.len())))?;
-        let (own, others) = rest.split_at(count);
-        rest = others;
-        let volume = data.unpack(own).map_err(|error| fault(error.to_string()))?;
-        let description = Description {
-            format: "memory".to_owned(),
-            stored_type: data.sample_type.clone(),
-            orientation: "as the page says".to_owned(),
-            oriented: true,
-            ..Description::default()
-        };
-        all.push(Some(Held::new(Data::Volume(volume), description)));
+        let own = data.unpack(&mut rest).map_err(|error| fault(error.to_string()))?;
+        all.push(Some(held(own.into())));
     }
     match rest.len() {
         0 => Ok(all),

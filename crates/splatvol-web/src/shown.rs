@@ -16,7 +16,7 @@ use splatvol_document::{
     CameraMotion, CameraPose, Document, Edit, Held, Listener, Picture, ReadRules, Reading, Resolving, outline,
 };
 
-use crate::message::{Edited, ItemFacts, Opened, Rendered, Request};
+use crate::message::{Edited, ItemFacts, Opened, Rendered, Request, ValueFacts};
 use crate::session::{Answer, BLOCK, RAY_BLOCK};
 use crate::{LookEdit, WebError, look};
 
@@ -28,8 +28,9 @@ const BINS: usize = 128;
 pub struct Shown {
     held: Vec<Option<Held>>,
     picture: Picture,
-    /// Transfer functions as they were opened, and the spacing of their volumes, world.
-    looks: Vec<(TransferFunction, f64)>,
+    /// Transfer functions as they were opened, where items have one, and the lengths to which opacities refer if these do not say,
+    /// world.
+    looks: Vec<Option<(TransferFunction, f64)>>,
     /// What was chosen, and warnings.
     notes: Vec<String>,
 }
@@ -69,7 +70,7 @@ impl Shown {
     /// Shows a document whose items' data are in memory.
     ///
     /// # Errors
-    /// A document that cannot become a picture, or that shows something else than volumes.
+    /// A document that cannot become a picture, or that hides items.
     pub fn new(document: &Document, held: Vec<Option<Held>>) -> Result<Self, WebError> {
         let notes = Notes::default();
         let picture = resolve(document, &held, &notes)?;
@@ -115,9 +116,10 @@ impl Shown {
         })
     }
 
-    fn look(&mut self, item: usize, look: &LookEdit) -> Result<Answer, WebError> {
-        let (base, spacing) = self.looks.get(item).ok_or(WebError::Item(item))?;
-        let function = look.apply(base, *spacing)?;
+    fn look(&mut self, item: usize, edit: &LookEdit) -> Result<Answer, WebError> {
+        let look = self.looks.get(item).and_then(Option::as_ref);
+        let (base, spacing) = look.ok_or(WebError::Item(item))?;
+        let function = edit.apply(base, *spacing)?;
         let path = format!("item[{item}].transfer-function");
         let edit = Edit::set(path, serde_json::to_value(function)?);
         self.edit(std::iter::once(edit))
@@ -173,19 +175,14 @@ impl Shown {
     /// A scene without bounds.
     pub fn facts(&self) -> Result<Opened, WebError> {
         let shown = self.picture.document.items.iter().zip(&self.picture.scene.items);
-        let items = shown.zip(&self.looks).filter_map(|((keys, item), (look, _))| {
-            let Content::Volume { volume, .. } = &item.content else {
-                return None;
-            };
-            Some(ItemFacts {
-                name: keys.file.clone(),
-                dims: volume.grid().dims(),
-                unit: volume.unit().symbol(),
-                values: volume.value_range(),
-                histogram: volume.histogram(BINS),
-                range: look::range(look),
-                transfer_function: look.clone(),
-            })
+        let items = shown.zip(&self.looks).map(|((keys, item), look)| ItemFacts {
+            name: keys.file.clone(),
+            size: size_of(&item.content),
+            unit: match &item.content {
+                Content::Volume { volume, .. } => volume.unit().symbol(),
+                _ => "",
+            },
+            values: look.as_ref().and_then(|(look, _)| values_of(&item.content, look)),
         });
         Ok(Opened {
             version: env!("CARGO_PKG_VERSION"),
@@ -274,20 +271,61 @@ fn resolve(document: &Document, held: &[Option<Held>], notes: &Notes) -> Result<
     Ok(picture)
 }
 
-/// The transfer functions of a scene of volumes, and their spacings. All items have to be visible: those that are not have
-/// no look.
-fn looks(picture: &Picture) -> Result<Vec<(TransferFunction, f64)>, WebError> {
+/// The transfer functions of a scene, where items have one, and the lengths to which opacities refer otherwise. All items have to
+/// be visible: those that are not have no look.
+fn looks(picture: &Picture) -> Result<Vec<Option<(TransferFunction, f64)>>, WebError> {
     let items = &picture.scene.items;
     if items.len() != picture.document.items.len() {
         return Err(WebError::Item(items.len()));
     }
-    let looks = items.iter().enumerate().map(|(index, item)| match &item.content {
+    let looks = items.iter().map(|item| match &item.content {
         Content::Volume {
             volume,
             transfer_function,
             ..
-        } => Ok((transfer_function.clone(), volume.grid().mean_spacing())),
-        _ => Err(WebError::Item(index)),
+        } => Some((transfer_function.clone(), volume.grid().mean_spacing())),
+        Content::Mesh {
+            mesh,
+            transfer_function,
+            ..
+        } => Some((transfer_function.clone(), mesh.mean_spacing())),
+        Content::Points { .. } | Content::Gaussians(_) => None,
     });
-    looks.collect()
+    Ok(looks.collect())
+}
+
+/// What content is, and how much of it.
+fn size_of(content: &Content) -> String {
+    match content {
+        Content::Volume { volume, .. } => {
+            let [x, y, z] = volume.grid().dims();
+            format!("{x} × {y} × {z} samples")
+        }
+        Content::Mesh { mesh, .. } => {
+            format!("{} cells, {} points", mesh.cell_count(), mesh.positions().len())
+        }
+        Content::Points { points, .. } => format!("{} points", points.len()),
+        Content::Gaussians(gaussians) => {
+            format!(
+                "{} Gaussians, harmonics of degree {}",
+                gaussians.len(),
+                gaussians.degree()
+            )
+        }
+    }
+}
+
+/// The values of content, and the transfer function that they were opened with.
+fn values_of(content: &Content, look: &TransferFunction) -> Option<ValueFacts> {
+    let (extremes, histogram) = match content {
+        Content::Volume { volume, .. } => (volume.value_range(), volume.histogram(BINS)),
+        Content::Mesh { mesh, .. } => (mesh.value_range().map(f64::from), mesh.histogram(BINS)),
+        Content::Points { .. } | Content::Gaussians(_) => return None,
+    };
+    Some(ValueFacts {
+        extremes,
+        histogram,
+        range: look::range(look),
+        transfer_function: look.clone(),
+    })
 }

@@ -15,15 +15,17 @@ use super::{PageArgs, WriteArgs};
   splatvol export scan.nii.gz                    makes scan.html
   splatvol export sample:head --view front --max-size 4M -o head.html",
     after_long_help = "The page needs no server and no network, and makes no connection: engine, data and all are in it. It is
-opened from disk, or sent as it is. Volumes can be shown, alone or in a scene; points, Gaussians and
-meshes cannot yet. The data are kept as they are if they fit, else in fewer bits or at a coarser level;
-what was chosen, and how far the page's picture is from that of all data (PSNR), is said, and stands in
-the page. No text of a file goes into it but its name.
+opened from disk, or sent as it is. It shows all that `render` does: volumes, points, Gaussians and
+meshes, alone or in a scene. Data are kept as they are if they fit, else in fewer bits or at a coarser
+level: half the resolution of volumes, a quarter of the points, harmonics of a lower degree. What was
+chosen, and how far the page's picture is from that of all data (PSNR), is said, and stands in the page.
+No text of a file goes into it but its name.
 
 Examples:
   splatvol export scan.nii.gz
   splatvol export sample:head --view front --max-size 4M -o head.html
   splatvol export ct.nrrd --iso 300 --quantize 8 --title \"Specimen 12\"
+  splatvol export biker.spz --title \"A photograph in 3-D\"
   splatvol export scene.toml --size 1200x900 --report - -o scene.html
   splatvol export --like head.png -o head.html"
 )]
@@ -33,9 +35,9 @@ pub(crate) struct ExportArgs {
     /// HTML file to write, - for stdout [default: INPUT's name with .html]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub(crate) output: Option<PathBuf>,
-    /// Bits per sample: 8, 12 or 16 [default: the most that fit]
+    /// Bits per number: 8, 12 or 16 [default: as they are, or the most that fit]
     ///
-    /// Integers that have no more stay as they are.
+    /// Integers that have no more stay as they are; coordinates of points, Gaussians and meshes have eight more.
     #[arg(long, value_name = "BITS", help_heading = OUTPUT)]
     pub(crate) quantize: Option<BitsArg>,
     /// Write sizes, bits, level and error as JSON to this file, or to stdout (-)
@@ -45,7 +47,7 @@ pub(crate) struct ExportArgs {
     pub(crate) write: WriteArgs,
 }
 
-/// Bits per sample by their number.
+/// Bits per number, by their number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BitsArg {
     /// 256 values

@@ -9,7 +9,7 @@ use super::{PictureArgs, values};
 /// Arguments of `export` and `serve`.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct PageArgs {
-    /// File or folder (volume, scene.toml), or sample:NAME[:SIZE]
+    /// File or folder (volume, points, Gaussians, mesh, scene.toml), or sample:NAME[:SIZE]
     #[arg(required_unless_present = "like")]
     pub(crate) input: Option<String>,
     /// Size of the picture that is saved from the page, and of its first one: WxH, or N [default: 1024x1024]

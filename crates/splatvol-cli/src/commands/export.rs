@@ -4,14 +4,14 @@
 //! size costs.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use serde::Serialize;
-use splatvol::{Frame, Volume};
+use splatvol::Frame;
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, Document, Held, Picture, Resolving, Silent};
-use splatvol_io::{Data, Description, ImageFormat};
+use splatvol_io::ImageFormat;
 use splatvol_page::{Absent, Bits, Fitted, Page, PageContent, PageError};
+use splatvol_web::{ItemData, held};
 
 use super::asked::{self, Asked};
 use super::metrics::PictureDifference;
@@ -47,8 +47,9 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
 
     let exported = Exported::new(&asked, &args.page, terminal)?;
     let title = args.page.title.as_deref().unwrap_or(&name);
-    let asked_for = (args.page.max_size, args.quantize.map(Bits::from));
-    let (html, said) = exported.page(title, asked_for, false)?;
+    let quantize = args.quantize.map(|bits| vec![Bits::from(bits)]);
+    let bits = quantize.as_deref().unwrap_or(&Bits::ALL);
+    let (html, said) = exported.page(title, (args.page.max_size, bits), false)?;
     page.write(html.as_bytes(), overwrite)?;
     if let Some(target) = &report {
         let json = serde_json::to_string_pretty(&said).during(Step::Output)? + "\n";
@@ -78,39 +79,79 @@ struct Report {
     bytes: u64,
     /// Bytes of the data in it, as gzip.
     data_bytes: u64,
-    /// Most bits per sample.
+    /// Most bits per number: 32 where nothing was rounded.
     bits: Bits,
-    /// Halvings of the resolution along each axis.
+    /// Levels of detail that were left out: halvings of the resolution along each axis, degrees of harmonics.
     level: usize,
-    /// Samples along x, y, z, for each item.
-    dims: Vec<[usize; 3]>,
-    /// Whether the samples are those of the files.
+    /// What is in the page, for each item.
+    items: Vec<Kept>,
+    /// Whether the numbers are those of the files.
     exact: bool,
     /// PSNR of the page's picture, decibel; absent where it is the same in 8 bits.
     psnr: Option<f64>,
 }
 
+/// What is in a page of an item.
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+enum Kept {
+    /// Samples along x, y, z.
+    Volume {
+        dims: [usize; 3],
+    },
+    Points {
+        count: usize,
+    },
+    Gaussians {
+        count: usize,
+        degree: u32,
+    },
+    Mesh {
+        points: usize,
+    },
+}
+
+impl From<&ItemData> for Kept {
+    fn from(data: &ItemData) -> Self {
+        match data {
+            ItemData::Volume(data) => Self::Volume { dims: data.dims },
+            ItemData::Points(data) => Self::Points { count: data.count },
+            ItemData::Gaussians(data) => Self::Gaussians {
+                count: data.count,
+                degree: data.degree,
+            },
+            ItemData::Mesh(data) => Self::Mesh { points: data.count },
+        }
+    }
+}
+
+impl Kept {
+    /// `64 × 64 × 40 samples`, `34820 points`.
+    fn said(&self) -> String {
+        match self {
+            Self::Volume { dims: [x, y, z] } => format!("{x} × {y} × {z} samples"),
+            Self::Points { count } => format!("{count} points"),
+            Self::Gaussians { count, degree } => {
+                format!("{count} Gaussians with harmonics of degree {degree}")
+            }
+            Self::Mesh { points } => format!("a mesh of {points} points"),
+        }
+    }
+}
+
 impl Report {
-    /// What the samples are.
+    /// What the data are.
     fn data(&self) -> String {
-        let dims: Vec<String> = self
-            .dims
-            .iter()
-            .map(|[x, y, z]| format!("{x} × {y} × {z}"))
-            .collect();
+        let items: Vec<String> = self.items.iter().map(Kept::said).collect();
+        let items = items.join(", ");
+        let bits = u8::from(self.bits);
         match (self.exact, self.level) {
-            (true, _) => format!("The samples ({}) are those of the data.", dims.join(", ")),
-            (false, 0) => format!(
-                "The samples ({}) have {} bits.",
-                dims.join(", "),
-                u8::from(self.bits)
-            ),
-            (false, level) => format!(
-                "The samples ({}) have {} bits, and 1/{} of the resolution of the data.",
-                dims.join(", "),
-                u8::from(self.bits),
-                1 << level
-            ),
+            (true, _) => format!("This page has {items}: all data, as they are."),
+            (false, 0) => format!("This page has {items}, in {bits} bits."),
+            (false, 1) => format!("This page has {items}, in {bits} bits, one level coarser than the data."),
+            (false, level) => {
+                format!("This page has {items}, in {bits} bits, {level} levels coarser than the data.")
+            }
         }
     }
 
@@ -157,7 +198,7 @@ impl Exported {
     pub(super) fn served_page(&self, title: &str, most: Option<u64>) -> Result<(String, String), Failure> {
         let drafts = match splatvol_page::engine() {
             Ok(_) => {
-                let (html, report) = self.page(title, (most, None), true)?;
+                let (html, report) = self.page(title, (most, &Bits::ROUNDED), true)?;
                 return Ok((
                     html,
                     format!("while the view turns, browsers draw: {}", report.data()),
@@ -183,7 +224,8 @@ impl Exported {
     /// The document and the data of its items, all of them.
     pub(super) fn document_and_data(&self) -> Result<(Document, Vec<Option<Held>>), Failure> {
         let content = PageContent::of(&self.picture)?;
-        Ok((content.document(0, short_name), held(content.volumes())))
+        let held = content.data().map(|data| Some(held(data.clone())));
+        Ok((content.document(0, short_name), held.collect()))
     }
 
     /// The picture as a PNG.
@@ -196,7 +238,7 @@ impl Exported {
     fn page(
         &self,
         title: &str,
-        (most, quantize): (Option<u64>, Option<Bits>),
+        (most, bits): (Option<u64>, &[Bits]),
         is_served: bool,
     ) -> Result<(String, Report), Failure> {
         let most = most.unwrap_or(MOST_BYTES);
@@ -216,22 +258,22 @@ impl Exported {
             is_served,
         };
         let overhead = empty.overhead().map_err(refused)? + NOTES;
-        let fitted = content.fit(quantize, Page::room(most, overhead));
+        let fitted = content.fit(bits, Page::room(most, overhead));
         let fitted = fitted.map_err(|error| match error {
             // The limit is the page's; the data have what the rest leaves.
             PageError::TooLarge { why, .. } => Failure::usage(format!("--max-size {most}: {why}"))
                 .hint(format!("without the data the page has {overhead} bytes")),
             other => refused(other),
         })?;
-        let kept = content.document(fitted.level, short_name);
-        let shown = resolved(&kept, &fitted)?;
+        let document = content.document(fitted.level, short_name);
+        let shown = resolved(&document, &fitted)?;
         let psnr = self.difference(&rendered(&shown, self.means)?).psnr();
         let mut report = Report {
             bytes: 0,
             data_bytes: fitted.bytes.len() as u64,
             bits: fitted.bits,
             level: fitted.level,
-            dims: fitted.data.iter().map(|data| data.dims).collect(),
+            items: fitted.data.iter().map(Kept::from).collect(),
             exact: fitted.exact,
             psnr,
         };
@@ -243,7 +285,7 @@ impl Exported {
             }
         };
         let page = Page {
-            document: &json(&kept)?,
+            document: &json(&document)?,
             data: &fitted.data,
             bytes: &fitted.bytes,
             notes: &notes,
@@ -275,28 +317,15 @@ fn made_by() -> String {
     format!("Made by splatvol {}.", env!("CARGO_PKG_VERSION"))
 }
 
-/// Volumes in memory, where they lie, as the data of items.
-fn held<'a>(volumes: impl IntoIterator<Item = &'a Arc<Volume>>) -> Vec<Option<Held>> {
-    let held = volumes.into_iter().map(|volume| {
-        let description = Description {
-            oriented: true,
-            ..Description::default()
-        };
-        Some(Held::new(Data::Volume(Volume::clone(volume)), description))
-    });
-    held.collect()
-}
-
 /// The picture of a page's data.
 fn resolved(document: &Document, fitted: &Fitted) -> Result<Picture, Failure> {
-    let held = held(&fitted.volumes);
     let resolving = Resolving {
         reading: splatvol_document::Reading {
             rules: splatvol_document::ReadRules::default(),
             folder: None,
             listener: &Silent,
         },
-        held: &held,
+        held: &fitted.held,
         moves: CameraMotion::default(),
         keeps_alpha: false,
         in_windows: false,

@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 
 use crate::browser::{Browser, Kind};
+use crate::data::{gaussian, sphere};
 use crate::sandbox::{Sandbox, png};
 
 /// Whether the command has the engine for browsers; says so where it has not.
@@ -48,9 +49,7 @@ fn what_a_page_cannot_show_is_refused_by_name() {
         return;
     }
     let sandbox = Sandbox::new();
-    sandbox.write("points.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n");
     for (arguments, words) in [
-        ("points.csv --kind points", ["points.csv, points", "volumes only"]),
         ("sample:head:16 --bits 16", ["--bits 16", "cannot show"]),
         (
             "sample:head:16 --spin 20 --classification pre --motion-blur exact",
@@ -69,7 +68,7 @@ fn what_a_page_cannot_show_is_refused_by_name() {
     sandbox
         .run("export sample:head:16 -o none/a.html")
         .fails(5, &["none"]);
-    assert_eq!(sandbox.files(), ["points.csv"]);
+    assert!(sandbox.files().is_empty());
     sandbox.write("b.html", "mine");
     sandbox
         .run("export sample:head:16 -o b.html")
@@ -114,6 +113,46 @@ fn the_report_says_what_fits_and_how_far_the_picture_is() {
         "{small}"
     );
     assert!(small["psnr"].as_f64().unwrap() < psnr);
+}
+
+#[test]
+fn points_become_fewer_and_gaussians_lose_harmonics_until_they_fit() {
+    if !has_engine() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    sandbox.write("ball.xyz", sphere(20_000, [0.0; 3], Some([230, 60, 20])));
+    let report = |arguments: &str| -> serde_json::Value {
+        let run = format!("export ball.xyz --size 160 {arguments} -o ball.html --report ball.json -w");
+        sandbox.run(&run).succeeds();
+        serde_json::from_slice(&sandbox.bytes("ball.json")).unwrap()
+    };
+    let whole = report("");
+    assert_eq!(
+        (
+            &whole["items"][0]["kind"],
+            &whole["items"][0]["count"],
+            &whole["level"]
+        ),
+        (&"points".into(), &20_000.into(), &0.into())
+    );
+    assert!(
+        whole["psnr"].is_null() || whole["psnr"].as_f64() > Some(60.0),
+        "{whole}"
+    );
+    let data = whole["data-bytes"].as_u64().unwrap();
+    let most = whole["bytes"].as_u64().unwrap() - data;
+    let small = report(&format!("--max-size {most}"));
+    let count = small["items"][0]["count"].as_u64().unwrap();
+    assert!(small["level"] == 1 && (4500..5500).contains(&count), "{small}");
+    assert!(small["psnr"].as_f64() > Some(18.0), "{small}");
+
+    sandbox.write("lone.ply", gaussian([0.9, 0.7, 0.1]));
+    let said = sandbox
+        .run("export lone.ply --size 64 -o lone.html")
+        .succeeds()
+        .stderr();
+    assert!(said.contains("1 Gaussians with harmonics of degree 0"), "{said}");
 }
 
 #[test]
@@ -232,7 +271,7 @@ fn shows_without_workers(browser: &Browser) {
 }
 
 #[test]
-fn thirteen_scenes_are_the_commands_to_the_byte() {
+fn twenty_scenes_are_the_commands_to_the_byte() {
     in_browsers([600, 500], shows_what_the_command_makes);
 }
 
@@ -246,7 +285,23 @@ fn shows_what_the_command_makes(browser: &Browser) {
         "regions.toml",
         "[[item]]\nfile = \"sample:head:40\"\n[[effects.regions]]\nvalue = [200, 2000]\ngradient = [20, 2000]\nrgb = [0.9, 0.8, 0.6]\nopacity = 0.6\n",
     );
+    sandbox.write("ball.xyz", sphere(2000, [0.0; 3], Some([230, 60, 20])));
+    sandbox.write("lone.ply", gaussian([0.9, 0.7, 0.1]));
+    sandbox.write("bent.vtk", bent_block());
+    sandbox.write(
+        "all.toml",
+        "[[item]]\nfile = \"ball.xyz\"\nradius = 0.06\n[[item]]\nfile = \"lone.ply\"\ntranslate = [0.4, -0.8, 1]\n\
+         [[item]]\nfile = \"sample:head:32\"\nscale = 0.006\ntranslate = [1.5, 0, 0]\n\
+         [[item]]\nfile = \"bent.vtk\"\nopacity = \"linear\"\ntranslate = [-2, 0, 0]\n",
+    );
     let scenes = [
+        "ball.xyz --point-color 0.2,0.8,0.3 --radius 0.1",
+        "ball.xyz --compositing xray --background white",
+        "lone.ply --up y --orthographic",
+        "bent.vtk --cmap viridis --opacity linear",
+        "all.toml",
+        "all.toml --preset best",
+        "all.toml --clip-plane 0,0,0.3:0,0,-1 --preset fast",
         "sample:head:48",
         "sample:head:48 --cmap viridis --opacity linear --background white",
         "sample:tomato:40 --preset fast --unit-distance 3",
@@ -267,12 +322,28 @@ fn shows_what_the_command_makes(browser: &Browser) {
             .run(&format!("render {scene} --size 150x110 -o made.png -w"))
             .succeeds();
         sandbox
-            .run(&format!("export --like made.png --quantize 16 -o {page}"))
+            .run(&format!("export --like made.png -o {page}"))
             .succeeds();
         browser.open(&sandbox.path(&page));
         let picture = browser.picture([150, 110]);
         assert!(opaque(&picture) == png(&sandbox.path("made.png")).2, "{scene}");
     }
+}
+
+/// A bent block of 6 x 5 x 4 points with values, of VTK's legacy format.
+fn bent_block() -> String {
+    let places = (0..120).map(|i| [i % 6, i / 6 % 5, i / 30].map(|at| f64::from(at) * 0.3));
+    let points: String = places
+        .clone()
+        .map(|[x, y, z]| format!("{} {y} {z}\n", x + 0.4 * y * z))
+        .collect();
+    let values: String = places
+        .map(|[x, y, z]| format!("{}\n", (2.0 * x).sin() + y * z))
+        .collect();
+    format!(
+        "# vtk DataFile Version 3.0\nbent\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS 6 5 4\nPOINTS 120 float\n{points}\
+         POINT_DATA 120\nSCALARS heat float 1\nLOOKUP_TABLE default\n{values}"
+    )
 }
 
 /// RGB of opaque pixels.
