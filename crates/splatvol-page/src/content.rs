@@ -51,8 +51,8 @@ impl<'a> PageContent<'a> {
         fit(&self.pieces, bits, most)
     }
 
-    /// The document of the page; items have the names that `name` makes of their files. At coarser levels than the finest,
-    /// opacities refer to the lengths that they had, and points that are fewer are larger.
+    /// The document of the page; items have the names that `name` makes of their files. At coarser levels than the finest, and for
+    /// volumes that are read in chunks, opacities refer to the lengths that they had, and points that are fewer are larger.
     pub fn document(&self, level: usize, name: impl Fn(&str) -> String) -> Document {
         let all = self.picture.document.clone();
         let exact = all.effects.iso_exact == Some(true);
@@ -60,7 +60,7 @@ impl<'a> PageContent<'a> {
         let items = items.zip(&self.picture.scene.items).zip(&self.distances);
         let items = items.map(|((keys, item), distance)| {
             let mut look = keys.transfer_function.clone();
-            let coarse = distance.filter(|_| level > 0);
+            let coarse = distance.filter(|_| level > 0 || is_overview(item));
             if let (Some(look), Some(distance)) = (&mut look, coarse) {
                 look.unit_distance = Some(distance);
             }
@@ -91,6 +91,11 @@ impl<'a> PageContent<'a> {
     }
 }
 
+/// Whether the samples in memory are an overview of others, which are read when they are drawn.
+fn is_overview(item: &Item) -> bool {
+    matches!(&item.content, Content::Volume { volume, .. } if volume.chunks().is_some())
+}
+
 /// Whether data have the way up that is asked for already: that of volumes, unlike that of all else, is none of an item's place.
 fn is_turned(keys: &ItemKeys, item: &Item) -> bool {
     keys.world_from_file()
@@ -106,7 +111,7 @@ fn distance(item: &Item) -> Option<f64> {
             ..
         } => {
             let own = transfer_function.unit_distance;
-            Some(own.unwrap_or_else(|| volume.grid().mean_spacing()))
+            Some(own.unwrap_or_else(|| volume.finest_grid().mean_spacing()))
         }
         Content::Mesh {
             mesh,

@@ -34,14 +34,14 @@ const PIECE: usize = 1 << 16;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(into = "u8")]
 pub enum Bits {
-    /// Numbers as they are: in 32 bits, most of them.
-    Own,
     /// 256 values.
     Eight,
     /// 4096 values.
     Twelve,
     /// 65536 values.
     Sixteen,
+    /// Numbers as they are: in 32 bits, most of them.
+    Own,
 }
 
 impl From<Bits> for u8 {

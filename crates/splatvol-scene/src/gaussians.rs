@@ -11,7 +11,7 @@
 
 use glam::DAffine3;
 
-use crate::points::{bounds_of, check_finite, check_frame};
+use crate::points::{bounds_of, check_finite, check_frame, is_unit};
 use crate::{Bounds, SceneError};
 
 /// Attributes of 3-D Gaussians; every field has one element per Gaussian.
@@ -68,7 +68,9 @@ impl Gaussians {
                     "a quaternion above zero",
                 ));
             }
-            *rotation = rotation.map(|c| (f64::from(c) / length) as f32);
+            if !is_unit(rotation) {
+                *rotation = rotation.map(|c| (f64::from(c) / length) as f32);
+            }
         }
         let bounds = bounds_of(&attributes.means, &world_from_local)?;
         Ok(Self {

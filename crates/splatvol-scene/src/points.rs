@@ -57,7 +57,9 @@ impl Points {
             ));
         }
         for normal in &mut attributes.normals {
-            *normal = glam::Vec3::from_array(*normal).normalize_or_zero().to_array();
+            if !is_unit(normal) {
+                *normal = glam::Vec3::from_array(*normal).normalize_or_zero().to_array();
+            }
         }
         let bounds = bounds_of(&positions, &world_from_local)?;
         Ok(Self {
@@ -109,6 +111,12 @@ impl Points {
     pub fn placed(self, world_from_local: DAffine3) -> Result<Self, SceneError> {
         Self::new(self.positions, self.attributes, world_from_local)
     }
+}
+
+/// Whether a vector is a unit vector, as nearly as its numbers can say: it is not made one again, so that it stays what it is.
+pub(crate) fn is_unit(vector: &[f32]) -> bool {
+    let squared: f64 = vector.iter().map(|c| f64::from(*c).powi(2)).sum();
+    (squared - 1.0).abs() < 4.0 * f64::from(f32::EPSILON)
 }
 
 /// A frame that takes no length to zero or infinity.
@@ -191,6 +199,17 @@ mod tests {
         })
         .unwrap();
         assert_eq!(points.attributes().normals[0], [0.0, 0.8, 0.6]);
+        // Once more changes nothing.
+        let normals: Vec<[f32; 3]> = (0..500).map(|i| [0.3 + i as f32, 7.1, 0.01 * i as f32]).collect();
+        let made = |normals| {
+            let attributes = PointAttributes {
+                normals,
+                ..Default::default()
+            };
+            Points::new(vec![[0.0; 3]; 500], attributes, DAffine3::IDENTITY).unwrap()
+        };
+        let once = made(normals);
+        assert_eq!(made(once.attributes().normals.clone()), once);
     }
 
     #[test]

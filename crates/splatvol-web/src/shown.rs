@@ -283,7 +283,7 @@ fn looks(picture: &Picture) -> Result<Vec<Option<(TransferFunction, f64)>>, WebE
             volume,
             transfer_function,
             ..
-        } => Some((transfer_function.clone(), volume.grid().mean_spacing())),
+        } => Some((transfer_function.clone(), volume.finest_grid().mean_spacing())),
         Content::Mesh {
             mesh,
             transfer_function,
@@ -298,7 +298,7 @@ fn looks(picture: &Picture) -> Result<Vec<Option<(TransferFunction, f64)>>, WebE
 fn size_of(content: &Content) -> String {
     match content {
         Content::Volume { volume, .. } => {
-            let [x, y, z] = volume.grid().dims();
+            let [x, y, z] = volume.finest_grid().dims();
             format!("{x} × {y} × {z} samples")
         }
         Content::Mesh { mesh, .. } => {

@@ -6,9 +6,9 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
-use splatvol::Frame;
+use splatvol::{Content, Frame, Item};
 use splatvol_document::resolve::laid_over;
-use splatvol_document::{CameraMotion, Document, Held, Picture, Resolving, Silent};
+use splatvol_document::{CameraMotion, ChunkRules, Document, Held, Picture, Resolving, Silent};
 use splatvol_io::ImageFormat;
 use splatvol_page::{Absent, Bits, Fitted, Page, PageContent, PageError};
 use splatvol_web::{ItemData, held};
@@ -17,7 +17,7 @@ use super::asked::{self, Asked};
 use super::metrics::PictureDifference;
 use super::outputs::{encode_with_bits, short_name};
 use super::studio::{Means, Studio};
-use crate::args::{ExportArgs, PageArgs};
+use crate::args::{EngineName, ExportArgs, PageArgs};
 use crate::failure::{During, Failure, Step};
 use crate::output::{Target, check_distinct};
 use crate::terminal::Terminal;
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
         .iter()
         .try_for_each(|(_, target)| target.check(overwrite))?;
 
-    let exported = Exported::new(&asked, &args.page, terminal)?;
+    let exported = Exported::new(&asked, (&args.page, None), terminal)?;
     let title = args.page.title.as_deref().unwrap_or(&name);
     let quantize = args.quantize.map(|bits| vec![Bits::from(bits)]);
     let bits = quantize.as_deref().unwrap_or(&Bits::ALL);
@@ -165,17 +165,27 @@ impl Report {
 }
 
 impl Exported {
-    /// Resolves and renders what is asked for.
-    pub(super) fn new(asked: &Asked, args: &PageArgs, terminal: &Terminal) -> Result<Self, Failure> {
+    /// Resolves and renders what is asked for. With rules for chunks, large volumes stay where they are.
+    pub(super) fn new(
+        asked: &Asked,
+        (args, chunks): (&PageArgs, Option<ChunkRules>),
+        terminal: &Terminal,
+    ) -> Result<Self, Failure> {
+        let mut reading = asked.reading(&args.picture, terminal);
+        reading.rules.chunks = chunks;
         let resolving = Resolving {
-            reading: asked.reading(&args.picture, terminal),
+            reading,
             held: &[],
             moves: CameraMotion::default(),
             keeps_alpha: false,
             in_windows: false,
         };
-        let picture = asked.picture(&asked.document, &args.picture, resolving)?;
+        let mut picture = asked.picture(&asked.document, &args.picture, resolving)?;
         PageContent::of(&picture)?;
+        if chunks.is_some_and(|rules| chunk_bytes(&picture) <= rules.memory / 2) {
+            picture.scene = picture.scene.in_memory().during(Step::Input)?;
+        }
+        let picture = asked::whole_where_needed(picture, EngineName::Cpu, terminal)?;
         let means = Means {
             engine: splatvol::EngineChoice::Cpu,
             threads: asked::threads(args.threads, terminal),
@@ -303,6 +313,18 @@ impl Exported {
         };
         PictureDifference::new(&shown(&self.frame), &shown(frame))
     }
+}
+
+/// Bytes of the samples that would be read in chunks.
+fn chunk_bytes(picture: &Picture) -> u64 {
+    let bytes = |item: &Item| match &item.content {
+        Content::Volume { volume, .. } if volume.chunks().is_some() => {
+            let samples = volume.finest_grid().sample_count();
+            (samples * volume.samples().bytes_per_sample()) as u64
+        }
+        _ => 0,
+    };
+    picture.scene.items.iter().map(bytes).sum()
 }
 
 fn described(title: &str) -> String {

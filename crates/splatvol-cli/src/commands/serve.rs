@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ServeArgs, terminal: &Terminal) -> Result<(), Failure> 
     let asked = Asked::of_page(&args.page)?;
     let name = short_name(asked.document.reference());
     let title = args.page.title.as_deref().unwrap_or(&name);
-    let exported = Exported::new(&asked, &args.page, terminal)?;
+    let exported = Exported::new(&asked, (&args.page, Some(args.chunks.rules())), terminal)?;
     let (page, sentence) = exported.served_page(title, args.page.max_size)?;
     let (document, held) = exported.document_and_data()?;
     let served = Served {

@@ -54,10 +54,24 @@ fn browsers_see_the_commands_picture_and_turn_it() {
 
 fn sees_the_commands_picture_and_turns_it(browser: &Browser) {
     let sandbox = Sandbox::new();
-    sandbox
-        .run("render sample:head:64 --view front --size 240x200 -o head.png")
-        .succeeds();
-    let (_serving, url) = Serving::start(&sandbox, "sample:head:64 --view front --size 240x200");
+    turns_the_commands_picture(browser, &sandbox, "sample:head:64 --view front --size 240x200");
+}
+
+/// The volume has more samples than the memory holds.
+#[test]
+fn browsers_see_a_volume_that_is_read_in_chunks() {
+    let Some(browser) = Browser::start(Kind::ALL[0], [900, 700]) else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    sandbox.run("convert sample:head:320 head.ome.zarr").succeeds();
+    let picture = "head.ome.zarr --view front --size 240x200 --memory 64MiB";
+    turns_the_commands_picture(&browser, &sandbox, picture);
+}
+
+fn turns_the_commands_picture(browser: &Browser, sandbox: &Sandbox, picture: &str) {
+    sandbox.run(&format!("render {picture} -o head.png")).succeeds();
+    let (_serving, url) = Serving::start(sandbox, picture);
     let (_, _, expected) = png(&sandbox.path("head.png"));
     browser.visit(&url);
     let trouble = || browser.promised("document.getElementById('trouble').textContent");

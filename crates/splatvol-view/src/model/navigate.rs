@@ -8,6 +8,8 @@ use splatvol::{Camera, Projection, SceneError};
 
 /// Field of view that a parallel camera gets in perspective, degrees.
 const FOV_DEGREES: f64 = 30.0;
+/// Largest angle of an eye that looks around to the horizon, degrees.
+const STEEPEST: f64 = 89.0;
 /// Factors of one step of zooming.
 const ZOOMS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
@@ -123,6 +125,48 @@ pub fn look_at(camera: &Camera, point: DVec3) -> Result<Camera, SceneError> {
     Camera::new(point + offset, point, camera.up(), camera.projection())
 }
 
+/// Moves the eye: to the right, up and forward, in heights of the picture at the target's distance. A parallel eye sees no way
+/// forward, so the picture is enlarged instead.
+///
+/// # Errors
+/// See [`Camera::new`].
+pub fn fly(camera: &Camera, way: DVec3) -> Result<Camera, SceneError> {
+    let [right, down, forward] = axes(camera);
+    let height = height_at_target(camera);
+    match camera.projection() {
+        Projection::Orthographic { .. } => {
+            let moved = pan(camera, DVec2::new(-way.x, way.y))?;
+            zoom(&moved, libm::exp(way.z), DVec2::ZERO)
+        }
+        projection @ Projection::Perspective { .. } => {
+            let way = height * (right * way.x - down * way.y + forward * way.z);
+            Camera::new(
+                camera.position() + way,
+                camera.target() + way,
+                camera.up(),
+                projection,
+            )
+        }
+    }
+}
+
+/// Turns the eye around itself: to the right and up, degrees. What is up stays up, so it never looks quite up or down.
+///
+/// # Errors
+/// See [`Camera::new`].
+pub fn look_around(camera: &Camera, to_right: f64, upwards: f64) -> Result<Camera, SceneError> {
+    let [_, _, forward] = axes(camera);
+    let up = camera.up().normalize();
+    let height = forward.dot(up).clamp(-1.0, 1.0);
+    let steep = libm::asin(height).to_degrees();
+    let level = (forward - height * up).normalize_or(forward);
+    let steep = (steep + upwards).clamp(-STEEPEST, STEEPEST).to_radians();
+    let level = about(up, -to_right.to_radians()) * level;
+    let forward = libm::cos(steep) * level + libm::sin(steep) * up;
+    let target = camera.position() + distance(camera) * forward;
+    Camera::new(camera.position(), target, camera.up(), camera.projection())
+}
+
 #[cfg(test)]
 mod tests {
     use splatvol::ImageSize;
@@ -183,6 +227,37 @@ mod tests {
             let rolled = roll(&camera, 90.0).unwrap();
             let at = seen(&rolled, beside);
             assert!(at.x.abs() < 1e-9 && at.y > 0.0, "{at}");
+        }
+    }
+
+    #[test]
+    fn an_eye_flies_where_it_looks_and_turns_where_it_is() {
+        for camera in cameras() {
+            let height = height_at_target(&camera);
+            let [right, down, forward] = axes(&camera);
+            let flown = fly(&camera, DVec3::new(0.5, 0.25, 0.0)).unwrap();
+            let way = height * (0.5 * right - 0.25 * down);
+            assert!((flown.position() - camera.position() - way).length() < 1e-9);
+            let nearer = fly(&camera, DVec3::new(0.0, 0.0, 0.5)).unwrap();
+            match camera.projection() {
+                Projection::Orthographic { .. } => {
+                    assert!((height_at_target(&nearer) - height * libm::exp(-0.5)).abs() < 1e-9);
+                }
+                Projection::Perspective { .. } => {
+                    let way = nearer.position() - camera.position();
+                    assert!((way - 0.5 * height * forward).length() < 1e-9);
+                }
+            }
+            let turned = look_around(&camera, 90.0, 0.0).unwrap();
+            assert!((turned.position() - camera.position()).length() < 1e-12);
+            assert!((axes(&turned)[2].dot(camera.up()) - forward.dot(camera.up())).abs() < 1e-9);
+            let [new_right, _, new_forward] = axes(&turned);
+            assert!(new_forward.dot(right) > 0.9 && new_right.dot(forward) < -0.9);
+            let above = look_around(&camera, 0.0, 400.0).unwrap();
+            let up = camera.up().normalize();
+            assert!((axes(&above)[2].dot(up) - libm::sin(STEEPEST.to_radians())).abs() < 1e-9);
+            let back = look_around(&above, 0.0, -400.0).unwrap();
+            assert!(axes(&back)[2].dot(up) < -0.99 && axes(&back)[0].dot(right) > 0.99);
         }
     }
 }

@@ -26,6 +26,8 @@ pub enum Action {
     Undo,
     /// Repeats a step.
     Redo,
+    /// Begins or ends flying.
+    Fly,
     /// Shows or hides the slices.
     Slices,
     /// Begins or ends the box of clips.
@@ -188,6 +190,11 @@ pub const KEYS: &[Binding] = &[
         "turn around what is under the pointer",
     ),
     line(
+        Action::Fly,
+        &[plain(Key::G), plain(Key::Backtick)],
+        "fly, or end it: W S forward and back, A D to the sides, E Q up and down, with Shift faster",
+    ),
+    line(
         Action::Pin,
         &[plain(Key::P)],
         "pin value and profile of the ray under the pointer",
@@ -229,6 +236,7 @@ pub const KEYS: &[Binding] = &[
 /// Gestures with the pointer in the picture, and what they do. The picture's panel has them.
 pub const GESTURES: &[(&str, &str)] = &[
     ("left drag", "turn"),
+    ("left drag, flying", "look around"),
     ("Ctrl + left drag", "roll"),
     ("Shift + left drag, middle drag", "move"),
     (

@@ -6,7 +6,7 @@ use splatvol_document::keys::names::ViewName;
 use super::bindings::{Action, key_of};
 use crate::model::Model;
 
-const VIEWS: [(&str, Action); 9] = [
+const VIEWS: [(&str, Action); 10] = [
     ("Front", Action::Look(ViewName::Front)),
     ("Back", Action::Look(ViewName::Back)),
     ("Left", Action::Look(ViewName::Left)),
@@ -16,6 +16,7 @@ const VIEWS: [(&str, Action); 9] = [
     ("Corner", Action::Look(ViewName::Iso)),
     ("Show everything", Action::Fit),
     ("Perspective or parallel", Action::Projection),
+    ("Fly", Action::Fly),
 ];
 
 /// Sizes of text, shares of the usual.

@@ -7,6 +7,7 @@ mod clip;
 mod color;
 mod curve;
 mod dialogs;
+mod flight;
 mod handles;
 mod labels;
 mod look;
@@ -30,6 +31,7 @@ use splatvol_document::keys::CameraKeys;
 use crate::model::{Model, Start, navigate};
 use bindings::{Action, KEYS};
 use dialogs::Dialogs;
+use flight::Flight;
 use handles::ClipHandles;
 use look::LookState;
 use picture::PicturePanel;
@@ -46,6 +48,7 @@ pub struct Viewer {
     pins: Pins,
     slices: Slices,
     handles: ClipHandles,
+    flight: Flight,
     timeline: Timeline,
     /// Number of the item whose look is edited.
     selected: usize,
@@ -69,6 +72,7 @@ impl Viewer {
             pins: Pins::default(),
             slices: Slices::default(),
             handles: ClipHandles::default(),
+            flight: Flight::default(),
             timeline: Timeline::default(),
             selected: 0,
             hides_panels: false,
@@ -84,6 +88,9 @@ impl Viewer {
     pub fn show(&mut self, ui: &mut Ui) {
         let items = self.model.session().items().len();
         self.selected = self.selected.min(items.saturating_sub(1));
+        if !ui.ctx().text_edit_focused() {
+            self.flight.show(ui, &mut self.model);
+        }
         self.keys(ui);
         self.drops(ui);
         Panel::top("menu").show(ui, |ui| {
@@ -92,7 +99,11 @@ impl Viewer {
             }
         });
         Panel::bottom("status").show(ui, |ui| {
-            status::show(ui, &mut self.model, self.picture.hovered.as_ref());
+            status::show(
+                ui,
+                &mut self.model,
+                (self.picture.hovered.as_ref(), self.flight.flies()),
+            );
         });
         if !self.hides_panels && items > 0 {
             self.panels(ui);
@@ -100,7 +111,7 @@ impl Viewer {
             self.timeline.stop();
         }
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
-            self.picture.show(ui, &mut self.model);
+            self.picture.show(ui, &mut self.model, self.flight.flies());
             self.handles.show(ui, &mut self.model, &self.picture);
         });
         self.pins.show(ui.ctx(), &self.model, &self.picture);
@@ -197,7 +208,9 @@ impl Viewer {
             Action::ClipBox => clip::toggle_box(model),
             Action::ClipPlane => clip::add_plane(model),
             Action::Handles => self.handles.toggle(),
+            Action::Fly => self.flight.toggle(),
             Action::Escape => {
+                self.flight.end();
                 self.dialogs.close();
                 self.pins.clear();
                 model.dismiss();

@@ -13,6 +13,8 @@ use crate::model::{Model, navigate};
 
 /// Degrees that a drag across the picture's height turns.
 const TURN: f64 = 180.0;
+/// Degrees that it turns the eye around itself.
+const LOOK: f64 = 60.0;
 /// Logarithm of the factor of a drag across the picture's height, and of a point of the wheel.
 const DRAG_ZOOM: f64 = 4.0;
 const WHEEL_ZOOM: f64 = 0.004;
@@ -34,8 +36,8 @@ pub(super) struct PicturePanel {
 }
 
 impl PicturePanel {
-    /// Shows the picture, and obeys gestures on it.
-    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model) {
+    /// Shows the picture, and obeys gestures on it; `flies`: a drag turns the eye around itself.
+    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, flies: bool) {
         let pane = ui.available_size();
         let scale = ui.pixels_per_point();
         let pixels = [pane.x, pane.y].map(|side| ((side * scale).floor() as u32).max(1));
@@ -69,7 +71,7 @@ impl PicturePanel {
         axes(ui, outer, &camera);
         scale_bar(ui, outer, (&camera, rect), unit(model));
         self.probe(ui, model, &response);
-        self.obey(ui, model, (&response, rect));
+        self.obey(ui, model, (&response, rect, flies));
         if response.has_focus() {
             ui.painter_at(outer)
                 .rect_stroke(outer, 0.0, Stroke::new(2.0, style::ACCENT), StrokeKind::Inside);
@@ -93,7 +95,7 @@ impl PicturePanel {
         self.number = model.pictures();
     }
 
-    fn obey(&self, ui: &Ui, model: &mut Model, (response, rect): (&Response, Rect)) {
+    fn obey(&self, ui: &Ui, model: &mut Model, (response, rect, flies): (&Response, Rect, bool)) {
         let height = f64::from(rect.height().max(1.0));
         let fraction = |way: Vec2| DVec2::new(f64::from(way.x), f64::from(way.y)) / height;
         let modifiers = ui.input(|input| input.modifiers);
@@ -105,7 +107,12 @@ impl PicturePanel {
             let at = response
                 .interact_pointer_pos()
                 .map(|at| fraction(at - rect.center()));
-            drag(model, (response, modifiers), way, at.unwrap_or_default());
+            match flies && response.dragged_by(PointerButton::Primary) && modifiers.is_none() {
+                true => {
+                    model.move_camera(|camera| navigate::look_around(camera, LOOK * way.x, -LOOK * way.y))
+                }
+                false => drag(model, (response, modifiers), way, at.unwrap_or_default()),
+            }
         }
         if response.hovered() {
             let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));

@@ -6,7 +6,8 @@ use super::style;
 use crate::model::Model;
 use crate::model::probe::Probe;
 
-pub(super) fn show(ui: &mut Ui, model: &mut Model, hovered: Option<&Probe>) {
+/// Shows it; `flies`: keys and drags fly.
+pub(super) fn show(ui: &mut Ui, model: &mut Model, (hovered, flies): (Option<&Probe>, bool)) {
     if let Some(message) = model.message().cloned() {
         ui.horizontal_wrapped(|ui| {
             let (sign, color) = match message.is_error {
@@ -22,6 +23,11 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, hovered: Option<&Probe>) {
     ui.horizontal(|ui| {
         if let Some(letter) = model.looks().letter() {
             ui.label(RichText::new(format!("Look {letter}")).color(style::ACCENT));
+            ui.separator();
+        }
+        if flies {
+            let text = "Flying: W S A D E Q, drag to look around; Esc ends";
+            ui.label(RichText::new(text).color(style::ACCENT));
             ui.separator();
         }
         ui.label(state(model));

@@ -531,3 +531,47 @@ fn channels_are_chosen_or_shown_together() {
         model.document().items[..] == [first.clone()] && model.is_final()
     });
 }
+
+#[test]
+fn flying_moves_the_eye_by_keys_that_do_something_else_otherwise() {
+    let mut window = window(&["sample:head:16"]);
+    let eye = |window: &Window<'_>| model(window).session().camera().unwrap();
+    let start = eye(&window);
+    press(&mut window, Key::G);
+    window.get_by_label_contains("Flying");
+    window.key_down(Key::W);
+    for _ in 0..6 {
+        window.step();
+    }
+    window.key_up(Key::W);
+    window.step();
+    let flown = eye(&window);
+    let way = flown.position() - start.position();
+    let forward = (start.target() - start.position()).normalize();
+    assert!(
+        way.length() > 0.0 && way.normalize().dot(forward) > 0.999,
+        "{way}"
+    );
+    window.step();
+    assert_eq!(eye(&window).position(), flown.position(), "it goes on");
+    // S moves back, and shows no slices.
+    press(&mut window, Key::S);
+    assert!(window.query_by_label_contains("Axial").is_none());
+    drag(&mut window, Pos2::new(550.0, 400.0), Pos2::new(650.0, 400.0));
+    let turned = eye(&window);
+    assert_ne!(turned.target(), flown.target());
+    press(&mut window, Key::Escape);
+    assert!(window.query_by_label_contains("Flying").is_none());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.step();
+    assert_ne!(
+        eye(&window).target(),
+        turned.target(),
+        "a drag is no step of its own"
+    );
+    while model(&window).session().can_undo() {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        window.step();
+    }
+    assert_eq!(eye(&window).position(), start.position());
+}
