@@ -65,7 +65,7 @@ fn browsers_see_a_volume_that_is_read_in_chunks() {
     };
     let sandbox = Sandbox::new();
     sandbox.run("convert sample:head:320 head.ome.zarr").succeeds();
-    let picture = "head.ome.zarr --view front --size 240x200 --memory 64MiB";
+    let picture = "head.ome.zarr --view front --size 240x200 --memory 90MiB";
     turns_the_commands_picture(&browser, &sandbox, picture);
 }
 

@@ -107,11 +107,10 @@ impl PicturePanel {
             let at = response
                 .interact_pointer_pos()
                 .map(|at| fraction(at - rect.center()));
-            match flies && response.dragged_by(PointerButton::Primary) && modifiers.is_none() {
-                true => {
-                    model.move_camera(|camera| navigate::look_around(camera, LOOK * way.x, -LOOK * way.y))
-                }
-                false => drag(model, (response, modifiers), way, at.unwrap_or_default()),
+            if flies && response.dragged_by(PointerButton::Primary) && modifiers.is_none() {
+                model.move_camera(|camera| navigate::look_around(camera, LOOK * way.x, -LOOK * way.y));
+            } else {
+                drag(model, (response, modifiers), way, at.unwrap_or_default());
             }
         }
         if response.hovered() {
