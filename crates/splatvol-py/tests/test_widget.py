@@ -162,7 +162,7 @@ def test_a_page_that_draws_itself_gets_no_drafts(make: Callable[..., Widget], mo
     assert gzip.decompress(engine)[:4] == b"\0asm"
     assert len(gzip.decompress(samples)) == 2 * 24**3
     assert facts["data"][0]["dims"] == [24, 24, 24]
-    assert [item["file"] for item in facts["document"]["item"]] == ["volume"]
+    assert [item["file"] for item in facts["document"]["item"]] == ["data"]
     page.say(kind="draws", value=True)
     edits = [message["edits"] for message in page.heard if message["kind"] == "browser" and "edits" in message]
     assert [edit["path"] for edit in edits[-1]] == ["settings", "effects", "item[0].transfer-function"]
@@ -179,6 +179,22 @@ def test_a_page_that_draws_itself_gets_no_drafts(make: Callable[..., Widget], mo
     page.pieces.clear()
     page.widget.scene = sv.Scene("sample:shells:16", size=SIZE)
     assert {"kind": "browser", "end": True} in page.heard
+
+
+def test_pages_draw_points_themselves(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
+    if _browser.engine() is None:
+        pytest.skip("the package was built without the engine for browsers: cargo xtask web")
+    monkeypatch.setattr(_browser, "PAUSE", 0.0)
+    page = Page(make())
+    page.rest()
+    arrived(page)
+    page.pieces.clear()
+    place = np.random.default_rng(7).normal(size=(500, 3))
+    page.widget.scene = sv.Scene(sv.Points(place, rgb=np.full((500, 3), 200, np.uint8)), size=SIZE)
+    page.rest()
+    facts, _, _ = arrived(page)
+    assert facts["distances"] == [None]
+    assert (facts["data"][0]["kind"], facts["data"][0]["count"]) == ("points", 500)
 
 
 def test_data_stay_with_the_kernel_if_asked(make: Callable[..., Widget], monkeypatch: pytest.MonkeyPatch) -> None:
