@@ -26,6 +26,10 @@ pub enum Action {
     Undo,
     /// Repeats a step.
     Redo,
+    /// Adds a place to what is measured.
+    Measure,
+    /// Shows or hides the colour bar.
+    Legend,
     /// Begins or ends flying.
     Fly,
     /// Shows or hides the slices.
@@ -198,6 +202,16 @@ pub const KEYS: &[Binding] = &[
         Action::Pin,
         &[plain(Key::P)],
         "pin value and profile of the ray under the pointer",
+    ),
+    line(
+        Action::Measure,
+        &[plain(Key::M)],
+        "measure from place to place under the pointer: two have a length, three an angle",
+    ),
+    line(
+        Action::Legend,
+        &[plain(Key::L)],
+        "show or hide the colour bar of the selected item",
     ),
     line(
         Action::Slices,

@@ -61,6 +61,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model) -> Option<Action> {
                 ("Handles of clips", Action::Handles),
                 (has_items, &mut chosen),
             );
+            entry(ui, ("Colour bar", Action::Legend), (has_items, &mut chosen));
             entry(ui, ("Panels", Action::Panels), (has_items, &mut chosen));
             ui.menu_button("Text size", |ui| {
                 for size in TEXT_SIZES {

@@ -10,7 +10,9 @@ mod dialogs;
 mod flight;
 mod handles;
 mod labels;
+mod legend;
 mod look;
+mod measure;
 mod menu;
 mod method;
 mod picture;
@@ -34,6 +36,7 @@ use dialogs::Dialogs;
 use flight::Flight;
 use handles::ClipHandles;
 use look::LookState;
+use measure::Measure;
 use picture::PicturePanel;
 use profile::Pins;
 use slices::Slices;
@@ -49,10 +52,12 @@ pub struct Viewer {
     slices: Slices,
     handles: ClipHandles,
     flight: Flight,
+    measure: Measure,
     timeline: Timeline,
     /// Number of the item whose look is edited.
     selected: usize,
     hides_panels: bool,
+    hides_legend: bool,
 }
 
 impl Viewer {
@@ -73,9 +78,11 @@ impl Viewer {
             slices: Slices::default(),
             handles: ClipHandles::default(),
             flight: Flight::default(),
+            measure: Measure::default(),
             timeline: Timeline::default(),
             selected: 0,
             hides_panels: false,
+            hides_legend: false,
         })
     }
 
@@ -113,6 +120,10 @@ impl Viewer {
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             self.picture.show(ui, &mut self.model, self.flight.flies());
             self.handles.show(ui, &mut self.model, &self.picture);
+            self.measure.show(ui, &self.model, &self.picture);
+            if !self.hides_legend {
+                legend::show(ui, (&self.model, self.selected), &self.picture);
+            }
         });
         self.pins.show(ui.ctx(), &self.model, &self.picture);
         self.slices
@@ -209,8 +220,11 @@ impl Viewer {
             Action::ClipPlane => clip::add_plane(model),
             Action::Handles => self.handles.toggle(),
             Action::Fly => self.flight.toggle(),
+            Action::Measure => self.measure.add(self.picture.hovered.as_ref(), model),
+            Action::Legend => self.hides_legend = !self.hides_legend,
             Action::Escape => {
                 self.flight.end();
+                self.measure.clear();
                 self.dialogs.close();
                 self.pins.clear();
                 model.dismiss();

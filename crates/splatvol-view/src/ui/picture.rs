@@ -237,7 +237,7 @@ fn empty(ui: &Ui, rect: Rect, model: &Model) {
 }
 
 /// Symbol of the unit of lengths: that of the first volume.
-fn unit(model: &Model) -> &'static str {
+pub(super) fn unit(model: &Model) -> &'static str {
     let items = model.document().items.iter();
     let units = items.filter_map(|item| model.facts(item)?.values.as_ref().map(|values| values.unit));
     units.into_iter().next().unwrap_or("")
@@ -260,7 +260,7 @@ fn axes(ui: &Ui, outer: Rect, camera: &Camera) {
             Stroke::new(4.0, Color32::from_black_alpha(160)),
         ));
         painter.add(Shape::line_segment([middle, end], Stroke::new(2.0, color)));
-        outlined(
+        plated(
             ui,
             outer,
             middle + (LENGTH + 9.0) * way,
@@ -269,25 +269,17 @@ fn axes(ui: &Ui, outer: Rect, camera: &Camera) {
     }
 }
 
-/// Text that can be read over any picture.
-fn outlined(ui: &Ui, clip: Rect, at: Pos2, (align, text, color): (Align2, &str, Color32)) {
+/// Text that can be read over any picture: on a dark plate.
+pub(super) fn plated(ui: &Ui, clip: Rect, at: Pos2, (align, text, color): (Align2, &str, Color32)) {
     let painter = ui.painter_at(clip);
-    let font = FontId::proportional(13.0);
-    for way in [
-        Vec2::new(1.0, 1.0),
-        Vec2::new(-1.0, 1.0),
-        Vec2::new(1.0, -1.0),
-        Vec2::new(-1.0, -1.0),
-    ] {
-        painter.text(
-            at + way,
-            align,
-            text,
-            font.clone(),
-            Color32::from_black_alpha(190),
-        );
-    }
-    painter.text(at, align, text, font, color);
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), color);
+    let rect = align.anchor_size(at, galley.size());
+    painter.rect_filled(
+        rect.expand2(Vec2::new(3.0, 0.0)),
+        3.0,
+        Color32::from_black_alpha(150),
+    );
+    painter.galley(rect.min, galley, color);
 }
 
 /// A bar of a round length. In perspective lengths are those at the target's distance, and the bar says so.
@@ -309,7 +301,7 @@ fn scale_bar(ui: &Ui, outer: Rect, (camera, rect): (&Camera, Rect), unit: &str) 
         Projection::Perspective { .. } => " at the pivot",
     };
     let text = format!("{length} {unit}{at}");
-    outlined(
+    plated(
         ui,
         outer,
         right + Vec2::new(0.0, -6.0),
@@ -318,7 +310,7 @@ fn scale_bar(ui: &Ui, outer: Rect, (camera, rect): (&Camera, Rect), unit: &str) 
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above a length.
-fn round_length(length: f64) -> f64 {
+pub(super) fn round_length(length: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(length)));
     let factor = [5.0, 2.0, 1.0]
         .into_iter()

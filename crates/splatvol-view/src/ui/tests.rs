@@ -575,3 +575,25 @@ fn flying_moves_the_eye_by_keys_that_do_something_else_otherwise() {
     }
     assert_eq!(eye(&window).position(), start.position());
 }
+
+#[test]
+fn places_are_measured_and_the_colour_bar_comes_and_goes() {
+    let mut window = window(&["sample:head:16"]);
+    window.get_by_label_contains("Colour bar from");
+    press(&mut window, Key::L);
+    assert!(window.query_by_label_contains("Colour bar from").is_none());
+    let measured = |window: &Window<'_>| window.state().as_ref().unwrap().measure.clone();
+    for (count, at) in [(1, 540.0), (2, 560.0), (3, 580.0), (1, 550.0)] {
+        window.hover_at(Pos2::new(at, 430.0));
+        window.step();
+        press(&mut window, Key::M);
+        assert_eq!(measured(&window).count(), count, "{:?}", model(&window).message());
+    }
+    press(&mut window, Key::Escape);
+    assert_eq!(measured(&window).count(), 0);
+    // Beside the head there is nothing to measure.
+    window.hover_at(Pos2::new(270.0, 60.0));
+    window.step();
+    press(&mut window, Key::M);
+    assert_eq!(measured(&window).count(), 0);
+}
