@@ -6,14 +6,13 @@
 //! move as between the cameras at `t -+ S / (2 N)`.
 
 use glam::DVec3;
-use splatvol_io::read_camera_keys;
 use splatvol_scene::{Camera, CameraKey, CameraPath, MotionBlur, Projection, SceneError};
 
 use crate::camera::CameraPose;
 use crate::input::Reading;
 use crate::keys::{AnimationKeys, CameraFrame, CameraSweep, MotionKeys};
 use crate::motion::{self, named_blur};
-use crate::{Document, DocumentError};
+use crate::{Document, DocumentError, files};
 
 /// Frames unless asked otherwise.
 pub const FRAMES: u32 = 90;
@@ -46,7 +45,7 @@ impl AnimationKeys {
         let Some(path) = &self.path else {
             return Ok(self.clone());
         };
-        let keys = read_camera_keys(reading.locate(path))?;
+        let keys = files::read_camera_keys(reading.locate(path))?;
         let keys = keys.into_iter().map(|key| CameraFrame {
             time: key.time,
             position: key.position,

@@ -8,12 +8,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use splatvol_io::{Opened, open_volume};
+use splatvol_io::Opened;
 use splatvol_scene::{Budget, ChunkedVolume, SceneError};
 
-use crate::DocumentError;
 use crate::input::{self, ChunkRules, Input, Reading};
 use crate::keys::ItemKeys;
+use crate::{DocumentError, files};
 
 /// Most samples of an overview.
 const OVERVIEW: usize = 1 << 24;
@@ -31,7 +31,7 @@ pub(crate) fn open(
         return Ok(None);
     };
     // The reader of whole volumes reports errors in its own words.
-    let Ok(Some(opened)) = open_volume(path, &input::options(item, reading.rules)?) else {
+    let Ok(Some(opened)) = files::open_volume(path, &input::options(item, reading.rules)?) else {
         return Ok(None);
     };
     let [layout, coarser @ ..] = opened.source.levels() else {

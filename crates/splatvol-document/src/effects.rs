@@ -8,9 +8,9 @@ use splatvol_scene::{
     PixelOperator, Scene, SolidTexture, TransferFunction, TransferFunction2d,
 };
 
-use crate::DocumentError;
 use crate::input::Reading;
 use crate::keys::{EffectKeys, ItemKeys};
+use crate::{DocumentError, files};
 
 /// Distance of veins or rings, share of the diagonal.
 const TEXTURE_SCALE: f64 = 0.08;
@@ -38,7 +38,7 @@ pub(crate) fn transfer_function_2d(
     let unit_distance = item.unit_distance.unwrap_or(spacing);
     let function = match (&keys.tf2d, &keys.regions) {
         (None, None) => return Ok(None),
-        (Some(path), None) => splatvol_io::read_transfer_function_2d(reading.locate(path), unit_distance)?,
+        (Some(path), None) => files::read_transfer_function_2d(reading.locate(path), unit_distance)?,
         (None, Some(regions)) => TransferFunction2d::new(regions, unit_distance)
             .map_err(|error| DocumentError::refused("effects.regions", format!(": {error}")))?,
         (Some(_), Some(_)) => {
@@ -144,7 +144,7 @@ fn clips(keys: &EffectKeys) -> Result<Vec<Clip>, DocumentError> {
 }
 
 fn picture(path: &str, reading: Reading<'_>) -> Result<Image, DocumentError> {
-    Ok(splatvol_io::read_image(reading.locate(path))?.image)
+    Ok(files::read_image(reading.locate(path))?.image)
 }
 
 impl Effects {

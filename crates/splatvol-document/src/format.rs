@@ -149,7 +149,7 @@ impl Record {
     /// # Errors
     /// Pictures that cannot be read, that say nothing, or that a later version made.
     pub fn of_picture(path: &Path) -> Result<Self, DocumentError> {
-        Self::of_metadata(&splatvol_io::read_image_metadata(path)?, path)
+        Self::of_metadata(&crate::files::read_image_metadata(path)?, path)
     }
 
     /// The record in a picture's texts.

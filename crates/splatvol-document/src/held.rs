@@ -5,14 +5,14 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use splatvol_io::{Data, DataKind, Description, LoadedData, Opened, read_data};
+use splatvol_io::{Data, DataKind, Description, LoadedData, Opened};
 use splatvol_samples::Sample;
 use splatvol_scene::{Content, Gaussians, Mesh, Points, Volume};
 
 use crate::input::{self, ChunkRules, Reading};
 use crate::keys::ItemKeys;
 use crate::keys::names::UpAxis;
-use crate::{DocumentError, chunked, items, meaning, upright};
+use crate::{DocumentError, chunked, files, items, meaning, upright};
 
 /// Data of an item, and what is known about them. Clones share them.
 #[derive(Debug, Clone)]
@@ -101,7 +101,7 @@ impl Held {
             options.kind = Some(kind);
             options.drape = options.drape.map(|drape| reading.locate(drape));
             options.read.solution = options.read.solution.map(|solution| reading.locate(solution));
-            read_data(&path, &options).map_err(input::refused)?
+            files::read_data(&path, &options).map_err(input::refused)?
         };
         for warning in &loaded.description.warnings {
             reading.listener.warn(&format!("{}: {warning}", keys.file));

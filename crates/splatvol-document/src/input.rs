@@ -9,7 +9,7 @@ use splatvol_samples::Sample;
 use splatvol_scene::{Mesh, Volume};
 
 use crate::keys::ItemKeys;
-use crate::{DocumentError, Listener, chunked, spelling};
+use crate::{DocumentError, Listener, chunked, files, spelling};
 
 /// A volume, and what is known about it.
 pub struct Input {
@@ -86,7 +86,7 @@ pub fn load(item: &ItemKeys, reading: Reading<'_>) -> Result<Input, DocumentErro
     if let Some(input) = chunked::open(item, &path, reading)? {
         return Ok(input);
     }
-    let loaded = splatvol_io::read_volume(&path, &options(item, reading.rules)?);
+    let loaded = files::read_volume(&path, &options(item, reading.rules)?);
     let loaded = loaded.map_err(|error| hinting(refused(error), item, &path))?;
     for warning in &loaded.description.warnings {
         reading.listener.warn(&format!("{}: {warning}", item.file));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use splatvol_io::{DataKind, DataOptions, Description, data_kind};
+use splatvol_io::{DataKind, DataOptions, Description};
 use splatvol_scene::{
     Compositing, GradientOpacityPoint, Grid, Item, LengthUnit, Mesh, PointLook, Rescale, Samples,
     TransferFunction2d, View, Volume,
@@ -17,7 +17,7 @@ use crate::keys::names::UpAxis;
 use crate::keys::{EffectKeys, ItemKeys, Opacity};
 use crate::look::{self, Look, Wishes};
 use crate::upright::{self, Up};
-use crate::{DocumentError, ReadRules, meaning, spelling, standing};
+use crate::{DocumentError, ReadRules, files, meaning, spelling, standing};
 
 /// An item, and the wishes of its data.
 pub(crate) struct Loaded {
@@ -55,7 +55,7 @@ pub fn kind(item: &ItemKeys, reading: Reading<'_>) -> Result<(DataKind, PathBuf)
     if item.file.starts_with("sample:") {
         return Ok((DataKind::Volume, path));
     }
-    let kind = data_kind(&path, &options(item, reading.rules)?)?;
+    let kind = files::data_kind(&path, &options(item, reading.rules)?)?;
     Ok((kind, path))
 }
 

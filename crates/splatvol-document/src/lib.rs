@@ -31,6 +31,7 @@
 //! | [`camera`], `framing`, `turning` | the camera: as requested, or so that an outline fills the picture, still or turning |
 //! | [`mod@outline`], `mesh_outline`, [`visible`] | what an automatic camera shows of an item: voxels and cells that can be seen |
 //! | [`animation`] | which cameras see which frame |
+//! | `files` | the door to files, which is shut in browsers |
 //! | [`listener`], `error` | listeners to choices and warnings; errors |
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -42,6 +43,7 @@ mod document;
 pub mod edit;
 mod effects;
 mod error;
+mod files;
 pub mod format;
 mod framing;
 pub mod held;

@@ -12,7 +12,7 @@ use splatvol_scene::{
 
 use crate::input::{Input, Reading};
 use crate::keys::{ItemKeys, Opacity};
-use crate::{DocumentError, Listener, spelling};
+use crate::{DocumentError, Listener, files, spelling};
 
 /// Colour of a single surface, sRGB: ivory.
 const SURFACE: [f64; 3] = [0.93, 0.89, 0.80];
@@ -102,7 +102,7 @@ fn chosen(
     if let Some(path) = &keys.tf {
         let path = reading.locate(path);
         return Ok(Look {
-            gradient_opacity: splatvol_io::read_gradient_opacity(&path)?,
+            gradient_opacity: files::read_gradient_opacity(&path)?,
             ..from_file(&path, keys, volume.value_range(), reading.listener)?.into()
         });
     }
@@ -168,7 +168,7 @@ fn from_file(
     value_range: [f64; 2],
     listener: &dyn Listener,
 ) -> Result<TransferFunction, DocumentError> {
-    let read = |range| splatvol_io::read_transfer_function(path, range);
+    let read = |range| files::read_transfer_function(path, range);
     let (own, warnings) = read(value_range)?;
     // Gradient opacity is read separately.
     for warning in warnings.into_iter().filter(|w| w != GRADIENT_OPACITY_LEFT_OUT) {

@@ -67,3 +67,22 @@ pub fn held(content: HeldContent) -> Held {
     };
     Held::sharing(content, description)
 }
+
+/// What data are, and how much of them: `64 × 64 × 40 samples`, `34820 points`.
+pub fn size_of(content: &HeldContent) -> String {
+    match content {
+        HeldContent::Volume(volume) => {
+            let [x, y, z] = volume.finest_grid().dims();
+            format!("{x} × {y} × {z} samples")
+        }
+        HeldContent::Mesh(mesh) => format!("{} cells, {} points", mesh.cell_count(), mesh.positions().len()),
+        HeldContent::Points(points) => format!("{} points", points.len()),
+        HeldContent::Gaussians(gaussians) => {
+            format!(
+                "{} Gaussians, harmonics of degree {}",
+                gaussians.len(),
+                gaussians.degree()
+            )
+        }
+    }
+}

@@ -45,7 +45,7 @@ mod session;
 mod shown;
 
 pub use data::{
-    CellsData, Column, GaussiansData, ItemData, MeshData, PointsData, Precision, VolumeData, held,
+    CellsData, Column, GaussiansData, ItemData, MeshData, PointsData, Precision, VolumeData, held, size_of,
 };
 pub use error::WebError;
 pub use look::LookEdit;

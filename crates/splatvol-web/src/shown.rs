@@ -13,12 +13,13 @@ use splatvol_document::camera::Surroundings;
 use splatvol_document::keys::CameraKeys;
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{
-    CameraMotion, CameraPose, Document, Edit, Held, Listener, Picture, ReadRules, Reading, Resolving, outline,
+    CameraMotion, CameraPose, Document, Edit, Held, HeldContent, Listener, Picture, ReadRules, Reading,
+    Resolving, outline,
 };
 
 use crate::message::{Edited, ItemFacts, Opened, Rendered, Request, ValueFacts};
 use crate::session::{Answer, BLOCK, RAY_BLOCK};
-use crate::{LookEdit, WebError, look};
+use crate::{LookEdit, WebError, look, size_of};
 
 /// Bins of an item's histogram.
 const BINS: usize = 128;
@@ -177,7 +178,7 @@ impl Shown {
         let shown = self.picture.document.items.iter().zip(&self.picture.scene.items);
         let items = shown.zip(&self.looks).map(|((keys, item), look)| ItemFacts {
             name: keys.file.clone(),
-            size: size_of(&item.content),
+            size: size_of(&HeldContent::from(&item.content)),
             unit: match &item.content {
                 Content::Volume { volume, .. } => volume.unit().symbol(),
                 _ => "",
@@ -292,27 +293,6 @@ fn looks(picture: &Picture) -> Result<Vec<Option<(TransferFunction, f64)>>, WebE
         Content::Points { .. } | Content::Gaussians(_) => None,
     });
     Ok(looks.collect())
-}
-
-/// What content is, and how much of it.
-fn size_of(content: &Content) -> String {
-    match content {
-        Content::Volume { volume, .. } => {
-            let [x, y, z] = volume.finest_grid().dims();
-            format!("{x} × {y} × {z} samples")
-        }
-        Content::Mesh { mesh, .. } => {
-            format!("{} cells, {} points", mesh.cell_count(), mesh.positions().len())
-        }
-        Content::Points { points, .. } => format!("{} points", points.len()),
-        Content::Gaussians(gaussians) => {
-            format!(
-                "{} Gaussians, harmonics of degree {}",
-                gaussians.len(),
-                gaussians.degree()
-            )
-        }
-    }
 }
 
 /// The values of content, and the transfer function that they were opened with.

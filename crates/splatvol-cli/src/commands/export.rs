@@ -11,7 +11,7 @@ use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, ChunkRules, Document, Held, Picture, Resolving, Silent};
 use splatvol_io::ImageFormat;
 use splatvol_page::{Absent, Bits, Fitted, Page, PageContent, PageError};
-use splatvol_web::{ItemData, held};
+use splatvol_web::{ItemData, held, size_of};
 
 use super::asked::{self, Asked};
 use super::metrics::PictureDifference;
@@ -85,6 +85,9 @@ struct Report {
     level: usize,
     /// What is in the page, for each item.
     items: Vec<Kept>,
+    /// The same, for people.
+    #[serde(skip)]
+    said: Vec<String>,
     /// Whether the numbers are those of the files.
     exact: bool,
     /// PSNR of the page's picture, decibel; absent where it is the same in 8 bits.
@@ -125,25 +128,10 @@ impl From<&ItemData> for Kept {
     }
 }
 
-impl Kept {
-    /// `64 × 64 × 40 samples`, `34820 points`.
-    fn said(&self) -> String {
-        match self {
-            Self::Volume { dims: [x, y, z] } => format!("{x} × {y} × {z} samples"),
-            Self::Points { count } => format!("{count} points"),
-            Self::Gaussians { count, degree } => {
-                format!("{count} Gaussians with harmonics of degree {degree}")
-            }
-            Self::Mesh { points } => format!("a mesh of {points} points"),
-        }
-    }
-}
-
 impl Report {
     /// What the data are.
     fn data(&self) -> String {
-        let items: Vec<String> = self.items.iter().map(Kept::said).collect();
-        let items = items.join(", ");
+        let items = self.said.join(", ");
         let bits = u8::from(self.bits);
         match (self.exact, self.level) {
             (true, _) => format!("This page has {items}: all data, as they are."),
@@ -284,6 +272,12 @@ impl Exported {
             bits: fitted.bits,
             level: fitted.level,
             items: fitted.data.iter().map(Kept::from).collect(),
+            said: fitted
+                .held
+                .iter()
+                .flatten()
+                .map(|held| size_of(held.content()))
+                .collect(),
             exact: fitted.exact,
             psnr,
         };

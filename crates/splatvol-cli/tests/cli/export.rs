@@ -152,7 +152,7 @@ fn points_become_fewer_and_gaussians_lose_harmonics_until_they_fit() {
         .run("export lone.ply --size 64 -o lone.html")
         .succeeds()
         .stderr();
-    assert!(said.contains("1 Gaussians with harmonics of degree 0"), "{said}");
+    assert!(said.contains("1 Gaussians, harmonics of degree 0"), "{said}");
 }
 
 #[test]

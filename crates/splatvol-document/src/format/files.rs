@@ -2,8 +2,9 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use splatvol_io::{IoError, read_text};
+use splatvol_io::IoError;
 
+use crate::files::read_text;
 use crate::{Document, DocumentError};
 
 /// Format, as errors have it.
