@@ -50,7 +50,7 @@ class ToPages:
         self._waiting: list[tuple[str, bool]] = []
         self._is_sending = False
         self._is_closed = False
-        self._parts: tuple[str, str, bytes, list[float]] | None = None
+        self._parts: tuple[str, str, bytes, list[float | None]] | None = None
         self._edits: list[Keys] = []
         self._is_known = False
 
