@@ -21,7 +21,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde::Serialize;
 use splatvol_document::{Held, HeldContent};
-use splatvol_web::{GaussiansData, ItemData, MeshData, PointsData, Precision, held};
+use splatvol_web::{ItemData, Precision, held};
 
 use crate::PageError;
 
@@ -205,22 +205,10 @@ fn coded(pieces: &[Piece], bits: Bits, most: u64) -> Result<Option<Fitted>, Page
 
 /// Codes an item's data.
 fn code(piece: &Piece, bits: Bits) -> Result<Coded, PageError> {
-    let precision = bits.precision();
-    let (data, bytes) = match &piece.content {
-        HeldContent::Volume(volume) => return volumes::code(volume, bits, piece.labels),
-        HeldContent::Points(points) => {
-            let (data, bytes) = PointsData::pack(points, precision);
-            (ItemData::Points(data), bytes)
-        }
-        HeldContent::Gaussians(gaussians) => {
-            let (data, bytes) = GaussiansData::pack(gaussians, precision);
-            (ItemData::Gaussians(data), bytes)
-        }
-        HeldContent::Mesh(mesh) => {
-            let (data, bytes) = MeshData::pack(mesh, precision);
-            (ItemData::Mesh(data), bytes)
-        }
-    };
+    if let HeldContent::Volume(volume) = &piece.content {
+        return volumes::code(volume, bits, piece.labels);
+    }
+    let (data, bytes) = ItemData::pack(&piece.content, bits.precision());
     let content: HeldContent = data.unpack(&mut &bytes[..])?.into();
     Ok(Coded {
         exact: clouds::are_equal(&content, &piece.content),

@@ -1,4 +1,4 @@
-//! One HTML file that shows volumes: it turns, zooms, changes look and clip, in any browser, without a network.
+//! One HTML file that shows volumes, points, Gaussians and meshes: it turns, zooms, changes look and clip, in any browser, without a network.
 //!
 //! A page is the player (DOM, hand-written), the engine as WebAssembly, a document, and its data, which are made to fit a
 //! size. The player asks instances of the engine, one per worker, for pictures ([`splatvol_web`]); where workers are

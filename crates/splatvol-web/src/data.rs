@@ -40,6 +40,29 @@ pub enum ItemData {
 }
 
 impl ItemData {
+    /// Packs data, clouds in a precision, volumes as they are; returns their bytes, too.
+    pub fn pack(content: &HeldContent, precision: Precision) -> (Self, Vec<u8>) {
+        match content {
+            HeldContent::Volume(volume) => {
+                let data = VolumeData::of(volume, false);
+                let bytes = data.pack(volume);
+                (Self::Volume(data), bytes)
+            }
+            HeldContent::Points(points) => {
+                let (data, bytes) = PointsData::pack(points, precision);
+                (Self::Points(data), bytes)
+            }
+            HeldContent::Gaussians(gaussians) => {
+                let (data, bytes) = GaussiansData::pack(gaussians, precision);
+                (Self::Gaussians(data), bytes)
+            }
+            HeldContent::Mesh(mesh) => {
+                let (data, bytes) = MeshData::pack(mesh, precision);
+                (Self::Mesh(data), bytes)
+            }
+        }
+    }
+
     /// Takes what belongs to it from the front of packed numbers, and makes the data of them.
     ///
     /// # Errors

@@ -13,9 +13,7 @@ use splatvol::{
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, Document, Held, ReadRules, Reading, Resolving, Silent};
 use splatvol_io::{Data, Description};
-use splatvol_web::{
-    GaussiansData, ItemData, MeshData, PointsData, Precision, Session, Shown, VolumeData, held,
-};
+use splatvol_web::{ItemData, Precision, Session, Shown, held};
 
 const SIZE: [u32; 2] = [150, 130];
 
@@ -30,27 +28,9 @@ struct Packed {
 }
 
 impl Packed {
-    fn new(data: &Data) -> Self {
+    fn new(data: Data) -> Self {
         const PRECISION: Precision = Precision { places: 20, rest: 12 };
-        let (data, bytes) = match data {
-            Data::Volume(volume) => {
-                let data = VolumeData::of(volume, true);
-                let bytes = data.pack(volume);
-                (ItemData::Volume(data), bytes)
-            }
-            Data::Points(points) => {
-                let (data, bytes) = PointsData::pack(points, PRECISION);
-                (ItemData::Points(data), bytes)
-            }
-            Data::Gaussians(gaussians) => {
-                let (data, bytes) = GaussiansData::pack(gaussians, PRECISION);
-                (ItemData::Gaussians(data), bytes)
-            }
-            Data::Mesh(mesh) => {
-                let (data, bytes) = MeshData::pack(mesh, PRECISION);
-                (ItemData::Mesh(data), bytes)
-            }
-        };
+        let (data, bytes) = ItemData::pack(&data.into(), PRECISION);
         Self { data, bytes }
     }
 
@@ -61,7 +41,7 @@ impl Packed {
 
 /// A sample, packed.
 fn sample(name: &str, longest: usize) -> Packed {
-    Packed::new(&Data::Volume(volume(name, longest)))
+    Packed::new(Data::Volume(volume(name, longest)))
 }
 
 /// Points on a ball, with normals, colours and radii.
@@ -80,7 +60,7 @@ fn points() -> Packed {
         normals: directions.clone(),
         radii: vec![0.08; 900],
     };
-    Packed::new(&Data::Points(
+    Packed::new(Data::Points(
         Points::new(directions, attributes, DAffine3::IDENTITY).unwrap(),
     ))
 }
@@ -97,7 +77,7 @@ fn gaussians() -> Packed {
         opacities: (0..150).map(|i| 0.3 + (i % 7) as f32 / 10.0).collect(),
         harmonics: (0..600).map(|i| [wave(i, 0.9), 0.4, wave(i, 0.4)]).collect(),
     };
-    Packed::new(&Data::Gaussians(
+    Packed::new(Data::Gaussians(
         Gaussians::new(attributes, 1, DAffine3::IDENTITY).unwrap(),
     ))
 }
@@ -115,7 +95,7 @@ fn mesh() -> Packed {
             .collect(),
     };
     let blocks = Topology::Structured(vec![[10, 10, 10]]);
-    Packed::new(&Data::Mesh(
+    Packed::new(Data::Mesh(
         Mesh::new(positions, blocks, Vec::new(), field, DAffine3::IDENTITY).unwrap(),
     ))
 }

@@ -18,8 +18,8 @@ use super::{ChunkArgs, PageArgs};
 time. Requests name no files, so that nothing is shown but INPUT, and nothing is written. Pictures at rest are rendered
 here, and are those of splatvol render; while the view turns the browser draws smaller data itself, if this program has
 the engine for browsers (cargo xtask web), else the drafts come from here, too. Volumes larger than half of --memory are
-read chunk by chunk, as splatvol render does; browsers then draw drafts of a coarse level. Many pages may be open: drafts go first,
-then whoever was served longest ago. The server ends when nobody has asked for --idle minutes, or by Ctrl-C. There is no
+read chunk by chunk, as splatvol render does; browsers then draw drafts of a coarse level. Many pages may be open: drafts
+go first, then whoever was served longest ago. The server ends when nobody has asked for --idle minutes, or by Ctrl-C. There is no
 encryption: across a network go through ssh -L, or a proxy that encrypts.
 
 Examples:

@@ -1,12 +1,11 @@
 //! The colour bar: which values have which colours.
 
 use eframe::egui::{Align2, Color32, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
-use splatvol::TransferFunction;
 
 use super::picture::{PicturePanel, plated, round_length};
 use super::status::number;
 use super::style;
-use crate::model::Model;
+use crate::model::{Model, curve};
 
 /// Width and longest height of the bar, points.
 const WIDTH: f32 = 14.0;
@@ -28,9 +27,7 @@ pub(super) fn show(ui: &Ui, (model, selected): (&Model, usize), picture: &Pictur
     let (Some(function), Some(rect)) = (function, picture.rect()) else {
         return;
     };
-    let Some([low, high]) = range(function) else {
-        return;
-    };
+    let [low, high] = curve::span(function);
     let height = HEIGHT.min(0.4 * rect.height());
     if height < LEAST {
         return;
@@ -61,16 +58,6 @@ pub(super) fn show(ui: &Ui, (model, selected): (&Model, usize), picture: &Pictur
     let response = ui.interact(bar, Id::unique("colour bar"), Sense::hover());
     let about = format!("Colour bar from {} to {}", number(low), number(high));
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &about));
-}
-
-/// Values between which colours or opacities change.
-fn range(function: &TransferFunction) -> Option<[f64; 2]> {
-    let colors = function.colors().iter().map(|point| point.value);
-    let values = colors.chain(function.opacities().iter().map(|point| point.value));
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-        [low.min(value), high.max(value)]
-    });
-    (low < high).then_some([low, high])
 }
 
 /// Round values in a range.
