@@ -92,12 +92,19 @@ impl Share {
 
     /// Clears a frame, whose first pixel is that one of the picture, except for the share.
     pub fn keep(self, frame: &mut Frame, [x0, y0]: [usize; 2]) {
-        let width = frame.image.size().width() as usize;
-        for i in 0..frame.depth.len() {
-            if !self.owns([x0 + i % width, y0 + i / width].map(|at| at / self.edge)) {
-                frame.image.pixels[i] = [0.0; 4];
-                frame.depth[i] = f32::INFINITY;
-                frame.optical_depth[i] = 0.0;
+        let [width, height] = <[u32; 2]>::from(frame.image.size()).map(|side| side as usize);
+        for y in 0..height {
+            let mut x = 0;
+            while x < width {
+                let block = [x0 + x, y0 + y].map(|at| at / self.edge);
+                let end = ((block[0] + 1) * self.edge - x0).min(width);
+                if !self.owns(block) {
+                    let pixels = y * width + x..y * width + end;
+                    frame.image.pixels[pixels.clone()].fill([0.0; 4]);
+                    frame.depth[pixels.clone()].fill(f32::INFINITY);
+                    frame.optical_depth[pixels].fill(0.0);
+                }
+                x = end;
             }
         }
     }

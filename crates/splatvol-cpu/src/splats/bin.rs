@@ -55,7 +55,7 @@ impl Lists<'_> {
 
 /// Tile columns and rows of a rectangle of reference tiles.
 #[inline(always)]
-fn tiles(rect: Rect) -> [Range<usize>; 2] {
+pub(crate) fn tiles(rect: Rect) -> [Range<usize>; 2] {
     [rect.columns, rect.rows]
         .map(|[first, past]| usize::from(first / RATIO)..usize::from(past.div_ceil(RATIO)))
 }

@@ -23,6 +23,7 @@ use super::project::{self, ProjectedSplat, Rect, Target};
 use super::resolve::{TileRows, fill, resolve, tile_rows};
 use super::settings::{BlendMode, CloudSettings, Near, sane};
 use super::view::CloudView;
+use super::wanted::WantedTiles;
 use crate::room::grow;
 use crate::run::Run;
 
@@ -81,7 +82,7 @@ enum Content<'a> {
 }
 
 impl SeenCloud<'_> {
-    /// Projects a range; returns the number of visible splats.
+    /// Projects a range; returns the number of splats that are visible on wanted tiles.
     fn project(
         &self,
         level: Level,
@@ -206,16 +207,18 @@ impl SplatEngine {
             let seen = &drawn.seen[chunk.cloud];
             first..first + seen.project(run.level, blend, chunk.range.clone(), &mut chunk.target)
         };
-        let mut chunks = chunks(drawn.clouds, splats, rects, keys);
+        let grid = TileGrid::new(size, TILE);
+        let wanted = WantedTiles::new(&run.task, &grid);
+        let mut chunks = chunks((drawn.clouds, &wanted), splats, rects, keys);
         let ranges: Vec<Range<usize>> = chunks.par_iter_mut().with_max_len(1).map(project).collect();
         let order = keys.sort(&ranges, parts, stop)?;
-        let grid = TileGrid::new(size, TILE);
         let counted = Counted::new(grid, (order, rects), parts, stop)?;
         let tiling = Tiling {
             run,
             blend,
             splats,
             grid,
+            wanted: &wanted,
             done: AtomicUsize::new(0),
         };
         let bin = start.elapsed().as_secs_f64();
@@ -244,6 +247,7 @@ struct Tiling<'a, B> {
     blend: B,
     splats: &'a [ProjectedSplat],
     grid: TileGrid,
+    wanted: &'a WantedTiles,
     done: AtomicUsize,
 }
 
@@ -255,7 +259,7 @@ impl<B: Blend> Tiling<'_, B> {
         if run.task.is_stopped() {
             return;
         }
-        if run.task.wants(&rect) {
+        if self.wanted.has(tile) {
             if entries.is_empty() {
                 fill(blend.empty(), rows);
             } else {
@@ -313,9 +317,9 @@ fn seen<'a>(
     clouds.iter().map(seen).collect()
 }
 
-/// Clouds in chunks, one after the other.
+/// Clouds in chunks, one after the other, for the wanted tiles.
 fn chunks<'a>(
-    clouds: &[Cloud<'_>],
+    (clouds, wanted): (&[Cloud<'_>], &'a WantedTiles),
     mut splats: &'a mut [ProjectedSplat],
     mut rects: &'a mut [Rect],
     keys: &'a Keys,
@@ -334,6 +338,7 @@ fn chunks<'a>(
                 range: start..start + count,
                 target: Target {
                     first,
+                    wanted,
                     splats: own_splats,
                     rects: own_rects,
                     keys: &keys.keys[first..first + count],

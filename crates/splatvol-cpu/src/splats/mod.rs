@@ -14,6 +14,7 @@
 //! | stage | module | what |
 //! |---|---|---|
 //! | project | `project`, `view`; `gaussians`, `kernels` | splats to ellipses on the screen; SIMD over splats |
+//! | choose | `wanted` | splats that reach the tiles that a task asks for |
 //! | order | `order` | all splats by the depth of their centres: stable radix sort, equal depths by index |
 //! | bin | `bin` | splats in the lists of 32 x 32-pixel tiles, in order |
 //! | cover | `cover` | which 4 x 4 blocks of a tile a splat's ellipse meets; SIMD over splats |
@@ -53,6 +54,7 @@ mod project;
 mod resolve;
 mod settings;
 mod view;
+mod wanted;
 
 pub(crate) use engine::{Cloud, SplatEngine};
 pub(crate) use settings::{BlendMode, CloudSettings, LowPass, Near};

@@ -5,6 +5,7 @@ mod depths;
 mod kernels;
 mod published;
 mod robust;
+mod shares;
 
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
@@ -61,15 +62,25 @@ impl Renderer {
         settings: &CloudSettings,
         frame: &mut Frame,
     ) {
+        self.render_with(clouds, (camera, settings), &Control::default(), frame);
+    }
+
+    fn render_with(
+        &mut self,
+        clouds: &[Cloud<'_>],
+        view: (&Camera, &CloudSettings),
+        control: &Control<'_>,
+        frame: &mut Frame,
+    ) {
         let run = Run {
             pool: &self.pool,
             level: self.level,
             tile_edge: None,
-            task: Task::new(&Control::default(), &|_| {}),
+            task: Task::new(control, &|_| {}),
             block: None,
             pass: Pass::WHOLE,
         };
-        self.engine.render(run, clouds, (camera, settings), frame);
+        self.engine.render(run, clouds, view, frame);
     }
 }
 
