@@ -19,6 +19,28 @@ pub(crate) const SOURCES: [&str; 11] = [
     "crates/splatvol-web",
 ];
 
+/// Where the module with the GPU engine's laws is, in the repository.
+#[allow(dead_code, reason = "pages have nothing to do with it")]
+pub(crate) const LAWS: &str = "crates/splatvol-webgpu/module";
+
+/// Files and folders of the GPU engine for browsers, in the repository.
+pub(crate) const WEBGPU_SOURCES: [&str; 14] = [
+    "Cargo.toml",
+    "Cargo.lock",
+    ".cargo/config.toml",
+    "crates/splatvol",
+    "crates/splatvol-core",
+    "crates/splatvol-cpu",
+    "crates/splatvol-document",
+    "crates/splatvol-gpu",
+    "crates/splatvol-gpu/shaders",
+    "crates/splatvol-io",
+    "crates/splatvol-samples",
+    "crates/splatvol-scene",
+    "crates/splatvol-web",
+    "crates/splatvol-webgpu",
+];
+
 /// The digest of files, of crates and of other folders in a repository; `None` where there are none, as in a crate that was
 /// packed.
 pub(crate) fn digest(root: &Path, sources: &[&str]) -> Option<String> {

@@ -11,7 +11,7 @@
 //! Each is a test as well. `cargo xtask instructions [PROGRAM]`, which needs a release build, demands that the kernels'
 //! machine code uses vectors as wide as promised, in the command or in any given program. `cargo xtask wasm` checks all
 //! crates but the command for `wasm32-unknown-unknown`, where its std is installed, and `cargo xtask web` builds the engine
-//! for browsers, which the command `export` needs.
+//! for browsers, which the command `export` needs. `cargo xtask-webgpu` builds the GPU engine for browsers, and the module with its laws.
 
 mod architecture;
 mod decode;
@@ -72,7 +72,7 @@ fn main() -> Result<()> {
     }
     #[cfg(feature = "webgpu")]
     if wanted.first().is_some_and(|name| name == "webgpu") {
-        println!("webgpu: {}", webgpu::build_module(&root())?);
+        println!("webgpu: {}", webgpu::build_modules(&root())?);
         return Ok(());
     }
     let offline = wanted.iter().position(|argument| argument == "--offline");

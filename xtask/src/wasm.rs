@@ -30,7 +30,7 @@ const MODULE: &str = "splatvol_web.wasm.gz";
 /// What JavaScript calls.
 const EXPORTS: [&str; 2] = ["splatvol_message", "splatvol_answer"];
 /// Where programs look for the engine, in the repository.
-const PLACE: &str = "crates/splatvol-page/engine";
+pub(crate) const PLACE: &str = "crates/splatvol-page/engine";
 
 /// Checks the crates for the target.
 pub(crate) fn check(root: &Path) -> Result<String> {
@@ -95,17 +95,23 @@ pub(crate) fn build_engine(root: &Path) -> Result<String> {
     ensure!(status.success(), "{ENGINE} does not build for {TARGET}");
     let built = target_folder(root)?.join(TARGET).join("web");
     let module = without_custom_sections(&linked(&built)?)?;
-    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
-    gzip.write_all(&module)?;
-    let bytes = gzip.finish()?;
-    std::fs::write(&packed, &bytes).with_context(|| packed.display().to_string())?;
+    let bytes = pack(&packed, &module)?;
     std::fs::write(&sources, digest).with_context(|| sources.display().to_string())?;
     Ok(format!(
         "the engine for browsers has {} bytes, {} in gzip, by the std in {}; programs built from now on include it",
         module.len(),
-        bytes.len(),
+        bytes,
         folder.display()
     ))
+}
+
+/// Writes bytes as gzip; returns how many it has.
+pub(crate) fn pack(path: &Path, bytes: &[u8]) -> Result<usize> {
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
+    gzip.write_all(bytes)?;
+    let packed = gzip.finish()?;
+    std::fs::write(path, &packed).with_context(|| path.display().to_string())?;
+    Ok(packed.len())
 }
 
 /// The module of the library in a folder. Cargo's own link would export every name of the crates that it depends on, and keep

@@ -1,5 +1,6 @@
 // Frames: drafts while something changes, then finer passes, then the final picture, tile by tile. A server, where the page comes
-// from one, makes the final picture, and all of them where the page has no instances of its own.
+// from one, makes the final picture, and all of them where the page has no instances of its own. A faster member, where there is one
+// (`webgpu.js`), makes the drafts, in the picture's own resolution if it can.
 //
 // A picture is divided among the members of the pool by shares. Nothing can stop an instance, so the final picture is asked for
 // in more shares than there are members, each of which takes about PIECE, and no more of them once something changes.
@@ -15,10 +16,13 @@ const MOST_PIECES = 8;
 /** Time without a change after which finer passes begin, milliseconds. */
 const REST = 80;
 
+/** Step of the finest drafts, unless a faster member makes them. */
+const FINEST = 2;
+
 /** One picture, in shares. `done` gets each tile, `ended` is told when all are there. */
 class Job {
-  constructor(size, step, crew, pieces) {
-    Object.assign(this, { size, step, crew, count: crew.length * pieces, next: 0, open: 0, given: 0, started: performance.now() });
+  constructor(size, { step, isFinal }, crew, pieces) {
+    Object.assign(this, { size, step, isFinal, crew, count: crew.length * pieces, next: 0, open: 0, given: 0, started: performance.now() });
   }
 }
 
@@ -33,7 +37,9 @@ class Frames {
     this.idle = [...this.members];
     this.context = canvas.getContext("2d", { alpha: true });
     this.draft = document.createElement("canvas");
-    this.step = 3;
+    this.step = FINEST + 1;
+    this.finest = FINEST;
+    this.fast = null;
     this.changes = 0;
     this.shown = -1;
     this.job = null;
@@ -49,15 +55,26 @@ class Frames {
     this.changes += 1;
     clearTimeout(this.timer);
     // A picture on the server is stopped; it is none of the drafts that have to be seen.
-    if (this.server && this.job && this.job.step < 2) this.server.stop();
+    if (this.server && this.job && this.job.isFinal) this.server.stop();
     this.pump();
   }
 
-  /** Another member is ready. */
-  joined(member) {
-    this.drafters.push(member);
+  /** A faster member makes the drafts from now on; final pictures are still those of the others. */
+  quickened(member) {
+    Object.assign(this, { fast: member, slow: this.drafters, drafters: [member], finest: 0, step: 0 });
     this.members.push(member);
     this.idle.push(member);
+  }
+
+  /** The faster member has failed, or may be slower after all: the others make the drafts again. */
+  slowed() {
+    const { fast } = this;
+    Object.assign(this, { fast: null, drafters: this.slow, finest: FINEST, step: FINEST + 1 });
+    this.members = this.members.filter((member) => member !== fast);
+    this.idle = this.idle.filter((member) => member !== fast);
+    fast.end();
+    if (this.job && this.job.crew.includes(fast)) this.job = null;
+    if (!this.final) this.changed();
   }
 
   /** Waits for the final picture of what is shown. */
@@ -81,33 +98,31 @@ class Frames {
     this.listeners.splice(0).forEach((resolve) => resolve());
   }
 
-  /** Starts what is due, if all instances are free. */
+  /** Starts a draft if one is due, and all that draw it are free. */
   pump() {
-    if (this.held || this.idle.length < this.members.length) return;
-    if (this.job && this.job.next >= this.job.count) this.job = null;
-    if (this.shown === this.changes) return;
-    this.job = null;
-    this.begin(this.step);
+    if (this.held || this.shown === this.changes) return;
+    if (this.drafters.some((member) => !this.idle.includes(member))) return;
+    this.begin(this.step, false);
   }
 
   /** Starts a picture. */
-  begin(step) {
+  begin(step, isFinal) {
     const full = this.view.size();
     const size = full.map((side) => Math.max(1, Math.round(side / STEPS[step])));
-    const crew = step === 0 ? this.finishers : this.drafters;
+    const crew = isFinal ? this.finishers : this.drafters;
     const predicted = (this.cost * size[0] * size[1]) / crew.length;
-    const pieces = step > 1 ? 1 : Math.min(MOST_PIECES, Math.max(2, Math.ceil(predicted / PIECE)));
-    const job = new Job(size, step, crew, pieces);
+    const pieces = isFinal ? Math.min(MOST_PIECES, Math.max(2, Math.ceil(predicted / PIECE))) : 1;
+    const job = new Job(size, { step, isFinal }, crew, pieces);
     job.changes = this.changes;
     job.camera = this.view.camera(size);
-    if (step === 0) this.fit(full, true);
+    if (isFinal) this.fit(full, true);
     else Object.assign(this.draft, { width: size[0], height: size[1] });
-    job.context = step === 0 ? this.context : this.draft.getContext("2d");
+    job.context = isFinal ? this.context : this.draft.getContext("2d");
     this.final = false;
     this.job = job;
     const edits = this.view.takeEdits();
     for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
-    crew.forEach((member) => this.give(member));
+    crew.filter((member) => this.idle.includes(member)).forEach((member) => this.give(member));
   }
 
   /** The canvas in its size; what it shows is kept, enlarged. */
@@ -134,9 +149,8 @@ class Frames {
   /** Gives an instance the next share of the picture. */
   async give(member) {
     const { job } = this;
-    if (!job || job.next >= job.count || (job.step < 2 && job.changes !== this.changes)) {
-      return this.pump();
-    }
+    const isDue = job && job.crew.includes(member) && job.next < job.count;
+    if (!isDue || (job.isFinal && job.changes !== this.changes)) return this.pump();
     const share = [job.next, job.count];
     job.next += 1;
     job.open += 1;
@@ -148,9 +162,14 @@ class Frames {
       // What is finished although something has changed is no part of the next picture.
       if (job === this.job) this.draw(job, header.tiles, bytes);
     } catch (error) {
+      if (member === this.fast) {
+        console.warn(`splatvol: no WebGPU: ${error.message || error}`);
+        return this.slowed();
+      }
       if (error.name !== "AbortError") this.view.trouble(error.message || String(error));
     }
     job.open -= 1;
+    if (!this.members.includes(member)) return null;
     this.idle.push(member);
     if (job === this.job && job.next >= job.count && job.open === 0) this.ended(job);
     return this.give(member);
@@ -170,7 +189,7 @@ class Frames {
   ended(job) {
     const took = performance.now() - job.started;
     this.job = null;
-    if (job.step > 0) {
+    if (!job.isFinal) {
       this.fit(this.view.size(), true);
       const { width, height } = this.canvas;
       this.context.imageSmoothingQuality = "high";
@@ -179,20 +198,20 @@ class Frames {
     }
     this.canvas.hidden = false;
     this.view.seen();
-    this.cost = job.given / (job.size[0] * job.size[1]);
-    if (job.step >= 2) this.adapt(job, took);
+    if (!job.crew.includes(this.fast)) this.cost = job.given / (job.size[0] * job.size[1]);
+    if (!job.isFinal) this.adapt(job, took);
     if (job.changes !== this.changes) return;
     this.shown = job.changes;
-    this.final = job.step === 0;
-    this.view.progress(job.step, took);
+    this.final = job.isFinal;
+    this.view.progress(job, took);
     if (this.final) {
       this.told();
       return;
     }
-    const finer = job.step > 2 ? 2 : 0;
+    const finer = job.step > this.finest ? [this.finest, false] : [0, true];
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
-      if (this.shown === this.changes && !this.job && !this.held) this.begin(finer);
+      if (this.shown === this.changes && !this.job && !this.held) this.begin(...finer);
     }, job.step === this.step ? REST : 0);
   }
 
@@ -200,11 +219,11 @@ class Frames {
   adapt(job, took) {
     if (job.step !== this.step) return;
     if (took > DRAFT[1] && this.step < STEPS.length - 1) this.step += 1;
-    if (took < DRAFT[0] && this.step > 2) this.step -= 1;
+    if (took < DRAFT[0] && this.step > this.finest) this.step -= 1;
   }
 
-  /** A whole picture of a size, RGBA, by all instances, whatever the page shows. */
-  async picture(size) {
+  /** A whole picture of a size, RGBA, by all that make final ones, or by others, whatever the page shows. */
+  async picture(size, crew = this.finishers) {
     while (this.held) await new Promise((resolve) => setTimeout(resolve, 20));
     this.held = true;
     try {
@@ -213,8 +232,8 @@ class Frames {
       for (const edit of edits) this.members.forEach((member) => this.edit(member, edit));
       const pixels = new Uint8ClampedArray(4 * size[0] * size[1]);
       const camera = this.view.camera(size);
-      const count = this.finishers.length;
-      await Promise.all(this.finishers.map(async (member, index) => {
+      const count = crew.length;
+      await Promise.all(crew.map(async (member, index) => {
         const { header, bytes } = await member.ask({ do: "render", size, camera, share: [index, count] });
         if (header.error) throw new Error(header.error);
         let start = 0;

@@ -59,6 +59,15 @@ class View {
     return cameraKeys(this.pose, width / height, this.documentSize[0] / this.documentSize[1]);
   }
 
+  /** Everything that was changed so far, for an instance that has the document as it was opened. */
+  allEdits() {
+    const waiting = new Map(this.edits);
+    this.tellAll();
+    const all = [...this.edits.values()];
+    this.edits = waiting;
+    return all;
+  }
+
   takeEdits() {
     const edits = [...this.edits.values()];
     this.edits.clear();
@@ -76,9 +85,9 @@ class View {
     $("poster").hidden = true;
   }
 
-  progress(step, took) {
-    $("badge").textContent = step === 0 ? "final" : `draft 1/${STEPS[step].toFixed(1).replace(".0", "")}`;
-    if (step === 0) $("status").textContent = `Final picture, ${this.size().join(" × ")} pixels, ${(took / 1000).toFixed(2)} s.`;
+  progress({ step, isFinal }, took) {
+    $("badge").textContent = isFinal ? "final" : `draft 1/${STEPS[step].toFixed(1).replace(".0", "")}`;
+    if (isFinal) $("status").textContent = `Final picture, ${this.size().join(" × ")} pixels, ${(took / 1000).toFixed(2)} s.`;
   }
 
   // Changes.
@@ -108,6 +117,11 @@ class View {
 
   tellLook(item) {
     this.edits.set(`look-${item}`, { do: "look", item, look: copied(this.state.looks[item]) });
+  }
+
+  tellAll() {
+    this.valued.forEach(({ index }) => this.tellLook(index));
+    this.tellBox();
   }
 
   setBox(end, value) {
@@ -148,8 +162,7 @@ class View {
 
   restore(state) {
     this.state = copied(state);
-    this.valued.forEach(({ index }) => this.tellLook(index));
-    this.tellBox();
+    this.tellAll();
     this.panel.put(this.state);
     this.steps();
     this.frames.changed();
@@ -272,7 +285,41 @@ async function startInstances(page) {
   const answers = await Promise.all(pool.members.map((member) => member.ask(open, samples)));
   const facts = answers[0].header;
   if (facts.error) throw new Error(facts.error);
-  return { pool, facts };
+  return { pool: { ...pool, opening: { open, samples } }, facts };
+}
+
+/** Drafts by WebGPU, once the first picture is final; by an imitated device only if `force`d. Returns whether it draws them. */
+async function quicken({ view, frames, pool }, force) {
+  if (frames.fast) return true;
+  const member = pool.opening && (await startWebGpu(force));
+  if (!member) return false;
+  const { open, samples } = pool.opening;
+  const opened = await member.ask(open, samples);
+  for (const edit of [null, ...view.allEdits()]) {
+    const { header } = edit ? await member.ask(edit) : opened;
+    if (header.error) throw new Error(header.error);
+  }
+  if (force || (await isFaster(member, frames))) frames.quickened(member);
+  else member.end();
+  return Boolean(frames.fast);
+}
+
+/** Whether a member draws a small draft in less time than the others would: twice, as the first one has to prepare. */
+async function isFaster(member, frames) {
+  const size = frames.view.size().map((side) => Math.max(1, Math.round(side / STEPS[FINEST])));
+  let took = 0;
+  for (const _time of [1, 2]) {
+    const { header, milliseconds } = await member.ask({ do: "render", size, camera: frames.view.camera(size) });
+    if (header.error) throw new Error(header.error);
+    took = milliseconds;
+  }
+  return took < (frames.cost * size[0] * size[1]) / frames.drafters.length;
+}
+
+/** Says in the console why there is no WebGPU: the page draws all the same. */
+function noWebGpu(error) {
+  console.warn(`splatvol: no WebGPU: ${error.message || error}`);
+  return false;
 }
 
 async function main() {
@@ -289,7 +336,9 @@ async function main() {
   hearKeys(canvas, view);
   new ResizeObserver(() => frames.changed()).observe($("stage"));
   frames.changed();
-  return { view, frames, pool };
+  const parts = { view, frames, pool };
+  frames.settled().then(() => quicken(parts, false)).catch(noWebGpu);
+  return parts;
 }
 
 const started = main().catch((error) => {
@@ -298,9 +347,17 @@ const started = main().catch((error) => {
   throw error;
 });
 
-/** For scripts: the picture of any size as it would be shown, when the page shows it finally, and by how many workers. */
+/**
+ * For scripts: the picture of any size as it would be shown, when the page shows it finally, and by how many workers; whether
+ * WebGPU makes the drafts, even if its device is imitated, and what it draws.
+ */
 window.splatvol = {
   picture: async (width, height) => (await started).frames.picture([width, height]),
+  quicken: async () => quicken(await started, true),
+  draft: async (width, height) => {
+    const { frames } = await started;
+    return frames.picture([width, height], frames.drafters);
+  },
   settled: async () => (await started).frames.settled(),
   workers: async () => (await started).pool.workers,
   view: async () => copied((await started).view.pose),

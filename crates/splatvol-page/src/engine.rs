@@ -1,4 +1,4 @@
-//! The engine for browsers, as it was built.
+//! The engines for browsers, as they were built.
 
 /// Why there is no engine for browsers in this program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -15,6 +15,21 @@ impl Absent {
     /// What to do about it.
     pub const REMEDY: &str =
         "rustup target add wasm32-unknown-unknown; cargo xtask web; then build this program again";
+}
+
+/// The GPU engine, a WebAssembly module, and its bindings, JavaScript; both in gzip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WebGpu {
+    /// The module.
+    pub module: &'static [u8],
+    /// What it calls of the browser.
+    pub bindings: &'static [u8],
+}
+
+/// The GPU engine, where `cargo xtask-webgpu` has built it of the sources of this program. Pages do without it.
+pub fn webgpu() -> Option<WebGpu> {
+    static WEBGPU: Option<WebGpu> = include!(concat!(env!("OUT_DIR"), "/webgpu.rs"));
+    WEBGPU
 }
 
 /// The engine, a WebAssembly module in gzip.

@@ -7,14 +7,14 @@
 //! | module | holds |
 //! |---|---|
 //! | `content` | what a page shows of a picture |
-//! | `engine` | the engine, gzip, if `cargo xtask web` built it before this crate |
+//! | `engine` | the engine, gzip, if `cargo xtask web` built it before this crate; the GPU engine, if `cargo xtask-webgpu` did |
 //! | `fit` | data in fewer bits or of a coarser level, until they fit |
 //! | `template` | the page with slots: each is filled once, by text that is escaped, or by code and data that are checked |
 //! | `page` | the page of a document |
 //!
 //! The player is in the folder `player`: `page.html` has the slots, `engine.js` runs in workers, `camera.js` moves the
 //! camera, `frames.js` decides what is rendered when, `controls.js` makes the panel, `player.js` begins; `server.js` is
-//! in pages from a server only.
+//! in pages from a server only, and `webgpu.js` draws what moves where the browser has a device.
 #![forbid(unsafe_code)]
 
 mod content;
@@ -25,7 +25,7 @@ mod page;
 mod template;
 
 pub use content::PageContent;
-pub use engine::{Absent, engine};
+pub use engine::{Absent, WebGpu, engine, webgpu};
 pub use error::PageError;
 pub use fit::{Bits, Fitted, Piece, fit};
 pub use page::{ENGINE_SCRIPT, Page};

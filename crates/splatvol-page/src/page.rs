@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use splatvol_web::ItemData;
 
 use crate::PageError;
-use crate::engine::engine;
+use crate::engine::{WebGpu, engine};
 use crate::template::{Slot, fill};
 
 const TEMPLATE: &str = include_str!("../player/page.html");
@@ -30,6 +30,7 @@ macro_rules! script {
             include_str!("../player/camera.js"),
             include_str!("../player/frames.js"),
             include_str!("../player/controls.js"),
+            include_str!("../player/webgpu.js"),
             include_str!("../player/player.js"),
             "})();\n"
         )
@@ -62,6 +63,8 @@ pub struct Page<'a> {
     pub poster: &'a [u8],
     /// Sentences about the data: what was left out, and how far the picture is from that of all data.
     pub notes: &'a [String],
+    /// The GPU engine, which draws what moves where the browser has WebGPU.
+    pub webgpu: Option<WebGpu>,
     /// Whether it comes from a server that makes the final pictures; all of them where there is no engine in the page.
     pub is_served: bool,
 }
@@ -87,6 +90,12 @@ impl Page<'_> {
             "served": self.is_served,
         });
         let policy = policy(self.is_served);
+        let none = WebGpu {
+            module: &[],
+            bindings: &[],
+        };
+        // It has the data of the engine beside it.
+        let webgpu = self.webgpu.filter(|_| !engine.is_empty()).unwrap_or(none);
         fill(
             TEMPLATE,
             &[
@@ -99,6 +108,8 @@ impl Page<'_> {
                 ("poster", Slot::Bytes(self.poster)),
                 ("facts", Slot::Json(&facts)),
                 ("engine", Slot::Bytes(engine)),
+                ("webgpu-bindings", Slot::Bytes(webgpu.bindings)),
+                ("webgpu", Slot::Bytes(webgpu.module)),
                 ("samples", Slot::Bytes(self.bytes)),
             ],
         )
@@ -146,6 +157,7 @@ mod tests {
             bytes: b"samples",
             poster: b"poster",
             notes: &["8 bits & less".to_owned()],
+            webgpu: None,
             is_served: false,
         };
         page.with_engine(b"engine").unwrap()

@@ -26,7 +26,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `session` | the instance |
+//! | `session` | the instance; its document alone, for engines that are asked in another way |
 //! | `shown` | a document with its data: changes, cameras, and the tiles of pictures |
 //! | [`message`] | what may be asked, and what is answered |
 //! | `data` | samples and clouds as bytes, packed so that they compress well |
@@ -49,5 +49,5 @@ pub use data::{
 };
 pub use error::WebError;
 pub use look::LookEdit;
-pub use session::{Answer, BLOCK, Session};
+pub use session::{Answer, BLOCK, Heard, OpenDocument, Session};
 pub use shown::{Shown, Tiles};

@@ -1,14 +1,10 @@
 //! An instance: one document with its data, and the renderer that keeps what it derives from them.
 
-use std::path::Path;
-
-use serde_json::Value;
 use splatvol::{EngineConfig, Frame, ImageSize, Renderer};
-use splatvol_document::{Document, Held};
 
-use crate::message::{Opened, Request};
-use crate::shown::{Shown, said};
-use crate::{ItemData, WebError, held};
+use crate::WebError;
+use crate::message::Request;
+use crate::shown::{Shown, Tiles, said};
 
 /// Edge of the blocks in which shares are dealt out, and of the engine's tiles, pixels.
 pub const BLOCK: usize = 64;
@@ -25,12 +21,60 @@ pub struct Answer {
     pub bytes: Vec<u8>,
 }
 
+impl Answer {
+    /// Says why there is none.
+    pub fn refusal(error: &impl ToString) -> Self {
+        Self {
+            header: serde_json::json!({ "error": error.to_string() }).to_string(),
+            bytes: Vec::new(),
+        }
+    }
+}
+
+/// What a message asks for.
+#[derive(Debug)]
+pub enum Heard {
+    /// Nothing more: this is the answer.
+    Answer(Answer),
+    /// Tiles, which an engine has to draw.
+    Tiles(Box<Tiles>),
+}
+
+/// The document that messages open and change, without an engine.
+#[derive(Debug, Default)]
+pub struct OpenDocument {
+    shown: Option<Shown>,
+}
+
+impl OpenDocument {
+    /// Hears a message: its header, JSON, and its bytes. What cannot be answered changes nothing.
+    ///
+    /// # Errors
+    /// Messages that are not understood, or ask for what there is not.
+    pub fn hear(&mut self, header: &str, bytes: &[u8]) -> Result<Heard, WebError> {
+        let answer = match serde_json::from_str(header)? {
+            Request::Open { document, data } => {
+                let shown = Shown::open(&document, &data, bytes)?;
+                let opened = said(&shown.facts()?)?;
+                self.shown = Some(shown);
+                opened
+            }
+            Request::Render { size, camera, share } => {
+                let shown = self.shown.as_ref().ok_or(WebError::Closed)?;
+                return Ok(Heard::Tiles(Box::new(shown.tiles(size, camera, share)?)));
+            }
+            change => self.shown.as_mut().ok_or(WebError::Closed)?.answer(change)?,
+        };
+        Ok(Heard::Answer(answer))
+    }
+}
+
 /// An instance of the engine.
 #[derive(Debug)]
 pub struct Session {
     renderer: Renderer,
     frame: Frame,
-    shown: Option<Shown>,
+    opened: OpenDocument,
 }
 
 impl Session {
@@ -46,66 +90,20 @@ impl Session {
         Ok(Self {
             renderer: Renderer::new(config)?,
             frame: Frame::empty(ImageSize::new(1, 1)?),
-            shown: None,
+            opened: OpenDocument::default(),
         })
     }
 
     /// Answers a message: its header, JSON, and its bytes. What cannot be answered changes nothing.
     pub fn answer(&mut self, header: &str, bytes: &[u8]) -> Answer {
-        self.answered(header, bytes).unwrap_or_else(|error| Answer {
-            header: serde_json::json!({ "error": error.to_string() }).to_string(),
-            bytes: Vec::new(),
-        })
+        self.answered(header, bytes)
+            .unwrap_or_else(|error| Answer::refusal(&error))
     }
 
     fn answered(&mut self, header: &str, bytes: &[u8]) -> Result<Answer, WebError> {
-        match serde_json::from_str(header)? {
-            Request::Open { document, data } => said(&self.open(&document, &data, bytes)?),
-            Request::Render { size, camera, share } => {
-                let tiles = self
-                    .shown
-                    .as_ref()
-                    .ok_or(WebError::Closed)?
-                    .tiles(size, camera, share)?;
-                tiles.draw((&mut self.renderer, &mut self.frame), None)
-            }
-            change => self.shown.as_mut().ok_or(WebError::Closed)?.answer(change),
+        match self.opened.hear(header, bytes)? {
+            Heard::Answer(answer) => Ok(answer),
+            Heard::Tiles(tiles) => tiles.draw((&mut self.renderer, &mut self.frame), None),
         }
-    }
-
-    fn open(&mut self, document: &Value, data: &[ItemData], bytes: &[u8]) -> Result<Opened, WebError> {
-        let document = Document::from_json(&document.to_string(), Path::new("document"))?;
-        if document.items.len() != data.len() {
-            return Err(WebError::Data {
-                item: data.len().min(document.items.len()),
-                why: format!(
-                    "{} items have data, and {} are shown",
-                    data.len(),
-                    document.items.len()
-                ),
-            });
-        }
-        let shown = Shown::new(&document, unpacked(data, bytes)?)?;
-        let opened = shown.facts()?;
-        self.shown = Some(shown);
-        Ok(opened)
-    }
-}
-
-/// The data of packed numbers, one after the other.
-fn unpacked(data: &[ItemData], bytes: &[u8]) -> Result<Vec<Option<Held>>, WebError> {
-    let mut rest = bytes;
-    let mut all = Vec::new();
-    for (item, data) in data.iter().enumerate() {
-        let fault = |why: String| WebError::Data { item, why };
-        let own = data.unpack(&mut rest).map_err(|error| fault(error.to_string()))?;
-        all.push(Some(held(own.into())));
-    }
-    match rest.len() {
-        0 => Ok(all),
-        extra => Err(WebError::Data {
-            item: data.len(),
-            why: format!("{extra} bytes belong to nothing"),
-        }),
     }
 }

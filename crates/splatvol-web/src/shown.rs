@@ -1,13 +1,15 @@
 //! A document with its data, shown: it answers everything but the tiles of pictures, and says how these are drawn.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use serde::Serialize;
+use serde_json::Value;
 use splatvol::transfer_function::{ColorMap, OpacityCurve};
 use splatvol::{
-    Camera, Compositing, Content, Control, Frame, Image, ImageSize, RenderSettings, Renderer, Scene, Share,
-    TransferFunction,
+    Camera, Compositing, Content, Control, Frame, Image, ImageSize, RenderSettings, Renderer, Scene,
+    SceneError, Share, Shot, TransferFunction,
 };
 use splatvol_document::camera::Surroundings;
 use splatvol_document::keys::CameraKeys;
@@ -19,7 +21,7 @@ use splatvol_document::{
 
 use crate::message::{Edited, ItemFacts, Opened, Rendered, Request, ValueFacts};
 use crate::session::{Answer, BLOCK, RAY_BLOCK};
-use crate::{LookEdit, WebError, look, size_of};
+use crate::{ItemData, LookEdit, WebError, held, look, size_of};
 
 /// Bins of an item's histogram.
 const BINS: usize = 128;
@@ -68,6 +70,25 @@ impl Listener for Notes {
 }
 
 impl Shown {
+    /// Opens a document, JSON, with the packed data of its items, one after the other.
+    ///
+    /// # Errors
+    /// As [`Shown::new`]; data that are not those of the items.
+    pub fn open(document: &Value, data: &[ItemData], bytes: &[u8]) -> Result<Self, WebError> {
+        let document = Document::from_json(&document.to_string(), Path::new("document"))?;
+        if document.items.len() != data.len() {
+            return Err(WebError::Data {
+                item: data.len().min(document.items.len()),
+                why: format!(
+                    "{} items have data, and {} are shown",
+                    data.len(),
+                    document.items.len()
+                ),
+            });
+        }
+        Self::new(&document, unpacked(data, bytes)?)
+    }
+
     /// Shows a document whose items' data are in memory.
     ///
     /// # Errors
@@ -206,6 +227,15 @@ impl Tiles {
             .sum()
     }
 
+    /// Their scene, camera and settings.
+    pub fn shot(&self) -> Shot<'_> {
+        Shot {
+            scene: &self.scene,
+            camera: &self.camera,
+            settings: &self.settings,
+        }
+    }
+
     /// Draws them.
     ///
     /// # Errors
@@ -215,13 +245,25 @@ impl Tiles {
         (renderer, frame): (&mut Renderer, &mut Frame),
         stop: Option<&AtomicBool>,
     ) -> Result<Answer, WebError> {
-        let size = self.settings.size;
         let control = Control {
             share: Some(self.share),
             stop,
             ..Control::default()
         };
         renderer.render_with(&self.scene, &self.camera, &self.settings, frame, &control)?;
+        self.answer(frame)
+    }
+
+    /// The answer that has them, from a frame of the picture.
+    ///
+    /// # Errors
+    /// A frame of another size.
+    pub fn answer(&self, frame: &Frame) -> Result<Answer, WebError> {
+        let size = self.settings.size;
+        if frame.image.size() != size {
+            let found = <[u32; 2]>::from(frame.image.size());
+            return Err(SceneError::invalid("size of the frame", found, "that of the picture").into());
+        }
         let mut bytes = Vec::new();
         let mut tiles = Vec::new();
         for block in self.share.blocks(size) {
@@ -245,6 +287,24 @@ impl Tiles {
             tiles,
         })?;
         Ok(Answer { bytes, ..answer })
+    }
+}
+
+/// The data of packed numbers, one after the other.
+fn unpacked(data: &[ItemData], bytes: &[u8]) -> Result<Vec<Option<Held>>, WebError> {
+    let mut rest = bytes;
+    let mut all = Vec::new();
+    for (item, data) in data.iter().enumerate() {
+        let fault = |why: String| WebError::Data { item, why };
+        let own = data.unpack(&mut rest).map_err(|error| fault(error.to_string()))?;
+        all.push(Some(held(own.into())));
+    }
+    match rest.len() {
+        0 => Ok(all),
+        extra => Err(WebError::Data {
+            item: data.len(),
+            why: format!("{extra} bytes belong to nothing"),
+        }),
     }
 }
 

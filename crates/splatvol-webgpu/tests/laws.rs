@@ -2,8 +2,6 @@
 
 #[path = "../../splatvol-page/sources.rs"]
 #[expect(dead_code, reason = "the list of another module's sources")]
-mod digests;
-#[path = "../sources.rs"]
 mod sources;
 
 use std::path::Path;
@@ -37,10 +35,10 @@ fn pictures_keep_the_laws() {
 #[test]
 fn browsers_keep_the_laws() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let module = root.join(sources::PLACE);
+    let module = root.join(sources::LAWS);
     let read = |name: &str| std::fs::read(module.join(name));
     let built = std::fs::read_to_string(module.join("sources.txt")).ok();
-    if built.is_none() || built != digests::digest(&root, &sources::SOURCES) {
+    if built.is_none() || built != sources::digest(&root, &sources::WEBGPU_SOURCES) {
         splatvol_recorded::skip("`cargo xtask-webgpu` has not built the module of these sources");
         return;
     }

@@ -25,6 +25,12 @@ pub(crate) struct PageArgs {
     /// Title of the page [default: INPUT's name]
     #[arg(long, value_name = "TEXT", help_heading = OUTPUT)]
     pub(crate) title: Option<String>,
+    /// Leave out the engine for WebGPU: a smaller page, whose drafts are drawn by processors only
+    ///
+    /// Without this flag a page has it if the program was built with it and the page stays within --max-size: data come first.
+    /// Browsers with a GPU then draw what moves in the resolution of the window. Final pictures are the same.
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) no_webgpu: bool,
     /// Number of threads; 0 is one per processor [default: 0]
     #[arg(long, value_name = "N", help_heading = GENERAL)]
     pub(crate) threads: Option<usize>,

@@ -10,7 +10,7 @@ use splatvol::{Content, Frame, Item};
 use splatvol_document::resolve::laid_over;
 use splatvol_document::{CameraMotion, ChunkRules, Document, Held, Picture, Resolving, Silent};
 use splatvol_io::ImageFormat;
-use splatvol_page::{Absent, Bits, Fitted, Page, PageContent, PageError};
+use splatvol_page::{Absent, Bits, Fitted, Page, PageContent, PageError, WebGpu};
 use splatvol_web::{ItemData, held, size_of};
 
 use super::asked::{self, Asked};
@@ -57,6 +57,9 @@ pub(crate) fn run(args: &ExportArgs, terminal: &Terminal) -> Result<(), Failure>
     }
     terminal.note(said.data());
     terminal.note(said.error());
+    if !said.webgpu && exported.webgpu.is_some() {
+        terminal.note("The engine for WebGPU would make the page larger than --max-size, and was left out.");
+    }
     if let Target::File(path) = &page {
         terminal.note(format!("wrote {} ({})", path.display(), megabytes(said.bytes)));
     }
@@ -69,6 +72,8 @@ pub(super) struct Exported {
     means: Means,
     /// The picture of all data.
     frame: Frame,
+    /// The GPU engine, if pages may have it.
+    webgpu: Option<WebGpu>,
 }
 
 /// What was made, and what it costs.
@@ -90,6 +95,8 @@ struct Report {
     said: Vec<String>,
     /// Whether the numbers are those of the files.
     exact: bool,
+    /// Whether browsers draw what moves by WebGPU.
+    webgpu: bool,
     /// PSNR of the page's picture, decibel; absent where it is the same in 8 bits.
     psnr: Option<f64>,
 }
@@ -183,6 +190,7 @@ impl Exported {
             picture,
             means,
             frame,
+            webgpu: splatvol_page::webgpu().filter(|_| !args.no_webgpu),
         })
     }
 
@@ -214,6 +222,7 @@ impl Exported {
             bytes: &[],
             poster: &self.poster()?,
             notes: &[served_by(), made_by()],
+            webgpu: None,
             is_served: true,
         };
         Ok((page.html().map_err(refused)?, drafts))
@@ -253,6 +262,7 @@ impl Exported {
             bytes: &[],
             poster: &poster,
             notes: &[],
+            webgpu: None,
             is_served,
         };
         let overhead = empty.overhead().map_err(refused)? + NOTES;
@@ -279,6 +289,7 @@ impl Exported {
                 .map(|held| size_of(held.content()))
                 .collect(),
             exact: fitted.exact,
+            webgpu: false,
             psnr,
         };
         let notes = match is_served {
@@ -293,9 +304,16 @@ impl Exported {
             data: &fitted.data,
             bytes: &fitted.bytes,
             notes: &notes,
+            webgpu: self.webgpu,
             ..empty
         };
-        let html = page.html().map_err(refused)?;
+        let mut html = page.html().map_err(refused)?;
+        report.webgpu = self.webgpu.is_some();
+        if report.webgpu && html.len() as u64 > most {
+            // Data come first.
+            html = Page { webgpu: None, ..page }.html().map_err(refused)?;
+            report.webgpu = false;
+        }
         report.bytes = html.len() as u64;
         Ok((html, report))
     }

@@ -82,7 +82,9 @@ fn the_report_says_what_fits_and_how_far_the_picture_is() {
     }
     let sandbox = Sandbox::new();
     let report = |arguments: &str, name: &str| -> serde_json::Value {
-        let run = format!("export sample:head:64 --size 128 {arguments} -o {name}.html --report {name}.json");
+        let run = format!(
+            "export sample:head:64 --size 128 --no-webgpu {arguments} -o {name}.html --report {name}.json"
+        );
         let said = sandbox.run(&run).succeeds().stderr();
         assert!(
             said.contains("dB (PSNR)") || said.contains("that of all data, in 8 bits"),
@@ -113,6 +115,42 @@ fn the_report_says_what_fits_and_how_far_the_picture_is() {
         "{small}"
     );
     assert!(small["psnr"].as_f64().unwrap() < psnr);
+}
+
+/// Data come first: a page that would be too large with it has no WebGPU.
+#[test]
+fn webgpu_is_in_pages_that_have_room_for_it() {
+    if !has_engine() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    let report = |arguments: &str| -> (bool, u64, serde_json::Value, String) {
+        let run = format!("export sample:head:32 --size 64 {arguments} -o a.html --report a.json -w");
+        let said = sandbox.run(&run).succeeds().stderr();
+        let report: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
+        let bytes = report["bytes"].as_u64().unwrap();
+        (
+            report["webgpu"].as_bool().unwrap(),
+            bytes,
+            report["exact"].clone(),
+            said,
+        )
+    };
+    let (without, least, _, said) = report("--no-webgpu");
+    assert!(!without && !said.contains("WebGPU"), "{said}");
+    let (has, bytes, ..) = report("");
+    let Some(webgpu) = splatvol_page::webgpu() else {
+        assert!(!has);
+        splatvol_recorded::skip("`cargo xtask-webgpu` has not built the module of these sources");
+        return;
+    };
+    assert!(
+        has && bytes > least + webgpu.module.len() as u64,
+        "{bytes} {least}"
+    );
+    let (has, bytes, exact, said) = report(&format!("--max-size {}", bytes - 1));
+    assert!(!has && bytes <= least + 100 && exact == true, "{bytes} {least}");
+    assert!(said.contains("WebGPU") && said.contains("--max-size"), "{said}");
 }
 
 #[test]
@@ -327,6 +365,73 @@ fn shows_what_the_command_makes(browser: &Browser) {
         browser.open(&sandbox.path(&page));
         let picture = browser.picture([150, 110]);
         assert!(opaque(&picture) == png(&sandbox.path("made.png")).2, "{scene}");
+    }
+}
+
+/// Where the browser has WebGPU, it draws what moves, within the GPU engine's laws; final pictures stay those of the processor.
+#[test]
+fn webgpu_draws_what_moves() {
+    if !has_engine() {
+        return;
+    }
+    if splatvol_page::webgpu().is_none() {
+        splatvol_recorded::skip("`cargo xtask-webgpu` has not built the module of these sources");
+        return;
+    }
+    let _one = ONE.lock();
+    let Some(browser) = Browser::start(Kind::ChromiumWithGpu, [500, 400]) else {
+        return;
+    };
+    let sandbox = Sandbox::new();
+    sandbox.write("ball.xyz", sphere(2000, [0.0; 3], Some([230, 60, 20])));
+    sandbox.write("lone.ply", gaussian([0.9, 0.7, 0.1]));
+    sandbox.write(
+        "both.toml",
+        "[[item]]\nfile = \"ball.xyz\"\nradius = 0.06\n[[item]]\nfile = \"sample:head:32\"\nscale = 0.006\ntranslate = [1.5, 0, 0]\n",
+    );
+    for (index, scene) in ["sample:head:48 --preset best", "lone.ply", "both.toml"]
+        .into_iter()
+        .enumerate()
+    {
+        let page = format!("gpu-{index}.html");
+        sandbox
+            .run(&format!(
+                "export {scene} --background black --size 150x110 -o {page}"
+            ))
+            .succeeds();
+        browser.open(&sandbox.path(&page));
+        browser.promised("splatvol.settled()");
+        // An edit before it joins, and one after.
+        browser.promised("(document.querySelector('canvas').focus(), 0)");
+        browser.press("]");
+        browser.promised("splatvol.settled()");
+        assert_eq!(browser.promised("splatvol.quicken()"), true, "{scene}");
+        let sized = |what: &str| browser.pixels(&format!("splatvol.{what}(150, 110)"));
+        let near = |step: &str| {
+            let (draft, picture) = (sized("draft"), sized("picture"));
+            let squares = draft
+                .iter()
+                .zip(&picture)
+                .map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2));
+            let mean = squares.sum::<f64>() / draft.len() as f64;
+            let psnr = 20.0 * 255f64.log10() - 10.0 * mean.log10();
+            assert!(psnr > 45.0, "{scene}, {step}: {psnr} dB");
+            println!("{scene}, {step}: {psnr} dB");
+            assert!(
+                picture.chunks(4).any(|pixel| pixel[0] > 60),
+                "{scene}: nothing is seen"
+            );
+            picture
+        };
+        let first = near("opened");
+        browser.press("[");
+        browser.press("\u{e012}");
+        browser.promised("splatvol.settled()");
+        assert!(near("turned") != first, "{scene}: nothing has turned");
+        let badge = browser.promised("document.getElementById('badge').textContent");
+        assert_eq!(badge, "final", "{scene}");
+        let trouble = browser.promised("document.getElementById('trouble').textContent");
+        assert_eq!(trouble, "", "{scene}");
     }
 }
 

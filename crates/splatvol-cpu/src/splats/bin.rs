@@ -1,4 +1,4 @@
-//! Bin: adds splats in depth order to the lists of the tiles that they may touch, by counting.
+//! Bin: adds splats in depth order to the lists of the wanted tiles that they may touch, by counting.
 //!
 //! Parts of the order count their splats per tile, then write them behind those of the parts before. The number of
 //! tiles whose lists are made at once is limited by a fixed number of entries per splat, so memory is bounded
@@ -14,6 +14,7 @@ use super::cover::TILE;
 use super::order::{even, index, starts};
 use super::project::Rect;
 use super::view::REFERENCE_TILE;
+use super::wanted::WantedTiles;
 use crate::room::grow;
 
 /// Reference tiles along an edge of a tile.
@@ -27,8 +28,9 @@ pub(crate) struct Bins {
     entries: Vec<AtomicU32>,
 }
 
-/// Number of splats per tile, for each part of the order.
+/// Number of splats per wanted tile, for each part of the order.
 pub(crate) struct Counted<'a> {
+    wanted: &'a WantedTiles,
     grid: TileGrid,
     order: &'a [AtomicU64],
     rects: &'a [Rect],
@@ -63,7 +65,7 @@ pub(crate) fn tiles(rect: Rect) -> [Range<usize>; 2] {
 impl<'a> Counted<'a> {
     /// Counts in so many parts; `None` once `stop` is set.
     pub(crate) fn new(
-        grid: TileGrid,
+        (grid, wanted): (TileGrid, &'a WantedTiles),
         (order, rects): (&'a [AtomicU64], &'a [Rect]),
         parts: usize,
         stop: &'a AtomicBool,
@@ -78,8 +80,9 @@ impl<'a> Counted<'a> {
                 let [columns, rows] = tiles(rects[index(key)]);
                 for row in rows {
                     let first = row * grid.columns;
-                    for count in &mut counts[first + columns.start..first + columns.end] {
-                        *count += 1;
+                    let tiles = first + columns.start..first + columns.end;
+                    for (count, &wanted) in counts[tiles.clone()].iter_mut().zip(wanted.of(tiles)) {
+                        *count += u32::from(wanted);
                     }
                 }
             }
@@ -91,6 +94,7 @@ impl<'a> Counted<'a> {
             .map(count)
             .collect::<Option<_>>()?;
         Some(Self {
+            wanted,
             grid,
             order,
             rects,
@@ -146,7 +150,8 @@ impl Bins {
         grow(&mut self.entries, sum, counted.stop)?;
         let (entries, columns) = (&self.entries[..sum], counted.grid.columns);
         let (order, rects) = (counted.order, counted.rects);
-        let all = range.len() == counted.grid.len();
+        let wanted = counted.wanted;
+        let all = range.len() == counted.grid.len() && wanted.are_all();
         let stop = counted.stop;
         counted
             .parts
@@ -163,7 +168,7 @@ impl Bins {
                     for row in tile_rows {
                         let tiles = row * columns + tile_columns.start..row * columns + tile_columns.end;
                         for (tile, place) in tiles.clone().zip(&mut places[tiles]) {
-                            if all || range.contains(&tile) {
+                            if all || (range.contains(&tile) && wanted.has(tile)) {
                                 entries[*place as usize].store(splat as u32, Ordering::Relaxed);
                                 *place += 1;
                             }

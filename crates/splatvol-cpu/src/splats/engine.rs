@@ -212,7 +212,7 @@ impl SplatEngine {
         let mut chunks = chunks((drawn.clouds, &wanted), splats, rects, keys);
         let ranges: Vec<Range<usize>> = chunks.par_iter_mut().with_max_len(1).map(project).collect();
         let order = keys.sort(&ranges, parts, stop)?;
-        let counted = Counted::new(grid, (order, rects), parts, stop)?;
+        let counted = Counted::new((grid, &wanted), (order, rects), parts, stop)?;
         let tiling = Tiling {
             run,
             blend,

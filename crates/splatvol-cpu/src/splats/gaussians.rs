@@ -37,12 +37,6 @@ impl Source for Gaussians {
     }
 
     #[inline(always)]
-    fn extent<S: Simd>(&self, simd: S, range: Range<usize>) -> Option<f32x16<S>> {
-        let [x, y, z] = columns(simd, &self.attributes().scales[range], [0.0; 3]);
-        Some(x.max(y).max(z))
-    }
-
-    #[inline(always)]
     fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S> {
         let [opacity] = columns(simd, rows_of_one(&self.attributes().opacities[range]), [0.0]);
         if self.antialiased() {

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
 use super::blend::Blend;
-use super::view::{CloudView, LEAST_VARIANCE, LowPass, REFERENCE_TILE, added};
+use super::view::{CloudView, REFERENCE_TILE, added};
 use super::wanted::WantedTiles;
 
 /// Splats per SIMD step.
@@ -74,12 +74,6 @@ pub(crate) trait Source: Sync {
     /// from the source's space to pixels.
     fn shape<S: Simd>(&self, simd: S, rows: &[[f32x16<S>; 3]; 2], range: Range<usize>) -> [f32x16<S>; 4];
 
-    /// Largest standard deviations in the source's own space, or more; nothing where they are not at hand.
-    #[inline(always)]
-    fn extent<S: Simd>(&self, _simd: S, _range: Range<usize>) -> Option<f32x16<S>> {
-        None
-    }
-
     /// Opacities or optical depths in the middle, as the blend defines them.
     fn peak<S: Simd>(&self, simd: S, at: &Seen<S>, range: Range<usize>) -> f32x16<S>;
 
@@ -102,21 +96,6 @@ pub(crate) struct Seen<S: Simd> {
     pub scale: f32x16<S>,
     /// Slopes of the rays, cut like the covariances'.
     pub tangent: [f32x16<S>; 2],
-}
-
-/// Centres of the lanes, and the linear map there.
-struct Centres<S: Simd> {
-    /// From the eye, local.
-    offset: [f32x16<S>; 3],
-    depth: f32x16<S>,
-    /// Whether it is deep enough to be seen.
-    visible: mask32x16<S>,
-    /// Pixels.
-    centre: [f32x16<S>; 2],
-    tangent: [f32x16<S>; 2],
-    scale: f32x16<S>,
-    /// Of `J M`.
-    rows: [[f32x16<S>; 3]; 2],
 }
 
 /// State of the lanes before visible splats are picked.
@@ -143,13 +122,7 @@ pub(crate) fn project<S: Simd>(
     let mut first = range.start;
     while first < range.end {
         let own = first..range.end.min(first + LANES);
-        first = own.end;
-        let centres = Centres::new(simd, view, &source.means()[own.clone()]);
-        if !target.wanted.are_all() && !centres.reach(simd, blend, (view, source, target.wanted), own.clone())
-        {
-            continue;
-        }
-        let lanes = project_lanes(simd, blend, (view, source, centres), own.clone());
+        let lanes = project_lanes(simd, blend, (view, source), own.clone());
         let visible = lanes.visible.to_bitmask() as u32 & ((1 << own.len()) - 1);
         if visible != 0 {
             let rects = lanes.rects();
@@ -159,6 +132,7 @@ pub(crate) fn project<S: Simd>(
                 count += lanes.store(wanted, (&colors, &rects), (target, count));
             }
         }
+        first = own.end;
     }
     count
 }
@@ -169,15 +143,10 @@ impl<S: Simd> Lanes<S> {
     fn rects(&self) -> [Rect; LANES] {
         let mut ends = [[0.0; LANES]; 4];
         store(&self.rect, &mut ends);
-        let mut rects = [Rect::default(); LANES];
-        for (lane, rect) in rects.iter_mut().enumerate() {
-            let [left, right, top, bottom] = ends.map(|end| end[lane] as u16);
-            *rect = Rect {
-                columns: [left, right],
-                rows: [top, bottom],
-            };
-        }
-        rects
+        std::array::from_fn(|lane| Rect {
+            columns: [ends[0][lane] as u16, ends[1][lane] as u16],
+            rows: [ends[2][lane] as u16, ends[3][lane] as u16],
+        })
     }
 
     /// Stores the wanted lanes behind the first `count` splats of the target; returns their number.
@@ -256,108 +225,41 @@ pub(crate) fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-impl<S: Simd> Centres<S> {
-    #[inline(always)]
-    fn new(simd: S, view: &CloudView, means: &[[f32; 3]]) -> Self {
-        let zero = f32x16::splat(simd, 0.0);
-        let one = f32x16::splat(simd, 1.0);
-        let mut offset = columns(simd, means, [0.0; 3]);
-        let mut to_camera = [[zero; 3]; 3];
-        for k in 0..3 {
-            offset[k] = offset[k] - view.eye[0][k] - view.eye[1][k];
-            for (vector, value) in to_camera[k].iter_mut().zip(view.camera_from_local[k]) {
-                *vector = f32x16::splat(simd, value);
-            }
-        }
-        let depth = dot(to_camera[2], offset);
-        let inverse = if view.perspective {
-            one / depth.max(f32x16::splat(simd, f32::MIN_POSITIVE))
-        } else {
-            one
-        };
-        let scale = inverse * view.scale;
-        let (mut centre, mut tangent, mut rows) = ([zero; 2], [zero; 2], [[zero; 3]; 2]);
-        for axis in 0..2 {
-            let place = dot(to_camera[axis], offset);
-            centre[axis] = place * scale + view.centre[axis];
-            let limit = f32x16::splat(simd, view.tangent_limit[axis]);
-            tangent[axis] = (place * inverse).max(-limit).min(limit);
-            for k in 0..3 {
-                rows[axis][k] = (to_camera[axis][k] - tangent[axis] * to_camera[2][k]) * scale;
-            }
-        }
-        Self {
-            visible: depth.simd_gt(f32x16::splat(simd, view.near)),
-            offset,
-            depth,
-            centre,
-            tangent,
-            scale,
-            rows,
-        }
-    }
-
-    /// Whether any splat may reach a wanted tile, by a bound: its covariance's trace is at most that of a sphere of its extent.
-    #[inline(always)]
-    fn reach(
-        &self,
-        simd: S,
-        blend: impl Blend,
-        (view, source, wanted): (&CloudView, &impl Source, &WantedTiles),
-        range: Range<usize>,
-    ) -> bool {
-        // By which rounding may make a trace larger.
-        const ROUNDED_UP: f32 = 1.001;
-        let lanes = self.visible.to_bitmask() as u32 & ((1 << range.len()) - 1);
-        let Some(extent) = source.extent(simd, range) else {
-            return true;
-        };
-        let (LowPass::Added(added) | LowPass::Lacking(added)) = view.low_pass;
-        let squares = dot(self.rows[0], self.rows[0]) + dot(self.rows[1], self.rows[1]);
-        let trace = (squares * extent * extent + 2.0 * added.max(LEAST_VARIANCE)) * ROUNDED_UP;
-        let square = blend.square(simd, [trace, f32x16::splat(simd, 0.0), trace]);
-        let most = f32x16::splat(simd, f32::MAX);
-        let mut ends = [[0.0; LANES]; 4];
-        store(&rect(simd, view, self.centre, [most; 2], square), &mut ends);
-        wanted.meet(around(&ends, lanes))
-    }
-}
-
-/// The rectangle around those of some lanes.
-#[inline(always)]
-fn around(ends: &[[f32; LANES]; 4], mut lanes: u32) -> Rect {
-    let (mut low, mut high) = ([f32::MAX; 2], [0.0; 2]);
-    while lanes != 0 {
-        let lane = lanes.trailing_zeros() as usize;
-        lanes &= lanes - 1;
-        for axis in 0..2 {
-            low[axis] = ends[2 * axis][lane].min(low[axis]);
-            high[axis] = ends[2 * axis + 1][lane].max(high[axis]);
-        }
-    }
-    Rect {
-        columns: [low[0] as u16, high[0] as u16],
-        rows: [low[1] as u16, high[1] as u16],
-    }
-}
-
 #[inline(always)]
 fn project_lanes<S: Simd>(
     simd: S,
     blend: impl Blend,
-    (view, source, centres): (&CloudView, &impl Source, Centres<S>),
+    (view, source): (&CloudView, &impl Source),
     range: Range<usize>,
 ) -> Lanes<S> {
     let zero = f32x16::splat(simd, 0.0);
-    let Centres {
-        offset,
-        depth,
-        mut visible,
-        centre,
-        tangent,
-        scale,
-        rows,
-    } = centres;
+    let one = f32x16::splat(simd, 1.0);
+    let mut offset = columns(simd, &source.means()[range.clone()], [0.0; 3]);
+    let mut to_camera = [[zero; 3]; 3];
+    for k in 0..3 {
+        offset[k] = offset[k] - view.eye[0][k] - view.eye[1][k];
+        for (vector, value) in to_camera[k].iter_mut().zip(view.camera_from_local[k]) {
+            *vector = f32x16::splat(simd, value);
+        }
+    }
+    let depth = dot(to_camera[2], offset);
+    let mut visible = depth.simd_gt(f32x16::splat(simd, view.near));
+    let inverse = if view.perspective {
+        one / depth.max(f32x16::splat(simd, f32::MIN_POSITIVE))
+    } else {
+        one
+    };
+    let scale = inverse * view.scale;
+    let (mut centre, mut tangent, mut rows) = ([zero; 2], [zero; 2], [[zero; 3]; 2]);
+    for axis in 0..2 {
+        let place = dot(to_camera[axis], offset);
+        centre[axis] = place * scale + view.centre[axis];
+        let limit = f32x16::splat(simd, view.tangent_limit[axis]);
+        tangent[axis] = (place * inverse).max(-limit).min(limit);
+        for k in 0..3 {
+            rows[axis][k] = (to_camera[axis][k] - tangent[axis] * to_camera[2][k]) * scale;
+        }
+    }
     let [xx, xy, yy, sharp] = source.shape(simd, &rows, range.clone());
     let added = added(simd, view.low_pass, [xx, xy, yy, sharp]);
     let det = sharp + (xx + yy) * added + added * added;

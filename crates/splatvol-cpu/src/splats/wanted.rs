@@ -1,6 +1,8 @@
 //! Wanted: the tiles that a task asks for. Splats that reach none of them are left out before their colours are evaluated, so
 //! that the shares of a picture cost little more than the picture.
 
+use std::ops::Range;
+
 use splatvol_core::bin::TileGrid;
 use splatvol_core::engine::Task;
 
@@ -27,17 +29,22 @@ impl WantedTiles {
         }
     }
 
-    /// Whether a tile is wanted.
-    pub(crate) fn has(&self, tile: usize) -> bool {
-        self.tiles[tile]
-    }
-
     /// Whether all are wanted.
     pub(crate) fn are_all(&self) -> bool {
         self.all
     }
 
-    /// Those of the lanes that may touch a wanted tile.
+    /// Which tiles of a range are wanted.
+    pub(crate) fn of(&self, range: Range<usize>) -> &[bool] {
+        &self.tiles[range]
+    }
+
+    /// Whether a tile is wanted.
+    pub(crate) fn has(&self, tile: usize) -> bool {
+        self.tiles[tile]
+    }
+
+    /// Those of some lanes that may touch a wanted tile.
     #[inline(always)]
     pub(crate) fn reached(&self, rects: &[Rect; LANES], lanes: u32) -> u32 {
         if self.all {
@@ -53,13 +60,12 @@ impl WantedTiles {
         reached
     }
 
-    /// Whether a rectangle has a wanted tile.
-    pub(crate) fn meet(&self, rect: Rect) -> bool {
+    fn meet(&self, rect: Rect) -> bool {
         let [columns, mut rows] = tiles(rect);
         rows.any(|row| {
-            columns
-                .clone()
-                .any(|column| self.tiles[row * self.columns + column])
+            let first = row * self.columns;
+            self.of(first + columns.start..first + columns.end)
+                .contains(&true)
         })
     }
 }

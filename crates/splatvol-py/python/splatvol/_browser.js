@@ -128,7 +128,7 @@ class InPage {
 
   seen() {}
 
-  progress(step) {
+  progress({ step }) {
     this.picture.painted({ final: false, step });
   }
 

@@ -10,10 +10,9 @@ use serde_json::{Value, json};
 use super::{own_group, program};
 
 /// Flags that keep Chromium from talking to anyone of its own accord.
-const QUIET: [&str; 10] = [
+const QUIET: [&str; 9] = [
     "--headless",
     "--no-sandbox",
-    "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
@@ -23,6 +22,10 @@ const QUIET: [&str; 10] = [
     "--hide-scrollbars",
 ];
 
+/// Flags for a GPU that Chromium imitates itself, and for none.
+const GPU: [&str; 2] = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"];
+const NO_GPU: [&str; 1] = ["--disable-gpu"];
+
 /// A session of Chromium.
 pub(super) struct Chromedriver {
     port: u16,
@@ -31,7 +34,7 @@ pub(super) struct Chromedriver {
 
 impl Chromedriver {
     /// Starts the driver, and Chromium by it; `None` where either is not installed.
-    pub(super) fn start([width, height]: [u32; 2], profile: &Path) -> Option<(Child, Self)> {
+    pub(super) fn start([width, height]: [u32; 2], with_gpu: bool, profile: &Path) -> Option<(Child, Self)> {
         let chromium = program(&["chromium", "chromium-browser", "google-chrome"])?;
         let mut driver = Command::new(program(&["chromedriver"])?);
         driver
@@ -39,7 +42,8 @@ impl Chromedriver {
             .stdout(Stdio::piped())
             .stderr(Stdio::null());
         let mut driver = own_group(&mut driver).spawn().expect("chromedriver starts");
-        let mut arguments: Vec<String> = QUIET.map(str::to_owned).to_vec();
+        let gpu: &[&str] = if with_gpu { &GPU } else { &NO_GPU };
+        let mut arguments: Vec<String> = QUIET.iter().chain(gpu).map(|&flag| flag.to_owned()).collect();
         arguments.push(format!("--window-size={width},{height}"));
         arguments.push(format!("--user-data-dir={}", profile.display()));
         let options = json!({ "binary": chromium, "args": arguments });

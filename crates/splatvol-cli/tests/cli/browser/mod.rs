@@ -19,16 +19,19 @@ const PATIENCE: Duration = Duration::from_secs(60);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Chromium,
+    /// Chromium with WebGPU, on a device that it imitates itself.
+    ChromiumWithGpu,
     Firefox,
 }
 
 impl Kind {
+    /// Those that show pages without WebGPU.
     pub(crate) const ALL: [Self; 2] = [Self::Chromium, Self::Firefox];
 
     /// What has to be installed for it.
     fn needs(self) -> &'static str {
         match self {
-            Self::Chromium => "Chromium and its driver",
+            Self::Chromium | Self::ChromiumWithGpu => "Chromium and its driver",
             Self::Firefox => "Firefox",
         }
     }
@@ -68,8 +71,10 @@ impl Browser {
     pub(crate) fn start(kind: Kind, size: [u32; 2]) -> Option<Self> {
         let profile = tempfile::tempdir().expect("the system has a temporary folder");
         let started = match kind {
-            Kind::Chromium => Chromedriver::start(size, profile.path())
-                .map(|(program, session)| (program, Session::Chromium(session))),
+            Kind::Chromium | Kind::ChromiumWithGpu => {
+                Chromedriver::start(size, kind == Kind::ChromiumWithGpu, profile.path())
+                    .map(|(program, session)| (program, Session::Chromium(session)))
+            }
             Kind::Firefox => Marionette::start(size, profile.path())
                 .map(|(program, session)| (program, Session::Firefox(session))),
         };
@@ -117,9 +122,15 @@ impl Browser {
     /// RGBA of the page's picture in a size.
     #[track_caller]
     pub(crate) fn picture(&self, [width, height]: [u32; 2]) -> Vec<u8> {
+        self.pixels(&format!("splatvol.picture({width}, {height})"))
+    }
+
+    /// RGBA of what a script's promise becomes.
+    #[track_caller]
+    pub(crate) fn pixels(&self, image: &str) -> Vec<u8> {
         use base64::Engine;
         let text = self.promised(&format!(
-            "splatvol.picture({width}, {height}).then((image) => {{ let text = ''; const size = 3 << 13; \
+            "{image}.then((image) => {{ let text = ''; const size = 3 << 13; \
              for (let i = 0; i < image.data.length; i += size) \
              text += btoa(String.fromCharCode(...image.data.subarray(i, i + size))); return text; }})"
         ));
