@@ -2,6 +2,7 @@
 //! built here: programs that write no pages need no compiler for WebAssembly.
 
 #[path = "sources.rs"]
+#[expect(dead_code, reason = "the place of a module that is not included")]
 mod sources;
 
 use std::path::{Path, PathBuf};

@@ -20,7 +20,6 @@ pub(crate) const SOURCES: [&str; 11] = [
 ];
 
 /// Where the module with the GPU engine's laws is, in the repository.
-#[allow(dead_code, reason = "pages have nothing to do with it")]
 pub(crate) const LAWS: &str = "crates/splatvol-webgpu/module";
 
 /// Files and folders of the GPU engine for browsers, in the repository.

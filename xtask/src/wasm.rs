@@ -4,6 +4,10 @@
 //! If the target's std is not installed, either is skipped with a message.
 
 #[path = "../../crates/splatvol-page/sources.rs"]
+#[cfg_attr(
+    not(feature = "webgpu"),
+    expect(dead_code, reason = "the sources of a module that is not built")
+)]
 pub(crate) mod sources;
 
 use std::io::Write;

@@ -285,23 +285,39 @@ async function startInstances(page) {
   const answers = await Promise.all(pool.members.map((member) => member.ask(open, samples)));
   const facts = answers[0].header;
   if (facts.error) throw new Error(facts.error);
-  return { pool: { ...pool, opening: { open, samples } }, facts };
+  const opening = mayHaveWebGpu() ? { open, samples } : null;
+  return { pool: { ...pool, opening }, facts };
 }
 
 /** Drafts by WebGPU, once the first picture is final; by an imitated device only if `force`d. Returns whether it draws them. */
 async function quicken({ view, frames, pool }, force) {
   if (frames.fast) return true;
-  const member = pool.opening && (await startWebGpu(force));
+  const { opening } = pool;
+  const member = opening && (await startWebGpu(force));
   if (!member) return false;
-  const { open, samples } = pool.opening;
-  const opened = await member.ask(open, samples);
-  for (const edit of [null, ...view.allEdits()]) {
-    const { header } = edit ? await member.ask(edit) : opened;
-    if (header.error) throw new Error(header.error);
+  try {
+    await told(member, [opening.open], opening.samples);
+    pool.opening = null;
+    if (!force && !(await isFaster(member, frames))) throw new Error("it is slower than the processor");
+    // Something may be changed while it is told.
+    for (let changes = -1; changes !== frames.changes; ) {
+      changes = frames.changes;
+      await told(member, view.allEdits());
+    }
+    frames.quickened(member);
+    return true;
+  } catch (error) {
+    member.end();
+    throw error;
   }
-  if (force || (await isFaster(member, frames))) frames.quickened(member);
-  else member.end();
-  return Boolean(frames.fast);
+}
+
+/** Tells a member to do something, one after the other. */
+async function told(member, headers, bytes) {
+  for (const header of headers) {
+    const answer = await member.ask(header, bytes);
+    if (answer.header.error) throw new Error(answer.header.error);
+  }
 }
 
 /** Whether a member draws a small draft in less time than the others would: twice, as the first one has to prepare. */

@@ -26,9 +26,14 @@ function workOnGpu() {
   };
 }
 
+/** Whether page and browser have what it takes. */
+function mayHaveWebGpu() {
+  return $("webgpu").textContent !== "" && Boolean(navigator.gpu);
+}
+
 /** An instance, or none: no module, no device, or one that the processor imitates unless that is `allowed`. */
 async function startWebGpu(allowed) {
-  if ($("webgpu").textContent === "" || !navigator.gpu) return null;
+  if (!mayHaveWebGpu()) return null;
   const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
   if (!adapter || (adapter.info && adapter.info.isFallbackAdapter && !allowed)) return null;
   const bindings = new TextDecoder().decode(await unpacked(bytesOf("webgpu-bindings")));

@@ -379,7 +379,7 @@ fn webgpu_draws_what_moves() {
         return;
     }
     let _one = ONE.lock();
-    let Some(browser) = Browser::start(Kind::ChromiumWithGpu, [500, 400]) else {
+    let Some(browser) = Browser::start(Kind::ChromiumWithGpu, [500, 300]) else {
         return;
     };
     let sandbox = Sandbox::new();
@@ -389,7 +389,7 @@ fn webgpu_draws_what_moves() {
         "both.toml",
         "[[item]]\nfile = \"ball.xyz\"\nradius = 0.06\n[[item]]\nfile = \"sample:head:32\"\nscale = 0.006\ntranslate = [1.5, 0, 0]\n",
     );
-    for (index, scene) in ["sample:head:48 --preset best", "lone.ply", "both.toml"]
+    for (index, scene) in ["sample:head:32 --preset best", "lone.ply", "both.toml"]
         .into_iter()
         .enumerate()
     {

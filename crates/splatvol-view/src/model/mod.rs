@@ -13,10 +13,12 @@
 //! | [`shown_volume`] | the selected item as it is shown, if it is a volume |
 //! | [`slice`](mod@slice) | its samples in a plane of voxels |
 //! | [`gradients`], [`regions`] | its values and gradients, and transfer functions of both |
+//! | [`fading`] | the curve of opacity by gradient |
 
 pub mod curve;
 mod draft;
 pub mod engine;
+pub mod fading;
 pub mod gradients;
 pub mod handles;
 pub mod looks;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use serde_json::Value;
-use splatvol::{Camera, Projection, Region};
+use splatvol::{Camera, GradientOpacityPoint, Projection, Region};
 use splatvol_document::keys::{AnimationKeys, CameraKeys, EffectKeys, ItemKeys, Parallel};
 use splatvol_document::{CameraPose, Document, DocumentError, Edit, History};
 
@@ -142,6 +142,14 @@ impl Session {
     /// See [`History::edit`].
     pub fn adjust_regions(&mut self, regions: &[Region]) -> Result<(), DocumentError> {
         self.adjust(Edit::set("effects.regions", json(&regions)?))
+    }
+
+    /// Changes the curve of opacity by gradient, as a part of a gesture.
+    ///
+    /// # Errors
+    /// See [`History::edit`].
+    pub fn adjust_gradient_opacity(&mut self, points: &[GradientOpacityPoint]) -> Result<(), DocumentError> {
+        self.adjust(Edit::set("effects.gradient-opacity", json(&points)?))
     }
 
     /// Changes the animation, as a part of a gesture.

@@ -39,7 +39,7 @@ impl Default for CurveState {
 
 /// From values and opacities to the screen.
 #[derive(Debug, Clone, Copy)]
-struct Axes {
+pub(super) struct Axes {
     rect: Rect,
     range: [f64; 2],
     log: bool,
@@ -78,12 +78,47 @@ impl Axes {
     }
 }
 
-/// Shows the curve, and takes edits of it.
+/// What the points of a curve are called.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Names {
+    pub value: &'static str,
+    pub opacity: &'static str,
+    pub point: &'static str,
+}
+
+impl Names {
+    /// Those of a transfer function.
+    pub(super) const LOOK: Self = Self {
+        value: "Value",
+        opacity: "Opacity",
+        point: "point",
+    };
+}
+
+/// Shows the curve and its colours, and takes edits of it.
 pub(super) fn show(
     ui: &mut Ui,
     (function, values): (&TransferFunction, Option<&Values>),
     (state, changed): (&mut CurveState, &mut Changed),
 ) {
+    let axes = plot(ui, (function, values), Names::LOOK, (state, changed));
+    lane(ui, axes, function);
+    ends(ui, axes.range);
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut state.log_counts, "Log counts")
+            .on_hover_text("logarithmic heights of the histogram");
+        ui.checkbox(&mut state.log_opacity, "Log opacity")
+            .on_hover_text("logarithmic axis of opacities, from 0.0001 to 1");
+    });
+}
+
+/// Shows the curve over the histogram, and takes edits of it.
+pub(super) fn plot(
+    ui: &mut Ui,
+    (function, values): (&TransferFunction, Option<&Values>),
+    names: Names,
+    (state, changed): (&mut CurveState, &mut Changed),
+) -> Axes {
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(Vec2::new(width, HEIGHT), Sense::click_and_drag());
     let axes = Axes {
@@ -93,18 +128,14 @@ pub(super) fn show(
     };
     let count = function.opacities().len();
     response.widget_info(|| {
-        let about = format!("Opacity curve of {count} points; the list of points has the same by keyboard");
+        let Names { opacity, point, .. } = names;
+        let about =
+            format!("{opacity} curve of {count} {point}s; the list of {point}s has the same by keyboard");
         WidgetInfo::labeled(Role::Canvas, true, about)
     });
     paint(ui, (axes, rect), (function, values), state);
     edit(ui, (&response, axes), function, (state, changed));
-    lane(ui, axes, function);
-    ui.horizontal(|ui| {
-        ui.checkbox(&mut state.log_counts, "Log counts")
-            .on_hover_text("logarithmic heights of the histogram");
-        ui.checkbox(&mut state.log_opacity, "Log opacity")
-            .on_hover_text("logarithmic axis of opacities, from 0.0001 to 1");
-    });
+    axes
 }
 
 /// The range of the data, and of the curve where it reaches farther.
@@ -200,12 +231,16 @@ fn lane(ui: &mut Ui, axes: Axes, function: &TransferFunction) {
     }
     let frame = Rect::from_x_y_ranges(axes.rect.x_range(), rect.y_range());
     painter.rect_stroke(frame, 0.0, Stroke::new(1.0, style::FAINT), StrokeKind::Inside);
+}
+
+/// The ends of an axis.
+fn ends(ui: &mut Ui, range: [f64; 2]) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new(number(axes.range[0])).small());
+        ui.label(RichText::new(number(range[0])).small());
         ui.with_layout(
             eframe::egui::Layout::right_to_left(eframe::egui::Align::Center),
             |ui| {
-                ui.label(RichText::new(number(axes.range[1])).small());
+                ui.label(RichText::new(number(range[1])).small());
             },
         );
     });
@@ -277,25 +312,26 @@ pub(super) fn deletes(ui: &Ui, response: &Response) -> bool {
 pub(super) fn table(
     ui: &mut Ui,
     function: &TransferFunction,
+    names: Names,
     (state, changed): (&mut CurveState, &mut Changed),
 ) {
     let [low, high] = edits::span(function);
     let speed = (high - low) / 300.0;
-    Grid::new("points").striped(true).show(ui, |ui| {
-        ui.label("Value");
-        ui.label("Opacity");
+    Grid::new(names.point).striped(true).show(ui, |ui| {
+        ui.label(names.value);
+        ui.label(names.opacity);
         ui.end_row();
         for (index, point) in function.opacities().iter().enumerate() {
             let (mut value, mut opacity) = (point.value, point.opacity);
             let first = ui.add(DragValue::new(&mut value).speed(speed));
-            first.widget_info(|| labelled(value, format!("Value of point {}", index + 1)));
+            first.widget_info(|| labelled(value, format!("{} of point {}", names.value, index + 1)));
             let second = ui.add(
                 DragValue::new(&mut opacity)
                     .speed(0.002)
                     .range(0.0..=1.0)
                     .max_decimals(5),
             );
-            second.widget_info(|| labelled(opacity, format!("Opacity of point {}", index + 1)));
+            second.widget_info(|| labelled(opacity, format!("{} of point {}", names.opacity, index + 1)));
             if first.changed() || second.changed() {
                 *changed = Some(edits::move_point(function, index, [value, opacity]));
             }
@@ -304,7 +340,11 @@ pub(super) fn table(
             }
             let button = ui.small_button("Remove");
             button.widget_info(|| {
-                WidgetInfo::labeled(Role::Button, true, format!("Remove point {}", index + 1))
+                WidgetInfo::labeled(
+                    Role::Button,
+                    true,
+                    format!("Remove {} {}", names.point, index + 1),
+                )
             });
             if button.clicked() {
                 *changed = Some(edits::remove_point(function, index));
@@ -312,7 +352,7 @@ pub(super) fn table(
             ui.end_row();
         }
     });
-    if ui.button("Add a point").clicked() {
+    if ui.button(format!("Add a {}", names.point)).clicked() {
         let value = 0.5 * (low + high);
         let added = edits::add_point(function, [value, function.opacity(value)]);
         *changed = Some(added.map(|(function, _)| function));

@@ -4,7 +4,8 @@ use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Grid, Slider, Ui};
 use splatvol::{ColorMap, OpacityCurve, SceneError, TransferFunction};
 use splatvol_document::keys::ItemKeys;
 
-use super::curve::{self, CurveState};
+use super::curve::{self, CurveState, Names};
+use super::fading;
 use super::labels::{self, LabelsState};
 use super::regions::{self, RegionsState};
 use super::scene::short_name;
@@ -19,6 +20,7 @@ pub(super) struct LookState {
     curve: CurveState,
     regions: RegionsState,
     labels: LabelsState,
+    fading: CurveState,
 }
 
 /// Maps that every kind of colour vision can read, which come first.
@@ -43,6 +45,13 @@ pub(super) fn show(ui: &mut Ui, model: &mut Model, (selected, state): (usize, &m
         return;
     } else {
         of_values(ui, (&function, values.as_ref()), (&mut state.curve, &mut changed));
+        if values.is_some() {
+            CollapsingHeader::new("Opacity by gradient")
+                .id_salt("fading")
+                .show(ui, |ui| {
+                    fading::show(ui, (model, selected), (&mut state.fading, &mut state.regions));
+                });
+        }
     }
     unit_distance(ui, (&function, values.as_ref()), &mut changed);
     ui.horizontal(|ui| {
@@ -82,7 +91,7 @@ fn of_values(
     range(ui, function, changed);
     CollapsingHeader::new("Points")
         .id_salt("points")
-        .show(ui, |ui| curve::table(ui, function, (state, changed)));
+        .show(ui, |ui| curve::table(ui, function, Names::LOOK, (state, changed)));
 }
 
 /// A change of the transfer function, or why it cannot be.

@@ -7,6 +7,7 @@ mod clip;
 mod color;
 mod curve;
 mod dialogs;
+mod fading;
 mod flight;
 mod handles;
 mod labels;

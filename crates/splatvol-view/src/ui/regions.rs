@@ -182,6 +182,19 @@ pub(super) fn show(
 impl RegionsState {
     /// The axes of the histogram, which is counted if the data are others.
     fn extent(&mut self, context: &Context, shown: Option<ShownVolume<'_>>) -> Option<Extent> {
+        let gradients = self.gradients(context, shown)?;
+        Some(Extent {
+            values: gradients.values,
+            steepest: gradients.steepest,
+        })
+    }
+
+    /// The histogram, counted if the data are others.
+    pub(super) fn gradients(
+        &mut self,
+        context: &Context,
+        shown: Option<ShownVolume<'_>>,
+    ) -> Option<&Gradients> {
         let shown = shown?;
         let source = shown.source();
         if self.histogram.as_ref().is_none_or(|(of, ..)| *of != source) {
@@ -189,11 +202,7 @@ impl RegionsState {
             let texture = context.load_texture("gradients", image(&gradients), TextureOptions::LINEAR);
             self.histogram = Some((source, gradients, texture));
         }
-        let (_, gradients, _) = self.histogram.as_ref()?;
-        Some(Extent {
-            values: gradients.values,
-            steepest: gradients.steepest,
-        })
+        self.histogram.as_ref().map(|(_, gradients, _)| gradients)
     }
 }
 

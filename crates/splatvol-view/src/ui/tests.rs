@@ -8,6 +8,7 @@ use egui_kittest::kittest::Queryable;
 
 use super::*;
 
+mod fading;
 type Window<'a> = Harness<'a, Option<Viewer>>;
 
 fn start(files: &[&str]) -> Start {
