@@ -161,7 +161,8 @@ fn points_become_fewer_and_gaussians_lose_harmonics_until_they_fit() {
     let sandbox = Sandbox::new();
     sandbox.write("ball.xyz", sphere(20_000, [0.0; 3], Some([230, 60, 20])));
     let report = |arguments: &str| -> serde_json::Value {
-        let run = format!("export ball.xyz --size 160 {arguments} -o ball.html --report ball.json -w");
+        let run =
+            format!("export ball.xyz --size 160 --no-webgpu {arguments} -o ball.html --report ball.json -w");
         sandbox.run(&run).succeeds();
         serde_json::from_slice(&sandbox.bytes("ball.json")).unwrap()
     };
