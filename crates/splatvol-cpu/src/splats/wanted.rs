@@ -1,5 +1,5 @@
-//! Wanted: the tiles that a task asks for. Splats that reach none of them are left out before their colours are evaluated, so
-//! that the shares of a picture cost little more than the picture.
+//! Wanted: the tiles that a task asks for. Splats that reach none of them are left out before their colours are evaluated, and
+//! are neither sorted nor binned: of what shares of a picture cost, only the projection is done again by each.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
 //! Opacity by gradient as a curve that is edited like any other: gradient magnitudes are its values, factors its opacities
-//! (Levoy 1988, section 3: flat regions fade, boundaries stay).
+//! (Levoy 1988: flat regions fade, boundaries stay).
 
 use splatvol::{ColorPoint, GradientOpacityPoint, OpacityPoint, SceneError, TransferFunction};
 
